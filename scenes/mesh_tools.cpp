@@ -129,6 +129,17 @@ constexpr glm::vec2 kQuadTexcoords[4] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f
 
 }  // namespace
 
+std::vector<std::string> describe(const MeshCleaning& cleaning) {
+  std::vector<std::string> texts;
+  const std::size_t flat = cleaning.flat_triangles, bad = cleaning.bad_normals;
+  if (flat > 0)
+    texts.push_back(fmt::format("left out {} {} without area", flat, flat == 1 ? "triangle" : "triangles"));
+  if (bad > 0)
+    texts.push_back(fmt::format("{} {} missing or of no length; computed from the faces", bad,
+                                bad == 1 ? "normal is" : "normals are"));
+  return texts;
+}
+
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals) {
   MeshCleaning cleaning;
   for (glm::dvec3& p : mesh.positions) p = transform_point(to_world, p);

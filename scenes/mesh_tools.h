@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "scenes/scene_description.h"
@@ -12,6 +14,9 @@ struct MeshCleaning {
   std::size_t flat_triangles = 0;  ///< left out: they have no area
   std::size_t bad_normals = 0;     ///< missing, of no length or an infinite one: replaced by computed ones
 };
+
+/// What readers warn of: "left out 2 triangles without area", "1 normal is missing or of no length; …".
+std::vector<std::string> describe(const MeshCleaning& cleaning);
 
 /// Takes a mesh from its own space to the world's and makes it fit to render:
 ///  - without normals of its own, and unless `face_normals`, it gets smooth ones, weighted by the angle of

@@ -20,12 +20,7 @@ bool ReaderReport::place(Mesh& mesh, const glm::dmat4& to_world, bool face_norma
     error(location, fmt::format("'{}': {}", name, cleaning.error().message));
     return false;
   }
-  if (const std::size_t flat = cleaning->flat_triangles; flat > 0)
-    warn(location,
-         fmt::format("'{}': left out {} {} without area", name, flat, flat == 1 ? "triangle" : "triangles"));
-  if (const std::size_t bad = cleaning->bad_normals; bad > 0)
-    warn(location, fmt::format("'{}': {} missing or of no length; computed from the faces", name,
-                               bad == 1 ? "1 normal is" : fmt::format("{} normals are", bad)));
+  for (const std::string& text : describe(*cleaning)) warn(location, fmt::format("'{}': {}", name, text));
   if (!mesh.triangles.empty()) return true;
   warn(location, fmt::format("'{}' has no triangles; it is left out", name));
   return false;

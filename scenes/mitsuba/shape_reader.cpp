@@ -36,16 +36,8 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
                 const FaceFindings& faces, std::string_view file) {
   for (const std::string& text : describe(faces))
     context.diagnostics.warn(object.location, fmt::format("{}: {}", file, text));
-  const std::size_t flat = cleaning.flat_triangles, bad = cleaning.bad_normals;
-  if (flat > 0) {
-    context.diagnostics.warn(object.location, fmt::format("{}: left out {} {} without area", file, flat,
-                                                          flat == 1 ? "triangle" : "triangles"));
-  }
-  if (bad > 0) {
-    context.diagnostics.warn(object.location,
-                             fmt::format("{}: {} missing or of no length; computed from the faces", file,
-                                         bad == 1 ? "1 normal is" : fmt::format("{} normals are", bad)));
-  }
+  for (const std::string& text : describe(cleaning))
+    context.diagnostics.warn(object.location, fmt::format("{}: {}", file, text));
 }
 
 /// The file a parameter names, as text.

@@ -26,10 +26,6 @@ constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
 
 bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
 
-std::string counted(std::size_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 class ModelReader {
  public:
   ModelReader(const Context& context, const FileAccess& files, SceneDescription& scene)
@@ -228,14 +224,8 @@ class ModelReader {
       context_.diagnostics.error(group.location, fmt::format("'{}': {}", name, cleaning.error().message));
       return;
     }
-    if (const std::size_t flat = cleaning->flat_triangles; flat > 0) {
-      warn(group.location,
-           fmt::format("'{}': left out {} without area", name, counted(flat, "triangle", "triangles")));
-    }
-    if (const std::size_t bad = cleaning->bad_normals; bad > 0) {
-      warn(group.location, fmt::format("'{}': {} missing or of no length; computed from the faces", name,
-                                       counted(bad, "normal is", "normals are")));
-    }
+    for (const std::string& text : describe(*cleaning))
+      warn(group.location, fmt::format("'{}': {}", name, text));
     if (group.mesh.triangles.empty()) {
       warn(group.location, fmt::format("'{}' has no triangles; it is left out{}", name,
                                        material.radiance ? ", and its light with it" : ""));

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <set>
 
 #include "tests/scenes/census/census.h"
@@ -15,11 +14,7 @@ class NoriCensus : public SceneText {
  protected:
   void SetUp() override {
     write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
-    // A grey image of 4 x 2 texels.
-    std::string image = "PF\n4 2\n-1.0\n";
-    const float grey = 0.5f;
-    for (int i = 0; i < 4 * 2 * 3; ++i) image.append(reinterpret_cast<const char*>(&grey), sizeof grey);
-    write("image.pfm", image);
+    write("image.pfm", census::grey_image());
   }
 };
 
@@ -34,13 +29,7 @@ TEST_F(NoriCensus, ScenesLoadAsTheirDialectUnlessTheCensusSaysWhyNot) {
     EXPECT_TRUE(names.insert(row.name).second) << "twice";
     const std::string text = census::nori_text(row);
     auto scene = read(text);
-    if (row.verdict == "loads") {
-      EXPECT_TRUE(scene) << scene.error().message << "\n" << text;
-    } else {
-      ASSERT_FALSE(scene) << "it loads; the census says '" << row.verdict << "'";
-      EXPECT_NE(scene.error().message.find(row.verdict), std::string::npos)
-          << scene.error().message << "\n is not about " << row.verdict;
-    }
+    census::expect_verdict(row, scene, text);
     loaded += scene ? 1 : 0;
     if (!scene) scene = read(text, {.lenient = true});
     ASSERT_TRUE(scene) << scene.error().message << "\n" << text;

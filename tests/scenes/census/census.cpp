@@ -230,4 +230,21 @@ std::string scene_text(const Row& row) {
   return fmt::format("<scene version='{}'>\n{}</scene>\n", row.version, items);
 }
 
+void expect_verdict(const Row& row, const Expected<SceneDescription>& scene, const std::string& text) {
+  if (row.verdict == "loads") {
+    EXPECT_TRUE(scene) << scene.error().message << "\n" << text;
+    return;
+  }
+  ASSERT_FALSE(scene) << "it loads; the census says '" << row.verdict << "'";
+  EXPECT_NE(scene.error().message.find(row.verdict), std::string::npos)
+      << scene.error().message << "\n is not about " << row.verdict;
+}
+
+std::string grey_image() {
+  std::string image = "PF\n4 2\n-1.0\n";
+  const float grey = 0.5f;
+  for (int i = 0; i < 4 * 2 * 3; ++i) image.append(reinterpret_cast<const char*>(&grey), sizeof grey);
+  return image;
+}
+
 }  // namespace penumbra::census

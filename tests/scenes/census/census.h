@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/scene_reader.h"
+
 namespace penumbra::census {
 
 /// Of nori_scenes.txt `version` is the dialect, and `fork` says where nothing tells it.
@@ -15,6 +17,12 @@ struct Row {
   std::string verdict;  ///< "loads", or what the error names
   std::string items;    ///< fragments filled in
 };
+
+/// Whether the row's scene loads or fails as it says, which is a failure of the test where not.
+void expect_verdict(const Row& row, const Expected<SceneDescription>& scene, const std::string& text);
+
+/// `image.pfm`: grey, 4 x 2 texels.
+std::string grey_image();
 
 /// The rows of the file; an empty list, and a failure of the test, for one that is not of the form.
 std::vector<Row> read_rows(const std::filesystem::path& file);
