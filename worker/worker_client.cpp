@@ -188,11 +188,12 @@ SessionEnd Session::run() {
 Error Session::lost_text() const {
   if (comes_back_) return {fmt::format("the scheduler at {} was stopped", options_.address)};
   if (is_final(status_.error_code()))
-    return {fmt::format("the scheduler at {} refuses this worker: {}", options_.address,
-                        status_.error_message())};
-  const std::string& why = status_.error_message();
-  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address,
-                      why.empty() ? "" : ": ", why)};
+    return {
+        fmt::format("the scheduler at {} refuses this worker: {}", options_.address, status_text(status_))};
+  // Of a connection that broke there is no more to say.
+  const bool is_broken = status_.ok() || status_.error_code() == grpc::StatusCode::UNAVAILABLE;
+  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address, is_broken ? "" : ": ",
+                      is_broken ? "" : status_text(status_))};
 }
 
 void Session::read() {

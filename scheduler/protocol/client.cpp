@@ -51,4 +51,21 @@ void show_token(grpc::ClientContext& context, const std::string& token) {
   if (!token.empty()) context.AddMetadata(kTokenKey, token_metadata(token));
 }
 
+std::string status_text(const grpc::Status& status) {
+  switch (status.error_code()) {  // those that our services never answer with
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::CANCELLED:
+      return "the connection broke";
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return "there was no answer in time";
+    case grpc::StatusCode::UNIMPLEMENTED:
+      return "it does not know the request: it is another program, or another release";
+    case grpc::StatusCode::INTERNAL:
+    case grpc::StatusCode::UNKNOWN:
+      return "its answer makes no sense: it is another program, or the connection is damaged";
+    default:
+      return status.error_message();
+  }
+}
+
 }  // namespace penumbra

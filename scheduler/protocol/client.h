@@ -3,6 +3,7 @@
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
 
 #include <chrono>
 #include <memory>
@@ -24,5 +25,9 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Ke
 
 /// Shows the token, if there is one, with the call.
 void show_token(grpc::ClientContext& context, const std::string& token);
+
+/// What went wrong with a call, for people: the words of whoever answered, and our own where gRPC itself says
+/// so. "the connection broke", where that is all there is to say.
+std::string status_text(const grpc::Status& status);
 
 }  // namespace penumbra

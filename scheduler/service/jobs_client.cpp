@@ -69,12 +69,12 @@ std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
   if (is_away_) {
     const std::string why = why_unreachable(address_, access_.keys.get(), kTimeToExplain);
     return fail(
-        fmt::format("no service answers at {}: {}", address_, why.empty() ? status.error_message() : why));
+        fmt::format("no service answers at {}: {}", address_, why.empty() ? status_text(status) : why));
   }
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return fail(
         fmt::format("what answers at {} is no service: it takes no jobs (`penumbra serve` does)", address_));
-  std::string text = fmt::format("{}: {}", address_, status.error_message());
+  std::string text = fmt::format("{}: {}", address_, status_text(status));
   if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && access_.token.empty())
     text += fmt::format("; give it in the environment variable {}", kTokenVariable);
   return fail(text);

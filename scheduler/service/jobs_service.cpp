@@ -140,7 +140,7 @@ grpc::Status JobsService::Fetch(grpc::ServerContext* context, const wire::FetchR
     if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
   }
   if (!file.eof())
-    return {grpc::StatusCode::INTERNAL, fmt::format("the file '{}' cannot be read", request->name())};
+    return {grpc::StatusCode::DATA_LOSS, fmt::format("the file '{}' cannot be read", request->name())};
   return grpc::Status::OK;
 }
 

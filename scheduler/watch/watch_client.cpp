@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scheduler/keys/unreachable.h"
+#include "scheduler/protocol/client.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
@@ -103,9 +104,9 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   // A job that is not under way does not come; one that nobody asked for by its number may.
   const bool is_gone = wanted_job_ != 0 && status.error_code() == grpc::StatusCode::NOT_FOUND;
   if (is_final(status.error_code()) || is_gone) {
-    put(watch_news::Refused{status.error_message()});
+    put(watch_news::Refused{status_text(status)});
   } else {
-    put(watch_news::Lost{status.ok() ? "the scheduler ended" : status.error_message()});
+    put(watch_news::Lost{status.ok() ? "the scheduler ended" : status_text(status)});
     pause();
   }
 }
@@ -279,8 +280,7 @@ void WatchClient::send() {
     }
     // A connection that is lost is the reader's to tell.
     if (!status.ok() && status.error_code() != grpc::StatusCode::UNAVAILABLE && !stopping_)
-      items_.push_back(
-          {{}, connection_, watch_news::Said{"the scheduler refused: " + status.error_message()}});
+      items_.push_back({{}, connection_, watch_news::Said{"the scheduler refused: " + status_text(status)}});
   }
 }
 
