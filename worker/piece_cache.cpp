@@ -7,8 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "scheduler/protocol/wire.h"
-
 namespace penumbra {
 
 namespace fs = std::filesystem;
@@ -54,12 +52,15 @@ std::optional<std::vector<std::uint8_t>> PieceCache::read(const AssetPiece& piec
   const auto size = file.size();
   if (size && *size == piece.size) {
     std::vector<std::uint8_t> bytes(piece.size);
-    if (file.read(bytes.data(), bytes.size()) == bytes.size() && content_hash(bytes) == piece.hash)
-      return bytes;
+    if (file.read(bytes.data(), bytes.size()) == bytes.size()) return bytes;
   }
+  reject(piece);
+  return {};
+}
+
+void PieceCache::reject(const AssetPiece& piece) {
   files_.remove(piece.hash);
   notes_.push_back(fmt::format("{} was damaged and is removed", file_of(piece).string()));
-  return {};
 }
 
 void PieceCache::keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) {

@@ -22,7 +22,8 @@ constexpr std::uint64_t kPieceCacheBytes = std::uint64_t(4) << 30;
 std::filesystem::path default_piece_cache(const std::string& scheduler_address);
 
 /// A file for each piece, named after its hash. Several workers may use one folder: nothing is locked, and
-/// what is not whole, or not what its name says, is removed and never returned. At most `most_bytes` stay
+/// what is not whole is removed and never returned; what is not what its name
+/// says is removed once whoever reads it finds out. At most `most_bytes` stay
 /// when nobody fetches; while some do, what they are just writing may be there beside. A folder that is full
 /// or cannot be written is none: rendering goes on without it.
 class PieceCache final : public PieceStore {
@@ -36,6 +37,7 @@ class PieceCache final : public PieceStore {
   bool may_have(const AssetPiece& piece) override;
   void expect(std::uint64_t missing, std::uint64_t total) override;
   std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) override;
+  void reject(const AssetPiece& piece) override;
   void keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) override;
 
   [[nodiscard]] std::filesystem::path file_of(const AssetPiece& piece) const {

@@ -22,4 +22,8 @@ std::optional<std::vector<std::uint8_t>> WorkerPieces::read(const AssetPiece& pi
   return cache_.read(piece);
 }
 
+void WorkerPieces::reject(const AssetPiece& piece) {
+  if (held_.erase(piece.hash) == 0) cache_.reject(piece);
+}
+
 }  // namespace penumbra

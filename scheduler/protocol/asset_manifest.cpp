@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kernels/host/device_scene_tables.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/content_hash.h"
 
 namespace penumbra {
 namespace {

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "scheduler/protocol/client.h"
+#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
@@ -21,7 +22,7 @@ std::span<const std::uint8_t> bytes_of_chunk(const wire::AssetChunk& chunk) {
 }
 
 std::string with_cause(const std::string& hash, const grpc::Status& status) {
-  return fmt::format("cannot fetch the scene {}: {}", hash, status.error_message());
+  return fmt::format("cannot fetch the scene {}: {}", hash, status_text(status));
 }
 
 }  // namespace
@@ -127,10 +128,12 @@ Expected<std::vector<std::uint8_t>> SceneFetch::take_piece(const AssetManifest& 
                                                            FetchedScene& fetched) {
   const AssetPiece& piece = manifest.pieces[index];
   if (!streamed) {
-    auto found = store_->read(piece);
-    if (found && found->size() == piece.size && content_hash(*found) == piece.hash) {
-      fetched.bytes.found += piece.size;
-      return std::move(*found);
+    if (auto found = store_->read(piece)) {
+      if (found->size() == piece.size && content_hash(*found) == piece.hash) {
+        fetched.bytes.found += piece.size;
+        return std::move(*found);
+      }
+      store_->reject(piece);
     }
   }
   Expected<std::vector<std::uint8_t>> bytes =

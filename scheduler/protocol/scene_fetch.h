@@ -25,8 +25,10 @@ class PieceStore {
   virtual bool may_have(const AssetPiece& piece) = 0;
   /// After all of a scene's pieces were asked for: the bytes of those that it has not, and of all.
   virtual void expect(std::uint64_t missing, std::uint64_t total) = 0;
-  /// Its bytes, or nothing. They are verified again.
+  /// What is there under its name, or nothing. Whoever asks verifies it.
   virtual std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) = 0;
+  /// What was read is not the piece.
+  virtual void reject(const AssetPiece& piece) = 0;
   /// One that has come, and is verified.
   virtual void keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) = 0;
 };

@@ -7,8 +7,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <new>
 
+#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/text.h"
 
 namespace penumbra {
@@ -25,8 +25,9 @@ std::uint64_t checksum_of(const wire::PixelResult& result) {
   return XXH3_64bits_withSeed(owners.data(), std::size_t(owners.size()) * sizeof(std::uint32_t), of_values);
 }
 
-std::string hash_text(const XXH128_hash_t& hash) {
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+template <typename T, std::size_t kSize>
+std::span<const std::uint8_t> bytes_of(std::span<T, kSize> values) {
+  return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
 }
 
 template <typename Part>
@@ -42,27 +43,6 @@ Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, 
 }
 
 }  // namespace
-
-std::string content_hash(std::span<const std::uint8_t> bytes) {
-  return hash_text(XXH3_128bits(bytes.data(), bytes.size()));
-}
-
-ContentHash::ContentHash() : state_(XXH3_createState()) {
-  if (state_ == nullptr) throw std::bad_alloc();
-  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
-}
-void ContentHash::add(std::span<const std::uint8_t> bytes) {
-  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
-}
-std::string ContentHash::text() const {
-  return hash_text(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
-}
-void ContentHash::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
-
-bool is_content_hash(std::string_view text) {
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  return text.size() == 2 * sizeof(XXH128_hash_t) && std::ranges::all_of(text, is_digit);
-}
 
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
   if (theirs == kProtocolVersion) return {};
@@ -353,12 +333,19 @@ Expected<View> decode(const wire::View& message) {
 }
 
 std::uint64_t result_hash(const wire::UnitResult& message) {
-  std::vector<std::uint64_t> parts{message.pixels().checksum()};
+  const wire::PixelResult& pixels = message.pixels();
+  std::vector<std::uint64_t> flagged = {std::uint64_t(pixels.flagged_size()),
+                                        std::uint64_t(pixels.owners_size())};
   // Not the source, which workers may know or not.
-  for (const wire::FlaggedSamples& kind : message.pixels().flagged())
-    parts.insert(parts.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()), kind.sample(),
-                               std::uint64_t(kind.shape())});
-  return XXH3_64bits(parts.data(), parts.size() * sizeof(std::uint64_t));
+  for (const wire::FlaggedSamples& kind : pixels.flagged())
+    flagged.insert(flagged.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()),
+                                   kind.sample(), std::uint64_t(kind.shape())});
+  const std::span owners(pixels.owners().data(), std::size_t(pixels.owners_size()));
+  const ContentDigest digest =
+      content_digest({bytes_of(std::span(flagged)), bytes_of(owners), bytes_of(std::span(pixels.values()))});
+  std::uint64_t hash = 0;
+  std::memcpy(&hash, digest.data(), sizeof hash);
+  return hash;
 }
 
 }  // namespace penumbra

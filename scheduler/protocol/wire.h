@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,7 +19,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 11;
+constexpr std::uint32_t kProtocolVersion = 12;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Bytes that a result's message takes for a pixel at most: all planes; how many pairs of owners, and those,
@@ -30,26 +29,6 @@ static_assert(MAX_OWNERS < 1 << 28 && kMaxSamplesPerUnit < 1 << 14 && MAX_OWNER_
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all of that, and some.
 constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kMostPixelBytes + (1 << 20);
-
-/// XXH3-128 of the bytes as 32 hexadecimal digits: the name of a piece of an asset.
-std::string content_hash(std::span<const std::uint8_t> bytes);
-
-/// The same of bytes that come in pieces.
-class ContentHash {
- public:
-  ContentHash();
-  void add(std::span<const std::uint8_t> bytes);
-  [[nodiscard]] std::string text() const;
-
- private:
-  struct Free {
-    void operator()(void* state) const;
-  };
-  std::unique_ptr<void, Free> state_;
-};
-
-/// Whether a text looks like one: nothing else may become a part of a file's name.
-bool is_content_hash(std::string_view text);
 
 /// Says how the peers' protocol versions differ; empty if they agree. `peer` is "worker" or "scheduler".
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer);
@@ -91,8 +70,8 @@ void encode(const View& view, wire::View& message);
 /// Fails unless all its numbers are there and finite.
 Expected<View> decode(const wire::View& message);
 
-/// 64-bit hash over everything that must be equal in two results of one unit, both of which `decode` has
-/// taken: their checksums are right.
+/// The first 64 bits of the content digest of everything that must be equal in two results of one unit: a
+/// worker cannot make another result of the same hash.
 std::uint64_t result_hash(const wire::UnitResult& message);
 
 }  // namespace penumbra

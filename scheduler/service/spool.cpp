@@ -15,19 +15,15 @@
 #include "kernels/host/plain_file.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/file_target.h"
+#include "scheduler/protocol/content_hash.h"
 
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kReadBytes = std::size_t(16) << 20;
 constexpr std::string_view kIncoming = ".incoming-";
-
-bool is_hash(std::string_view text) {
-  return text.size() == kHashDigits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
-}
 
 std::optional<JobId> job_number(const fs::path& folder) {
   const std::string name = folder.filename().string();
@@ -148,7 +144,7 @@ Expected<void> Spool::use_number(JobId job) {
 
 bool Spool::has_scene(const std::string& hash) const {
   std::error_code ignored;
-  return is_hash(hash) && fs::is_regular_file(scene_path(hash), ignored);
+  return is_content_hash(hash) && fs::is_regular_file(scene_path(hash), ignored);
 }
 
 Expected<StoredScene> Spool::read_scene(const std::string& hash) const {
@@ -175,7 +171,7 @@ void Spool::remove_other_scenes(const std::set<std::string>& used) {
   std::vector<fs::path> unused;
   for (const auto& entry : fs::directory_iterator(folder_ / "scenes", ignored)) {
     const std::string name = entry.path().filename().string();
-    if (is_hash(name) && !used.contains(name)) unused.push_back(entry.path());
+    if (is_content_hash(name) && !used.contains(name)) unused.push_back(entry.path());
   }
   for (const fs::path& path : unused) fs::remove(path, ignored);
 }
@@ -203,7 +199,8 @@ Spool::IncomingScene::IncomingScene(IncomingScene&&) noexcept = default;
 Spool::IncomingScene::~IncomingScene() = default;
 
 Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
-  if (!is_hash(hash)) return fail(fmt::format("'{}' is no content hash", hash.substr(0, 2 * kHashDigits)));
+  if (!is_content_hash(hash))
+    return fail(fmt::format("'{}' is no content hash", hash.substr(0, 2 * sizeof(ContentDigest))));
   static std::atomic<unsigned> counter = 0;
   auto state = std::make_unique<IncomingScene::State>();
   state->hash = hash;

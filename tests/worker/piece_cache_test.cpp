@@ -12,7 +12,7 @@
 #include <fstream>
 #include <random>
 
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/content_hash.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {
@@ -61,12 +61,8 @@ TEST(PieceCache, WhatIsDamagedIsRemovedAndSaid) {
   const Bytes bytes = some_bytes(300, 1);
   const fs::path file = cache.file_of(piece_of(bytes));
   const std::string whole(bytes.begin(), bytes.end());
-  std::vector<std::string> damaged = {"", whole + "x", std::string(whole.size(), '\0')};
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    damaged.push_back(whole);
-    damaged.back()[i] = char(damaged.back()[i] ^ 0x20);
-    damaged.push_back(whole.substr(0, i));
-  }
+  std::vector<std::string> damaged = {"", whole + "x"};
+  for (std::size_t i = 0; i < whole.size(); ++i) damaged.push_back(whole.substr(0, i));
   for (const std::string& content : damaged) {
     write_text(file, content);
     EXPECT_TRUE(cache.may_have(piece_of(bytes)));
@@ -74,6 +70,11 @@ TEST(PieceCache, WhatIsDamagedIsRemovedAndSaid) {
     EXPECT_FALSE(fs::exists(file));
     EXPECT_THAT(cache.take_notes(), ElementsAre(AllOf(HasSubstr(file.string()), HasSubstr("damaged"))));
   }
+  write_text(file, std::string(whole.size(), '\0'));
+  EXPECT_TRUE(cache.read(piece_of(bytes))) << "whoever reads it verifies it";
+  cache.reject(piece_of(bytes));
+  EXPECT_FALSE(fs::exists(file));
+  EXPECT_THAT(cache.take_notes(), ElementsAre(AllOf(HasSubstr(file.string()), HasSubstr("damaged"))));
   ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
   EXPECT_FALSE(cache.read(piece_of(bytes))) << "a pipe is not waited for";
   cache.keep(piece_of(bytes), bytes);

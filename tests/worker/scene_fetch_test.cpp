@@ -12,14 +12,18 @@
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"
+#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/xxh3_twins.h"
 #include "worker/worker_pieces.h"
 
 namespace penumbra {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// Of `triangles` triangles that differ, and two materials.
@@ -41,6 +45,7 @@ DeviceScene large_scene(std::size_t triangles) {
 class MemoryStore final : public PieceStore {
  public:
   bool may_have(const AssetPiece& piece) override { return pieces_.contains(piece.hash); }
+  void reject(const AssetPiece&) override { ++rejected_; }
   void expect(std::uint64_t missing, std::uint64_t total) override { missing_ = missing, total_ = total; }
   std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) override {
     if (loses_) return {};
@@ -54,6 +59,7 @@ class MemoryStore final : public PieceStore {
 
   std::map<std::string, std::vector<std::uint8_t>> pieces_;
   std::uint64_t missing_ = 0, total_ = 0;
+  int rejected_ = 0;
   bool loses_ = false, damages_ = false;
 };
 
@@ -129,9 +135,11 @@ TEST_F(SceneFetchTest, WhatAStoreHasLostOrDamagedIsFetchedAllTheSame) {
   ASSERT_EQ(fetch(scene, &store), scene.serialize().size());
   store.loses_ = true;
   EXPECT_EQ(fetch(scene, &store), scene.serialize().size());
+  EXPECT_EQ(store.rejected_, 0);
   store.loses_ = false;
   store.damages_ = true;
   EXPECT_EQ(fetch(scene, &store), scene.serialize().size());
+  EXPECT_EQ(store.rejected_, int(manifest_of(scene).pieces.size()));
   store.damages_ = false;
   EXPECT_EQ(fetch(scene, &store), 0u);
   // One of the middle alone.
@@ -158,6 +166,26 @@ TEST_F(SceneFetchTest, DamagedDataIsRefused) {
   EXPECT_FALSE(store.pieces_.contains(manifest.pieces.back().hash));
 }
 
+TEST_F(SceneFetchTest, AnotherSceneUnderTheSameHashIsRefusedWhereverItIsFrom) {
+  const auto [scene, twin] = xxh3_twins();
+  const AssetManifest manifest = manifest_of(scene);
+  server_->add_asset({manifest, scene.head(), twin.body(), nullptr});
+  MemoryStore store;
+  const auto fetched = SceneFetch(*stub_, "", &store).fetch(manifest.hash);
+  ASSERT_FALSE(fetched);
+  EXPECT_THAT(fetched.error().message, HasSubstr("the scene that came is damaged"));
+  server_->remove_asset(manifest.hash);
+  // Somebody else has written it into a cache that workers share.
+  const TemporaryFolder folder;
+  PieceCache cache(folder.path(), std::uint64_t(1) << 30);
+  cache.keep(manifest.pieces[1], twin.body().first(manifest.pieces[1].size));
+  WorkerPieces pieces(cache);
+  ASSERT_TRUE(pieces.may_have(manifest.pieces[1]));
+  EXPECT_EQ(fetch(scene, &pieces), scene.serialize().size());
+  EXPECT_THAT(cache.take_notes(), ElementsAre(HasSubstr("was damaged and is removed")));
+  EXPECT_EQ(fetch(scene, &pieces), 0u) << "the cache holds the right one now";
+}
+
 TEST_F(SceneFetchTest, ItCanBeCancelled) {
   // A store that takes its time stands in for a slow network.
   class Slow final : public PieceStore {
@@ -165,6 +193,7 @@ TEST_F(SceneFetchTest, ItCanBeCancelled) {
     bool may_have(const AssetPiece&) override { return false; }
     void expect(std::uint64_t, std::uint64_t) override {}
     std::optional<std::vector<std::uint8_t>> read(const AssetPiece&) override { return {}; }
+    void reject(const AssetPiece&) override {}
     void keep(const AssetPiece&, std::span<const std::uint8_t>) override {
       if (!began_) began_ = true, begun.set_value();
       std::this_thread::sleep_for(100ms);

@@ -24,8 +24,8 @@
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/mailbox.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/record/film_image.h"
 
 namespace penumbra {

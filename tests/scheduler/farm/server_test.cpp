@@ -10,6 +10,7 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
+#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_samples.h"

@@ -268,7 +268,7 @@ TEST(HostileClient, MutatedMessagesOverASocketEndTheirCallAlone) {
   wire::ControlRequest control;
   encode(View{}, *control.mutable_change_view());
   wire::AssetRequest asset;
-  asset.set_hash("0123456789abcdef0123456789abcdef");
+  asset.set_hash(std::string(64, '0'));
   const Tokens& tokens = server->tokens();
   RawCalls calls(server->more_address());
   Mutator workers({hello.SerializeAsString(), ready.SerializeAsString(), result.SerializeAsString()}, 1),

@@ -11,6 +11,7 @@
 #include "scheduler/service/jobs_service.h"
 #include "tests/scheduler/service/small_submission.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/xxh3_twins.h"
 
 namespace penumbra {
 namespace {
@@ -89,6 +90,9 @@ TEST_F(JobsCall, ErrorsAreTextsThatNameTheAddress) {
   wrong.scene = hash_of(fake_scene(1, 1, true));  // another one's hash
   EXPECT_THAT(client_->submit(wrong, scene_).error().message, HasSubstr("damaged"));
   EXPECT_FALSE(spool_->has_scene(wrong.scene));
+  const auto [one, twin] = xxh3_twins();
+  EXPECT_THAT(client_->submit(small_submission(one), twin).error().message, HasSubstr("damaged"));
+  EXPECT_FALSE(spool_->has_scene(hash_of(one)));
   wire::StoredFile file;
   file.set_name("../../s");
   file.set_bytes(10);

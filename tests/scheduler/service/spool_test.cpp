@@ -7,6 +7,7 @@
 
 #include "tests/scheduler/service/small_submission.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/xxh3_twins.h"
 
 namespace penumbra {
 namespace {
@@ -133,13 +134,29 @@ TEST(Spool, ScenesAreWholeOrNotThere) {
   EXPECT_FALSE(spool->has_scene(hash));
 }
 
+/// Whoever knows what another user submits could put a scene of his own in its place before.
+TEST(Spool, TakesNoSceneUnderTheHashOfAnother) {
+  const TemporaryFolder folder;
+  const auto spool = open_spool(folder.path());
+  const auto [scene, twin] = xxh3_twins();
+  auto incoming = spool->receive_scene(hash_of(scene));
+  ASSERT_TRUE(incoming);
+  ASSERT_TRUE(incoming->add(twin.serialize()));
+  const auto finished = incoming->finish();
+  ASSERT_FALSE(finished);
+  EXPECT_THAT(finished.error().message, HasSubstr("its hash is " + hash_of(twin)));
+  EXPECT_FALSE(spool->has_scene(hash_of(scene)));
+  put_scene(*spool, scene);
+  EXPECT_TRUE(spool->has_scene(hash_of(scene)));
+}
+
 TEST(Spool, TakesNoOtherNamesForScenes) {
   const TemporaryFolder folder;
   const auto spool = open_spool(folder / "spool");
   write_text(folder / "target", "there");
   for (const std::string& name :
-       {std::string("../../target"), std::string("/etc/passwd"), std::string(""), std::string(32, 'g'),
-        std::string(31, 'a'), std::string(32, 'A'), std::string("../") + std::string(29, 'a')}) {
+       {std::string("../../target"), std::string("/etc/passwd"), std::string(""), std::string(64, 'g'),
+        std::string(63, 'a'), std::string(64, 'A'), std::string("../") + std::string(61, 'a')}) {
     EXPECT_FALSE(spool->has_scene(name)) << name;
     EXPECT_FALSE(spool->receive_scene(name)) << name;
   }
@@ -149,7 +166,7 @@ TEST(Spool, TakesNoOtherNamesForScenes) {
 TEST(Spool, WhatWasArrivingWhenAServiceDiedGoes) {
   const TemporaryFolder folder;
   { const auto spool = open_spool(folder.path()); }
-  const std::string name = ".incoming-" + std::string(32, 'a') + "-1";
+  const std::string name = ".incoming-" + std::string(64, 'a') + "-1";
   write_text(folder / "scenes" / name, "half");
   const auto spool = open_spool(folder.path());
   EXPECT_TRUE(std::filesystem::is_empty(folder / "scenes"));

@@ -38,7 +38,7 @@ WatchedJob some_job() {
           .width = 120,
           .height = 100,
           .spp = 4000000000u,
-          .scene_hash = "0123456789abcdef0123456789abcdef",
+          .scene_hash = std::string(64, 'a'),
           .center = {1e300, -0.5, 3},
           .interactive = true,
           .hybrid = true};
