@@ -14,6 +14,7 @@
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/output_check.h"
@@ -127,19 +128,21 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
 
 ExitCode run(int argc, char** argv) {
   CLI::App app(
-      "Shows a scene or a render as it converges; polygon lights at once, their shadows as they come",
+      "Open a window on a scene, or on a render that is under way. Polygon lights are there at once; their "
+      "shadows converge",
       "penumbra-view");
   app.set_version_flag("--version", fmt::format("penumbra-view {}", kVersion));
   ViewOptions options;
   add_view_options(app, options);
   app.footer(
       "Keys: space asks for one more sample, r refines until told otherwise, w a s d and the mouse move the "
-      "camera,\nh shows all of them.\n\n"
+      "camera, h shows all keys.\n\n"
       "Exit code: 0 all done, 1 something failed, 2 bad usage or bad input.\n\n"
       "Examples:\n"
       "  penumbra-view scenes/star-light/star-light.xml --workers 2\n"
       "  penumbra-view --connect unix:/run/user/1000/penumbra-x/socket\n"
       "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
+  use_help_text(app);
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   try {
     app.parse(argc, argv);

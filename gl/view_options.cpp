@@ -41,29 +41,27 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   // The scheduler of a window listens for it, and for further ones; over TCP `penumbra preview` does.
   app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
-                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port, "
-                 "the latter "
-                 "with --keys or with the token that it printed in PENUMBRA_TOKEN")
+                 "Watch a render that is under way, at the address that it printed: unix:/path, or HOST:PORT "
+                 "with --keys, or with the token that it printed in PENUMBRA_TOKEN")
       ->type_name("ADDRESS")
       ->check(CLI::Validator(check_address, ""))
       ->group(kOwn)
       ->excludes(scene);
-  app.add_option("--job", options.job,
-                 "With --connect to a service, which of its jobs (default: the oldest that is under way)")
+  app.add_option("--job", options.job, "Job of a service (default: the oldest that is under way)")
       ->type_name("N")
       ->check(whole_number(1, std::numeric_limits<JobId>::max()))
       ->group(kOwn)
       ->needs("--connect");
   app.get_option("--keys")->group(kOwn)->description(
-      "For a scheduler at host:port with TLS: the folder that `penumbra keys` made, or its part for windows");
+      "For a scheduler at HOST:PORT with TLS: the folder that `penumbra keys` made, or its part for windows");
   add_token_refusal(app);
-  app.add_option("--script", options.script, "Do what this file says, a command a line, and end with it")
+  app.add_option("--script", options.script, "Run the commands of this file, one a line, and end")
       ->type_name("FILE")
-      ->check(CLI::ExistingFile)
+      ->check(CLI::Validator(CLI::ExistingFile).description(""))
       ->group(kOwn);
   app.add_option(
          "--screenshot", options.screenshot,
-         "Write what the window shows at the end of the script; without one, once all samples are there")
+         "Write what the window shows at the end of the script, or without one once all samples are there")
       ->type_name("FILE.png")
       ->check(CLI::Validator(check_screenshot, ""))
       ->group(kOwn);
@@ -76,9 +74,9 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
         ->capture_default_str()
         ->group(kOwn);
   app.add_flag("--hidden", options.hidden,
-               "Show no window; it needs a display all the same, as xvfb-run has one")
+               "Show no window; needs a display all the same, such as that of xvfb-run")
       ->group(kOwn);
-  app.add_flag("--gl-debug", options.gl_debug, "Let OpenGL check every call; complaints end in exit code 1")
+  app.add_flag("--gl-debug", options.gl_debug, "Let OpenGL check every call; exit code 1 if it complains")
       ->group(kOwn);
 }
 

@@ -30,7 +30,7 @@ constexpr ColourWithin kEmission{0.0f, kAnyNumber};
 /// What a shape that emits has beside its geometry.
 struct AreaLightParameters {
   static constexpr const char* kPlugin = "area";
-  static constexpr const char* kText = "the radiance of the shape that holds it, from its front";
+  static constexpr const char* kText = "area light: the shape that holds it emits from its front";
   TexturedColour radiance{glm::vec3(1.0f)};
   bool two_sided = false;
   EmitterSampling sampling = EmitterSampling::kAuto;
@@ -79,7 +79,7 @@ inline double sky_power(const EmitterPlace& place) {
 /// Radiant intensity, W/sr, the same in all directions.
 struct PointLight {
   static constexpr const char* kPlugin = "point";
-  static constexpr const char* kText = "the same radiant intensity in all directions, from a point";
+  static constexpr const char* kText = "point light";
   static constexpr bool kIsSky = false;  ///< seen where there is no shape
   glm::dvec3 position{0.0};
   glm::vec3 intensity{1.0f};
@@ -111,7 +111,7 @@ struct PointLight {
 /// Constant radiance from all directions that leave the scene.
 struct ConstantEnvironment {
   static constexpr const char* kPlugin = "constant";
-  static constexpr const char* kText = "the same radiance from all directions that leave the scene";
+  static constexpr const char* kText = "constant environment";
   static constexpr bool kIsSky = true;
   glm::vec3 radiance{1.0f};
   glm::dmat4 to_world{1.0};  ///< which it does not see
@@ -131,7 +131,7 @@ struct ConstantEnvironment {
 /// kernels/light/envmap_grid.h for where its texels are.
 struct EnvironmentMapLight {
   static constexpr const char* kPlugin = "envmap";
-  static constexpr const char* kText = "radiance by an image of all directions, longitude by polar angle";
+  static constexpr const char* kText = "environment map: an image, longitude by polar angle";
   static constexpr bool kIsSky = true;
   std::string filename;
   glm::dmat4 to_world{1.0};  ///< a rotation, mirrored or not; its lengths do not count
@@ -156,7 +156,7 @@ enum class SpotFalloff { kLinear = SPOT_LINEAR, kSmoothstep = SPOT_SMOOTHSTEP, k
 /// Radiant intensity about an axis, the z axis of its frame; see kernels/light/spot_light.h.
 struct SpotLight {
   static constexpr const char* kPlugin = "spot";
-  static constexpr const char* kText = "radiant intensity from a point, within a cone about the z axis";
+  static constexpr const char* kText = "spot light: a cone about the z axis";
   static constexpr bool kIsSky = false;
   glm::vec3 intensity{1.0f};
   TexturedColour texture{glm::vec3(1.0f)};
@@ -195,7 +195,7 @@ struct SpotLight {
 /// Irradiance across one direction, from beyond the scene.
 struct DirectionalLight {
   static constexpr const char* kPlugin = "directional";
-  static constexpr const char* kText = "light of one direction, from beyond the scene";
+  static constexpr const char* kText = "directional light";
   static constexpr bool kIsSky = false;
   glm::vec3 irradiance{1.0f};
   glm::dvec3 direction{0.0, 0.0, 1.0};  ///< in which it travels, of any length above 0
@@ -232,7 +232,7 @@ struct DirectionalLight {
 /// An image that is in focus at every distance; see kernels/light/projector_light.h.
 struct ProjectorLight {
   static constexpr const char* kPlugin = "projector";
-  static constexpr const char* kText = "an image, from a point along the z axis, in focus at every distance";
+  static constexpr const char* kText = "projects an image from a point, in focus at every distance";
   static constexpr bool kIsSky = false;
   TexturedColour irradiance{glm::vec3(1.0f)};
   float scale = 1.0f;

@@ -41,6 +41,7 @@ enum class HiddenEmitters { kUnlit, kLookedThrough };
 /// Direct light by samples of emitters and of directions.
 struct DirectIntegrator {
   static constexpr const char* kName = "direct";
+  static constexpr const char* kText = "direct illumination, by samples of emitters and BSDFs";
   int emitter_samples = 1;  ///< n_g
   int bsdf_samples = 1;     ///< n_f
   BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;
@@ -53,6 +54,8 @@ struct DirectIntegrator {
 
 struct PathIntegrator {
   static constexpr const char* kName = "path";
+  static constexpr const char* kText =
+      "path tracing; direct_sampling and its other names choose the sampling strategies";
   /// Names of the integrator with its direct_sampling.
   static constexpr std::pair<const char*, DirectSampling> kPresets[] = {
       {"path_mats", DirectSampling::kBsdfOnly},
@@ -74,6 +77,7 @@ struct PathIntegrator {
 /// The light of `path`, along its way through participating media as well.
 struct VolpathIntegrator {
   static constexpr const char* kName = "volpath";
+  static constexpr const char* kText = "path tracing through participating media";
   static constexpr std::pair<const char*, DirectSampling> kPresets[] = {
       {"volpath_mats", DirectSampling::kBsdfOnly},
       {"volpath", DirectSampling::kMis},
@@ -98,6 +102,7 @@ constexpr bool keeps_parts(const PathIntegrator& path) {
 /// `path`.
 struct WhittedIntegrator {
   static constexpr const char* kName = "whitted";
+  static constexpr const char* kText = "path tracing that branches at mirrors, glass and other surfaces";
   int max_depth = -1;  ///< in edges; -1: no limit
   int rr_depth = 5;
   int branch_depth = 4;      ///< surfaces at which a path branches; beyond, it chooses a branch
@@ -114,6 +119,7 @@ struct WhittedIntegrator {
 /// Ambient occlusion: the share of the directions above a surface in which nothing is within `ray_length`.
 struct AmbientOcclusionIntegrator {
   static constexpr const char* kName = "ao";
+  static constexpr const char* kText = "ambient occlusion";
   int vis_samples = 1;
   OcclusionSampling sampling = OcclusionSampling::kCosine;
   OcclusionWeighting weighting = OcclusionWeighting::kCosine;
@@ -124,6 +130,7 @@ struct AmbientOcclusionIntegrator {
 /// Reflection occlusion: the same for a Phong lobe about the mirror direction, weighed by the cosine.
 struct ReflectionOcclusionIntegrator {
   static constexpr const char* kName = "ro";
+  static constexpr const char* kText = "reflection occlusion; for a Phong lobe about the mirror direction";
   int vis_samples = 1;
   float exponent = 30;
   float ray_length = 0;  ///< likewise
@@ -133,16 +140,19 @@ struct ReflectionOcclusionIntegrator {
 /// The absolute values of the shading normal's coordinates, black where there is no surface (Nori).
 struct NormalsIntegrator {
   static constexpr const char* kName = "normals";
+  static constexpr const char* kText = "shading normals as colours";
 };
 
 /// The unshadowed light of polygon lights in closed form.
 struct PolygonAnalyticIntegrator {
   static constexpr const char* kName = "polygon_analytic";
+  static constexpr const char* kText = "unshadowed light of polygon lights, in closed form";
 };
 
 /// Direct light by samples of emitters by area.
 struct PolygonAreaIntegrator {
   static constexpr const char* kName = "polygon_area";
+  static constexpr const char* kText = "direct light of polygon lights, by samples of their area";
   int emitter_samples = 1;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   LightChoice light_choice = LightChoice::kAuto;
@@ -152,6 +162,8 @@ struct PolygonAreaIntegrator {
 /// Direct light by samples of emitters, with the closed form as control variate.
 struct PolygonCvIntegrator {
   static constexpr const char* kName = "polygon_cv";
+  static constexpr const char* kText =
+      "direct light of polygon lights, with the closed form as control variate";
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
   int vis_samples = 1;
   CvEstimator estimator = CvEstimator::kCv;

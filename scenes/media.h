@@ -70,8 +70,8 @@ struct MediumCoefficients {
 struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
   static constexpr const char* kPlugin = "homogeneous";
   static constexpr const char* kText =
-      "the same everywhere, but for an albedo that is a gridvolume: sigma_t and albedo, or sigma_s and "
-      "sigma_a; holds a phase function";
+      "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; the albedo may be a "
+      "gridvolume; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
   bool by_material = false;  ///< what a file means that says none of these
 
@@ -102,9 +102,8 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
 struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   static constexpr const char* kPlugin = "heterogeneous";
   static constexpr const char* kText =
-      "what varies in space: sigma_t is a gridvolume or a constvolume, outside of whose box there is "
-      "nothing, and albedo "
-      "may be one; holds a phase function";
+      "medium that varies in space; sigma_t is a gridvolume or a constvolume, outside of whose box there is "
+      "nothing, and albedo may be one; holds a phase function";
 
   void complete(Findings& findings) {
     check_extinction(findings);
@@ -123,7 +122,7 @@ struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
 
 struct IsotropicPhase {
   static constexpr const char* kPlugin = "isotropic";
-  static constexpr const char* kText = "the same in all directions; of media that hold none";
+  static constexpr const char* kText = "isotropic scattering; of media that hold no phase function";
   template <typename Row>
   static void parameters(const Row&) {}
   [[nodiscard]] PhaseLobe lobe() const { return {PHASE_HG, 0.0f, 1.0f}; }
@@ -131,6 +130,7 @@ struct IsotropicPhase {
 
 struct HenyeyGreensteinPhase {
   static constexpr const char* kPlugin = "hg";
+  static constexpr const char* kText = "Henyey-Greenstein phase function";
   double g = 0.8;
   template <typename Row>
   static void parameters(const Row& row) {
@@ -145,6 +145,7 @@ struct HenyeyGreensteinPhase {
 
 struct RayleighPhase {
   static constexpr const char* kPlugin = "rayleigh";
+  static constexpr const char* kText = "Rayleigh scattering";
   template <typename Row>
   static void parameters(const Row&) {}
   [[nodiscard]] PhaseLobe lobe() const { return {PHASE_RAYLEIGH, 0.0f, 1.0f}; }
@@ -152,7 +153,7 @@ struct RayleighPhase {
 
 struct BlendPhase {
   static constexpr const char* kPlugin = "blendphase";
-  static constexpr const char* kText = "two phase functions, which may be blends again";
+  static constexpr const char* kText = "two phase functions, mixed by a weight; they may be blends again";
   glm::vec3 weight{0.5f};
   template <typename Row>
   static void parameters(const Row& row) {

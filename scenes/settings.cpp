@@ -61,29 +61,6 @@ Expected<void> check_integrator(const IntegratorSettings& integrator) {
   return {};
 }
 
-/// "`direct`, `path`" for a parameter that not all integrators have.
-std::string owners_text(const Setting& setting) {
-  if (!setting.is_there) return "";
-  std::string owners;
-  for (const IntegratorMethod& method : integrator_methods()) {
-    RenderSettings settings;
-    settings.integrator.method = method;
-    if (!setting.belongs_to(settings)) continue;
-    owners += fmt::format("{}`{}`", owners.empty() ? "" : ", ", method_name(method));
-  }
-  return owners + ": ";
-}
-
-std::string default_text(const Setting& setting) {
-  if (!setting.print) return "";
-  RenderSettings settings;
-  for (const IntegratorMethod& method : integrator_methods()) {
-    if (setting.belongs_to(settings)) break;
-    settings.integrator.method = method;
-  }
-  return setting.print(settings);
-}
-
 }  // namespace
 
 std::span<const Setting> all_settings() {
@@ -104,9 +81,14 @@ std::string print_setting(const RenderSettings& settings, std::string_view key) 
 Expected<void> apply_setting(RenderSettings& settings, std::string_view key, std::string_view value) {
   const Setting* setting = find_setting(to_snake_case(key));
   if (setting == nullptr) {
-    std::vector<std::string> known;
-    for (const Setting& each : all_settings()) known.push_back(each.key);
-    const std::string hint = suggestion(to_snake_case(key), known);
+    std::vector<std::string> known, without_group;
+    for (const Setting& each : all_settings()) {
+      known.push_back(each.key);
+      if (each.name() == to_snake_case(key)) without_group.push_back(each.key);
+    }
+    const std::string hint = without_group.empty()
+                                 ? suggestion(to_snake_case(key), known)
+                                 : fmt::format("; did you mean '{}'?", fmt::join(without_group, "' or '"));
     return fail(fmt::format("there is no setting '{}'{} The settings are: {}", key, hint.empty() ? ";" : hint,
                             list_names(known)));
   }
@@ -134,12 +116,25 @@ Expected<void> check_settings(const RenderSettings& settings) {
   return check_integrator(settings.integrator);
 }
 
-std::string settings_table() {
-  std::string table = "| setting | values | default | what it is |\n|---|---|---|---|\n";
-  for (const Setting& setting : all_settings())
-    table += fmt::format("| `{}` | {} | {} | {}{} |\n", setting.key, setting.values, default_text(setting),
-                         owners_text(setting), setting.description);
-  return table;
+std::string setting_default(const Setting& setting) {
+  if (!setting.print) return "";
+  RenderSettings settings;
+  for (const IntegratorMethod& method : integrator_methods()) {
+    if (setting.belongs_to(settings)) break;
+    settings.integrator.method = method;
+  }
+  return setting.print(settings);
+}
+
+std::vector<std::string> integrators_with(const Setting& setting) {
+  std::vector<std::string> names;
+  if (!setting.is_there) return names;
+  for (const IntegratorMethod& method : integrator_methods()) {
+    RenderSettings settings;
+    settings.integrator.method = method;
+    if (setting.belongs_to(settings)) names.emplace_back(method_name(method));
+  }
+  return names;
 }
 
 }  // namespace penumbra

@@ -63,7 +63,9 @@ Expected<void> apply_setting(RenderSettings& settings, std::string_view key, std
 /// before far.
 Expected<void> check_settings(const RenderSettings& settings);
 
-/// A Markdown table of all settings: key, values, default, meaning.
-std::string settings_table();
+/// The value that it has where nobody sets it, as text; of integrators that have it. Empty: none.
+std::string setting_default(const Setting& setting);
+/// Names of the integrators that have it; empty: all settings have it.
+std::vector<std::string> integrators_with(const Setting& setting);
 
 }  // namespace penumbra

@@ -30,8 +30,8 @@ inline std::string print_default(const GriddedColour& colour) { return print_def
 struct GridVolumeParameters {
   static constexpr const char* kPlugin = "gridvolume";
   static constexpr const char* kText =
-      "numbers at the centres of a grid's cells, which fill the unit cube of to_world; beyond the outermost "
-      "ones constant";
+      "values on a grid, from a file; they are at the centres of cells that fill the unit cube of to_world, "
+      "and constant beyond the outermost";
   std::string filename;
   glm::dmat4 to_world{1.0};
   bool nearest = false;

@@ -22,6 +22,7 @@
 #include "kernels/host/words.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/keys/access_options.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/grpc_log.h"
@@ -101,57 +102,63 @@ int run(int argc, char** argv) {
   std::string backend, isa, opencl_device, keys, threads;
 
   CLI::App app{
-      "Renders work units for a penumbra scheduler. `penumbra render` starts workers by itself; start one by "
-      "hand only to join a scheduler that runs elsewhere.",
+      "Render work units for a Penumbra scheduler. `penumbra render` starts its workers itself; start one by "
+      "hand only to join a scheduler that runs elsewhere",
       "penumbra-worker"};
   app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
+  app.option_defaults()->group(group::kNetwork);
   app.add_option("--connect", options.address,
-                 "The scheduler: unix:/path or host:port, the latter with --keys or with the token that it "
+                 "Address of the scheduler: unix:/path, or HOST:PORT with --keys, or with the token that it "
                  "printed in PENUMBRA_TOKEN")
+      ->type_name("ADDRESS")
       ->required();
   add_client_access_options(app, keys);
   app.add_option(
          "--retry-for", options.retry_for,
-         "How many seconds to look for a scheduler that is not there yet or no more, with pauses that "
-         "grow to 15 s; inf: for ever")
+         "Time to wait for a scheduler that is not there yet, or no longer, with pauses of up to 15 s; inf: "
+         "for ever")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber.description("0 or above"))
       ->check(
           [](const std::string& text) {
             return std::isnan(std::strtod(text.c_str(), nullptr)) ? "it is not a number" : "";
           },
           "")
       ->capture_default_str();
-  const auto* backend_option =
-      app.add_option("--backend", backend,
-                     "Compute with this instead of what the job says: native, opencl or auto")
-          ->check(CLI::IsMember({"native", "opencl", "auto"}));
+  app.option_defaults()->group(group::kWorkers);
+  const auto* backend_option = app.add_option("--backend", backend, "Backend, whatever the job says")
+                                   ->type_name("NAME")
+                                   ->check(CLI::IsMember({"native", "opencl", "auto"}));
   const auto* threads_option =
-      app.add_option("--threads", threads,
-                     "Use so many threads, whatever the job says; auto: as many as there are cores for it")
+      app.add_option("--threads", threads, "Threads, whatever the job says; auto: as many as it has cores")
           ->type_name("N")
-          ->check(CLI::Range(1, kMaxThreads) | CLI::IsMember({"auto"}));
+          ->check((CLI::Range(1, kMaxThreads) | CLI::IsMember({"auto"}))
+                      .description(fmt::format("1 to {}, or auto", kMaxThreads)));
   const auto* isa_option = app.add_option(
-      "--isa", isa, "native: use this instruction set, whatever the job says: sse2, avx2 or avx512");
-  const auto* opencl_option = app.add_option(
-      "--opencl-device,--device", opencl_device,
-      "opencl: the device of this number in the list, or whose or whose platform's name contains "
-      "this");
+      "--isa", isa, "Instruction set of the native backend, whatever the job says: sse2, avx2 or avx512");
+  const auto* opencl_option =
+      app.add_option("--opencl-device,--device", opencl_device,
+                     "OpenCL device: its number, or part of its name or its platform's");
+  app.get_option("--isa")->type_name("NAME");
+  app.get_option("--device")->type_name("NAME");
+  app.option_defaults()->group("Scene cache");
   std::string cache;
   app.add_option("--cache", cache,
-                 "Keep scenes in this folder, which workers may share, for the next start (default: "
-                 "~/.cache/penumbra/scenes with a scheduler at host:port; better a disk of this machine, "
-                 "where home is not); off: none. Also PENUMBRA_CACHE")
+                 "Folder that keeps scenes for the next start; workers may share it. off: none (default: "
+                 "~/.cache/penumbra/scenes with a scheduler at HOST:PORT; a local disk is better where home "
+                 "is on a network). Also PENUMBRA_CACHE")
       ->type_name("FOLDER");
-  app.add_option("--cache-size", options.cache_bytes, "At most so much, as in 20G")
+  app.add_option("--cache-size", options.cache_bytes, "Most that the folder may hold, as in 20G")
       ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::AsSizeValue(false).description(""))
       // Before that: transformations are done in the opposite order.
       ->transform(
           CLI::Validator([](std::string& text) { return text.starts_with('-') ? "it is below 0" : ""; }, ""))
       ->default_str("4G");
-  app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
-      ->trigger_on_parse();
+  app.add_flag_callback("--list-devices", list_devices, "List instruction sets and OpenCL devices, and end")
+      ->trigger_on_parse()
+      ->group(group::kGeneral);
+  use_help_text(app);
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   try {
     app.parse(argc, argv);

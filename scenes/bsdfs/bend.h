@@ -35,11 +35,11 @@ struct BendParameters {
 };
 struct NormalMapParameters : BendParameters<NormalMapParameters> {
   static constexpr const char* kPlugin = "normalmap";
-  static constexpr const char* kText = "a BSDF on normals of a texture, raw as a rule: both are nested";
+  static constexpr const char* kText = "a BSDF with the normals of a nested texture, which is raw as a rule";
 };
 struct BumpMapParameters : BendParameters<BumpMapParameters> {
   static constexpr const char* kPlugin = "bumpmap";
-  static constexpr const char* kText = "a BSDF on the slopes of a texture of heights: both are nested";
+  static constexpr const char* kText = "a BSDF with bumps by the heights of a nested texture";
   float scale = 1.0f;
 
   template <typename Row>

@@ -8,6 +8,7 @@ namespace penumbra {
 
 struct BlinnPhongBsdf {
   static constexpr const char* kPlugin = "blinnphong";
+  static constexpr const char* kText = "Blinn-Phong model: a diffuse part and a lobe about the half vector";
   TexturedColour diffuse{glm::vec3(0.5f)};
   TexturedColour specular{glm::vec3(0.2f)};
   TexturedNumber exponent{30.0f};

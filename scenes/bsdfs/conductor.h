@@ -65,10 +65,12 @@ struct ConductorSurface {
 
 struct ConductorBsdf : ConductorSurface {
   static constexpr const char* kPlugin = "conductor";
+  static constexpr const char* kText = "smooth metal";
 };
 
 struct RoughConductorBsdf : ConductorSurface, RoughSurface {
   static constexpr const char* kPlugin = "roughconductor";
+  static constexpr const char* kText = "rough metal (microfacets)";
 
   template <typename Row>
   static void parameters(const Row& row) {

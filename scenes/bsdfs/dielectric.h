@@ -49,17 +49,20 @@ Model turned_dielectric(Model model) {
 
 struct DielectricBsdf : DielectricSurface {
   static constexpr const char* kPlugin = "dielectric";
+  static constexpr const char* kText = "smooth boundary of glass, water and the like";
 
   [[nodiscard]] DielectricBsdf other_side() const { return turned_dielectric(*this); }
 };
 
 struct ThinDielectricBsdf : DielectricSurface {
   static constexpr const char* kPlugin = "thindielectric";
+  static constexpr const char* kText = "thin pane of glass, without refraction";
   static constexpr bool kSidesAreAlike = true;
 };
 
 struct RoughDielectricBsdf : DielectricSurface, RoughSurface {
   static constexpr const char* kPlugin = "roughdielectric";
+  static constexpr const char* kText = "rough boundary of glass and the like (microfacets)";
   /// Indices that differ by less pass everything, as if they were the same: which normal refracts light where
   /// it goes is not known in single precision then.
   static constexpr float kLeastStep = 1e-3f;

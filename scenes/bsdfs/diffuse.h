@@ -8,6 +8,7 @@ namespace penumbra {
 
 struct DiffuseBsdf {
   static constexpr const char* kPlugin = "diffuse";
+  static constexpr const char* kText = "ideal diffuse reflection (Lambert)";
   TexturedColour reflectance{glm::vec3(0.5f)};
 
   template <typename Row>

@@ -9,6 +9,7 @@ namespace penumbra {
 
 struct DisneyBsdf {
   static constexpr const char* kPlugin = "disney";
+  static constexpr const char* kText = "Disney BRDF (Burley 2012)";
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber subsurface{}, metallic{};
   TexturedNumber specular{0.5f};

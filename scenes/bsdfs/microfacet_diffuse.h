@@ -12,6 +12,7 @@ namespace penumbra {
 
 struct MicrofacetDiffuseBsdf {
   static constexpr const char* kPlugin = "microfacet";
+  static constexpr const char* kText = "rough dielectric reflection over a diffuse part (Nori)";
   float alpha = 0.1f;
   float int_ior = 1.5046f;    // BK7
   float ext_ior = 1.000277f;  // air

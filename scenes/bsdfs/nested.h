@@ -10,8 +10,7 @@ namespace penumbra {
 /// Holds one BSDF for both sides, or two.
 struct TwoSidedParameters {
   static constexpr const char* kPlugin = "twosided";
-  static constexpr const char* kText =
-      "holds one BSDF that lets nothing through for both sides, or two for front and back";
+  static constexpr const char* kText = "a BSDF without transmission for both sides, or one for each side";
 
   template <typename Row>
   static void parameters(const Row&) {}
@@ -20,7 +19,7 @@ struct TwoSidedParameters {
 /// A sum of several BSDFs, each with its weight.
 struct MixtureParameters {
   static constexpr const char* kPlugin = "mixturebsdf";
-  static constexpr const char* kText = "holds several BSDFs";
+  static constexpr const char* kText = "several BSDFs, each with a weight";
   std::string weights;
 
   template <typename Row>
@@ -40,6 +39,7 @@ constexpr int material_index(int bsdf) { return bsdf + 1; }
 /// Rays pass through as if it were not there. If it belongs to a light, that shines all the same.
 struct NullBsdf {
   static constexpr const char* kPlugin = "null";
+  static constexpr const char* kText = "no surface: rays pass through, as at the boundary of a medium";
 
   template <typename Row>
   static void parameters(const Row&) {}
@@ -48,6 +48,7 @@ struct NullBsdf {
 /// Rays pass through, as many as the opacity leaves.
 struct MaskBsdf {
   static constexpr const char* kPlugin = "mask";
+  static constexpr const char* kText = "a BSDF with an opacity: other rays pass through";
   TexturedNumber opacity{0.5f};
   int inside = kBlackBsdf;
 
@@ -61,8 +62,7 @@ struct MaskBsdf {
 /// `transmittance`; the rest is absorbed (Mitsuba 3 in its unpolarised variants).
 struct PolarizerParameters {
   static constexpr const char* kPlugin = "polarizer";
-  static constexpr const char* kText =
-      "lets half of the light pass, in the same direction (circular: likewise)";
+  static constexpr const char* kText = "polarising filter: lets half of the light pass (a retarder: all)";
   TexturedNumber transmittance{1.0f};
 
   template <typename Row>
@@ -75,6 +75,7 @@ struct PolarizerParameters {
 /// One or the other, the sum of both so weighed.
 struct BlendBsdf {
   static constexpr const char* kPlugin = "blendbsdf";
+  static constexpr const char* kText = "two BSDFs, mixed by a weight";
   TexturedNumber weight{0.5f};
   int first = kBlackBsdf, second = kBlackBsdf;
 

@@ -11,6 +11,8 @@ namespace penumbra {
 
 struct PhongBsdf {
   static constexpr const char* kPlugin = "phong";
+  static constexpr const char* kText =
+      "modified Phong model: a diffuse part and a lobe about the mirror direction";
   TexturedColour diffuse{glm::vec3(0.5f)};
   TexturedColour specular{glm::vec3(0.2f)};
   TexturedNumber exponent{30.0f};  ///< n

@@ -21,6 +21,7 @@ inline void check_boundary(float int_ior, float ext_ior, Findings& findings) {
 
 struct PlasticBsdf {
   static constexpr const char* kPlugin = "plastic";
+  static constexpr const char* kText = "diffuse base under a smooth dielectric coating";
   TexturedColour diffuse{glm::vec3(0.5f)};
   TexturedColour specular{glm::vec3(1.0f)};
   float int_ior = 1.49f;

@@ -25,6 +25,7 @@ inline void check_sampling_rate(const char* parameter, float rate, Findings& fin
 
 struct PrincipledBsdf {
   static constexpr const char* kPlugin = "principled";
+  static constexpr const char* kText = "Disney BSDF (Burley 2015)";
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber roughness{0.5f};
   TexturedNumber anisotropic{}, metallic{}, spec_trans{};

@@ -7,6 +7,7 @@ namespace penumbra {
 
 struct PrincipledThinBsdf {
   static constexpr const char* kPlugin = "principledthin";
+  static constexpr const char* kText = "Disney BSDF of thin surfaces (Burley 2015)";
   static constexpr bool kSidesAreAlike = true;
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber roughness{0.5f};

@@ -13,6 +13,7 @@ namespace penumbra {
 
 struct RoughPlasticBsdf {
   static constexpr const char* kPlugin = "roughplastic";
+  static constexpr const char* kText = "diffuse base under a rough dielectric coating";
   TexturedColour diffuse{glm::vec3(0.5f)};
   TexturedColour specular{glm::vec3(1.0f)};
   float int_ior = 1.49f;
@@ -53,6 +54,7 @@ struct RoughPlasticBsdf {
 /// SVBRDF and normals").
 struct PolarizedPlasticBsdf {
   static constexpr const char* kPlugin = "pplastic";
+  static constexpr const char* kText = "rough plastic of Baek et al. 2018, without polarisation";
   TexturedColour diffuse{glm::vec3(0.5f)};
   TexturedColour specular{glm::vec3(1.0f)};
   float int_ior = 1.49f;

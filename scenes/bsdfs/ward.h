@@ -8,6 +8,7 @@ namespace penumbra {
 
 struct WardBsdf {
   static constexpr const char* kPlugin = "ward";
+  static constexpr const char* kText = "anisotropic reflection (Ward)";
   int variant = WARD_BALANCED;
   TexturedNumber alpha_u{0.1f};
   TexturedNumber alpha_v{0.1f};

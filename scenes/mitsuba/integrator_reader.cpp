@@ -195,4 +195,12 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
   read_shown({context.tree, unseen, true, context.settings}, object, scene);
 }
 
+std::vector<OtherIntegrator> other_integrators() {
+  std::vector<OtherIntegrator> others;
+  for (const StandIn& each : stand_ins())
+    others.push_back({each.type, each.stands_in == kThroughMedia ? "path" : each.stands_in, !each.same});
+  for (const WrapperPlugin& each : kWrappers) others.push_back({each.type, "", !each.without.empty()});
+  return others;
+}
+
 }  // namespace penumbra::mitsuba

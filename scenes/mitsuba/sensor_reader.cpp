@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scenes/mitsuba/medium_reader.h"
+#include "scenes/mitsuba/sensor_parameters.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
@@ -12,8 +13,6 @@
 
 namespace penumbra::mitsuba {
 namespace {
-
-using Names = std::vector<std::string>;
 
 void choose(const PluginReader& plugin, SceneDescription& scene, std::string_view key,
             std::string_view value) {
@@ -35,7 +34,7 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
   if (plugin.has("fov")) {
     if (plugin.has("focal_length")) plugin.wrong("focal_length", "either fov or focal_length, not both");
     plugin.accept({"focal_length"});
-    plugin.settings(scene, "camera", Names{"fov", "fov_axis"});
+    plugin.settings(scene, "camera", kViewAngle);
     return;
   }
   read_focal_length(plugin, scene);
@@ -46,9 +45,7 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
 
 /// What every camera has: where it is, what it sees along its view, and effects that are no lens'.
 void read_place(PluginReader& plugin, SceneDescription& scene) {
-  plugin.settings(scene, "camera",
-                  Names{"near_clip", "far_clip", "principal_point_offset_x", "principal_point_offset_y",
-                        "magnify_red", "magnify_green", "magnify_blue"});
+  plugin.settings(scene, "camera", kPlace);
   const glm::dmat4 to_world = plugin.transform("to_world");
   if (const auto frame = without_scale(to_world)) {
     scene.camera.to_world = *frame;
@@ -72,9 +69,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
 }
 
 void read_lens(PluginReader& plugin, SceneDescription& scene) {
-  plugin.settings(scene, "camera",
-                  Names{"aperture_radius", "focus_distance", "blades", "blade_rotation", "refocus_red",
-                        "refocus_green", "refocus_blue"});
+  plugin.settings(scene, "camera", kLens);
   if (!plugin.has("focus_distance")) scene.camera.focus_distance = scene.camera.far_clip;
   if (!plugin.has("aperture_radius")) {
     plugin.wrong(fmt::format("{} needs an aperture_radius", plugin.title()));
@@ -84,7 +79,7 @@ void read_lens(PluginReader& plugin, SceneDescription& scene) {
 }
 
 void read_distortion(PluginReader& plugin, SceneDescription& scene) {
-  plugin.settings(scene, "camera", Names{"distortion_k1", "distortion_k2"});
+  plugin.settings(scene, "camera", kDistortion);
 }
 
 void read_perspective(PluginReader& plugin, SceneDescription& scene) {
@@ -128,17 +123,7 @@ void read_telecentric(PluginReader& plugin, SceneDescription& scene) {
   read_lens(plugin, scene);
 }
 
-struct FilterPlugin {
-  std::string_view type;
-  const char* ours;
-  Names parameters;
-};
-
 void read_filter(const Context& context, const Object& object, SceneDescription& scene) {
-  static const std::vector<FilterPlugin> kFilters = {
-      {"box", "box", {"radius"}},           {"tent", "tent", {"radius"}},
-      {"gaussian", "gaussian", {"stddev"}}, {"mitchell", "mitchell", {"b", "c"}},
-      {"catmullrom", "mitchell", {}},       {"lanczos", "lanczos", {}}};
   PluginReader plugin(context, object);
   const auto* filter = find_plugin(kFilters, object.type);
   if (filter == nullptr) {
@@ -151,9 +136,8 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
     scene.film.filter_c = 0.5f;
   }
   if (filter->type == "lanczos") {  // as wide as it has lobes
-    constexpr std::int64_t kMostLobes = 64;
-    std::int64_t lobes = 3;
-    plugin.read("lobes", lobes, WholeNumber{1, kMostLobes});
+    std::int64_t lobes = kFilterLobes;
+    plugin.read("lobes", lobes, WholeNumber{1, kMostFilterLobes});
     scene.film.filter_radius = float(lobes);
   }
   plugin.settings(scene, "film", filter->parameters, "rfilter_");
@@ -185,16 +169,9 @@ void read_format(PluginReader& plugin, Film& film) {
               OneOf<bool>{{{"float32", false}, {"float16", true}, {"uint32", false}}});
 }
 
-struct FilmPlugin {
-  std::string_view type;
-};
-/// That of spectral bands (specfilm) has no image in red, green and blue.
-constexpr FilmPlugin kFilms[] = {{"hdrfilm"}, {"ldrfilm"}, {"mfilm"}, {"tiledhdrfilm"}};
-
 void read_film(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
-  plugin.settings(scene, "film",
-                  Names{"width", "height", "crop_offset_x", "crop_offset_y", "crop_width", "crop_height"});
+  plugin.settings(scene, "film", kFilmSize);
   const Object* filter = plugin.only_nested("rfilter");
   if (find_plugin(kFilms, object.type) != nullptr) {
     read_format(plugin, scene.film);
@@ -210,26 +187,9 @@ void read_film(const Context& context, const Object& object, SceneDescription& s
   if (filter != nullptr) read_filter(context, *filter, scene);
 }
 
-/// Mitsuba's samplers, and what comes nearest to each.
-struct SamplerPlugin {
-  std::string_view type, nearest;
-};
-constexpr SamplerPlugin kSamplers[] = {
-    // Orthogonal arrays of versions before 3.
-    {"bose", "sobol"},
-    {"bush", "sobol"},
-    {"halton", "halton"},
-    {"hammersley", "halton"},
-    {"independent", "independent"},
-    {"ldsampler", "sobol"},
-    {"multijitter", "stratified"},
-    {"orthogonal", "sobol"},
-    {"sobol", "sobol"},
-    {"stratified", "stratified"}};
-
 void read_shown_sampler(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
-  plugin.settings(scene, "sampler", Names{"sample_count", "seed"});
+  plugin.settings(scene, "sampler", kSamplerSettings);
   if (const auto* sampler = find_plugin(kSamplers, object.type)) {
     choose(plugin, scene, "sampler.type", sampler->nearest);
     plugin.accept({"jitter", "scramble", "dimension", "strength"});

@@ -52,18 +52,18 @@ struct MeshFileShape : PlacedShape {
 struct ObjShape : MeshFileShape<ObjShape> {
   static constexpr bool kFlips = true;
   static constexpr const char* kPlugin = "obj";
-  static constexpr const char* kText = "triangles and polygons of a Wavefront file";
+  static constexpr const char* kText = "Wavefront OBJ file";
 };
 struct PlyShape : MeshFileShape<PlyShape> {
   static constexpr bool kFlips = false;
   static constexpr const char* kPlugin = "ply";
-  static constexpr const char* kText = "triangles and polygons of a PLY file, text or binary";
+  static constexpr const char* kText = "PLY file, text or binary";
 };
 
 struct SerializedShape : MeshFileShape<SerializedShape> {
   static constexpr bool kFlips = false;
   static constexpr const char* kPlugin = "serialized";
-  static constexpr const char* kText = "triangles of a compressed file of Mitsuba's";
+  static constexpr const char* kText = "Mitsuba's compressed mesh file";
   std::int64_t shape_index = 0;
 
   template <typename Row>
@@ -79,7 +79,7 @@ struct SerializedShape : MeshFileShape<SerializedShape> {
 
 struct SphereShape : PlacedShape {
   static constexpr const char* kPlugin = "sphere";
-  static constexpr const char* kText = "a sphere; its transform scales all directions alike";
+  static constexpr const char* kText = "sphere; its transform scales all directions alike";
   glm::dvec3 center{0.0};
   double radius = 1.0;
 
@@ -94,7 +94,7 @@ struct SphereShape : PlacedShape {
 struct CylinderShape : PlacedShape {
   static constexpr const char* kPlugin = "cylinder";
   static constexpr const char* kText =
-      "a cylinder without caps; its transform scales all directions across the axis alike";
+      "cylinder without caps; its transform scales all directions across the axis alike";
   glm::dvec3 p0{0.0}, p1{0.0, 0.0, 1.0};
   double radius = 1.0;
 
@@ -111,8 +111,7 @@ struct CylinderShape : PlacedShape {
 struct HeightfieldShape : PlacedShape {
   static constexpr const char* kPlugin = "heightfield";
   static constexpr const char* kText =
-      "the square from (-1, -1) to (1, 1), as high as a bitmap is bright: that of `filename`, or a nested "
-      "texture";
+      "square with the heights of an image; from (-1, -1) to (1, 1), by `filename` or a nested texture";
   std::string filename;
   double scale = 1.0;
   bool shading_normals = true;
@@ -144,19 +143,16 @@ struct CurvesShape : PlacedShape {
 };
 struct BsplineCurveShape : CurvesShape<BsplineCurveShape> {
   static constexpr const char* kPlugin = "bsplinecurve";
-  static constexpr const char* kText =
-      "tubes along cubic B-splines of control points in a file, as triangles";
+  static constexpr const char* kText = "hair and tubes along cubic B-splines, as triangles";
 };
 struct LinearCurveShape : CurvesShape<LinearCurveShape> {
   static constexpr const char* kPlugin = "linearcurve";
-  static constexpr const char* kText =
-      "cones between control points in a file, rounded at each, as triangles";
+  static constexpr const char* kText = "hair and tubes along straight segments, as triangles";
 };
 
 struct SdfGridShape : PlacedShape {
   static constexpr const char* kPlugin = "sdfgrid";
-  static constexpr const char* kText =
-      "where signed distances at the points of a grid in the unit cube are 0, as triangles";
+  static constexpr const char* kText = "surface where the signed distances of a grid are 0, as triangles";
   std::string filename;
   bool analytic = false;
 
@@ -180,15 +176,15 @@ struct PlainShape : PlacedShape {
 struct DiskShape : PlainShape<DiskShape> {
   static constexpr const char* kPlugin = "disk";
   static constexpr const char* kText =
-      "the unit disk, which faces z; one that its transform makes elliptic is a polygon of 512 sides";
+      "unit disk that faces z; one that its transform makes elliptic is a polygon of 512 sides";
 };
 struct RectangleShape : PlainShape<RectangleShape> {
   static constexpr const char* kPlugin = "rectangle";
-  static constexpr const char* kText = "the square from (-1, -1, 0) to (1, 1, 0), which faces z";
+  static constexpr const char* kText = "square from (-1, -1, 0) to (1, 1, 0) that faces z";
 };
 struct CubeShape : PlainShape<CubeShape> {
   static constexpr const char* kPlugin = "cube";
-  static constexpr const char* kText = "the cube from (-1, -1, -1) to (1, 1, 1), which faces outwards";
+  static constexpr const char* kText = "cube from (-1, -1, -1) to (1, 1, 1)";
 };
 
 /// One that has no parameters.
@@ -199,17 +195,15 @@ struct BareShape {
 struct ShapeGroupShape : BareShape {
   static constexpr const char* kPlugin = "shapegroup";
   static constexpr const char* kText =
-      "shapes that are in the scene wherever an `instance` of the group is, stored once; it may hold "
-      "instances "
-      "of others";
+      "shapes that instances place, stored once; it may hold instances of other groups";
 };
 struct MergeShape : BareShape {
   static constexpr const char* kPlugin = "merge";
-  static constexpr const char* kText = "the shapes that it holds, each with its own material";
+  static constexpr const char* kText = "several shapes as one, each with its own material";
 };
 struct InstanceShape {
   static constexpr const char* kPlugin = "instance";
-  static constexpr const char* kText = "the `shapegroup` that it holds, or refers to, in a place";
+  static constexpr const char* kText = "a `shapegroup` in a place; it holds the group, or refers to it";
   glm::dmat4 to_world{1.0};
 
   template <typename Row>

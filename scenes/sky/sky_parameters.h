@@ -87,10 +87,9 @@ struct SkyEmitter : SkyParameters {
   static constexpr const char* kPlugin = kPart == SkyPart::kSky   ? "sky"
                                          : kPart == SkyPart::kSun ? "sun"
                                                                   : "sunsky";
-  static constexpr const char* kText =
-      kPart == SkyPart::kSky   ? "a clear sky (Preetham et al. 1999), as an environment map"
-      : kPart == SkyPart::kSun ? "the sun alone, with the parameters of the sky"
-                               : "sky and sun together, with the parameters of the sky";
+  static constexpr const char* kText = kPart == SkyPart::kSky   ? "clear sky (Preetham et al. 1999)"
+                                       : kPart == SkyPart::kSun ? "sun without sky"
+                                                                : "clear sky and sun";
   template <typename Row>
   static void parameters(const Row& row) {
     SkyParameters::parameters(row);

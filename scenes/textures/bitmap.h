@@ -14,6 +14,7 @@ enum class BitmapFilter { kNearest, kBilinear, kTrilinear, kAnisotropic };
 
 struct BitmapTexture {
   static constexpr const char* kPlugin = "bitmap";
+  static constexpr const char* kText = "an image file";
   std::string filename;
   BitmapFilter filter = BitmapFilter::kBilinear;
   int wrap = WRAP_REPEAT, wrap_u = WRAP_REPEAT, wrap_v = WRAP_REPEAT;

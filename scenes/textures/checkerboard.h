@@ -8,6 +8,7 @@ namespace penumbra {
 
 struct CheckerboardTexture {
   static constexpr const char* kPlugin = "checkerboard";
+  static constexpr const char* kText = "two colours in squares";
   TexturedColour color0{glm::vec3(0.4f)};
   TexturedColour color1{glm::vec3(0.2f)};
 

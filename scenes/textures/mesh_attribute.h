@@ -14,6 +14,7 @@ inline OneOf<MeshAttribute> mesh_attributes() {
 
 struct MeshAttributeTexture {
   static constexpr const char* kPlugin = "mesh_attribute";
+  static constexpr const char* kText = "colours of the vertices or faces of a mesh";
   MeshAttribute attribute = MeshAttribute::kVertexColour;
   float scale = 1.0f;
 

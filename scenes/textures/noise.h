@@ -10,6 +10,7 @@ namespace penumbra {
 
 struct NoiseTexture {
   static constexpr const char* kPlugin = "noise";
+  static constexpr const char* kText = "value noise in octaves, between two colours";
   TexturedColour color0{glm::vec3(0.0f)};
   TexturedColour color1{glm::vec3(1.0f)};
   std::int64_t seed = 0;

@@ -8,6 +8,7 @@ namespace penumbra {
 
 struct ScaleTexture {
   static constexpr const char* kPlugin = "scale";
+  static constexpr const char* kText = "another texture, multiplied";
   TexturedColour scale{glm::vec3(1.0f)};
   int texture = kNoTexture;  ///< that it holds, without a name
 

@@ -33,7 +33,7 @@ const Entry* Section::find(std::string_view key) const {
 }
 
 const Entry* Section::take(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   return find(key);
 }
 

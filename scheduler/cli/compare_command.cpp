@@ -11,6 +11,7 @@
 #include <span>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
@@ -231,7 +232,7 @@ ExitCode compare(const CompareCommandOptions& options) {
 }
 
 void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
-  constexpr const char* kGroup = "What is measured";
+  constexpr const char* kGroup = "Metrics";
   command
       .add_option("--layer", options.compare.layer, "Layer or channel of an EXR: albedo, depth, samples.Y…")
       ->type_name("NAME")
@@ -242,7 +243,7 @@ void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
                   "Another reference, independent of B: squared errors become free of the noise of both")
       ->type_name("FILE")
       ->group(kGroup);
-  command.add_option("--epsilon", options.compare.epsilon, "Of relMSE, MAPE and SMAPE")
+  command.add_option("--epsilon", options.compare.epsilon, "Epsilon of relMSE, MAPE and SMAPE")
       ->check(number_from_zero())
       ->capture_default_str()
       ->type_name("E")
@@ -288,7 +289,7 @@ void add_z_options(CLI::App& command, CompareCommandOptions& options) {
 }
 
 void add_output_options(CLI::App& command, CompareCommandOptions& options) {
-  constexpr const char* kGroup = "Outputs";
+  constexpr const char* kGroup = group::kOutput;
   command
       .add_option("--json", options.json, "Write JSON; without FILE, or as -, to stdout instead of the table")
       ->expected(0, 1)
@@ -312,16 +313,15 @@ void add_output_options(CLI::App& command, CompareCommandOptions& options) {
             if (!options.range)
               throw CLI::ValidationError("--range", "'" + text + "' is not LOW,HIGH with LOW < HIGH");
           },
-          "Errors that the heat map shows darkest and brightest (default: flip 0,1; z 0,5; else 0 to the "
-          "99th "
-          "percentile)")
+          "Errors that the heat map shows darkest and brightest (default: 0,1 for flip, 0,5 for z, else 0 "
+          "to the 99th percentile)")
       ->type_name("LOW,HIGH")
       ->needs(heatmap)
       ->group(kGroup);
 }
 
 void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
-  constexpr const char* kGroup = "Exit code 1";
+  constexpr const char* kGroup = "Limits";
   command
       .add_option_function<std::vector<std::string>>(
           "--fail-above",
@@ -332,8 +332,9 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
               options.limits.push_back(*limit);
             }
           },
-          fmt::format("If the metric is larger, or a pixel NaN or infinite; repeatable. METRIC: {}",
-                      fmt::join(limit_metrics(), ", ")))
+          fmt::format(
+              "Exit code 1 if the metric is larger, or a pixel is NaN or infinite; repeatable. METRIC: {}",
+              fmt::join(limit_metrics(), ", ")))
       ->type_name("METRIC=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -348,29 +349,29 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
       ->type_name("E")
       ->check(number_from_zero())
       ->group(kGroup);
-  command.add_flag("--z-test", options.must_be_consistent, "If the images differ by more than their noise")
+  command
+      .add_flag("--z-test", options.must_be_consistent,
+                "Exit code 1 if the images differ by more than their noise")
       ->group(kGroup);
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("compare", "Error of image A against the reference B");
+  CLI::App* command = app.add_subcommand("compare", "Measure the error of an image against a reference");
   const auto options = std::make_shared<CompareCommandOptions>();
-  command->add_option("A", options->image, "Image")->check(some_text())->required();
+  command->add_option("A", options->image, "Image to measure")->check(some_text())->required();
   command->add_option("B", options->reference, "Reference, of the same size")->check(some_text())->required();
   add_metric_options(*command, *options);
   add_z_options(*command, *options);
   add_output_options(*command, *options);
   add_limit_options(*command, *options);
   command->footer(
-      "Any format that OpenImageIO reads; of an EXR the channels R, G, B. Values are compared as stored: "
-      "compare EXR\n"
-      "with EXR, PNG with PNG. The table says what each metric is. Pixels that are NaN or infinite are "
-      "counted and left\n"
-      "out. Penumbra's EXR files carry the variance of their pixels, which the z-test takes: it wants some "
-      "hundred\n"
-      "samples per pixel.\n\n"
+      "Reads any format that OpenImageIO reads; of an EXR the channels R, G, B. Values are compared as "
+      "stored: "
+      "compare EXR with EXR, PNG with PNG. The table says what each metric is. NaN and infinite pixels are "
+      "counted and left out. Penumbra's EXR files hold the variance of their pixels, which the z-test uses; "
+      "it needs about a hundred samples per pixel.\n\n"
       "Exit code: 0 compared, and within the limits; 1 a limit is exceeded; 2 bad usage or bad input.\n\n"
       "Examples:\n"
       "  penumbra compare cornell.exr reference.exr\n"

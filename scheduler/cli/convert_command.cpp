@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "scenes/mitsuba/scene_writer.h"
+#include "scenes/names.h"
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
@@ -20,6 +22,10 @@ struct ConvertOptions {
 };
 
 ExitCode convert(const ConvertOptions& options) {
+  if (to_lower_case(std::filesystem::path(options.output).extension().string()) != ".xml")
+    return print_error(
+               {fmt::format("'{}' does not end in .xml: what is written is Mitsuba 3 XML", options.output)}),
+           kBadInput;
   const auto scene = read_scene_with_options(options.scene);
   if (!scene) return print_error(scene.error()), kIncomplete;
   for (const std::string& warning : scene->warnings) print_warning(warning);
@@ -45,10 +51,12 @@ ExitCode convert(const ConvertOptions& options) {
 
 void add_convert_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand(
-      "convert", "Write a scene as a file of Mitsuba 3, its meshes as PLY files beside it");
+      "convert", "Write a scene as a Mitsuba 3 file, with its meshes as PLY files beside it");
   const auto options = std::make_shared<ConvertOptions>();
   add_scene_options(*command, options->scene);
-  command->add_option("output", options->output, "The file to write: OUT.xml")->required();
+  command->add_option("OUTPUT", options->output, "File to write, ends in .xml")
+      ->required()
+      ->group(group::kInput);
   command->footer("Examples:\n  penumbra convert scene.toml scene.xml");
   command->callback([options, &chosen] { chosen = [options] { return convert(*options); }; });
 }

@@ -1,12 +1,15 @@
-// `penumbra info SCENE`: what a scene holds, what it needs and what is left out for it.
+// `penumbra info SCENE`: what a scene holds; with --verbose also what it needs and what is left out for it.
 #include <fmt/format.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/loaded_scene.h"
+#include "scheduler/cli/scene_contents.h"
 #include "scheduler/cli/scene_costs.h"
+#include "scheduler/cli/text_layout.h"
 #include "scheduler/record/inventory.h"
 #include "scheduler/record/render_statistics.h"
 
@@ -15,12 +18,18 @@ namespace {
 
 struct InfoOptions {
   SceneOptions scene;
-  bool json = false;
+  bool json = false, verbose = false;
   bool compile = false;
   std::string opencl_device;
 };
 
-using Section = std::pair<std::string, std::vector<std::pair<std::string, std::string>>>;
+using Section = std::pair<std::string, NamedTexts>;
+constexpr const char* kFeature = "feature";  // of the summary's entries, those that are one
+
+struct SceneFacts {
+  SceneContents contents;
+  SceneInventory inventory;
+};
 
 std::size_t device_bytes(const DeviceScene& scene) {
   return sizeof(SceneHeader) + scene.words.size() * sizeof(std::uint32_t);
@@ -37,10 +46,9 @@ RenderRecord record_of(const SceneOptions& options, const LoadedScene& scene) {
   return record;
 }
 
-std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions& options,
-                                                             const LoadedScene& scene) {
+NamedTexts settings_of(const SceneOptions& options, const LoadedScene& scene) {
   const Film& film = scene.description.film;
-  std::vector<std::pair<std::string, std::string>> settings;
+  NamedTexts settings;
   settings.emplace_back("film", fmt::format("{} x {}", film.width, film.height));
   settings.emplace_back("crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y,
                                             film.crop_x + film.crop_width, film.crop_y + film.crop_height));
@@ -51,24 +59,32 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
   return settings;
 }
 
-std::string info_text(const SceneOptions& options, const LoadedScene& scene,
-                      const SceneInventory& inventory) {
-  std::string text = fmt::format("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
-  if (!scene.description.dialect.empty()) text += fmt::format("Dialect: {}\n", scene.description.dialect);
-  const std::vector<Section> sections = {{"Needs", scene.summary.needs},
-                                         {"Left out", scene.summary.left_out},
-                                         {"Settings", settings_of(options, scene)}};
-  for (const auto& [title, entries] : sections) {
-    if (entries.empty()) continue;
-    text += fmt::format("\n{}\n", title);
-    for (const auto& [name, value] : entries) text += fmt::format("  {:<32} {}\n", name, value);
-    if (title == "Left out") text += "\n" + inventory_text(inventory);
-  }
+/// What the device scene needs, but for the features, which are for --verbose.
+NamedTexts without_features(NamedTexts entries) {
+  std::erase_if(entries, [](const auto& entry) { return entry.first == kFeature; });
+  return entries;
+}
+
+std::string section_text(const Section& section, int columns) {
+  if (section.second.empty()) return "";
+  std::string text = fmt::format("\n{}\n", section.first);
+  for (const auto& [name, value] : section.second) text += described(name, value, 34, columns);
   return text;
 }
 
-std::string info_json(const SceneOptions& options, const LoadedScene& scene,
-                      const SceneInventory& inventory) {
+std::string info_text(const InfoOptions& options, const LoadedScene& scene, const SceneFacts& facts) {
+  const int columns = text_columns();
+  std::string text = fmt::format("{}, read and built in {:.3f} s\n", options.scene.scene, scene.seconds);
+  if (!scene.description.dialect.empty()) text += fmt::format("Dialect: {}\n", scene.description.dialect);
+  for (const Section& section : contents_text(facts.contents)) text += section_text(section, columns);
+  const auto& [needs, left_out] = std::tie(scene.summary.needs, scene.summary.left_out);
+  text += section_text({"Device scene", options.verbose ? needs : without_features(needs)}, columns);
+  text += section_text({"Left out", options.verbose ? left_out : without_features(left_out)}, columns);
+  if (options.verbose || options.compile) text += "\n" + inventory_text(facts.inventory);
+  return text + section_text({"Settings", settings_of(options.scene, scene)}, columns);
+}
+
+std::string info_json(const SceneOptions& options, const LoadedScene& scene, const SceneFacts& facts) {
   const SceneHeader& header = scene.device.header;  // its first material is black, for what has none
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
@@ -87,8 +103,9 @@ std::string info_json(const SceneOptions& options, const LoadedScene& scene,
       {"build_seconds", scene.seconds},
       {"needs", grouped_json(scene.summary.needs)},
       {"left_out", grouped_json(scene.summary.left_out)},
-      {"costs", inventory_json(inventory)},
+      {"costs", inventory_json(facts.inventory)},
       {"warnings", scene.description.warnings}};
+  add_contents(json, facts.contents);
   if (!scene.description.dialect.empty()) json["dialect"] = scene.description.dialect;
   // Names and paths are bytes, not always UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -97,16 +114,19 @@ std::string info_json(const SceneOptions& options, const LoadedScene& scene,
 ExitCode info(const InfoOptions& options) {
   const auto scene = load_scene(options.scene);
   if (!scene) return print_error(scene.error()), kBadInput;
-  SceneInventory inventory = scene_costs(scene->description, scene->device, best_isa(), true);
+  auto contents = contents_of(scene->description);
+  if (!contents) return print_error(contents.error()), kBadInput;
+  SceneFacts facts{std::move(*contents), scene_costs(scene->description, scene->device, best_isa(),
+                                                     options.json || options.verbose)};
   if (options.compile) {
     const auto times = measure_compile_times(scene->device, options.opencl_device);
     if (!times) return print_error(times.error()), kIncomplete;
-    inventory.opencl = *times;
+    facts.inventory.opencl = *times;
   }
   if (options.json) {
-    print_answer(info_json(options.scene, *scene, inventory));
+    print_answer(info_json(options.scene, *scene, facts));
   } else {
-    print_answer(info_text(options.scene, *scene, inventory));
+    print_answer(info_text(options, *scene, facts));
     for (const std::string& warning : scene->description.warnings) print_warning(warning);
   }
   return kAllDone;
@@ -115,15 +135,21 @@ ExitCode info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("info", "What a scene holds, what it needs, what is left out for it");
+  CLI::App* command = app.add_subcommand(
+      "info", "Show what a scene holds: size, geometry, textures, lights, files, settings");
   const auto options = std::make_shared<InfoOptions>();
   add_scene_options(*command, options->scene);
-  command->add_flag("--json", options->json, "Print JSON");
+  command->option_defaults()->group(group::kOutput);
+  command->add_flag("--json", options->json, "Print JSON, with all that --verbose shows");
+  command->add_flag("-v,--verbose", options->verbose,
+                    "Show the features that the scene uses, what is left out, and the bytes of each table");
   CLI::Option* compile = command->add_flag(
       "--compile", options->compile,
-      "Measure what compiling OpenCL kernels takes for this scene and with everything: half a minute");
-  command->add_option("--opencl-device", options->opencl_device, "On the device whose name contains this")
+      "Measure how long OpenCL kernels compile for this scene, and with all features: half a minute");
+  command
+      ->add_option("--opencl-device", options->opencl_device,
+                   "OpenCL device: its number, or part of its name or its platform's")
+      ->type_name("NAME")
       ->needs(compile);
   command->footer(
       "Examples:\n"

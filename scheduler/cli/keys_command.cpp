@@ -37,34 +37,31 @@ ExitCode make(MakeKeysOptions options) {
 
 void add_keys_command(CLI::App& app, Command& chosen) {
   CLI::App* command =
-      app.add_subcommand("keys", "Make certificates and tokens for schedulers that other hosts reach");
+      app.add_subcommand("keys", "Make certificates and tokens for schedulers that other hosts connect to");
   const auto options = std::make_shared<MakeKeysOptions>();
   const auto folder = std::make_shared<std::string>();
-  command->add_option("FOLDER", *folder, "Where to, a folder of its own")->required();
+  command->add_option("FOLDER", *folder, "Folder to write, which holds nothing else")->required();
+  command->option_defaults()->group("Certificates");
   command
-      ->add_option(
-          "--name", options->names,
-          "A host's name or address at which clients reach the scheduler; *.farm.example for all of a "
-          "domain (default: this host's names and addresses). localhost is always among them; may be "
-          "repeated")
+      ->add_option("--name", options->names,
+                   "A host name or address of the scheduler; *.farm.example for a whole domain (default: the "
+                   "names and "
+                   "addresses of this host). localhost is always included; repeatable")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--days", options->days, "How long the certificates are good")
+  command->add_option("--days", options->days, "Days until the certificates expire")
       ->type_name("N")
       ->check(whole_number(1, kMostDays))
       ->capture_default_str();
   command->add_flag("--force", options->force,
-                    "Replace what is there; every machine then needs the new ones");
+                    "Replace existing keys; every machine then needs the new ones");
   command->footer(
       "Connections from other hosts are encrypted (TLS 1.2 or 1.3), and both ends show a certificate of one "
-      "authority, which is\n"
-      "made here for this farm alone. What a client may do its token says: watch, work or submit. The files "
-      "are "
-      "their owner's\n"
-      "alone (mode 0600) and go to the other machines by ssh or a shared home. PENUMBRA_KEYS=FOLDER stands "
-      "for "
-      "--keys FOLDER.\n\n"
+      "authority, which is made here for this farm alone. The token says what a client may do: watch, work "
+      "or "
+      "submit. Only you can read the files (mode 0600); copy them to other machines by ssh or a shared home. "
+      "PENUMBRA_KEYS=FOLDER stands for --keys FOLDER.\n\n"
       "Examples:\n"
       "  penumbra keys ~/farm                                    for this host\n"
       "  penumbra keys ~/farm --name render1 --name 10.0.0.7\n"

@@ -3,11 +3,14 @@
 
 #include <exception>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/build_info.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
@@ -17,14 +20,25 @@ namespace {
 constexpr const char* kExamples =
     "Exit code: 0 all done, 1 something is incomplete or failed, 2 bad usage or bad input.\n\n"
     "Examples:\n"
-    "  penumbra render scenes/cornell/cornell.xml                    writes cornell.exr, cornell.png, "
-    "cornell.json "
-    "here\n"
+    "  penumbra render scenes/cornell/cornell.xml          cornell.exr, .png and .json in this folder\n"
     "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
     "  penumbra view scene.xml\n"
     "  penumbra info scene.xml\n"
     "  penumbra compare out/a.exr reference.exr\n"
     "  penumbra report scene.xml -o report --integrator path_ems --integrator path_mis";
+
+/// Of the commands, in the order of the help.
+const std::pair<const char*, std::vector<const char*>> kGroups[] = {
+    {"Render", {"render", "view", "preview", "worker"}},
+    {"Scenes", {"info", "convert", "plugins", "settings"}},
+    {"Measure", {"compare", "report", "stress"}},
+    {"Service", {"serve", "submit", "status", "prioritize", "cancel", "fetch", "keys"}},
+    {"Installation", {"completion", "man"}}};
+
+void group_commands(CLI::App& app) {
+  for (const auto& [group, commands] : kGroups)
+    for (const char* command : commands) app.get_subcommand(command)->group(group);
+}
 
 ExitCode run(int argc, char** argv) {
   const std::vector<std::string> command_line(argv, argv + argc);
@@ -34,15 +48,14 @@ ExitCode run(int argc, char** argv) {
   CLI::App app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
   app.set_version_flag("--version", build_info);
   app.require_subcommand(1);
-  app.footer(kExamples);
   Command chosen;
   add_render_command(app, command_line, chosen);
+  add_sibling_commands(app);
   add_preview_command(app, chosen);
   add_info_command(app, chosen);
-  add_keys_command(app, chosen);
-  add_settings_command(app, chosen);
-  add_plugins_command(app, chosen);
   add_convert_command(app, chosen);
+  add_plugins_command(app, chosen);
+  add_settings_command(app, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
   add_serve_command(app, chosen);
@@ -50,8 +63,11 @@ ExitCode run(int argc, char** argv) {
   add_status_command(app, chosen);
   add_change_commands(app, chosen);
   add_fetch_command(app, chosen);
-  add_sibling_commands(app);
+  add_keys_command(app, chosen);
   add_reference_commands(app, chosen);
+  app.footer(kExamples);
+  group_commands(app);
+  use_help_text(app);
   if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))
     return *answered;
   try {

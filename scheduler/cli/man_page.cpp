@@ -5,6 +5,9 @@
 #include <sstream>
 #include <vector>
 
+#include "scheduler/cli/help_text.h"
+#include "scheduler/cli/option_text.h"
+
 namespace penumbra {
 namespace {
 
@@ -32,25 +35,6 @@ std::string in_capitals(std::string text) {
 }
 
 std::string section(const std::string& title) { return ".SH " + escaped(in_capitals(title)) + "\n"; }
-
-/// What a value is called, and what it may be: "NAME:{a,b}" is NAME, and one of a, b.
-struct ValueType {
-  std::string name, values;
-};
-ValueType value_type(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t colon = type.find(':');
-  // Of an address the colon is a part.
-  if (colon == std::string::npos || (colon + 1 < type.size() && std::isupper((unsigned char)type[colon + 1])))
-    return {type, ""};
-  std::string values = type.substr(colon + 1);
-  if (values.starts_with("{") && values.ends_with("}")) {
-    values = "one of " + values.substr(1, values.size() - 2);
-    for (std::size_t at = values.find(','); at != std::string::npos; at = values.find(',', at + 2))
-      values.insert(at + 1, " ");
-  }
-  return {type.substr(0, colon), values};
-}
 
 std::string sentence_end(const std::string& text) {
   return text.empty() || text.ends_with('.') || text.ends_with('"') ? "" : ".";

@@ -9,6 +9,8 @@
 namespace penumbra {
 namespace {
 
+constexpr std::int64_t kUnlimited = std::int64_t(1) << 31;  // in practice
+
 /// `wrong` says what is wrong with a finite number, or nothing.
 CLI::Validator number_check(std::function<std::string(double)> wrong, const std::string& help) {
   return {[wrong = std::move(wrong)](const std::string& text) {
@@ -25,7 +27,7 @@ CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
             const auto value = parse_integer(text, low, high);
             return value ? std::string() : value.error().message;
           },
-          fmt::format("{} to {}", low, high)};
+          high < kUnlimited ? fmt::format("{} to {}", low, high) : fmt::format("{} or more", low)};
 }
 
 CLI::Validator number_between(double low, double high) {

@@ -26,18 +26,16 @@ ExitCode preview(const RenderOptions& options) {
 }  // namespace
 
 void add_preview_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("preview", "Wait for windows (penumbra-view), and render what they ask for");
+  CLI::App* command = app.add_subcommand("preview", "Wait for windows, and render what they ask for");
   const auto options = std::make_shared<RenderOptions>();
   add_preview_options(*command, *options);
   command->footer(
-      "`penumbra-view SCENE` starts this by itself. Start it by hand where the scene and the processors are, "
-      "and "
-      "connect from elsewhere:\n"
+      "`penumbra view SCENE` starts this itself. Start it by hand on the machine that has the scene and the "
+      "processors, and connect from another one:\n"
       "  there$ penumbra preview scene.xml --workers 8 --threads 4 --listen 127.0.0.1:7000\n"
       "  here$  ssh -N -L 7000:127.0.0.1:7000 there &\n"
-      "  here$  PENUMBRA_TOKEN=... penumbra-view --connect 127.0.0.1:7000\n"
-      "Nothing is rendered while no window wants samples. Ends by Ctrl-C.");
+      "  here$  PENUMBRA_TOKEN=... penumbra view --connect 127.0.0.1:7000\n"
+      "Nothing is rendered while no window wants samples. Ctrl-C ends it.");
   command->callback([options, &chosen] { chosen = [options] { return preview(*options); }; });
 }
 

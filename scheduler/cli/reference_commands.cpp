@@ -31,29 +31,29 @@ std::vector<Candidate> values_of(const std::string& type, const std::string& typ
 }  // namespace
 
 void add_reference_commands(CLI::App& app, Command& chosen) {
-  CLI::App* completion =
-      app.add_subcommand("completion", "Print what a shell loads to complete this command");
+  CLI::App* completion = app.add_subcommand("completion", "Print the completion script of a shell");
   auto shell = std::make_shared<std::string>();
-  completion->add_option("SHELL", *shell, "Which shell")
+  completion->add_option("SHELL", *shell, "Shell")
       ->type_name("NAME")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   completion->footer(
-      "Packages install it. By hand:\n  bash: penumbra completion bash > "
-      "~/.local/share/bash-completion/completions/penumbra\n  zsh:  penumbra completion zsh > a folder of "
-      "$fpath, as _penumbra\n  fish: penumbra completion fish > ~/.config/fish/completions/penumbra.fish");
+      "Packages install it. By hand:\n"
+      "  bash: penumbra completion bash > ~/.local/share/bash-completion/completions/penumbra\n"
+      "  zsh:  penumbra completion zsh > _penumbra, in a folder of $fpath\n"
+      "  fish: penumbra completion fish > ~/.config/fish/completions/penumbra.fish");
   completion->callback([&chosen, shell] {
     chosen = [shell] {
       print_answer(completion_script(*shell));
       return kAllDone;
     };
   });
-  CLI::App* man = app.add_subcommand("man", "Print a page of the manual, of the program or of a command");
+  CLI::App* man = app.add_subcommand("man", "Print a manual page of the program or of a command");
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(command->get_name());
   man->add_option_function<std::string>(
-         "COMMAND", [](const std::string&) {}, "Which command")
+         "COMMAND", [](const std::string&) {}, "Command")
       ->type_name("NAME")
       ->check(CLI::IsMember(names));
   man->footer("Examples:\n  penumbra man render | man -l -");

@@ -66,7 +66,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   }
   if (outcome->complete) remove_checkpoint(prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
-  if (show) print_summary(*outcome, prepared.files);
+  if (show) print_summary(*outcome, prepared);
   // A target error takes independent samples, and who has named a sampler has chosen.
   if (show && !options.scene.sampler && !options.target_error &&
       prepared.scene.description.sampler.kind == SamplerKind::kIndependent)
@@ -79,45 +79,32 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
 }  // namespace
 
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand("render", "Render scenes with worker processes on this machine");
+  CLI::App* command = app.add_subcommand("render", "Render scenes");
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(*command, *options);
   command->footer(
-      "Writes the image as EXR with layers (see the README), the same as PNG (clamped, sRGB) and a JSON "
-      "statistics.\n"
-      "The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone (and with Embree "
-      "on --isa): not "
-      "on\n"
-      "workers, threads or tiles (but for --target-error and --adaptive). Ctrl-C, or a terminal that is "
-      "closed, keeps what is done, marked "
-      "incomplete; a "
-      "second\n"
-      "Ctrl-C ends at once. What an interrupted render has done, also one that was killed, is in a file "
-      "IMAGE.checkpoint\n"
-      "beside the image, and the same command goes on with it: to the same image. Another render of that "
-      "image\n"
-      "is refused unless --restart replaces it. The files appear together at the "
-      "end, and missing folders are made; of two "
-      "renders to "
-      "the same\n"
-      "files the one that ends last wins whole. Where the folder is full or gone by then, they go to TMPDIR "
-      "(exit "
-      "code 1).\n"
-      "Several scenes are rendered one after the other by the same workers, each into its file of the folder "
-      "-o; a bad one does not stop the others, and jobs.json there says what became of each. What is there "
-      "already, unchanged, is left as it is (--force). A job file, TOML with [[render]] tables, says which "
-      "renders there are to be: scenes, seeds, integrators, frames and what else is varied.\n"
-      "By default one worker uses all cores; several cost a copy of the scene each and survive each other's "
-      "crashes.\n\n"
+      "Writes the image as EXR with layers (see the README), the same as PNG (clamped, sRGB), and statistics "
+      "as JSON. The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone, with "
+      "Embree also on --isa: not on workers or threads.\n\n"
+      "Ctrl-C, or closing the terminal, keeps what is done, marked incomplete; a second Ctrl-C ends at once. "
+      "What an interrupted or killed render has done is in IMAGE.checkpoint beside the image, and the same "
+      "command continues it to the same image. Another render of that image is refused unless --restart "
+      "replaces it.\n\n"
+      "The files appear together at the end; missing folders are made. Of two renders to the same files, the "
+      "last to end wins whole. Where the folder is full or gone by then, they go to TMPDIR (exit code 1).\n\n"
+      "Several scenes are rendered one after the other by the same workers, each into its file in the folder "
+      "-o. A bad scene does not stop the others; jobs.json there says what became of each. Images that are "
+      "there and would be the same are kept (--force renders them again). A job file is TOML with [[render]] "
+      "tables: scenes, seeds, integrators, frames and other options.\n\n"
+      "By default one worker uses all cores. Several workers need a copy of the scene each, and survive each "
+      "other's crashes.\n\n"
       "Examples:\n"
-      "  penumbra render scenes/cornell/cornell.xml              writes cornell.exr, cornell.png, "
-      "cornell.json here\n"
+      "  penumbra render scenes/cornell/cornell.xml          cornell.exr, .png and .json in this folder\n"
       "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
-      "  penumbra render a.xml b.xml -o out/ --spp 64           writes out/a.exr, out/b.exr, ..., "
-      "out/jobs.json\n"
-      "  penumbra render scene.xml -o out/a.exr --spp 4096       again: goes on where it was interrupted\n"
+      "  penumbra render a.xml b.xml -o out/ --spp 64        out/a.exr, out/b.exr, out/jobs.json, ...\n"
+      "  penumbra render scene.xml -o out/a.exr --spp 4096   continues where it was interrupted\n"
       "  penumbra render rooms/*/scene.xml -o 'out/{folder}.exr'\n"
-      "  penumbra render jobs.toml                              every render that the file describes\n"
+      "  penumbra render jobs.toml                           every render that the file describes\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"
       "  penumbra render scene.xml --pixel 200,100 --spp 64");

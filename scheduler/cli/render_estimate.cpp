@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "scheduler/cli/progress.h"
+#include "scheduler/cli/text_layout.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/plan/tile_grid.h"
@@ -140,26 +141,21 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
 }
 
 std::string estimate_text(const RenderEstimate& e) {
-  const auto bytes_text = [](double bytes) {
-    return bytes < 1e6   ? fmt::format("{:.1f} kB", bytes * 1e-3)
-           : bytes < 1e8 ? fmt::format("{:.1f} MB", bytes * 1e-6)
-                         : fmt::format("{:.2f} GB", bytes * 1e-9);
-  };
   const auto line = [](const char* name, const std::string& text) {
     return fmt::format("  {:<18} {}\n", name, text);
   };
   std::string text = "Plan\n";
   text += line("samples", fmt::format("{:.4g}", double(e.plan.samples)));
   text += line("units", fmt::format("{}: {} tiles, {} passes", e.plan.units, e.plan.tiles, e.plan.passes));
-  text += line("results", bytes_text(double(e.plan.result_bytes)) + " from workers to the scheduler");
-  text += line("scene", bytes_text(double(e.plan.scene_bytes)) + " to each worker that has it not");
-  text += line("scheduler", bytes_text(double(e.plan.scheduler_memory_bytes)) + " of memory");
+  text += line("results", size_text(double(e.plan.result_bytes)) + " from workers to the scheduler");
+  text += line("scene", size_text(double(e.plan.scene_bytes)) + " to each worker that has it not");
+  text += line("scheduler", size_text(double(e.plan.scheduler_memory_bytes)) + " of memory");
   text += "Measured here\n";
   text += line("samples", fmt::format("{:.4g} in {:.1f} s{}", double(e.measured.samples), e.measured.seconds,
                                       e.measured.covered < 1 ? fmt::format(", of {:.0f}% of the image only",
                                                                            e.measured.covered * 100)
                                                              : ""));
-  text += line("worker", bytes_text(double(e.measured.worker_memory_bytes)) +
+  text += line("worker", size_text(double(e.measured.worker_memory_bytes)) +
                              fmt::format(" of memory, ready after {:.2f} s", e.measured.start_seconds));
   text += "Estimate\n";
   if (e.samples < double(e.plan.samples))

@@ -55,6 +55,19 @@ std::string samples_text(std::uint64_t least, std::uint64_t most) {
   return least == most ? counted(least, "sample") : fmt::format("{} to {} samples", least, most);
 }
 
+std::string range_text(std::uint64_t least, std::uint64_t most) {
+  return least == most ? fmt::to_string(least) : fmt::format("{}–{}", least, most);
+}
+
+/// Of a pixel; where a time budget ended the render, of how many.
+std::string samples_of_pixel(const RenderOutcome& outcome, const RenderJob& job) {
+  const SampleRange range = sample_range(outcome.film);
+  const bool is_cut = outcome.complete && job.time_budget && !outcome.ended_by_tile && range.least < job.spp;
+  if (!is_cut) return samples_text(range.least, range.most) + " per pixel";
+  return fmt::format("{} of {} samples per pixel: ended by the budget,", range_text(range.least, range.most),
+                     job.spp);
+}
+
 /// Of BAD_BOUNDARY, the name of the shape that the first of them met.
 std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples& samples) {
   const auto name = prepared.scene.boundary_names.find(samples.shape);
@@ -63,24 +76,19 @@ std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples&
 
 }  // namespace
 
-void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
+void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared) {
   std::vector<std::string> names;
-  for (const auto& file : files.all()) names.push_back(file.string());
+  for (const auto& file : prepared.files.all()) names.push_back(file.string());
   const std::string where = names.empty() ? "" : fmt::format("wrote {}: ", fmt::join(names, ", "));
-  const auto [least, most, total] = sample_range(outcome.film);
-  const std::string spp = samples_text(least, most);
-  print_remark(fmt::format("{}{} x {} pixels, {} per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
-                           outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
+  print_remark(fmt::format("{}{} x {} pixels, {} in {:.2f} s, {:.2f} Msamples/s\n", where,
+                           outcome.film.width(), outcome.film.height(),
+                           samples_of_pixel(outcome, prepared.job), outcome.seconds,
                            samples_per_second(outcome) * 1e-6));
 }
 
-// Squared errors relative to those of independent samples, which fall as 1 / samples: what is left is the
-// share of the samples, and of the time, that the same error takes. See "Samples" in kernels/README.md.
+// Measured: see "Samples" in kernels/README.md.
 void print_sampler_advice() {
-  print_remark(
-      "The scene asks for independent samples. With --sampler sobol the same error took 0.57 to 0.8 of them "
-      "in "
-      "six of eight scenes at 16 per pixel, and that of means of 4 x 4 pixels 0.27 to 0.75 in seven\n");
+  print_remark("hint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
 }
 
 // At edges, and where a boundary meets another surface, rounding decides which is crossed first: of a closed

@@ -25,9 +25,10 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
                         bool stopped);
 
-void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
+/// Files, size, samples, time; says so where a time budget has ended it.
+void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared);
 
-/// What --sampler sobol would save, to somebody whose scene file asks for independent samples.
+/// A line for somebody whose scene file asks for independent samples.
 void print_sampler_advice();
 
 /// Samples that are not as they should be, and variances that no file holds, as warnings, or as errors with

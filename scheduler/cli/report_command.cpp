@@ -171,30 +171,24 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
 }  // namespace
 
 void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand(
-      "report", "Error against run time: curves, slopes, equal-time pictures as one HTML page");
+  CLI::App* command =
+      app.add_subcommand("report", "Plot error against run time, as one HTML page with equal-time pictures");
   const auto options = std::make_shared<ReportOptions>();
   add_report_options(*command, *options);
   command->footer(
-      "Renders every scene with every method, sampler and backend at every budget, several seeds each, and "
-      "measures\n"
-      "the errors against a reference. Writes DIR/index.html (one file, needs no network), report.json, "
-      "report.csv,\n"
-      "plots/ and cells/, which holds the images. A report that was interrupted goes on from there; cells "
-      "are taken\n"
-      "up again only if scene, settings, the program and the stored images are the same. Let nothing else "
-      "run on the machine "
-      "meanwhile.\n\n"
+      "Renders every scene with every method, sampler and backend at every budget, with several seeds each, "
+      "and measures the errors against a reference. Writes DIR/index.html (one file, needs no network), "
+      "report.json, report.csv, plots/ and cells/, which holds the images. An interrupted report continues; "
+      "images are used again only if scene, settings and program are the same. Let nothing else run on the "
+      "machine meanwhile.\n\n"
       "Exit code: 0 all done; 1 stopped, or something failed; 2 bad usage or bad input.\n\n"
       "Examples:\n"
       "  penumbra report scene.xml -o out --integrator path_ems --integrator path_mis\n"
-      "  penumbra report scene.xml -o out --integrator path --integrator cv=path:nee=cv --spp 1..256 --seeds "
-      "10\n"
+      "  penumbra report scene.xml -o out --integrator path --integrator cv=path:nee=cv --spp 1..256\n"
       "  penumbra report a.xml b.xml -o out --backend native --backend opencl --threads 1\n"
       "  penumbra report scene.xml -o out --sampler independent --sampler stratified --sampler sobol\n"
-      "  penumbra report scene.xml -o out --reference truth.exr --target relmse=1e-3 --crop-view 100,80,64\n"
-      "  penumbra report scene.xml -o out --peer mitsuba-images      # "
-      "mitsuba-images/direct/0.35-seconds.exr");
+      "  penumbra report scene.xml -o out --reference truth.exr --target relmse=1e-3\n"
+      "  penumbra report scene.xml -o out --peer mitsuba-images      images/direct/0.35-seconds.exr, ...");
   command->callback([options, &command_line, &chosen] {
     chosen = [options, &command_line] { return report_command(*options, command_line); };
   });

@@ -7,6 +7,7 @@
 #include "scenes/diagnostic.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "worker/device.h"
 
@@ -33,7 +34,7 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::vector<
 }
 
 void add_comparison_options(CLI::App& command, ReportOptions& options) {
-  constexpr const char* kGroup = "What is compared";
+  constexpr const char* kGroup = "Methods and budgets";
   add_parsed(
       command, "--integrator", options.methods, parse_method,
       "A method: path, path:nee=cv, polygon_cv:alpha=auto,vis_samples=4, LABEL=…; repeatable (default: "
@@ -91,9 +92,10 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
 void add_reference_options(CLI::App& command, ReportOptions& options) {
   constexpr const char* kGroup = "Reference";
   command
-      .add_option("--reference", options.references,
-                  "Image file, or auto: two halves with their own seeds and, where there is one, another "
-                  "integrator")
+      .add_option(
+          "--reference", options.references,
+          "Image file, or auto: two halves with seeds of their own, and with another integrator where "
+          "there is one")
       ->type_name("[SCENE=]FILE|auto")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -113,17 +115,16 @@ void add_reference_options(CLI::App& command, ReportOptions& options) {
       ->check(whole_number(2, kMaxSamplesPerPixel).description(""))
       ->group(kGroup);
   add_parsed(command, "--reference-integrator", options.reference_methods, parse_method,
-             "Of both halves, or given twice of one each, as --integrator")
+             "Integrator of both halves, written as for --integrator; given twice, of one each")
       ->type_name("NAME[:KEY=VALUE,…]")
       ->group(kGroup);
 }
 
 void add_presentation_options(CLI::App& command, ReportOptions& options) {
-  constexpr const char* kGroup = "What is shown";
+  constexpr const char* kGroup = "Report";
   add_parsed(command, "--target", options.targets, parse_target,
-             "Time to this error is found: relmse=1e-3, mse=0.01, block_relmse=1e-3 (means of 4 x 4 pixels); "
-             "repeatable (default: the smallest relMSE "
-             "that all reach)")
+             "Find the time to this error: relmse=1e-3, mse=0.01, block_relmse=1e-3 (means of 4 x 4 pixels); "
+             "repeatable (default: the smallest relMSE that all reach)")
       ->type_name("METRIC=VALUE")
       ->group(kGroup);
   command
@@ -140,11 +141,11 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       ->group(kGroup);
   command
       .add_option("--crop-time", options.crop_seconds,
-                  "Seconds of those pictures (default: the longest that all methods have)")
+                  "Seconds of the equal-time pictures (default: the longest that all methods have)")
       ->type_name("S")
       ->check(positive_number().description(""))
       ->group(kGroup);
-  command.add_option("--exposure", options.exposure, "Of those pictures, in stops")
+  command.add_option("--exposure", options.exposure, "Exposure of the equal-time pictures, in stops")
       ->type_name("EV")
       ->check(number_between(-60, 60).description(""))
       ->capture_default_str()
@@ -156,18 +157,18 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       ->check(CLI::IsMember({"render", "total"}).description(""))
       ->capture_default_str()
       ->group(kGroup);
-  command.add_option("--epsilon", options.epsilon, "Of relMSE")
+  command.add_option("--epsilon", options.epsilon, "Epsilon of relMSE")
       ->type_name("E")
       ->check(positive_number().description(""))
       ->capture_default_str()
       ->group(kGroup);
-  command.add_flag("--no-plots", options.no_plots, "Tables and pictures only; without it gnuplot is needed")
+  command.add_flag("--no-plots", options.no_plots, "Tables and pictures only, without gnuplot")
       ->group(kGroup);
-  command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only")->group(kGroup);
+  command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
 }
 
 void add_cell_options(CLI::App& command, RenderOptions& render) {
-  constexpr const char* kGroup = "How it is rendered";
+  constexpr const char* kGroup = "Rendering";
   SceneOptions& scene = render.scene;
   command.add_option("-D", scene.defines, "Fill $NAME of the scene files; repeatable")
       ->type_name("NAME=VALUE")
@@ -181,15 +182,17 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->allow_extra_args(false)
       ->check(assignment())
       ->group(kGroup);
-  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")
+  command
+      .add_flag("--lenient", scene.lenient,
+                "Warn of what is unknown, missing or out of range, and render the rest")
       ->group(kGroup);
   command
       .add_option("--dialect", scene.dialect,
-                  "Of Nori's scenes: nori or nori-eth (default: what the file tells)")
+                  "Of Nori scenes: nori or nori-eth (default: told from the file)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"nori", "nori-eth"}).description(""))
       ->group(kGroup);
-  command.add_option("--seed", scene.seed, "From which all seeds are made (default: 0)")
+  command.add_option("--seed", scene.seed, "Seed from which all others are made (default: 0)")
       ->type_name("S")
       ->check(whole_number(0, kMaxSeed).description(""))
       ->group(kGroup);
@@ -213,7 +216,7 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->group(kGroup);
   command
       .add_option("--opencl-device", render.opencl_device,
-                  "Of --backend opencl: number of a device, or part of its or its platform's name")
+                  "OpenCL device: its number, or part of its name or its platform's")
       ->type_name("NAME")
       ->group(kGroup);
 }
@@ -221,10 +224,13 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportOptions& options) {
-  command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))->required();
+  command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))
+      ->required()
+      ->group(group::kInput);
   command.add_option("-o,--out", options.out, "Folder of the report; finished images stay in its cells/")
       ->required()
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->group(group::kOutput);
   add_comparison_options(command, options);
   add_reference_options(command, options);
   add_presentation_options(command, options);

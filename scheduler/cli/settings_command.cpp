@@ -1,32 +1,58 @@
 // `penumbra settings`: all that --set takes. `penumbra plugins`: all that scene files may hold.
-#include "scenes/plugin_reference.h"
-#include "scenes/settings.h"
+#include <memory>
+
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
+#include "scheduler/cli/reference_text.h"
+#include "scheduler/cli/text_layout.h"
 
 namespace penumbra {
+namespace {
+
+ExitCode print_reference(const std::string& name, std::string (*overview)(int),
+                         Expected<std::string> (*text)(const std::string&, int)) {
+  if (name.empty()) return print_answer(overview(text_columns())), kAllDone;
+  const auto found = text(name, text_columns());
+  if (!found) return print_error(found.error()), kBadInput;
+  return print_answer(*found), kAllDone;
+}
+
+}  // namespace
 
 void add_settings_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand(
-      "settings", "A table of all that --set and scene files may set: values, defaults, meaning");
-  command->footer("Examples:\n  penumbra settings");
-  command->callback([&chosen] {
-    chosen = [] {
-      print_answer(settings_table());
-      return kAllDone;
-    };
+  CLI::App* command = app.add_subcommand("settings", "List what --set takes: values, defaults, meaning");
+  const auto name = std::make_shared<std::string>();
+  command
+      ->add_option("NAME", *name,
+                   "A setting such as max_depth, or a group: integrator, sampler, film, camera (default: a "
+                   "list)")
+      ->group(group::kInput);
+  command->footer(
+      "Examples:\n"
+      "  penumbra settings\n"
+      "  penumbra settings camera\n"
+      "  penumbra settings integrator.max_depth");
+  command->callback([name, &chosen] {
+    chosen = [name] { return print_reference(*name, settings_overview, settings_text); };
   });
 }
 
 void add_plugins_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("plugins",
-                                         "A reference of the BSDFs, textures and emitters that Mitsuba's "
-                                         "files may name: parameters, values, defaults");
-  command->footer("Examples:\n  penumbra plugins");
-  command->callback([&chosen] {
-    chosen = [] {
-      print_answer(plugin_reference());
-      return kAllDone;
-    };
+  CLI::App* command =
+      app.add_subcommand("plugins", "List what Mitsuba's scene files may hold: plugins and their parameters");
+  const auto name = std::make_shared<std::string>();
+  command
+      ->add_option(
+          "NAME", *name,
+          "A plugin such as roughconductor, or a kind such as bsdf, shape or sensor (default: a list)")
+      ->group(group::kInput);
+  command->footer(
+      "Examples:\n"
+      "  penumbra plugins\n"
+      "  penumbra plugins sensor\n"
+      "  penumbra plugins roughconductor");
+  command->callback([name, &chosen] {
+    chosen = [name] { return print_reference(*name, plugins_overview, plugins_text); };
   });
 }
 

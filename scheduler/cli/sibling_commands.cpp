@@ -18,14 +18,12 @@ struct Sibling {
   const char *command, *program, *help, *hint;  ///< hint: where the program is missing
 };
 constexpr Sibling kSiblings[] = {
-    {"view", "penumbra-view",
-     "Open a window on a scene or on a render; `penumbra view --help` shows its options",
+    {"view", "penumbra-view", "Open a window on a scene, or on a render that is under way",
      "builds without GLFW, libepoxy and Dear ImGui leave it out: `.ci/install_packages.sh window` and a new "
      "build bring it"},
-    {"worker", "penumbra-worker", "Start penumbra-worker; `penumbra worker --help` shows its options",
+    {"worker", "penumbra-worker", "Render for a scheduler that runs elsewhere",
      "`cmake --build --preset release --target penumbra-worker` builds it"},
-    {"stress", "penumbra-stress",
-     "Stiff and extreme cases against truth of high precision; `penumbra stress --help` shows its options",
+    {"stress", "penumbra-stress", "Check stiff and extreme cases against high-precision references",
      "`cmake --build --preset release --target penumbra-stress` builds it"},
 };
 

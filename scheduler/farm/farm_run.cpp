@@ -57,7 +57,8 @@ Expected<void> FarmRun::start() {
 }
 
 void FarmRun::tell_how_to_watch() {
-  source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
+  if (server_->more_address().empty() || options_.keys)
+    source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
   if (options_.keys) {
     // Their tokens are nothing to print.

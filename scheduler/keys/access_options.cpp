@@ -14,7 +14,7 @@ CLI::Option* add_keys_option(CLI::App& app, std::string& folder, const std::stri
 }
 
 void add_client_access_options(CLI::App& app, std::string& folder) {
-  add_keys_option(app, folder, "For a scheduler at host:port with TLS");
+  add_keys_option(app, folder, "For a scheduler at HOST:PORT with TLS");
   add_token_refusal(app);
 }
 

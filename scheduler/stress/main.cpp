@@ -15,6 +15,7 @@
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
@@ -35,31 +36,37 @@ struct Options {
 };
 
 constexpr const char* kFooter =
-    "Exit code: 0 all cases that could be run pass, 1 one fails, 2 bad usage.\n\n"
+    "Exit code: 0 all cases that could run pass, 1 a case fails, 2 bad usage.\n\n"
     "Examples:\n"
     "  penumbra stress\n"
     "  penumbra stress --case polygon/ --case '*phong*1e5*'\n"
     "  penumbra stress --backend native --json stress.json --html stress.html";
 
 void add_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("Cases");
   app.add_option("--case", options.cases,
                  "Only cases whose name contains this, or matches it with * and ?; repeatable")
       ->type_name("NAME")
       ->expected(1);
   app.get_option("--case")->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--list", options.list, "Show the cases instead of running them");
-  app.add_option("--backend", options.backend, "native, opencl, or both")
+  app.option_defaults()->group(group::kWorkers);
+  app.add_option("--backend", options.backend, "What computes")
       ->check(CLI::IsMember({"native", "opencl", "both"}))
       ->type_name("NAME")
       ->capture_default_str();
-  app.add_option("--opencl-device", options.opencl_device, "Part of a platform's or device's name")
+  app.add_option("--opencl-device", options.opencl_device,
+                 "Part of the name of an OpenCL device or its platform")
       ->type_name("NAME");
   app.add_option("--threads", options.threads, "Threads of renders")
+      ->type_name("N")
       ->check(whole_number(1, kMaxThreads))
       ->capture_default_str();
+  app.option_defaults()->group(group::kOutput);
   app.add_option("--json", options.json, "Also write the table as JSON")->type_name("FILE");
   app.add_option("--html", options.html, "Also write the table as a page")->type_name("FILE");
   app.footer(kFooter);
+  use_help_text(app);
 }
 
 std::vector<Backend> make_backends(const Options& options) {
@@ -118,7 +125,7 @@ ExitCode run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace penumbra;
   begin_program("penumbra stress");
-  CLI::App app("Stiff and extreme cases against truth of high precision, on every backend",
+  CLI::App app("Check stiff and extreme cases against high-precision references, on every backend",
                "penumbra stress");
   stress::Options options;
   stress::add_options(app, options);

@@ -192,6 +192,7 @@ TEST(Settings, ErrorsSayWhatWouldBeRight) {
   EXPECT_THAT(error("integrator.max_dept", "3"),
               AllOf(HasSubstr("no setting 'integrator.max_dept'"),
                     HasSubstr("did you mean 'integrator.max_depth'?"), HasSubstr("film.width")));
+  EXPECT_THAT(error("max_depth", "3"), HasSubstr("'max_depth'; did you mean 'integrator.max_depth'?"));
   EXPECT_THAT(error("sampler.sample_count", "0"),
               HasSubstr("setting sampler.sample_count: '0' is not in the range from 1 to 2147483648"));
   EXPECT_THAT(error("film.width", "65537"), HasSubstr("from 1 to 65536"));

@@ -34,24 +34,29 @@ ExitCode change_all(const ChangeOptions& options, const Change& change) {
 }  // namespace
 
 void add_change_commands(CLI::App& app, Command& chosen) {
-  CLI::App* cancel = app.add_subcommand("cancel", "End jobs of a service; what is rendered of them is kept");
+  CLI::App* cancel = app.add_subcommand("cancel", "Cancel jobs; what is rendered of them is kept");
   const auto cancelled = std::make_shared<ChangeOptions>();
   add_jobs(*cancel, cancelled->jobs)->required();
   add_service_address(*cancel, cancelled->service);
+  cancel->footer("Examples:\n  penumbra cancel 12 13 --to unix:/tmp/farm.socket");
   cancel->callback([cancelled, &chosen] {
     chosen = [cancelled] {
       return change_all(*cancelled, [](JobsClient& service, JobId job) { return service.cancel({job}); });
     };
   });
 
-  CLI::App* prioritize = app.add_subcommand("prioritize", "Change the priority of jobs of a service");
+  CLI::App* prioritize = app.add_subcommand("prioritize", "Change the priority of jobs");
   const auto urgent = std::make_shared<ChangeOptions>();
   add_jobs(*prioritize, urgent->jobs)->required();
-  prioritize->add_option("--priority", urgent->priority, "The highest is rendered first; jobs begin with 0")
+  prioritize
+      ->add_option("--priority", urgent->priority,
+                   "The highest priority is rendered first; jobs begin with 0")
       ->type_name("P")
       ->check(whole_number(-kMostUrgent, kMostUrgent))
-      ->required();
+      ->required()
+      ->group("Jobs");
   add_service_address(*prioritize, urgent->service);
+  prioritize->footer("Examples:\n  penumbra prioritize 12 --priority 5 --to unix:/tmp/farm.socket");
   prioritize->callback([urgent, &chosen] {
     chosen = [urgent] {
       return change_all(*urgent, [&](JobsClient& service, JobId job) {

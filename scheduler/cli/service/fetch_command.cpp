@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/stop_signal.h"
@@ -111,22 +112,26 @@ ExitCode fetch(const FetchOptions& options) {
 }  // namespace
 
 void add_fetch_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("fetch", "Get the results of jobs of a service");
+  CLI::App* command = app.add_subcommand("fetch", "Fetch the images of jobs");
   const auto options = std::make_shared<FetchOptions>();
   CLI::Option* jobs = add_jobs(*command, options->jobs);
-  command->add_flag("--all", options->all, "Of every job that is over")->excludes(jobs);
+  command->add_flag("--all", options->all, "Every job that is over")->excludes(jobs)->group("Jobs");
   command->add_option("-o,--out", options->out, "Folder for the files, made if it is missing")
       ->type_name("FOLDER")
-      ->capture_default_str();
-  command->add_flag("--wait", options->wait,
-                    "First wait until the jobs are over, also while the service is away");
-  command->add_flag("--remove", options->remove, "The service then forgets the jobs and their files");
-  command->add_flag("-q,--quiet", options->quiet, "Do not list the files");
+      ->capture_default_str()
+      ->group(group::kOutput);
+  command
+      ->add_flag("--wait", options->wait,
+                 "Wait until the jobs are over, also while the service is not running")
+      ->group("Jobs");
+  command->add_flag("--remove", options->remove, "Then remove the jobs and their files from the service")
+      ->group("Jobs");
+  command->add_flag("-q,--quiet", options->quiet, "Do not list the files")->group(group::kGeneral);
   add_service_address(*command, options->service);
   command->footer(
-      "The exit code is 0 only if every job was done. What is left of jobs that were cancelled or are "
-      "incomplete is\n"
-      "fetched as well.\n\n"
+      "The exit code is 0 only if every job was done. What there is of jobs that were cancelled or are "
+      "incomplete is fetched too.\n\n"
+      "Examples:\n"
       "  penumbra fetch 12 13 --wait -o out/ --to unix:/tmp/farm.socket");
   command->callback([options, &chosen] { chosen = [options] { return fetch(*options); }; });
 }

@@ -4,6 +4,7 @@
 
 #include "kernels/host/user_folder.h"
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
@@ -23,28 +24,28 @@ std::string default_spool() {
 }  // namespace
 
 void add_serve_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("serve", "Wait for jobs (penumbra submit), and render them");
+  CLI::App* command = app.add_subcommand("serve", "Wait for jobs, and render them");
   const auto options = std::make_shared<ServiceOptions>();
   const auto spool = std::make_shared<std::string>(default_spool());
+  command->option_defaults()->group(group::kNetwork);
   command
       ->add_option(
           "--listen", options->listen,
-          "Address for clients, windows and further workers: unix:/path, or 127.0.0.1:PORT (0: any free "
-          "one), where tokens are asked for, which are printed; with --keys also of other hosts, "
-          "0.0.0.0:PORT "
-          "for all")
+          "Address for clients, windows and more workers: unix:/path, or 127.0.0.1:PORT (0: a free port) "
+          "with tokens, which are printed. With --keys other hosts too: 0.0.0.0:PORT for all")
       ->type_name("ADDRESS")
       ->check(some_text())
       ->required();
   add_keys_option(*command, options->keys, "TLS and tokens for --listen HOST:PORT");
-  command
-      ->add_option("--spool", *spool,
-                   "Folder of jobs, their scenes and results; one service at a time has it")
+  command->option_defaults()->group(group::kWorkers);
+  command->add_option("--spool", *spool, "Folder of jobs, scenes and results; used by one service at a time")
       ->type_name("FOLDER")
+      ->group("Jobs")
       ->capture_default_str();
   command
-      ->add_option("--workers", options->workers,
-                   "Worker processes on this machine; 0: only those that join (penumbra worker --connect)")
+      ->add_option(
+          "--workers", options->workers,
+          "Worker processes on this machine; 0: only workers that connect (penumbra worker --connect)")
       ->type_name("N")
       ->check(whole_number(0, kMaxWorkers))
       ->capture_default_str();
@@ -53,21 +54,18 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->check(whole_number(1, kMaxThreads));
   options->checkpoint_interval = kCheckpointInterval;
   command
-      ->add_option(
-          "--checkpoint-interval", options->checkpoint_interval,
-          "Keep what is rendered so often, or less often where that would take more than 1% of the time; 0: "
-          "never")
+      ->add_option("--checkpoint-interval", options->checkpoint_interval,
+                   "Time between checkpoints, longer where they would take more than 1% of it; 0: none")
       ->type_name("SECONDS")
       ->check(number_from_zero())
+      ->group("Jobs")
       ->capture_default_str();
   command->footer(
-      "Jobs come with their scenes, so a service needs no file system in common with its clients. They are "
-      "on disk\n"
-      "before `penumbra submit` says their numbers. Whatever ends the service (Ctrl-C, a crash, kill -9), "
-      "the next one\n"
-      "with the same folder goes on with what was rendered, to the same images. The highest priority is "
-      "rendered\n"
-      "first, then the oldest job; results wait in the folder for `penumbra fetch`.\n\n"
+      "Jobs come with their scenes: a service needs no file system in common with its clients. A job is on "
+      "disk before `penumbra submit` prints its number. After Ctrl-C, a crash or kill -9, the next service "
+      "with the same folder continues, to the same images. The highest priority is rendered first, then the "
+      "oldest job. Results wait in the folder for `penumbra fetch`.\n\n"
+      "Examples:\n"
       "  penumbra serve --listen unix:/tmp/farm.socket --workers 4\n"
       "  penumbra submit scene.xml --spp 256 --to unix:/tmp/farm.socket\n"
       "  penumbra status --watch --to unix:/tmp/farm.socket\n"

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kernels/host/console.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 
 namespace penumbra {
@@ -12,13 +13,15 @@ namespace penumbra {
 void add_service_address(CLI::App& command, ServiceAddress& address, bool with_keys) {
   command
       .add_option("--to", address.to,
-                  "Address of the service: unix:/path, or HOST:PORT, with --keys or with the token that it "
-                  "printed in "
-                  "PENUMBRA_TOKEN (default: PENUMBRA_SERVICE)")
+                  "Address of the service: unix:/path, or HOST:PORT with --keys, or with the token that it "
+                  "printed in PENUMBRA_TOKEN")
       ->type_name("ADDRESS")
       ->envname("PENUMBRA_SERVICE")
-      ->required();
-  if (with_keys) add_client_access_options(command, address.keys);
+      ->required()
+      ->group(group::kNetwork);
+  if (!with_keys) return;
+  add_client_access_options(command, address.keys);
+  command.get_option("--keys")->group(group::kNetwork);
 }
 
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address, KeyRole role) {
@@ -31,9 +34,10 @@ Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& a
 
 CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs) {
   return command
-      .add_option("JOB", jobs, "Numbers of jobs, as `penumbra submit` and `penumbra status` say them")
+      .add_option("JOB", jobs, "Numbers of jobs, as `penumbra submit` and `penumbra status` print them")
       ->type_name("JOB")
-      ->check(whole_number(1, std::numeric_limits<JobId>::max()));
+      ->check(whole_number(1, std::numeric_limits<JobId>::max()))
+      ->group("Jobs");
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/terminal_screen.h"
@@ -75,17 +76,19 @@ ExitCode status(const StatusOptions& options) {
 }  // namespace
 
 void add_status_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("status", "What a service does: jobs, workers, rates, time left");
+  CLI::App* command = app.add_subcommand("status", "Show jobs, workers, rates and time left");
   const auto options = std::make_shared<StatusOptions>();
   add_jobs(*command, options->jobs);
   CLI::Option* watched =
-      command->add_flag("--watch", options->watch, "A full screen that is kept up to date");
-  command->add_flag("--json", options->json, "For programs")->excludes(watched);
+      command->add_flag("--watch", options->watch, "Show a full screen that is kept up to date")
+          ->group(group::kOutput);
+  command->add_flag("--json", options->json, "Print JSON")->excludes(watched)->group(group::kOutput);
   add_service_address(*command, options->service);
   command->footer(
+      "`penumbra view --connect ADDRESS` shows the image that is being rendered.\n\n"
+      "Examples:\n"
       "  penumbra status --to unix:/tmp/farm.socket\n"
-      "  penumbra status 12 --json --to unix:/tmp/farm.socket\n"
-      "`penumbra view --connect ADDRESS` shows the image that is rendered at the moment.");
+      "  penumbra status 12 --json --to unix:/tmp/farm.socket");
   command->callback([options, &chosen] { chosen = [options] { return status(*options); }; });
 }
 

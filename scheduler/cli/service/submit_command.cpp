@@ -78,7 +78,7 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
 }  // namespace
 
 void add_submit_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand("submit", "Give renders to a service (penumbra serve)");
+  CLI::App* command = app.add_subcommand("submit", "Submit renders to a service");
   const auto options = std::make_shared<SubmitOptions>();
   add_render_options(*command, options->render);
   add_service_address(*command, options->service, false);
@@ -87,15 +87,15 @@ void add_submit_command(CLI::App& app, const std::vector<std::string>& command_l
       "or its part for users");
   command
       ->add_option("--priority", options->priority,
-                   "The highest is rendered first (default: the job file's, or 0)")
+                   "The highest priority is rendered first (default: the job file's, or 0)")
       ->type_name("P")
-      ->check(whole_number(-kMostUrgent, kMostUrgent));
+      ->check(whole_number(-kMostUrgent, kMostUrgent))
+      ->group("Jobs");
   command->footer(
       "Takes scenes and job files with the options of `penumbra render`. Scenes are read here and sent, each "
-      "once;\n"
-      "nothing but the number of each job is printed by --quiet. `-o` gives the results their names, which "
-      "`penumbra\n"
-      "fetch` writes to a folder of its own choice.\n\n"
+      "once. -o names the results; `penumbra fetch` chooses their folder. With --quiet only the number of "
+      "each job is printed.\n\n"
+      "Examples:\n"
       "  penumbra submit jobs.toml --to unix:/tmp/farm.socket\n"
       "  penumbra submit scene.xml --spp 4096 --priority 5 --to 127.0.0.1:7000");
   command->callback([options, command, &command_line, &chosen] {

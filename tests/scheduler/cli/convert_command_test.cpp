@@ -42,6 +42,19 @@ TEST_F(ConvertCommand, WritesTheSceneAndItsMeshesBesideIt) {
   EXPECT_THAT(folder_.names(), ElementsAre("a.obj", "new", "s-1.ply", "s.xml"));
 }
 
+TEST_F(ConvertCommand, WhatCannotBeWrittenIsSaidAndLeavesNothing) {
+  const std::vector<std::string> before = folder_.names();
+  for (const auto& [output, why] : {std::pair("out.obj", "'out.obj' does not end in .xml"),
+                                    std::pair("new/out", "'new/out' does not end in .xml"),
+                                    std::pair("new/", "'new/' does not end in .xml"),
+                                    std::pair("a.obj/new/t.xml", "cannot make the folder a.obj/new")}) {
+    const ProgramResult done = convert(output);
+    EXPECT_NE(done.exit_code, 0) << output;
+    EXPECT_THAT(done.err, HasSubstr(why));
+    EXPECT_EQ(folder_.names(), before) << output;
+  }
+}
+
 TEST_F(ConvertCommand, InputsAreNeverOutputs) {
   std::filesystem::create_symlink("s.xml", folder_ / "link.xml");
   for (const auto& [output, input] : {std::pair("s.xml", "s-1.ply"), std::pair("link.xml", "link.xml"),

@@ -40,6 +40,41 @@ TEST(InfoCommand, CountsWhatTheSceneHolds) {
   EXPECT_FALSE(json["left_out"].empty());
 }
 
+TEST(InfoCommand, SaysWhatTheFilesHold) {
+  const TemporaryFolder folder;
+  write_text(folder / "q.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+  write_text(folder / "s.xml", R"(<scene version="3.0.0">
+  <shape type="shapegroup" id="g"><shape type="ply"><string name="filename" value="q.ply"/></shape></shape>
+  <shape type="instance"><ref id="g"/></shape>
+  <shape type="instance"><ref id="g"/><transform name="to_world"><translate x="3"/></transform></shape>
+  <shape type="sphere"><point name="center" x="0" y="0" z="2"/><emitter type="area"/></shape>
+  <emitter type="point"/><emitter type="constant"/>
+</scene>)");
+  const ProgramResult text = run_penumbra(folder.path(), {"info", "s.xml"});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  for (const char* line :
+       {"\n  extent                          (-1, -1, 0) to (4, 1, 3)\n",
+        "\n  size                            5 x 2 x 3\n",
+        "\n  triangles                       2, 4 with instances\n",
+        "\n  instances                       2\n",
+        "\nLights\n  area                            1\n  constant                        1\n  point  ",
+        "\nFiles\n  s.xml  ", "q.ply  ", "\nDevice scene\n"})
+    EXPECT_THAT(text.out, HasSubstr(line));
+  EXPECT_THAT(text.out, AllOf(Not(HasSubstr("\n  feature ")), Not(HasSubstr("state of a path"))));
+  EXPECT_THAT(run_penumbra(folder.path(), {"info", "s.xml", "-v"}).out,
+              AllOf(HasSubstr("\n  feature "), HasSubstr("\nLeft out\n"), HasSubstr("state of a path")));
+  const auto json = nlohmann::json::parse(run_penumbra(folder.path(), {"info", "s.xml", "--json"}).out);
+  EXPECT_EQ(json["extent"]["size"], (nlohmann::json{5.0, 2.0, 3.0}));
+  EXPECT_EQ(json["lights_by_kind"]["area"], 1);
+  EXPECT_EQ(json["instances"], 2);
+  ASSERT_EQ(json["files"].size(), 2u);
+  EXPECT_EQ(json["files"][1]["bytes"], std::filesystem::file_size(folder / "q.ply"));
+  EXPECT_FALSE(json["left_out"].empty());
+}
+
 TEST(InfoCommand, SaysWhichDialectOfNoriItReads) {
   const TemporaryFolder folder;
   write_text(folder / "n.xml",

@@ -55,17 +55,22 @@ std::vector<Numbered> numbers_of(const std::string& command) {
   const TemporaryFolder folder;
   const ProgramResult help = run_penumbra(folder.path(), {command, "--help"});
   EXPECT_EQ(help.exit_code, 0) << command;
-  // "  -o,--option TYPE:LOW to HIGH=DEFAULT ..."
-  static const std::regex option(
-      "^ +(?:-\\w,)?(--[a-z][a-z-]*)(?:,--[a-z-]+)* ([A-Z]+)(?![A-Za-z])([^ ]*(?: to [0-9]+)?)");
+  // "  -o, --option TYPE  what it is, in one or more lines [LOW to HIGH] …"
+  static const std::regex option("^  (?:-\\w, )?(--[a-z][a-z-]*)(?:, --[a-z-]+)* ([A-Z]+)(?![A-Za-z])");
+  static const std::regex limits("\\[(-?[0-9]+ to -?[0-9]+|-?[0-9]+ or more)\\]");
   std::vector<Numbered> numbers;
   std::istringstream lines(help.out);
+  bool is_number = false;
   for (std::string line; std::getline(lines, line);) {
     std::smatch found;
-    if (!std::regex_search(line, found, option)) continue;
-    EXPECT_TRUE(kNumbers.contains(found[2]) || kTexts.contains(found[2]))
-        << line << ": what kind of value is that?";
-    if (kNumbers.contains(found[2])) numbers.push_back({command, found[1], found[3]});
+    if (line.starts_with("  -")) is_number = false;
+    if (std::regex_search(line, found, option)) {
+      EXPECT_TRUE(kNumbers.contains(found[2]) || kTexts.contains(found[2]))
+          << line << ": what kind of value is that?";
+      is_number = kNumbers.contains(found[2]);
+      if (is_number) numbers.push_back({command, found[1], ""});
+    }
+    if (is_number && std::regex_search(line, found, limits)) numbers.back().limits = found[1];
   }
   return numbers;
 }
@@ -76,10 +81,11 @@ TEST_P(OptionNumbers, AreFiniteAndWithinTheirLimits) {
   const TemporaryFolder folder;
   for (const auto& [command, option, limits] : numbers_of(GetParam())) {
     Arguments bad = {"nan", "inf", "-inf", "1e999", "", "5x", "word"};
-    if (!kMayBeNegative.contains(option) && !limits.contains("-")) bad.insert(bad.end(), {"-1", "-1e-300"});
+    if (!kMayBeNegative.contains(option) && !limits.starts_with("-"))
+      bad.insert(bad.end(), {"-1", "-1e-300"});
     if (kMayBeInfinite.contains(option))
       std::erase_if(bad, [](const auto& v) { return v == "inf" || v == "1e999"; });
-    static const std::regex range(":(-?[0-9]+) to (-?[0-9]+)");
+    static const std::regex range("(-?[0-9]+) to (-?[0-9]+)");
     std::smatch found;
     if (std::regex_search(limits, found, range)) {
       bad.push_back(std::to_string(std::stoll(found[1]) - 1));

@@ -19,6 +19,7 @@ namespace penumbra {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -61,7 +62,8 @@ class RenderCommand : public ::testing::Test {
 };
 
 TEST_F(RenderCommand, SaysWhatSobolSavesWhereTheSceneAsksForIndependentSamples) {
-  const auto advice = HasSubstr("The scene asks for independent samples. With --sampler sobol");
+  const auto advice =
+      HasSubstr("\nhint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
   EXPECT_THAT(render({}).out, advice);
   EXPECT_THAT(render({"--sampler", "independent", "--force"}).out, Not(advice));
   EXPECT_THAT(render({"--sampler", "sobol", "--force"}).out, Not(advice));
@@ -321,7 +323,11 @@ TEST_F(RenderCommand, FeatureLayersCanBeLeftOut) {
 }
 
 TEST_F(RenderCommand, TimeBudgetEndsWithWholeUnitsInTheirOrder) {
-  render({"--spp", "100000000", "--pass", "4", "--tile", "8", "--time-budget", "0.3"});
+  const ProgramResult first =
+      render({"--spp", "100000000", "--pass", "4", "--tile", "8", "--time-budget", "0.3"});
+  EXPECT_THAT(first.out,
+              ContainsRegex("24 x 20 pixels, [0-9]+(–[0-9]+)? of 100000000 samples per pixel: ended "
+                            "by the budget, in "));
   const Image exr = image("s.exr");
   const std::size_t count = *exr.channel("samples.Y");
   EXPECT_GE(exr.at(0, 0, count), 4.0f);
