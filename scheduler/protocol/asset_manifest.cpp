@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
+#include <thread>
 
 #include "kernels/host/device_scene_tables.h"
 #include "scheduler/protocol/content_hash.h"
@@ -11,11 +13,27 @@
 namespace penumbra {
 namespace {
 
-void add_pieces(std::span<const std::uint8_t> bytes, std::vector<AssetPiece>& pieces) {
-  for (std::size_t at = 0; at < bytes.size(); at += kLargestPiece) {
-    const auto piece = bytes.subspan(at, std::min(kLargestPiece, bytes.size() - at));
-    pieces.push_back({content_hash(piece), piece.size()});
-  }
+using Bytes = std::span<const std::uint8_t>;
+
+void cut(Bytes bytes, std::vector<Bytes>& parts) {
+  for (std::size_t at = 0; at < bytes.size(); at += kLargestPiece)
+    parts.push_back(bytes.subspan(at, std::min(kLargestPiece, bytes.size() - at)));
+}
+
+/// With a thread for each two of the largest pieces: SHA-256 takes a second for one or two GB.
+std::vector<AssetPiece> hashed(const std::vector<Bytes>& parts, std::size_t bytes) {
+  std::vector<AssetPiece> pieces(parts.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < parts.size(); i = next++)
+      pieces[i] = {content_hash(parts[i]), parts[i].size()};
+  };
+  std::vector<std::jthread> others;
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  for (std::size_t i = 1; i < std::min(cores, bytes / (2 * kLargestPiece)); ++i) others.emplace_back(work);
+  work();
+  others.clear();
+  return pieces;
 }
 
 }  // namespace
@@ -33,15 +51,17 @@ std::size_t AssetManifest::bytes() const {
 
 AssetManifest make_manifest(std::span<const std::uint8_t> head, std::span<const std::uint8_t> body,
                             std::span<const std::size_t> starts) {
-  AssetManifest manifest;
-  add_pieces(head, manifest.pieces);
+  std::vector<Bytes> parts;
+  cut(head, parts);
   std::size_t from = 0;
   for (const std::size_t start : starts) {
     const std::size_t to = std::clamp(start, from, body.size());
-    add_pieces(body.subspan(from, to - from), manifest.pieces);
+    cut(body.subspan(from, to - from), parts);
     from = to;
   }
-  add_pieces(body.subspan(from), manifest.pieces);
+  cut(body.subspan(from), parts);
+  AssetManifest manifest;
+  manifest.pieces = hashed(parts, head.size() + body.size());
   manifest.hash = hash_of_pieces(manifest.pieces);
   return manifest;
 }

@@ -178,9 +178,10 @@ TEST_F(SceneFetchTest, AnotherSceneUnderTheSameHashIsRefusedWhereverItIsFrom) {
   // Somebody else has written it into a cache that workers share.
   const TemporaryFolder folder;
   PieceCache cache(folder.path(), std::uint64_t(1) << 30);
-  cache.keep(manifest.pieces[1], twin.body().first(manifest.pieces[1].size));
+  const AssetPiece& piece = manifest.pieces.back();
+  cache.keep(piece, twin.body().last(piece.size));
   WorkerPieces pieces(cache);
-  ASSERT_TRUE(pieces.may_have(manifest.pieces[1]));
+  ASSERT_TRUE(pieces.may_have(piece));
   EXPECT_EQ(fetch(scene, &pieces), scene.serialize().size());
   EXPECT_THAT(cache.take_notes(), ElementsAre(HasSubstr("was damaged and is removed")));
   EXPECT_EQ(fetch(scene, &pieces), 0u) << "the cache holds the right one now";
