@@ -65,37 +65,44 @@ void camera_parameters(const Row& row) {
   row("projection", &C::projection,
       OneOf<Projection>{
           {{"perspective", Projection::kPerspective}, {"orthographic", Projection::kOrthographic}}},
-      "whether rays meet in the camera's origin or are parallel");
+      "perspective or parallel projection");
   row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0},
-      "full angle of the whole film, degrees; perspective");
-  row("fov_axis", &C::fov_axis, fov_axes(), "what the angle spans");
-  row("scale_x", &C::scale_x, kLength, "half the width that the film sees; orthographic");
-  row("scale_y", &C::scale_y, kLength, "half the height that it would see if it were square; orthographic");
-  row("near_clip", &C::near_clip, kLength, "nothing nearer along the view is seen", &Camera::near_clip);
-  row("far_clip", &C::far_clip, kLength, "nothing farther along the view is seen", &Camera::far_clip);
+      "full angle of view of the whole film, degrees; perspective");
+  row("fov_axis", &C::fov_axis, fov_axes(), "axis of the film that fov spans");
+  row("scale_x", &C::scale_x, kLength, "half the width of the view; orthographic");
+  row("scale_y", &C::scale_y, kLength, "half the height of the view of a square film; orthographic");
+  row("near_clip", &C::near_clip, kLength, "nearest distance along the view that is seen",
+      &Camera::near_clip);
+  row("far_clip", &C::far_clip, kLength, "farthest distance along the view that is seen", &Camera::far_clip);
   row("principal_point_offset_x", &C::principal_point_offset_x, Number<double>{LowEnd::kClosed, -1e3, 1e3},
-      "how far to the right of what is in the film's centre the picture is moved from, in widths");
+      "horizontal offset of the principal point from the film's centre, in film widths, as Mitsuba's");
   row("principal_point_offset_y", &C::principal_point_offset_y, Number<double>{LowEnd::kClosed, -1e3, 1e3},
-      "likewise downwards, in heights");
+      "vertical offset of the principal point from the film's centre, in film heights");
   row("aperture_radius", &C::aperture_radius, Number<double>{LowEnd::kClosed, 0.0, kFar},
-      "of the lens; 0: a pinhole", &Camera::lens_radius);
-  row("focus_distance", &C::focus_distance, kLength, "along the view: what is there is sharp");
-  row("blades", &C::blades, WholeNumber{0, 64},
-      "corners of the lens, which lie on its circle; 0: it is a disk", &Camera::blades);
+      "radius of the lens; 0: a pinhole", &Camera::lens_radius);
+  row("focus_distance", &C::focus_distance, kLength, "distance along the view that is in focus");
+  row("blades", &C::blades, WholeNumber{0, 64}, "corners of the lens, which lie on its circle; 0: a disk",
+      &Camera::blades);
   row("blade_rotation", &C::blade_rotation, Number<double>{LowEnd::kClosed, -3600.0, 3600.0},
-      "degrees from the left of the picture upwards to the first corner");
+      "rotation of the first corner, degrees from the left of the picture upwards");
   row("distortion_k1", &C::distortion_k1, Number<double>{LowEnd::kClosed, -1e6, 1e6},
-      "what belongs at r from the axis is at r (1 + k1 r^2 + k2 r^4), by tangents of the angles; below 0: a "
-      "barrel",
+      "radial distortion k1; r becomes r (1 + k1 r^2 + k2 r^4), in tangents of angles from the axis; below "
+      "0: a barrel",
       &Camera::k1);
-  row("distortion_k2", &C::distortion_k2, Number<double>{LowEnd::kClosed, -1e6, 1e6}, "likewise",
+  row("distortion_k2", &C::distortion_k2, Number<double>{LowEnd::kClosed, -1e6, 1e6}, "radial distortion k2",
       &Camera::k2);
-  row("magnify_red", &C::magnify_red, kShare, "share by which the red image is larger than the film's");
-  row("magnify_green", &C::magnify_green, kShare, "the green image");
-  row("magnify_blue", &C::magnify_blue, kShare, "the blue image");
-  row("refocus_red", &C::refocus_red, kShare, "share by which red is sharp farther away");
-  row("refocus_green", &C::refocus_green, kShare, "green");
-  row("refocus_blue", &C::refocus_blue, kShare, "blue");
+  row("magnify_red", &C::magnify_red, kShare,
+      "lateral chromatic aberration; share by which the red image is larger");
+  row("magnify_green", &C::magnify_green, kShare,
+      "lateral chromatic aberration; share by which the green image is larger");
+  row("magnify_blue", &C::magnify_blue, kShare,
+      "lateral chromatic aberration; share by which the blue image is larger");
+  row("refocus_red", &C::refocus_red, kShare,
+      "axial chromatic aberration; share by which the focus of red is farther");
+  row("refocus_green", &C::refocus_green, kShare,
+      "axial chromatic aberration; share by which the focus of green is farther");
+  row("refocus_blue", &C::refocus_blue, kShare,
+      "axial chromatic aberration; share by which the focus of blue is farther");
 }
 
 struct Film;

@@ -48,15 +48,14 @@ Setting parameter_row(const char* name, const Parameter& parameter, const Values
 Setting type_row() {
   std::vector<std::string> names;
   for (const auto& [name, method] : integrator_names()) names.emplace_back(name);
-  Setting setting{.key = "integrator.type",
-                  .kind = SettingKind::kText,
-                  .values = list_names(names),
-                  .description =
-                      "which integrator; parameters that the one before has as well are kept, and "
-                      "`path` is `path_mis`",
-                  .choices = names,
-                  .option = "integrator",
-                  .recorded = true};
+  Setting setting{
+      .key = "integrator.type",
+      .kind = SettingKind::kText,
+      .values = list_names(names),
+      .description = "integrator; path is path_mis; parameters that the one before has as well are kept",
+      .choices = names,
+      .option = "integrator",
+      .recorded = true};
   setting.apply = [names](RenderSettings& settings, std::string_view text) -> Expected<void> {
     const auto index = parse_name(text, names);
     if (!index) return std::unexpected(index.error());
@@ -73,7 +72,7 @@ Setting type_row() {
 Setting shading_samples_row() {
   const WholeNumber values{1, MAX_DIRECT_SAMPLES};
   Setting setting = setting_of("integrator.shading_samples", values,
-                               "emitter_samples and bsdf_samples at once; the vis_samples of `ao`");
+                               "emitter_samples and bsdf_samples at once; vis_samples of ao");
   const auto is_owner = [](const IntegratorSettings& integrator) {
     return integrator.is<DirectIntegrator>() || integrator.is<AmbientOcclusionIntegrator>();
   };

@@ -243,16 +243,16 @@ void integrator_parameters(const Row& row) {
       OneOf<DirectSampling>{{{"mats", DirectSampling::kBsdfOnly},
                              {"ems", DirectSampling::kEmitterOnly},
                              {"mis", DirectSampling::kMis}}},
-      "samples of BSDFs, of emitters, or of both", &P::direct_sampling);
+      "sampling strategies of direct light: BSDFs (mats), emitters (ems), or both (mis)",
+      &P::direct_sampling);
   row("only_bounces", PENUMBRA_PARAMETER(only_bounces), WholeNumber{-1, kMaxInt - 1},
-      "of the light, only what so many surfaces scattered (0: emitters seen directly, -1: all)",
+      "only light that this number of surfaces scattered (0: emitters seen directly, -1: all)",
       &P::only_bounces);
   row("only_technique", PENUMBRA_PARAMETER(only_technique),
       OneOf<PathTechnique>{{{"all", PathTechnique::kAll},
                             {"bsdf", PathTechnique::kBsdf},
                             {"emitter", PathTechnique::kEmitter}}},
-      "of the light, only what sampled directions met, or samples of emitters, as weighed by MIS",
-      &P::only_technique);
+      "only light of this sampling strategy, with its MIS weight", &P::only_technique);
   row("emitter_samples", PENUMBRA_PARAMETER(emitter_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
   row("bsdf_samples", PENUMBRA_PARAMETER(bsdf_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
@@ -271,57 +271,57 @@ void integrator_parameters(const Row& row) {
       OneOf<IndirectSampling>{{{"cosine", IndirectSampling::kCosine},
                                {"uniform", IndirectSampling::kUniform},
                                {"bsdf", IndirectSampling::kBsdf}}},
-      "density of these directions", &P::bsdf_sampling);
+      "density of the directions of indirect_samples", &P::bsdf_sampling);
   row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling), emitter_samplings(),
-      "density of points on area lights that do not say it themselves");
+      "density of points on area lights; a light may say its own");
   row("mis", PENUMBRA_PARAMETER(heuristic),
       OneOf<MisHeuristic>{{{"balance", MisHeuristic::kBalance}, {"power", MisHeuristic::kPower}}},
-      "heuristic that weighs samples of emitters and directions", &P::heuristic);
+      "MIS heuristic", &P::heuristic);
   row("light_choice", PENUMBRA_PARAMETER(light_choice),
       OneOf<LightChoice>{{{"auto", LightChoice::kAuto},
                           {"power", LightChoice::kPower},
                           {"analytic", LightChoice::kAnalytic},
                           {"tree", LightChoice::kTree}}},
-      "choice among lights: by power, by the unshadowed contribution of polygon lights, or by bounds of what "
-      "each may contribute");
-  row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{},
-      "whether anything blocks shadow rays", &P::trace_shadows);
+      "light sampling; by power, by the unshadowed contribution of polygon lights, or by a tree with bounds "
+      "of what each light may contribute");
+  row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{}, "whether shadow rays are traced",
+      &P::trace_shadows);
   row("lit_surfaces", PENUMBRA_PARAMETER(closed_where_lit),
       OneOf<bool>{{{"closed_form", true}, {"sampled", false}}},
-      "surfaces that see all of every light: `closed_form` is without noise and shadow rays where that is "
-      "possible, no image has another mean");
+      "direct light where nothing occludes it; closed_form is without noise and shadow rays where that is "
+      "possible, and has the same mean");
   row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
   row("occlusion_sampling", PENUMBRA_PARAMETER(sampling),
       OneOf<OcclusionSampling>{{{"cosine", OcclusionSampling::kCosine},
                                 {"hemisphere", OcclusionSampling::kHemisphere},
                                 {"sphere", OcclusionSampling::kSphere}}},
-      "density of the directions in which rays are traced");
+      "density of the directions of rays");
   row("occlusion_weighting", PENUMBRA_PARAMETER(weighting),
       OneOf<OcclusionWeighting>{
           {{"cosine", OcclusionWeighting::kCosine}, {"uniform", OcclusionWeighting::kUniform}}},
-      "what directions count for: in proportion to their cosine, or all the same", &P::weighting);
+      "weight of directions: their cosine, or uniform", &P::weighting);
   row("exponent", PENUMBRA_PARAMETER(exponent), Number<float>{LowEnd::kClosed, 0.0f, 1e6f},
-      "of the Phong lobe about the mirror direction", &P::exponent);
+      "exponent of the Phong lobe", &P::exponent);
   row("ray_length", PENUMBRA_PARAMETER(ray_length), Number<float>{LowEnd::kClosed, -1.0f, 1e30f},
-      "beyond this nothing blocks a ray (0: no limit; negative: half the radius of the sphere about the box "
+      "distance up to which surfaces occlude (0: no limit; negative: half the radius of the bounding sphere "
       "of all shapes)");
   row("background", PENUMBRA_PARAMETER(background), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
-      "what the camera sees where there is no surface", &P::background);
+      "value where the camera sees no surface", &P::background);
   row("nee", PENUMBRA_PARAMETER(next_event),
       OneOf<NextEvent>{{{"sample", NextEvent::kSample}, {"cv", NextEvent::kCv}}},
-      "samples of polygon lights alone, or with their closed form as control variate");
+      "next-event estimation; samples alone, or with the closed form of polygon lights as control variate");
   row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
       "weight of the control variate; auto: fitted for each pixel");
   row("estimator", PENUMBRA_PARAMETER(estimator),
       OneOf<CvEstimator>{{{"cv", CvEstimator::kCv}, {"ratio", CvEstimator::kRatio}}},
-      "control variate, or ratio estimator");
+      "estimator of polygon lights: control variate or ratio");
   row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
-      "whether the camera does not see lights");
+      "whether lights are invisible to the camera");
   row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),
       OneOf<HiddenEmitters>{
           {{"unlit", HiddenEmitters::kUnlit}, {"looked_through", HiddenEmitters::kLookedThrough}}},
-      "what the camera sees of hidden lights: their surface without light, or what is behind it");
+      "what the camera sees of invisible lights: their unlit surface, or what is behind it");
 }
 
 /// Each integrator with its defaults, by all its names.

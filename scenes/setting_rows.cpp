@@ -53,9 +53,10 @@ void add_file_rows(std::vector<Setting>& table) {
     table.back().matters = [=](const S& s) { return s.film.*member != Film{}.*member; };
   };
   add("film.pixel_format", OneOf<bool>{{{"rgb", false}, {"rgba", true}}}, &Film::alpha,
-      "`rgba`: with alpha, the share of a pixel's samples that met something or a sky that is seen");
+      "channels of the image; rgba has alpha, the share of a pixel's samples that met a surface or a visible "
+      "sky");
   add("film.component_format", OneOf<bool>{{{"float32", false}, {"float16", true}}}, &Film::half,
-      "of an EXR's colours and normals; variance, depth and counts keep 32 bits");
+      "precision of an EXR's colours and normals; variance, depth and counts keep 32 bits");
   add("film.compression",
       OneOf<ExrCompression>{{{"none", kNone},
                              {"rle", kRle},
@@ -67,7 +68,7 @@ void add_file_rows(std::vector<Setting>& table) {
                              {"b44a", kB44a},
                              {"dwaa", kDwaa},
                              {"dwab", kDwab}}},
-      &Film::compression, "of an EXR; from `pxr24` on it loses something");
+      &Film::compression, "compression of an EXR; lossy from pxr24 on");
 }
 
 /// Some numbers that make the camera's frame.
@@ -109,7 +110,7 @@ void add_sampler_rows(std::vector<Setting>& table) {
                                                  {"stratified", kStratified},
                                                  {"halton", kHalton},
                                                  {"sobol", kSobol}}},
-                             &S::sampler, &SamplerSettings::kind, "where samples come from"));
+                             &S::sampler, &SamplerSettings::kind, "sampler"));
   table.back().option = "sampler";
   table.push_back(member_row("sampler.sample_count", WholeNumber{1, kMaxSamplesPerPixel}, &S::sampler,
                              &SamplerSettings::spp, "samples per pixel"));
@@ -125,18 +126,18 @@ void add_film_rows(std::vector<Setting>& table) {
   table.push_back(row(
       "film.width", WholeNumber{1, kMaxFilmSide}, [](const S& s) { return s.film.width; },
       [](S& s, std::int64_t v) { resize(s.film.width, s.film.crop_x, s.film.crop_width, int(v)); },
-      "pixels; a crop window that was the whole film stays so"));
+      "width of the film in pixels; a crop window of the whole film stays so"));
   table.push_back(row(
       "film.height", WholeNumber{1, kMaxFilmSide}, [](const S& s) { return s.film.height; },
       [](S& s, std::int64_t v) { resize(s.film.height, s.film.crop_y, s.film.crop_height, int(v)); },
-      "pixels"));
+      "height of the film in pixels"));
   const auto crop = [&](const char* key, int low, int Film::*member, const char* description) {
     table.push_back(member_row(key, WholeNumber{low, kMaxFilmSide}, &S::film, member, description));
   };
   crop("film.crop_offset_x", 0, &Film::crop_x, "left edge of the crop window");
   crop("film.crop_offset_y", 0, &Film::crop_y, "upper edge of the crop window");
-  crop("film.crop_width", 1, &Film::crop_width, "pixels of the crop window");
-  crop("film.crop_height", 1, &Film::crop_height, "pixels of the crop window");
+  crop("film.crop_width", 1, &Film::crop_width, "width of the crop window");
+  crop("film.crop_height", 1, &Film::crop_height, "height of the crop window");
 
   const std::size_t first = table.size();
   table.push_back(row(
@@ -158,21 +159,20 @@ void add_film_rows(std::vector<Setting>& table) {
         s.film.filter_stddev = v;
         if (s.film.filter == kGaussian) use_filter(s.film, kGaussian);
       },
-      "of `gaussian`, in pixels; its radius becomes four times that"));
+      "standard deviation of the Gaussian filter in pixels; its radius becomes four times that"));
   only(kGaussian);
   table.push_back(member_row("film.rfilter_radius", Number<float>{LowEnd::kClosed, kMinRadius, kMaxRadius},
-                             &S::film, &Film::filter_radius, "half-width in pixels"));
+                             &S::film, &Film::filter_radius, "half-width of the filter in pixels"));
   table.push_back(member_row("film.rfilter_b", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
-                             &Film::filter_b, "B of `mitchell`"));
+                             &Film::filter_b, "B of the Mitchell filter"));
   only(kMitchell);
   table.push_back(member_row("film.rfilter_c", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
-                             &Film::filter_c, "C of `mitchell`"));
+                             &Film::filter_c, "C of the Mitchell filter"));
   only(kMitchell);
   table.push_back(member_row(
       "film.light_edges", OneOf<bool>{{{"closed_form", true}, {"sampled", false}}}, &S::film,
       &Film::closed_light_edges,
-      "edges of lights that the camera sees: `closed_form` is without noise where that is possible, no image "
-      "has another mean"));
+      "edges of visible lights; closed_form is without noise where that is possible, and has the same mean"));
   table.back().matters = [](const S& s) { return !s.film.closed_light_edges; };
   add_file_rows(table);
   for (std::size_t i = first; i < table.size(); ++i) table[i].recorded = true;

@@ -89,8 +89,9 @@ Expected<void> apply_setting(RenderSettings& settings, std::string_view key, std
     const std::string hint = without_group.empty()
                                  ? suggestion(to_snake_case(key), known)
                                  : fmt::format("; did you mean '{}'?", fmt::join(without_group, "' or '"));
-    return fail(fmt::format("there is no setting '{}'{} The settings are: {}", key, hint.empty() ? ";" : hint,
-                            list_names(known)));
+    if (!hint.empty())
+      return fail(fmt::format("there is no setting '{}'{} `penumbra settings` lists all", key, hint));
+    return fail(fmt::format("there is no setting '{}'; the settings are: {}", key, list_names(known)));
   }
   if (const auto done = setting->apply(settings, value); !done) {
     return fail(fmt::format("setting {}: {}", setting->key, done.error().message));

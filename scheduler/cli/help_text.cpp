@@ -56,7 +56,9 @@ class HelpText final : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
     const int columns = std::min(text_columns(), kTextColumns);
     std::string text = wrapped(app->get_description() + ".", 0, 0, columns) + "\n\n";
-    text += wrapped(make_usage(app, std::move(name)), 0, 4, columns) + "\n";
+    std::string usage = make_usage(app, std::move(name));
+    usage.erase(usage.find_last_not_of('\n') + 1);
+    text += wrapped(usage, 0, 4, columns) + "\n";
     text += commands(*app, columns) + options(*app, columns);
     if (const std::string footer = app->get_footer(); !footer.empty()) text += "\n";
     std::istringstream lines(app->get_footer());

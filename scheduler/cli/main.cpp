@@ -50,7 +50,6 @@ ExitCode run(int argc, char** argv) {
   app.require_subcommand(1);
   Command chosen;
   add_render_command(app, command_line, chosen);
-  add_sibling_commands(app);
   add_preview_command(app, chosen);
   add_info_command(app, chosen);
   add_convert_command(app, chosen);
@@ -58,6 +57,7 @@ ExitCode run(int argc, char** argv) {
   add_settings_command(app, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
+  add_sibling_commands(app);
   add_serve_command(app, chosen);
   add_submit_command(app, command_line, chosen);
   add_status_command(app, chosen);

@@ -113,9 +113,7 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
       ->group(group::kSampling);
 }
 
-void add_overrides(CLI::App& command, SceneOptions& options) {
-  add_scene_text_options(command, options);
-  add_sampling_options(command, options);
+void add_layer_options(CLI::App& command, SceneOptions& options) {
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers")
       ->group(group::kOutput);
 }
@@ -146,6 +144,12 @@ void add_device_options(CLI::App& command, RenderOptions& options) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
       ->group(group::kWorkers);
+}
+
+void add_overrides(CLI::App& command, SceneOptions& options) {
+  add_scene_text_options(command, options);
+  add_sampling_options(command, options);
+  add_layer_options(command, options);
 }
 
 /// Options for workers and viewers.
@@ -324,9 +328,11 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
                   "Scene files: " + list_names(scene_formats()) + "; or job files, TOML with [[render]]")
       ->required()
       ->group(group::kInput);
-  add_overrides(command, options.scene);
+  add_scene_text_options(command, options.scene);
+  add_sampling_options(command, options.scene);
   add_region_options(command, options);
   add_effort_options(command, options);
+  add_layer_options(command, options.scene);
   add_output_options(command, options);
   add_worker_options(command, options);
   command

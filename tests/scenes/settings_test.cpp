@@ -191,7 +191,8 @@ TEST(Settings, CameraFrames) {
 TEST(Settings, ErrorsSayWhatWouldBeRight) {
   EXPECT_THAT(error("integrator.max_dept", "3"),
               AllOf(HasSubstr("no setting 'integrator.max_dept'"),
-                    HasSubstr("did you mean 'integrator.max_depth'?"), HasSubstr("film.width")));
+                    HasSubstr("did you mean 'integrator.max_depth'? `penumbra settings` lists all")));
+  EXPECT_THAT(error("something", "3"), HasSubstr("the settings are: integrator.type, "));
   EXPECT_THAT(error("max_depth", "3"), HasSubstr("'max_depth'; did you mean 'integrator.max_depth'?"));
   EXPECT_THAT(error("sampler.sample_count", "0"),
               HasSubstr("setting sampler.sample_count: '0' is not in the range from 1 to 2147483648"));

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scenes/settings.h"
+#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/report_options.h"
 
@@ -38,7 +39,9 @@ TEST(OptionChecks, HelpHasTheLimits) {
   CLI::App app;
   RenderOptions options;
   add_render_options(app, options);
-  EXPECT_THAT(app.help(), HasSubstr("--spp N:1 to " + std::to_string(kMaxSamplesPerPixel)));
+  use_help_text(app);
+  EXPECT_THAT(app.help(), HasSubstr("[1 to " + std::to_string(kMaxTile) + "]"));
+  EXPECT_EQ(whole_number(1, kMaxSamplesPerPixel).get_description(), "1 or more") << "for all that matters";
   EXPECT_THAT(app.help(), HasSubstr("TOML"));
 }
 
