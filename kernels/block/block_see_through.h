@@ -5,7 +5,7 @@
 // are followed by block_see_lights.h.
 //
 // A ray is under way while its `ray_tmax` is above 0; one that has arrived is set aside until all have.
-// Surfaces in one place may be passed as one.
+// Surfaces in one place may be passed as one. A ray that has passed MOST_PASSED surfaces is absorbed.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
 #include "kernels/block/block_instances.h"
