@@ -75,7 +75,8 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
 }
 
 // Squared errors relative to those of independent samples, which fall as 1 / samples: what is left is the
-// share of the samples, and of the time, that the same error takes. See "Samples" in kernels/README.md.
+// share of the samples, and of the time, that the same error takes. See "Samplers" in
+// kernels/MEASUREMENTS.md.
 void print_sampler_advice() {
   print_remark(
       "The scene asks for independent samples. With --sampler sobol the same error took 0.57 to 0.8 of them "
