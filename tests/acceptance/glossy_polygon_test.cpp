@@ -186,7 +186,7 @@ double variance_of(SceneDescription scene, const IntegratorSettings& integrator)
   return mean_variance(render_or_throw(scene));
 }
 
-// See the table in kernels/polygon/README.md: here about 18, 45 and 45 times.
+// See the table in kernels/MEASUREMENTS.md: here about 18, 45 and 45 times.
 TEST(GlossyPolygonVariance, IsAFractionWithTheLobes) {
   const SceneDescription scene = room_of(rough_conductor(0.1f, DISTRIBUTION_GGX));
   IntegratorSettings lights = direct_integrator(2, 0);
