@@ -33,7 +33,7 @@
   X(LIGHT_TEXTURES, 0x1000000, "lights with textures")                        \
   X(CYLINDERS, 0x2000000, "cylinders")                                        \
   X(COVERAGE, 0x4000000, "alpha")                                             \
-  X(OWNERS, 0x8000000, "objects and materials of pixels")                     \
+  X(MATTES, 0x8000000, "objects and materials of pixels")                     \
   X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
   X(MEDIA, 0x20000000, "participating media")                                 \
   X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")          \
@@ -67,7 +67,7 @@
 #define FEATURE_LIGHT_TEXTURES 0x1000000
 #define FEATURE_CYLINDERS 0x2000000
 #define FEATURE_COVERAGE 0x4000000
-#define FEATURE_OWNERS 0x8000000
+#define FEATURE_MATTES 0x8000000
 #define FEATURE_PARTS 0x10000000
 #define FEATURE_MEDIA 0x20000000
 #define FEATURE_LIGHT_EDGES 0x40000000

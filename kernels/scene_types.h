@@ -89,8 +89,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BEND_NORMAL_MAP 1
 #define BEND_BUMP_MAP 2
 
-#define NOBODY 0             // the owner of what is no surface
-#define MAX_OWNERS 16777215  // numbers that a float holds exactly
+#define NO_MATTE 0           // the matte of what is no surface
+#define MAX_MATTES 16777215  // numbers that a float holds exactly
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
@@ -499,10 +499,10 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \
-  /* FEATURE_OWNERS: whose each triangle and then each quadric is, a number from 1 */  \
+  /* FEATURE_MATTES: whose each triangle and then each quadric is, a number from 1 */  \
   /* on; of a group's, to be added to the first number of the instance, from 0 on. */  \
-  T(A, owners, int, 1, "owners of primitives")                                         \
-  T(A, instance_owners, int, 1, "first owners of instances")                           \
+  T(A, mattes, int, 1, "mattes of primitives")                                         \
+  T(A, instance_mattes, int, 1, "first mattes of instances")                           \
   /* FEATURE_MEDIA: of each triangle and then each quadric its boundary, or -1. */     \
   T(A, media, Medium, 1, "media")                                                      \
   T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                         \
@@ -580,7 +580,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, light_cut)         /* nodes that have no parent */                                          \
   F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
   F(int, light_leaf_turns)  /* turns to any of a leaf's lights, 0 if leaves have one light each */   \
-  F(int, owner_count)       /* FEATURE_OWNERS: numbers of owners are at most that */                 \
+  F(int, matte_count)       /* FEATURE_MATTES: numbers of mattes are at most that */                 \
   F(int, camera_medium)     /* the medium in which the camera is */                                  \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(uint, edges_camera)     /* FEATURE_LIGHT_EDGES: camera_key of the one that sees the tables' */   \

@@ -76,16 +76,16 @@ FN int first_ratio_plane(uint features) {
   return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
 }
 
-// Behind those, of results that have them (FEATURE_OWNERS): pairs of planes, of an owner and how many of the
+// Behind those, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how many of the
 // pixel's samples met it.
 #define RATIO_PLANES 15
-#define MAX_OWNER_PAIRS 32
-FN int first_owner_plane(uint features) {
+#define MAX_MATTE_PAIRS 32
+FN int first_matte_plane(uint features) {
   return first_ratio_plane(features) + ((features & FEATURE_RATIO) != 0u ? RATIO_PLANES : 0);
 }
-/// How many pairs a unit of so many samples has: one for each owner that they can meet, and one for nobody.
-FN int owner_pairs(int sample_count) {
-  return sample_count + 1 < MAX_OWNER_PAIRS ? sample_count + 1 : MAX_OWNER_PAIRS;
+/// How many pairs a unit of so many samples has: one for each matte that they can meet, and one for nobody.
+FN int matte_pairs(int sample_count) {
+  return sample_count + 1 < MAX_MATTE_PAIRS ? sample_count + 1 : MAX_MATTE_PAIRS;
 }
 
 PENUMBRA_NAMESPACE_END

@@ -150,7 +150,7 @@ class NativeDevice final : public Device {
       for (int kind = 0; kind < BAD_KINDS; ++kind)
         result.flagged[std::size_t(kind)].add(flagged_samples(portable, bad[kind]));
     });
-    if ((scene_.header.features & FEATURE_OWNERS) != 0u) take_owners(result);
+    if ((scene_.header.features & FEATURE_MATTES) != 0u) take_mattes(result);
     return made;
   }
 

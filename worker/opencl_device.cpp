@@ -60,7 +60,7 @@ class OpenClDevice final : public Device {
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
-    if ((features_ & FEATURE_OWNERS) != 0u) take_owners(result);
+    if ((features_ & FEATURE_MATTES) != 0u) take_mattes(result);
     return made;
   }
 

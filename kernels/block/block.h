@@ -312,9 +312,9 @@ CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* uni
   if (NEEDS(scene, COVERAGE))
     accumulate_coverage(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
-#if HAS(OWNERS)
-  if (NEEDS(scene, OWNERS))
-    accumulate_owners(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
+#if HAS(MATTES)
+  if (NEEDS(scene, MATTES))
+    accumulate_mattes(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
 #if HAS(POLYGONS) && HAS(RATIO)
   if (scene->header.integrator.estimator == ESTIMATOR_RATIO)

@@ -213,26 +213,26 @@ STAGE void accumulate_coverage(const PRIVATE Unit* unit, int first_pixel, int pi
 }
 #endif
 
-#if HAS(OWNERS)
-/// Whom the samples met and how often, whatever their filter weights: nobody first, then owners in the order
+#if HAS(MATTES)
+/// Whom the samples met and how often, whatever their filter weights: nobody first, then mattes in the order
 /// of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of a pixel
 /// are those of its samples.
-STAGE void accumulate_owners(const PRIVATE Unit* unit, int first_pixel, int pixels,
+STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixels,
                              const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
-  const int n = unit->sample_count, area = unit->width * unit->height, pairs = owner_pairs(n);
+  const int n = unit->sample_count, area = unit->width * unit->height, pairs = matte_pairs(n);
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
-    GLOBAL float* owners = out + first_owner_plane(features) * area + first_pixel + p;
-    GLOBAL float* counts = owners + area;
-    for (int k = 0; k < pairs; k++) owners[2 * k * area] = counts[2 * k * area] = 0.0f;
+    GLOBAL float* mattes = out + first_matte_plane(features) * area + first_pixel + p;
+    GLOBAL float* counts = mattes + area;
+    for (int k = 0; k < pairs; k++) mattes[2 * k * area] = counts[2 * k * area] = 0.0f;
     int used = 1;
     for (int s = 0; s < n; s++) {
-      const float owner = (float)slots->owner[s * pitch + p];
+      const float matte = (float)slots->matte[s * pitch + p];
       int k = 0;
-      while (k < used && owners[2 * k * area] != owner) k++;
+      while (k < used && mattes[2 * k * area] != matte) k++;
       k = k < pairs ? k : 0;
       if (k == used) {
-        owners[2 * k * area] = owner;
+        mattes[2 * k * area] = matte;
         used++;
       }
       counts[2 * k * area] += 1.0f;

@@ -2,7 +2,7 @@
 // each other.
 #ifndef PENUMBRA_BLOCK_BOUNDARIES_H
 #define PENUMBRA_BLOCK_BOUNDARIES_H
-#include "kernels/block/block_walls.h"
+#include "kernels/block/block_boundary_offsets.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -137,12 +137,12 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
       set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
       const bool along = passes & !shadow;
-      Wall met;
+      NearBoundary met;
       met.normal = select3(along, negate(s.geometric), s.geometric);
       met.depth = 0.0f;
-      met.lift = arrives ? s.error : 0.0f;
+      met.offset = arrives ? s.error : 0.0f;
       met.clearance = clear_of(s);
-      set_wall(&fields, i + j, select_wall(along | arrives, met, get_wall(&fields, i + j)));
+      set_boundary(&fields, i + j, select_boundary(along | arrives, met, get_boundary(&fields, i + j)));
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;

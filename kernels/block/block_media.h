@@ -24,7 +24,7 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     for (int j = 0; j < LANES; j++) {
       set_media(&fields, i + j, camera);
       set_contradiction(&fields, i + j, 0);
-      set_wall(&fields, i + j, no_wall());
+      set_boundary(&fields, i + j, no_boundary());
       set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
       set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
     }

@@ -73,10 +73,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, channels, FEATURE_MEDIA, FEATURE_MEDIA)       /* ratios of the channels' densities, of mean 1 */     \
   X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
   X(float, way, FEATURE_MEDIA, NEVER)                   /* from its start to the last surface passed */        \
-  X(vec3, wall_normal, FEATURE_MEDIA, FEATURE_MEDIA)    /* of that, or of one near its start: see Wall */      \
-  X(float, wall_depth, FEATURE_MEDIA, FEATURE_MEDIA)                                                           \
-  X(float, wall_lift, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
-  X(float, wall_clearance, FEATURE_MEDIA, FEATURE_MEDIA)                                                       \
+  X(vec3, boundary_normal, FEATURE_MEDIA, FEATURE_MEDIA)    /* of that, or of one near its start: see NearBoundary */      \
+  X(float, boundary_depth, FEATURE_MEDIA, FEATURE_MEDIA)                                                           \
+  X(float, boundary_offset, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
+  X(float, boundary_clearance, FEATURE_MEDIA, FEATURE_MEDIA)                                                       \
   X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + the first shape whose boundary was one, 0, -1 */ \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media in which the shadow ray is */                 \
@@ -139,7 +139,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, distance, FEATURE_LAYERS, NEVER)                         \
   X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */          \
   X(int, contradiction, FEATURE_MEDIA, NEVER) /* as of paths */     \
-  X(int, owner, FEATURE_OWNERS, NEVER)        /* see record_owners */ \
+  X(int, matte, FEATURE_MATTES, NEVER)        /* see record_mattes */ \
   X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                      \
   X(vec3, analytic, FEATURE_POLYGONS, NEVER)

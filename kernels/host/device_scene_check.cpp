@@ -140,7 +140,7 @@ class Checker {
     check_light_cells();
     check_uvs();
     check_instances();
-    check_owners();
+    check_mattes();
     check_media();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
@@ -335,20 +335,20 @@ class Checker {
     }
   }
 
-  /// Whatever a ray meets has one of the owners that there are.
-  void check_owners() {
+  /// Whatever a ray meets has one of the mattes that there are.
+  void check_mattes() {
     const TableSpans& t = h_.tables;
-    if (!has(FEATURE_OWNERS)) {
-      require(t.owners.count == 0 && t.instance_owners.count == 0 && h_.owner_count == 0,
-              "owners without their feature bit");
+    if (!has(FEATURE_MATTES)) {
+      require(t.mattes.count == 0 && t.instance_mattes.count == 0 && h_.matte_count == 0,
+              "mattes without their feature bit");
       return;
     }
-    require(in(h_.owner_count, 0, MAX_OWNERS), "an implausible number of owners");
-    require(t.owners.count == std::int64_t{t.triangles.count} + t.quadrics.count,
-            "owners do not match the primitives");
-    require(t.instance_owners.count == t.instances.count, "owners do not match the instances");
+    require(in(h_.matte_count, 0, MAX_MATTES), "an implausible number of mattes");
+    require(t.mattes.count == std::int64_t{t.triangles.count} + t.quadrics.count,
+            "mattes do not match the primitives");
+    require(t.instance_mattes.count == t.instances.count, "mattes do not match the instances");
     if (!problem_.empty()) return;
-    const auto owners = table<int>(scene_, t.owners), firsts = table<int>(scene_, t.instance_owners);
+    const auto mattes = table<int>(scene_, t.mattes), firsts = table<int>(scene_, t.instance_mattes);
     const auto groups = table<PrimitiveGroup>(scene_, t.groups);
     // What an instance adds: at least so much, at most so much.
     std::vector<std::pair<int, int>> added(std::max<std::size_t>(groups.size(), 1),
@@ -361,12 +361,12 @@ class Checker {
       most = std::max(most, firsts[i]);
     }
     const auto check = [&](int first, int count, std::pair<int, int> range) {
-      for (const int owner : owners.subspan(std::size_t(first), std::size_t(count)))
-        require(owner >= 0 && std::int64_t{owner} + range.first >= 1 &&
-                    std::int64_t{owner} + range.second <= h_.owner_count,
-                "a primitive names an owner that is not there");
+      for (const int matte : mattes.subspan(std::size_t(first), std::size_t(count)))
+        require(matte >= 0 && std::int64_t{matte} + range.first >= 1 &&
+                    std::int64_t{matte} + range.second <= h_.matte_count,
+                "a primitive names a matte that is not there");
     };
-    if (groups.empty()) check(0, t.owners.count, added[0]);
+    if (groups.empty()) check(0, t.mattes.count, added[0]);
     for (std::size_t g = 0; g < groups.size(); ++g) {
       check(groups[g].first_triangle, groups[g].triangle_count, added[g]);
       check(t.triangles.count + groups[g].first_quadric, groups[g].quadric_count, added[g]);

@@ -87,10 +87,10 @@ constexpr int plane_count(std::uint32_t features) {
   return image_plane_count(features) + ((features & FEATURE_RATIO) != 0u ? kRatioPlanes : 0);
 }
 
-/// How many planes a device writes for so many samples of a pixel: those, and pairs of owners
-/// (FEATURE_OWNERS), which take_owners takes out of them.
+/// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes
+/// (FEATURE_MATTES), which take_mattes takes out of them.
 inline int device_plane_count(std::uint32_t features, std::uint32_t sample_count) {
-  return plane_count(features) + ((features & FEATURE_OWNERS) != 0u ? 2 * owner_pairs(int(sample_count)) : 0);
+  return plane_count(features) + ((features & FEATURE_MATTES) != 0u ? 2 * matte_pairs(int(sample_count)) : 0);
 }
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
@@ -104,9 +104,9 @@ struct SampleBuffer {
   std::uint32_t sample_count = 0;
   FlaggedKinds flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
   std::vector<float> values;
-  /// With FEATURE_OWNERS, of one pixel after the other: how many pairs, then those, an owner and how many of
-  /// the samples met it, at least one. Owners ascend, from NOBODY on; the counts are those of all samples.
-  std::vector<std::uint32_t> owners = {};
+  /// With FEATURE_MATTES, of one pixel after the other: how many pairs, then those, a matte and how many of
+  /// the samples met it, at least one. Mattes ascend, from NO_MATTE on; the counts are those of all samples.
+  std::vector<std::uint32_t> mattes = {};
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
   [[nodiscard]] std::span<const float> plane(int p) const {
@@ -124,13 +124,13 @@ Expected<void> check_statistics(const SampleBuffer& buffer);
 /// What results of a scene look like.
 struct ResultShape {
   int planes = kRadiancePlanes;
-  int owner_count = 0;
+  int matte_count = 0;
 };
 
-/// Makes `owners` of the planes that a device has written for them, behind the others, which remain.
-void take_owners(SampleBuffer& buffer);
+/// Makes `mattes` of the planes that a device has written for them, behind the others, which remain.
+void take_mattes(SampleBuffer& buffer);
 
-/// Whether `owners` is what it should be, of a scene with so many of them; with 0, nothing.
-Expected<void> check_owners(const SampleBuffer& buffer, int owner_count);
+/// Whether `mattes` is what it should be, of a scene with so many of them; with 0, nothing.
+Expected<void> check_mattes(const SampleBuffer& buffer, int matte_count);
 
 }  // namespace penumbra

@@ -218,8 +218,8 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
   #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
   #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && k == 0) record_owners(scene, &step.surfaces, paths, i, slots);
+  #if HAS(MATTES)
+    if (NEEDS(scene, MATTES) && k == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
   #endif
     direct_numbers(h, k, paths, i, step.u);
     request_lights(scene, request, finds, &step, paths, i);

@@ -97,8 +97,8 @@ CALLED_FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathStat
   #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &surfaces, paths, i, slots);
   #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && k == 0) record_owners(scene, &surfaces, paths, i, slots);
+  #if HAS(MATTES)
+    if (NEEDS(scene, MATTES) && k == 0) record_mattes(scene, &surfaces, paths, i, slots);
   #endif
     sample_pair(h->sampler.kind, sequence_length(h), nth_point(step_point(PAIR_BSDF), samples, k), paths, i,
                 u, v);

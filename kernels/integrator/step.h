@@ -178,22 +178,22 @@ STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* R
 }
 #endif
 
-#if HAS(OWNERS)
-/// Whose surfaces camera rays met: NOBODY where there is none. Kernels may be compiled for more than a scene
-/// has: without the tables nobody is there.
-STAGE void record_owners(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+#if HAS(MATTES)
+/// Whose surfaces camera rays met: NO_MATTE where there is none. Kernels may be compiled for more than a
+/// scene has: without the tables nobody is there.
+STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   for (int j = 0; j < LANES; j++) {  // no lane loop: slots are anywhere
     const int primitive = surfaces->primitive[j];
-    const bool known = (primitive >= 0) & (primitive < scene->header.tables.owners.count);
-    int owner = scene->owners[known ? primitive : 0];
+    const bool known = (primitive >= 0) & (primitive < scene->header.tables.mattes.count);
+    int matte = scene->mattes[known ? primitive : 0];
   #if HAS(INSTANCES)
     const int instance = NEEDS(scene, INSTANCES) ? surfaces->instance[j] : -1;
-    const bool placed = (instance >= 0) & (instance < scene->header.tables.instance_owners.count);
-    const int first = scene->instance_owners[placed ? instance : 0];
-    owner += placed ? first : 0;
+    const bool placed = (instance >= 0) & (instance < scene->header.tables.instance_mattes.count);
+    const int first = scene->instance_mattes[placed ? instance : 0];
+    matte += placed ? first : 0;
   #endif
-    set_slot_owner(slots, get_slot(paths, i + j), known ? owner : NOBODY);
+    set_slot_matte(slots, get_slot(paths, i + j), known ? matte : NO_MATTE);
   }
 }
 #endif

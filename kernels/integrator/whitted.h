@@ -254,8 +254,8 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
   #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && steps == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
   #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && steps == 0) record_owners(scene, &step.surfaces, paths, i, slots);
+  #if HAS(MATTES)
+    if (NEEDS(scene, MATTES) && steps == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
   #endif
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);

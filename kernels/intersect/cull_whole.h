@@ -1,5 +1,5 @@
 // Which triangles of a small scene a bundle of rays can meet: LANES rays that go nearly the same way, as a
-// camera's do, and those from what it sees to a lamp. What is left out has a margin far above the roundings
+// camera's do, and those from what it sees to a light. What is left out has a margin far above the roundings
 // by which a ray may seem to meet a triangle beside it, so the hits are those of a test of every triangle.
 #ifndef PENUMBRA_CULL_WHOLE_H
 #define PENUMBRA_CULL_WHOLE_H

@@ -5,7 +5,7 @@
 // taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
 // so with few lights one of those; from there on one of two children. A leaf may have several lights that are
 // as one from wherever they are seen: they keep their shares (scenes/device/light_groups.h). Infinite lights
-// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
+// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/pilot_paths.h.
 //
 // Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
 // for multiple importance sampling repeat the same arithmetic along the way to the light.
@@ -81,13 +81,13 @@ LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
     F(a, float, infinite)
 LANE_RECORD(LightScale, LightScales, light_scales, LIGHT_SCALES_FIELDS)
 
-  #define WEIGH_CUT_NODE(name, ways)                                                          \
+  #define WEIGH_CUT_NODE(name, known)                                                         \
     STAGE void name(GLOBAL const LightNode* shared, const PRIVATE LitPlaces* RESTRICT places, \
                     PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {       \
       const LightNode node = read_light_node(shared);                                         \
       LANE_LOOP                                                                               \
         for (int j = 0; j < LANES; j++) {                                                     \
-          const float own = light_importance_by(node, load_lit_place(places, j), ways);       \
+          const float own = light_importance_by(node, load_lit_place(places, j), known);      \
           importance[j] = own;                                                                \
           sums[j] += own;                                                                     \
         }                                                                                     \

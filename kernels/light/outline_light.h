@@ -1,8 +1,8 @@
-// Flat lamps of several triangles: points by area. Lines through the corners of the outline, all along x, cut
-// it into strips, which follow each other across them; the first number chooses a strip and the line in it,
-// the second a place on the line. So numbers that are well spread give points that are: on triangles, whose
-// points crowd into a corner each, and which follow each other in any order, they do not. And it is one light
-// to choose.
+// Flat lights of several triangles: points by area. Lines through the corners of the outline, all along x,
+// cut it into strips, which follow each other across them; the first number chooses a strip and the line in
+// it, the second a place on the line. So numbers that are well spread give points that are: on triangles,
+// whose points crowd into a corner each, and which follow each other in any order, they do not. And it is one
+// light to choose.
 #ifndef PENUMBRA_OUTLINE_LIGHT_H
 #define PENUMBRA_OUTLINE_LIGHT_H
 #include "kernels/light/flat_light.h"
@@ -26,7 +26,7 @@ FN int strip_at(GLOBAL const LightStrip* strips, int count, float u) {
 LIGHT_SHINES_ALIKE(outline)
 
 FN SampledPoint sample_outline_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     uint ways) {
+                                     uint strategies) {
   GLOBAL const Light* light = scene->lights + index;
   GLOBAL const LightStrip* strips = scene->light_strips + light->strip;
   GLOBAL const LightStrip* s = strips + strip_at(strips, light->strip_count, u);

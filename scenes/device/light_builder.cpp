@@ -112,12 +112,12 @@ bool LightBuilder::take_whole(const Outline& outline, Light& light) {
     return true;
   }
   if (light.sampling != EMITTER_AREA || light.two_sided != 0) return false;
-  const std::optional<LampStrips> lamp = strips_of(outline);
-  if (!lamp) return false;
-  take(LIGHT_OUTLINE, lamp->rectangle);
+  const std::optional<AreaLightStrips> area_light = strips_of(outline);
+  if (!area_light) return false;
+  take(LIGHT_OUTLINE, area_light->rectangle);
   light.strip = int(strips_.size());
-  light.strip_count = int(lamp->strips.size());
-  strips_.insert(strips_.end(), lamp->strips.begin(), lamp->strips.end());
+  light.strip_count = int(area_light->strips.size());
+  strips_.insert(strips_.end(), area_light->strips.begin(), area_light->strips.end());
   return true;
 }
 

@@ -126,7 +126,8 @@ std::vector<dvec3> directions_of(const Outline& outline) {
   return directions;
 }
 
-LampStrips lamp_of(const Outline& outline, const Sweep& sweep, const std::vector<PlaneStrip>& strips) {
+AreaLightStrips area_light_of(const Outline& outline, const Sweep& sweep,
+                              const std::vector<PlaneStrip>& strips) {
   double height = -1e300;
   dvec3 extent(0);
   for (const std::vector<vec3>& loop : outline.loops)
@@ -139,7 +140,8 @@ LampStrips lamp_of(const Outline& outline, const Sweep& sweep, const std::vector
   const auto place = [&](double x, double y) {
     return to_vec3(x * sweep.x() + y * sweep.y() + height * outline.normal);
   };
-  LampStrips lamp{{place(low.x, low.y), place(sweep.high().x, low.y), place(low.x, sweep.high().y)}, {}};
+  AreaLightStrips area_light{
+      {place(low.x, low.y), place(sweep.high().x, low.y), place(low.x, sweep.high().y)}, {}};
   double all = 0, before = 0;
   for (const PlaneStrip& s : strips) all += s.area();
   for (const PlaneStrip& s : strips) {
@@ -154,18 +156,18 @@ LampStrips lamp_of(const Outline& outline, const Sweep& sweep, const std::vector
     strip.step_y = float((s.high - s.low) / size.y);
     strip.width = float(s.width_low / size.x);
     strip.growth = float((s.width_high - s.width_low) / size.x);
-    lamp.strips.push_back(strip);
+    area_light.strips.push_back(strip);
   }
-  return lamp;
+  return area_light;
 }
 
 }  // namespace
 
-std::optional<LampStrips> strips_of(const Outline& outline) {
+std::optional<AreaLightStrips> strips_of(const Outline& outline) {
   std::size_t corners = 0;
   for (const std::vector<vec3>& loop : outline.loops) corners += loop.size();
   if (!(outline.area > 0) || corners > std::size_t(MOST_LIGHT_STRIPS)) return std::nullopt;
-  std::optional<LampStrips> best;
+  std::optional<AreaLightStrips> best;
   for (const dvec3& along : directions_of(outline)) {
     const Sweep sweep(outline, along);
     const auto strips = sweep.strips();
@@ -173,7 +175,8 @@ std::optional<LampStrips> strips_of(const Outline& outline) {
     if (best && strips->size() >= best->strips.size()) continue;
     double area = 0;
     for (const PlaneStrip& s : *strips) area += s.area();
-    if (std::abs(area - outline.area) <= kSameArea * outline.area) best = lamp_of(outline, sweep, *strips);
+    if (std::abs(area - outline.area) <= kSameArea * outline.area)
+      best = area_light_of(outline, sweep, *strips);
   }
   return best;
 }

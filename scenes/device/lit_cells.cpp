@@ -23,7 +23,7 @@ constexpr std::int64_t kShaftLooks = 32;  // that a shaft takes the time of
 constexpr std::int64_t kWaysListed = 16;  // in the time of a look
 constexpr std::size_t kMostObstacles = 1 << 16;
 // Closed forms of more edges take longer than samples do.
-constexpr std::size_t kMostLampEdges = 128;
+constexpr std::size_t kMostAreaLightEdges = 128;
 // What is no deeper in a shaft does not count, and neither does what surfaces share with their neighbours:
 // some roundings of coordinates, of their extent.
 constexpr double kSlack = 0x1p-22;
@@ -53,7 +53,7 @@ Obstacle obstacle_of(const Quadric& q) {
   return o;
 }
 
-struct Lamp {
+struct AreaLight {
   ShaftEnd front, back;
   bool two_sided;
 };
@@ -104,7 +104,7 @@ class CellFinder {
       for (int k = 0; k < o.count; ++k)
         for (int axis = 0; axis < 3; ++axis)
           extent_ = std::max(extent_, std::abs(o.points[std::size_t(k)][axis]));
-    for (const Polygon& polygon : records.polygons) add_lamp(polygon);
+    for (const Polygon& polygon : records.polygons) add_area_light(polygon);
   }
 
   /// Whether there are any.
@@ -124,7 +124,7 @@ class CellFinder {
     return face;
   }
 
-  void add_lamp(const Polygon& polygon) {
+  void add_area_light(const Polygon& polygon) {
     std::vector<glm::dvec3> corners;
     glm::dvec3 normal(0);  // of the outline, by Newell's sums
     for (int k = 0; k < polygon.corner_count; ++k) {
@@ -140,7 +140,7 @@ class CellFinder {
       for (const glm::dvec3& p : corners) least = std::min(least, glm::dot(n, p));
       return hull_in_plane(corners, {n, -least});
     };
-    lamps_.push_back({end_towards(normal), end_towards(-normal), polygon.two_sided != 0});
+    area_lights_.push_back({end_towards(normal), end_towards(-normal), polygon.two_sided != 0});
   }
 
   /// Those that may have cells, largest first as they are seen.
@@ -201,9 +201,9 @@ class CellFinder {
     cells_.assign(words, 0u);
     any_ = false;
     std::vector<Way> ways;
-    for (int lamp = 0; lamp < int(lamps_.size()); ++lamp)
+    for (int area_light = 0; area_light < int(area_lights_.size()); ++area_light)
       for (int k = 0; k < int(obstacles_.size()); ++k)
-        if (k != index && !is_part(k, lamp)) ways.push_back({lamp, k});
+        if (k != index && !is_part(k, area_light)) ways.push_back({area_light, k});
     looks_left_ -= std::int64_t(ways.size()) / kWaysListed;
     divide(0, 0, 0, ways);
     if (!any_) return;
@@ -212,15 +212,15 @@ class CellFinder {
     records_.lit_cells.insert(records_.lit_cells.end(), cells_.begin(), cells_.end());
   }
 
-  /// An obstacle that may be in the way to a lamp.
+  /// An obstacle that may be in the way to a light.
   struct Way {
-    int lamp, obstacle;
+    int area_light, obstacle;
   };
 
-  [[nodiscard]] bool is_part(int primitive, int lamp) const {
+  [[nodiscard]] bool is_part(int primitive, int area_light) const {
     if (std::size_t(primitive) >= records_.triangles.size()) return false;
     const int light = records_.triangles[std::size_t(primitive)].light;
-    return light >= 0 && records_.lights[std::size_t(light)].polygon == lamp;
+    return light >= 0 && records_.lights[std::size_t(light)].polygon == area_light;
   }
 
   /// The cell (x, y) of 2^level by 2^level. `ways`: those of the cell about it.
@@ -249,26 +249,26 @@ class CellFinder {
     return corners;
   }
 
-  /// What a cell sees: all lamps whole, or not, or no part of it does.
+  /// What a cell sees: all lights whole, or not, or no part of it does.
   enum class Sight { kAll, kSome, kNeverAll };
 
   /// `left`: of the ways those that may be in the way within the cell; not all if it is not divided. It sees
   /// not all, either, where closed forms have something else: of normals that are not the surface's own, or
-  /// of both sides of a lamp.
+  /// of both sides of a light.
   Sight look(const std::vector<glm::dvec3>& corners, const std::vector<Way>& ways, bool divides,
              std::vector<Way>& left) {
     Sight sight = Sight::kAll;
     const ShaftEnd surface{.corners = corners, .plane = plane_};
     std::size_t next = 0;
-    for (int lamp = 0; lamp < int(lamps_.size()); ++lamp) {
-      const Lamp& l = lamps_[std::size_t(lamp)];
+    for (int area_light = 0; area_light < int(area_lights_.size()); ++area_light) {
+      const AreaLight& l = area_lights_[std::size_t(area_light)];
       const bool behind = std::ranges::all_of(
           corners, [&](const glm::dvec3& p) { return l.front.plane.height(p) <= kSlack * extent_; });
       const ShaftEnd& light = l.two_sided && behind ? l.back : l.front;
       const LightShaft shaft(surface, light, kSlack * extent_);
       looks_left_ -= kShaftLooks;
       if ((smooth_ && shaft.light_is_cut()) || (l.two_sided && shaft.surface_is_cut())) sight = Sight::kSome;
-      for (; next < ways.size() && ways[next].lamp == lamp; ++next, --looks_left_) {
+      for (; next < ways.size() && ways[next].area_light == area_light; ++next, --looks_left_) {
         const Obstacle& obstacle = obstacles_[std::size_t(ways[next].obstacle)];
         if (!shaft.may_meet(obstacle)) continue;
         sight = Sight::kSome;
@@ -294,7 +294,7 @@ class CellFinder {
   SceneRecords& records_;
   Eye eye_;
   std::vector<Obstacle> obstacles_;  ///< one for each primitive
-  std::vector<Lamp> lamps_;
+  std::vector<AreaLight> area_lights_;
   double extent_ = 0;  ///< of all coordinates
   std::int64_t looks_left_ = kMostLooks;
   // Of the triangle at hand:
@@ -315,7 +315,7 @@ bool may_have_cells(const SceneHeader& h, const SceneRecords& records) {
                        p.emitter_samples > 0 && p.trace_shadows != 0;
   const bool polygons = !records.polygons.empty() &&
                         std::ranges::all_of(records.lights, [](const Light& l) { return l.polygon >= 0; });
-  return samples && polygons && records.polygon_corners.size() <= kMostLampEdges &&
+  return samples && polygons && records.polygon_corners.size() <= kMostAreaLightEdges &&
          records.triangles.size() + records.quadrics.size() <= kMostObstacles &&
          (h.features & (FEATURE_MEDIA | FEATURE_INSTANCES | FEATURE_BENT)) == 0u;
 }

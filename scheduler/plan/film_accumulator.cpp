@@ -40,12 +40,12 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 }  // namespace
 
 FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features,
-                                             int owner_count) {
-  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u, owner_count};
+                                             int matte_count) {
+  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u, matte_count};
 }
 
 FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio,
-                                 int owner_count)
+                                 int matte_count)
     : x_(x),
       y_(y),
       width_(width),
@@ -54,16 +54,16 @@ FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes
       pixels_(std::size_t(width) * std::size_t(height)),
       layers_(pixels_.size() * layers()),
       ratios_(with_ratio ? pixels_.size() : 0),
-      owners_(pixels_.size(), owner_count) {}
+      mattes_(pixels_.size(), matte_count) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
   const bool complete = result.planes == planes_ + (ratios_.empty() ? 0 : int(kRatioPlanes));
   const std::size_t layer_count = complete ? layers() : 0;
-  std::span<const std::uint32_t> owners = result.owners;
+  std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
-    if (owners_.is_kept() && !owners.empty())
-      owners = owners_.add(index(x, y + row), std::size_t(result.width), owners);
+    if (mattes_.is_kept() && !mattes.empty())
+      mattes = mattes_.add(index(x, y + row), std::size_t(result.width), mattes);
     PixelStatistics* pixel = &pixels_[index(x, y + row)];
     double* layer = layers_.data() + index(x, y + row) * layers();
     const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
@@ -115,7 +115,7 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
     if (!ratios_.empty())
       std::fill_n(ratios_.begin() + std::ptrdiff_t(first), width, std::array<RatioSums, 3>{});
     std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
-    owners_.clear(first, std::size_t(width));
+    mattes_.clear(first, std::size_t(width));
   }
   std::erase_if(flagged_, [&](const auto& noted) {
     const auto [corner_x, corner_y] = noted.first;
@@ -147,8 +147,8 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
       const auto scale = [n](double share, const PixelStatistics& of) {
         return of.count == 0 ? 0 : share * (n / double(of.count));
       };
-      if (owners_.is_kept())
-        owners_.set_sum_of(index(x, y), a.owners(x, y), scale(weight, of_a), b.owners(x, y),
+      if (mattes_.is_kept())
+        mattes_.set_sum_of(index(x, y), a.mattes(x, y), scale(weight, of_a), b.mattes(x, y),
                            scale(1 - weight, of_b));
     }
   }
@@ -194,7 +194,7 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
   bytes.row(pixels_);
   bytes.row(layers_);
   bytes.row(ratios_);
-  owners_.write(bytes);
+  mattes_.write(bytes);
   bytes.u64(flagged_.size());
   for (const auto& [corner, noted] : flagged_) {
     bytes.i64(corner.first);
@@ -213,7 +213,7 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
   for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1})
     if (bytes.i64() != number) return fail("a film of another size or with other layers");
   if (!bytes.row(pixels_) || !bytes.row(layers_) || !bytes.row(ratios_)) return fail("it ends in its film");
-  if (auto read = owners_.read(bytes); !read) return read;
+  if (auto read = mattes_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
   if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
   const auto number = [&](int low, int high) {
@@ -254,14 +254,14 @@ Expected<void> FilmAccumulator::check() const {
   for (std::size_t i = 0; i < ratios_.size(); ++i)
     if (!std::ranges::all_of(ratios_[i], [&](const RatioSums& sums) { return sums.is_of(pixels_[i].count); }))
       return fail("a pixel whose ratio is none");
-  for (std::size_t i = 0; owners_.is_kept() && i < pixels_.size(); ++i)
-    if (!owners_.are_of(i, pixels_[i].count)) return fail("a pixel with owners of more than its samples");
+  for (std::size_t i = 0; mattes_.is_kept() && i < pixels_.size(); ++i)
+    if (!mattes_.are_of(i, pixels_[i].count)) return fail("a pixel with mattes of more than its samples");
   return {};
 }
 
 std::uint64_t FilmAccumulator::hash() const {
   const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
-  return owners_.hash(XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance));
+  return mattes_.hash(XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance));
 }
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/byte_stream.h"
-#include "scheduler/plan/film_owners.h"
+#include "scheduler/plan/film_mattes.h"
 #include "scheduler/plan/ratio_estimate.h"
 
 namespace penumbra {
@@ -30,12 +30,12 @@ class FilmAccumulator {
  public:
   FilmAccumulator() = default;
   /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, after which
-  /// `with_ratio` RatioPlanes follow, and of a scene with so many owners.
+  /// `with_ratio` RatioPlanes follow, and of a scene with so many mattes.
   FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio = false,
-                  int owner_count = 0);
+                  int matte_count = 0);
   /// The same for results of a scene with these FEATURE_* bits.
   static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features,
-                                     int owner_count = 0);
+                                     int matte_count = 0);
 
   /// Of the memory that it takes, with the constructor's arguments.
   static constexpr std::uint64_t bytes_per_pixel(int planes, bool with_ratio = false) {
@@ -63,11 +63,11 @@ class FilmAccumulator {
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
   /// Mean of a plane from kRadiancePlanes on, at film coordinates.
   [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
-  /// Whom its samples met, in the order of their numbers; nobody of a film without owners.
-  [[nodiscard]] std::span<const OwnerWeight> owners(int film_x, int film_y) const {
-    return owners_.is_kept() ? owners_.at(index(film_x, film_y)) : std::span<const OwnerWeight>();
+  /// Whom its samples met, in the order of their numbers; nobody of a film without mattes.
+  [[nodiscard]] std::span<const MatteWeight> mattes(int film_x, int film_y) const {
+    return mattes_.is_kept() ? mattes_.at(index(film_x, film_y)) : std::span<const MatteWeight>();
   }
-  [[nodiscard]] int owner_count() const { return owners_.owner_count(); }
+  [[nodiscard]] int matte_count() const { return mattes_.matte_count(); }
   /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
@@ -77,21 +77,21 @@ class FilmAccumulator {
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
   [[nodiscard]] double relative_error() const;
-  /// XXH3-64 of all pixel statistics, layers and owners, for tests of reproducibility and for statistics.
+  /// XXH3-64 of all pixel statistics, layers and mattes, for tests of reproducibility and for statistics.
   [[nodiscard]] std::uint64_t hash() const;
 
   /// All of its state, to go on with it in another process; so many bytes, about, and at most.
   void write(ByteWriter& bytes) const;
-  [[nodiscard]] std::uint64_t written_size() const { return written_with(FilmOwners::kBytesPerPixel); }
-  [[nodiscard]] std::uint64_t most_written() const { return written_with(FilmOwners::kMostBytesPerPixel); }
+  [[nodiscard]] std::uint64_t written_size() const { return written_with(FilmMattes::kBytesPerPixel); }
+  [[nodiscard]] std::uint64_t most_written() const { return written_with(FilmMattes::kMostBytesPerPixel); }
   /// Takes the state of one of the same rectangle and planes. Error: that is not what the bytes are. It is
   /// to be thrown away then.
   Expected<void> read(ByteReader& bytes);
 
  private:
   [[nodiscard]] Expected<void> check() const;
-  [[nodiscard]] std::uint64_t written_with(std::uint64_t owner_bytes) const {
-    return (bytes_per_pixel(planes_, !ratios_.empty()) + (owners_.is_kept() ? owner_bytes : 0)) *
+  [[nodiscard]] std::uint64_t written_with(std::uint64_t matte_bytes) const {
+    return (bytes_per_pixel(planes_, !ratios_.empty()) + (mattes_.is_kept() ? matte_bytes : 0)) *
            pixels_.size();
   }
   /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
@@ -106,7 +106,7 @@ class FilmAccumulator {
   std::vector<PixelStatistics> pixels_;
   std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
   std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
-  FilmOwners owners_;
+  FilmMattes mattes_;
   std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
 };
 

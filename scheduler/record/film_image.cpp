@@ -18,7 +18,7 @@ static_assert(std::size(kLayerChannels) == kSeen + 1 - kRadiancePlanes);
 
 }  // namespace
 
-Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const OwnerNames* owners) {
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const MatteNames* mattes) {
   Image image;
   image.chromaticities = kRec709;
   image.data = {film.x(), film.y(), film.width(), film.height()};
@@ -32,11 +32,11 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
     image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
   image.channels.emplace_back("samples.Y");
   std::optional<CryptomattePixels> cryptomatte;
-  if (owners != nullptr) {
+  if (mattes != nullptr) {
     const std::vector<std::string> channels = cryptomatte_channels();
     image.channels.insert(image.channels.end(), channels.begin(), channels.end());
     image.exact_channels = channels.size();
-    cryptomatte.emplace(*owners);
+    cryptomatte.emplace(*mattes);
   }
   image.values.reserve(image.pixels() * image.channels.size());
   const auto append = [&](const double(&values)[3]) {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/film_accumulator.h"
 
@@ -32,8 +32,8 @@ std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 ///                     as in SampleBufferPlane, as many of them as the film has
 ///   samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
 ///   CryptoObject00.R … CryptoMaterial02.A
-///                     with `owners`, of which the film has to be: see cryptomatte.h
+///                     with `mattes`, of which the film has to be: see cryptomatte.h
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height,
-                    const OwnerNames* owners = nullptr);
+                    const MatteNames* mattes = nullptr);
 
 }  // namespace penumbra

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-/// A square of side 2 in the plane z = 0 that faces +z, u along x and v along y, under a lamp on one side.
+/// A square of side 2 in the plane z = 0 that faces +z, u along x and v along y, under a light on one side.
 /// Bent as real normals are, which cast no shadows on each other.
 SceneDescription square(SurfaceBend bend, glm::vec3 normal = {0, 0, 1}, bool behind = false) {
   SceneDescription scene = empty_scene(4, 4, 64, 5);

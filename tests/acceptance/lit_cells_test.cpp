@@ -35,8 +35,8 @@ void sample_all(SceneDescription& scene) {
   std::get<DirectIntegrator>(scene.integrator.method).closed_where_lit = false;
 }
 
-/// A floor with a step, a slab above it and a lamp, seen from the side.
-SceneDescription under_a_lamp() {
+/// A floor with a step, a slab above it and a light, seen from the side.
+SceneDescription under_an_area_light() {
   SceneDescription scene = empty_scene(kSide, kSide, 128, 1);
   scene.camera = look_at({5, -4, 3.5}, {0, 0, 0.3}, {0, 0, 1}, 50);
   scene.integrator = with_cells(direct_integrator(2, 0));
@@ -47,7 +47,7 @@ SceneDescription under_a_lamp() {
   return scene;
 }
 
-Shape lamp() {  // concave, of four triangles
+Shape area_light() {  // concave, of four triangles
   const dvec3 a(-0.6, -0.5, 3), b(-0.5, 0.6, 3), c(0.1, 0, 3), d(0.6, 0.6, 3), e(0.5, -0.5, 3);
   return triangles(std::array{a, b, c, a, c, e, c, d, e}, kBlackBsdf, 4);
 }
@@ -55,26 +55,26 @@ Shape lamp() {  // concave, of four triangles
 std::vector<Place> places() {
   std::vector<Place> all;
   const auto add = [&](const char* name) -> SceneDescription& {
-    all.push_back({name, under_a_lamp()});
+    all.push_back({name, under_an_area_light()});
     return all.back().scene;
   };
-  add("AConcaveLamp").shapes.push_back(lamp());
-  SceneDescription& lamps = add("SeveralLamps");
-  lamps.shapes.push_back(lamp());
-  lamps.shapes.push_back(parallelogram({-3, -3, 1}, {0, 1, 0}, {0.5, 0, 0.7}, kBlackBsdf, 2));
-  SceneDescription& two_sided = add("ALampOnTheFloor");
+  add("AConcaveAreaLight").shapes.push_back(area_light());
+  SceneDescription& area_lights = add("SeveralAreaLights");
+  area_lights.shapes.push_back(area_light());
+  area_lights.shapes.push_back(parallelogram({-3, -3, 1}, {0, 1, 0}, {0.5, 0, 0.7}, kBlackBsdf, 2));
+  SceneDescription& two_sided = add("AnAreaLightOnTheFloor");
   two_sided.shapes.push_back(parallelogram({1, -2, -0.3}, {0.8, 0.3, 0}, {0, 0, 1.2}, kBlackBsdf, 3));
   two_sided.shapes.back().two_sided_emission = true;
-  SceneDescription& grey_lamp = add("ALampThatReflects");
-  grey_lamp.shapes.push_back(lamp());
-  grey_lamp.shapes.back().front_bsdf = 0;
-  grey_lamp.shapes.push_back(parallelogram({1, -2, 0.2}, {0.8, 0.3, 0}, {0, 0, 1.2}, 0, 3));
+  SceneDescription& grey_area_light = add("AnAreaLightThatReflects");
+  grey_area_light.shapes.push_back(area_light());
+  grey_area_light.shapes.back().front_bsdf = 0;
+  grey_area_light.shapes.push_back(parallelogram({1, -2, 0.2}, {0.8, 0.3, 0}, {0, 0, 1.2}, 0, 3));
   SceneDescription& phong = add("OnPhong");
   phong.bsdfs[0].model = PhongBsdf{glm::vec3(0.4f), glm::vec3(0.3f), 20};
-  phong.shapes.push_back(lamp());
+  phong.shapes.push_back(area_light());
   SceneDescription& mis = add("BesideDirections");
   mis.integrator = with_cells(direct_integrator(1, 1));
-  mis.shapes.push_back(lamp());
+  mis.shapes.push_back(area_light());
   SceneDescription& rectangle = add("BySolidAngle");
   rectangle.integrator = with_cells(emitter_only(EmitterSampling::kSolidAngle, 1));
   rectangle.shapes.push_back(parallelogram({-0.5, -0.5, 3}, {0, 1, 0}, {1, 0, 0}, kBlackBsdf, 4));
@@ -82,18 +82,18 @@ std::vector<Place> places() {
   auto& wall = std::get<Mesh>(smooth.shapes[2].geometry);
   for (std::size_t k = 0; k < wall.positions.size(); ++k)
     wall.normals.push_back(glm::normalize(glm::vec3(k % 2 == 0 ? 0.5f : -0.5f, -1, 0.3f)));
-  smooth.shapes.push_back(lamp());
+  smooth.shapes.push_back(area_light());
   SceneDescription& lens = add("ThroughALens");
   lens.camera.aperture_radius = 0.2;
   lens.camera.focus_distance = 5;
-  lens.shapes.push_back(lamp());
+  lens.shapes.push_back(area_light());
   SceneDescription& sphere = add("BesideASphere");
   Shape ball;
   ball.name = "ball";
   ball.geometry = Sphere{{1.5, -0.5, 0.5}, 0.5};
   ball.front_bsdf = ball.back_bsdf = 0;
   sphere.shapes.push_back(ball);
-  sphere.shapes.push_back(lamp());
+  sphere.shapes.push_back(area_light());
   return all;
 }
 
@@ -145,15 +145,15 @@ TEST(LitCells, ImagesAreTheSameOnEveryDevice) {
     ASSERT_NE(scene.header.features & FEATURE_LIT_CELLS, 0u) << place.name;
     const statistics::Image native = mean_image(render_or_throw(scene));
     // Kernels are compiled for each scene.
-    if (place.name == "SeveralLamps" || place.name == "OnPhong")
+    if (place.name == "SeveralAreaLights" || place.name == "OnPhong")
       EXPECT_EQ(native.values, mean_image(render_or_throw(scene, opencl_device())).values) << place.name;
     EXPECT_EQ(native.values, mean_image(render_or_throw(embree)).values) << place.name;
   }
 }
 
 TEST(LitCells, AreOfDirectLightByPolygonsAlone) {
-  SceneDescription scene = under_a_lamp();
-  scene.shapes.push_back(lamp());
+  SceneDescription scene = under_an_area_light();
+  scene.shapes.push_back(area_light());
   ASSERT_TRUE(has_lit_cells(scene));
   const auto without = [&](auto change) {
     SceneDescription changed = scene;

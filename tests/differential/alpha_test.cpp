@@ -26,7 +26,7 @@ std::vector<std::pair<std::string, std::string>> scenes() {
   const std::string spot =
       plugin("emitter", "point",
              "<point name=\"position\" x=\"2\" y=\"3\" z=\"3\"/>\n" + rgb("intensity", glm::dvec3(20)));
-  const std::string lamp = ball(area(3));
+  const std::string area_light = ball(area(3));
   return {{"a ball", path + ball(kWhite) + spot},
           {"glass", path + ball(glass) + spot},
           {"a mask", path + ball(mask) + spot},
@@ -35,8 +35,8 @@ std::vector<std::pair<std::string, std::string>> scenes() {
           {"a hidden sky", hides + ball(kWhite) + kSky},
           {"a mask before a hidden sky", hides + ball(mask) + kSky},
           {"glass before a hidden sky", hides + ball(glass) + kSky},
-          {"a lamp", path + lamp + floor_at(-1)},
-          {"a hidden lamp", hides + lamp + floor_at(-1, 1)},
+          {"an area light", path + area_light + floor_at(-1)},
+          {"a hidden area light", hides + area_light + floor_at(-1, 1)},
           {"direct light", hiding("direct") + ball(kWhite) + kSky}};
 }
 

@@ -205,9 +205,9 @@ TEST_F(TinyRenderRenderer, OtherTypesAndNames) {
                       HasSubstr("\n         ^")));
   }
   EXPECT_THAT(toml_error(scene_with("type = \"polygonol\"")), HasSubstr("did you mean 'polygonal'?"));
-  const SceneDescription stand_in = good_toml(scene_with("type = \"ssao\""), {.lenient = true});
-  EXPECT_EQ(kind_of(stand_in.integrator), IntegratorKind::kDirect);
-  EXPECT_THAT(warnings(stand_in), HasSubstr("direct stands in for it"));
+  const SceneDescription placeholder = good_toml(scene_with("type = \"ssao\""), {.lenient = true});
+  EXPECT_EQ(kind_of(placeholder.integrator), IntegratorKind::kDirect);
+  EXPECT_THAT(warnings(placeholder), HasSubstr("direct stands in for it"));
   EXPECT_THAT(
       toml_error(scene_with("type = \"direct\"\nsamplingStrategy = \"light\"")),
       HasSubstr("scene.toml:12:20: error: samplingStrategy 'light' is not one that Penumbra reads; it "

@@ -29,16 +29,16 @@ TEST(LightKinds, AreThoseOfTheLights) {
     change(scene);
     return build(scene).header.light_kinds;
   };
-  // The box has a lamp of two triangles: one rectangle, but two triangles by projected solid angle.
-  constexpr std::uint32_t kLamp = 1u << LIGHT_RECTANGLE, kPoints = 1u << LIGHT_POINT;
-  EXPECT_EQ(with([](auto&) {}), kLamp);
+  // The box has a light of two triangles: one rectangle, but two triangles by projected solid angle.
+  constexpr std::uint32_t kAreaLight = 1u << LIGHT_RECTANGLE, kPoints = 1u << LIGHT_POINT;
+  EXPECT_EQ(with([](auto&) {}), kAreaLight);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             1u << LIGHT_TRIANGLE);
   EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kLamp | kPoints);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kAreaLight | kPoints);
   // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kLamp);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kLamp);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kAreaLight);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kAreaLight);
 }
 
 TEST(Features, AreJustTheNeeded) {

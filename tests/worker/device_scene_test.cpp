@@ -365,14 +365,15 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
 }
 
-// A lamp of many lights, which are as one, and another one.
+// A light of many lights, which are as one, and another one.
 TEST(DeviceSceneCheck, FollowsLeavesOfLights) {
-  SceneDescription lamps = lights_in_a_hierarchy();
-  lamps.emitters.clear();
+  SceneDescription area_lights = lights_in_a_hierarchy();
+  area_lights.emitters.clear();
   for (int k = 0; k < 20; ++k)
-    lamps.emitters.emplace_back(PointLight{glm::dvec3(1e-6 * k, 0.2, 0), glm::vec3(0.01f * float(k + 1))});
-  lamps.emitters.emplace_back(PointLight{glm::dvec3(0.3, -0.4, 0.2), glm::vec3(0.1f)});
-  const DeviceScene scene = build_or_throw(lamps);
+    area_lights.emitters.emplace_back(
+        PointLight{glm::dvec3(1e-6 * k, 0.2, 0), glm::vec3(0.01f * float(k + 1))});
+  area_lights.emitters.emplace_back(PointLight{glm::dvec3(0.3, -0.4, 0.2), glm::vec3(0.1f)});
+  const DeviceScene scene = build_or_throw(area_lights);
   const SceneHeader& h = scene.header;
   EXPECT_TRUE(check_device_scene(scene));
   ASSERT_GE(h.light_leaf_turns, 1);

@@ -17,13 +17,14 @@
 namespace penumbra::light_tables_check_test {
 namespace {
 
-/// A lamp of several triangles that the camera sees, and another one above it.
-DeviceScene scene_of_lamps() {
+/// A light of several triangles that the camera sees, and another one above it.
+DeviceScene scene_of_area_lights() {
   SceneDescription scene = read_or_throw(project_file("scenes/star-light/star-light.xml"));
   use(scene.integrator, IntegratorKind::kDirect);
-  Shape& lamp = *std::ranges::find_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
-  lamp.sampling = EmitterSampling::kArea;
-  Shape above = lamp;
+  Shape& area_light =
+      *std::ranges::find_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
+  area_light.sampling = EmitterSampling::kArea;
+  Shape above = area_light;
   for (auto& p : std::get<Mesh>(above.geometry).positions) p.y += 3;
   scene.shapes.push_back(std::move(above));
   return build_or_throw(scene);
@@ -40,7 +41,7 @@ struct Broken {
 };
 
 TEST(LightTablesCheck, TablesAsTheyAreBuiltAreAccepted) {
-  const DeviceScene scene = scene_of_lamps();
+  const DeviceScene scene = scene_of_area_lights();
   ASSERT_GT(scene.header.tables.lights.count, 1);
   ASSERT_GT(scene.header.tables.light_edge_pixels.count, 0);
   ASSERT_GT(scene.header.tables.lit_cells.count, 1);
@@ -100,7 +101,7 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"a polygon that is not there",
        [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
   for (const Broken& one : broken) {
-    DeviceScene scene = scene_of_lamps();
+    DeviceScene scene = scene_of_area_lights();
     one.change(scene);
     const auto checked = check_device_scene(scene);
     ASSERT_FALSE(checked) << one.what;

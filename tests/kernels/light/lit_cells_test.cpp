@@ -1,4 +1,4 @@
-// Cells from which lights are seen whole: points of them, against straight ways to points of the lights.
+// Cells from which lights are seen whole: points of them, against straight lines to points of the lights.
 #include "scenes/device/lit_cells.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using glm::dvec3;
 
-/// A floor under a lamp, seen from the side by a pinhole, in direct light.
+/// A floor under a light, seen from the side by a pinhole, in direct light.
 class Place {
  public:
   Place() {
@@ -53,8 +53,8 @@ class Place {
     if (kind == kSmooth) tables.triangles.back().normals = 0;
   }
 
-  /// A convex lamp that shines to where its corners run counter-clockwise.
-  void add_lamp(const std::vector<dvec3>& corners, bool two_sided = false) {
+  /// A convex light that shines to where its corners run counter-clockwise.
+  void add_area_light(const std::vector<dvec3>& corners, bool two_sided = false) {
     Polygon polygon{};
     polygon.two_sided = two_sided ? 1 : 0;
     polygon.first_corner = int(tables.polygon_corners.size());
@@ -71,16 +71,17 @@ class Place {
       tables.lights.push_back(light);
     }
     tables.polygons.push_back(polygon);
-    lamps.push_back(corners);
+    area_lights.push_back(corners);
     sided.push_back(two_sided);
   }
 
   /// Whether the segment meets a triangle, or a sphere, but of its ends' own.
-  [[nodiscard]] bool blocked(const dvec3& p, const dvec3& q, int skip, int lamp) const {
+  [[nodiscard]] bool blocked(const dvec3& p, const dvec3& q, int skip, int area_light) const {
     const dvec3 d = q - p;
     for (std::size_t k = 0; k < tables.triangles.size(); ++k) {
       const Triangle& t = tables.triangles[k];
-      if (int(k) == skip || (t.light >= 0 && tables.lights[std::size_t(t.light)].polygon == lamp)) continue;
+      if (int(k) == skip || (t.light >= 0 && tables.lights[std::size_t(t.light)].polygon == area_light))
+        continue;
       const dvec3 a = to_dvec3(t.p0) - p, b = to_dvec3(t.p1) - p, c = to_dvec3(t.p2) - p;
       const double u = glm::dot(glm::cross(b, a), d), v = glm::dot(glm::cross(c, b), d),
                    w = glm::dot(glm::cross(a, c), d);
@@ -98,7 +99,7 @@ class Place {
   }
 
   SceneTables tables;
-  std::vector<std::vector<dvec3>> lamps;
+  std::vector<std::vector<dvec3>> area_lights;
   std::vector<bool> sided;
 };
 
@@ -135,16 +136,16 @@ Seen look_around(Place& place, int points, bool beneath_counts = true) {
     ++seen.points;
     seen.lit += lit ? 1 : 0;
     bool open = true;
-    for (std::size_t lamp = 0; lamp < place.lamps.size(); ++lamp) {
-      const std::vector<dvec3>& corners = place.lamps[lamp];
+    for (std::size_t area_light = 0; area_light < place.area_lights.size(); ++area_light) {
+      const std::vector<dvec3>& corners = place.area_lights[area_light];
       const dvec3 facing = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
       for (int w = 0; w < 24; ++w) {
         const std::size_t part = 1 + random.below(corners.size() - 2);
         const dvec3 q = within(corners[0], corners[part], corners[part + 1]);
-        const bool faces = place.sided[lamp] || glm::dot(facing, p - q) > 0;
+        const bool faces = place.sided[area_light] || glm::dot(facing, p - q) > 0;
         const bool above = glm::dot(n, q - p) > 0;
         if (!above && !beneath_counts && faces) open = false;
-        open = open && !(faces && above && place.blocked(p, q, index, int(lamp)));
+        open = open && !(faces && above && place.blocked(p, q, index, int(area_light)));
       }
     }
     seen.open += open ? 1 : 0;
@@ -153,11 +154,12 @@ Seen look_around(Place& place, int points, bool beneath_counts = true) {
   return seen;
 }
 
-const std::vector<dvec3> kLamp{{-0.5, -0.4, 3}, {-0.6, 0.3, 3}, {0, 0.6, 3}, {0.6, 0.3, 3}, {0.5, -0.4, 3}};
+const std::vector<dvec3> kAreaLight{
+    {-0.5, -0.4, 3}, {-0.6, 0.3, 3}, {0, 0.6, 3}, {0.6, 0.3, 3}, {0.5, -0.4, 3}};
 
 TEST(LitCells, OfABareFloorAreAllOfIt) {
   Place place;
-  place.add_lamp(kLamp);
+  place.add_area_light(kAreaLight);
   const Seen seen = look_around(place, 4000);
   EXPECT_EQ(seen.lit, seen.points);
   EXPECT_NE(place.tables.header.features & FEATURE_LIT_CELLS, 0u);
@@ -165,7 +167,7 @@ TEST(LitCells, OfABareFloorAreAllOfIt) {
 
 TEST(LitCells, HaveNoShadows) {
   Place place;
-  place.add_lamp(kLamp);
+  place.add_area_light(kAreaLight);
   place.add(Place::kThing, {-1, -1, 0.8}, {1.2, 0.1, 0.2}, {-0.1, 0.9, 0.1});
   place.add(Place::kThing, {1.5, 1, 0}, {0, 0, 1.2}, {0.3, 0.9, 0});  // stands on the floor
   const Seen seen = look_around(place, 40000);
@@ -175,28 +177,28 @@ TEST(LitCells, HaveNoShadows) {
 
 TEST(LitCells, HaveNoShadowsOfSpheres) {
   Place place;
-  place.add_lamp(kLamp);
+  place.add_area_light(kAreaLight);
   place.tables.add_sphere(make_vec3(0.5f, 0.3f, 1.0f), 0.4f);
   const Seen seen = look_around(place, 20000);
   EXPECT_GT(seen.lit, 0.75 * seen.open);  // of the boxes about them
   EXPECT_LT(seen.open, 0.97 * seen.points);
 }
 
-TEST(LitCells, AreOfAllLamps) {
+TEST(LitCells, AreOfAllAreaLights) {
   Place place;
-  place.add_lamp(kLamp);
-  place.add_lamp({{-3, -3, 2}, {-3, -2, 2.2}, {-2, -2, 2.1}});
-  place.add_lamp({{4, 2, 0.5}, {4, 3, 0.5}, {4, 3, 1.5}, {4, 2, 1.5}}, true);
+  place.add_area_light(kAreaLight);
+  place.add_area_light({{-3, -3, 2}, {-3, -2, 2.2}, {-2, -2, 2.1}});
+  place.add_area_light({{4, 2, 0.5}, {4, 3, 0.5}, {4, 3, 1.5}, {4, 2, 1.5}}, true);
   place.add(Place::kThing, {-1, -1, 0.8}, {1.2, 0.1, 0.2}, {-0.1, 0.9, 0.1});
   const Seen seen = look_around(place, 40000);
   EXPECT_GT(seen.lit, 0.6 * seen.open);
   EXPECT_LT(seen.open, 0.95 * seen.points);
 }
 
-TEST(LitCells, OfALampThatStandsOnTheFloorAreBeforeAndBehindIt) {
+TEST(LitCells, OfAnAreaLightThatStandsOnTheFloorAreBeforeAndBehindIt) {
   for (const bool two_sided : {false, true}) {
     Place place;
-    place.add_lamp({{-1, 0, -0.5}, {1, 0.2, -0.5}, {1, 0.2, 1}, {-1, 0, 1}}, two_sided);
+    place.add_area_light({{-1, 0, -0.5}, {1, 0.2, -0.5}, {1, 0.2, 1}, {-1, 0, 1}}, two_sided);
     const Seen seen = look_around(place, 20000);
     EXPECT_EQ(seen.open, seen.points);
     // But for cells that both sides shine on.
@@ -204,10 +206,10 @@ TEST(LitCells, OfALampThatStandsOnTheFloorAreBeforeAndBehindIt) {
   }
 }
 
-TEST(LitCells, OfSmoothSurfacesSeeLampsAboveThem) {
+TEST(LitCells, OfSmoothSurfacesSeeAreaLightsAboveThem) {
   Place place;
-  place.add_lamp(kLamp);
-  // Walls: the lamp is above the plane of one in part, beneath that of another, above that of the third.
+  place.add_area_light(kAreaLight);
+  // Walls: the light is above the plane of one in part, beneath that of another, above that of the third.
   place.add(Place::kSmooth, {-3, 0.1, 0}, {0.5, 0, 0}, {0, 0, 1});
   place.add(Place::kSmooth, {-2, -3, 0}, {0, -0.5, 0}, {0.1, 0, 1});
   place.add(Place::kSmooth, {2, 3, 0}, {0.5, 0, 0}, {0, 0.1, 1});
@@ -218,7 +220,7 @@ TEST(LitCells, OfSmoothSurfacesSeeLampsAboveThem) {
 TEST(LitCells, AreNoneWhereOtherThingsCount) {
   const auto has_cells = [](auto change) {
     Place place;
-    place.add_lamp(kLamp);
+    place.add_area_light(kAreaLight);
     change(place.tables);
     add_lit_cells(place.tables.header, place.tables);
     const bool has = (place.tables.header.features & FEATURE_LIT_CELLS) != 0u;
@@ -244,7 +246,7 @@ int lit_tiles(int side) {
   Place place;
   place.tables.header.film.width *= 20;
   place.tables.header.film.height *= 20;
-  place.add_lamp(kLamp);
+  place.add_area_light(kAreaLight);
   const double size = 4.0 / side;
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x)
@@ -262,10 +264,10 @@ TEST(LitCells, AreFoundWithinBoundsOfTheWork) {
 }
 
 TEST(LitCells, BehindThingsWithoutEndAreRight) {
-  // Things without end between the lamp and the floor: what is found of the floor may be nothing, but is
+  // Things without end between the light and the floor: what is found of the floor may be nothing, but is
   // right.
   Place place;
-  place.add_lamp(kLamp);
+  place.add_area_light(kAreaLight);
   RandomNumbers random(3);
   for (int k = 0; k < 3000; ++k) {
     const dvec3 p(random.between(-3, 3), random.between(-3, 3), random.between(0.2, 2));

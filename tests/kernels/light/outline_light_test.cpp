@@ -1,4 +1,4 @@
-// Flat lamps of several triangles, as one light: its points are uniform over the triangles, its samples'
+// Flat lights of several triangles, as one light: its points are uniform over the triangles, its samples'
 // densities are those of what rays find, shadow rays end before the triangles.
 #include <gtest/gtest.h>
 
@@ -81,8 +81,8 @@ Place random_plane(RandomNumbers& random, const Exact3& center, double bend = 0)
   };
 }
 
-/// The scene that the light builder makes of it; nothing but the lamp.
-SceneTables lamp_scene(const Triangles& triangles) {
+/// The scene that the light builder makes of it; nothing but the light.
+SceneTables area_light_scene(const Triangles& triangles) {
   LightBuilder builder(EmitterSampling::kAuto, false);
   const std::vector<int> index =
       builder.add_triangles(triangles, emitter(glm::vec3(1, 2, 3), EmitterSampling::kArea));
@@ -103,7 +103,7 @@ TEST_P(OutlineLights, AreOneLight) {
   RandomNumbers random(1);
   for (int k = 0; k < 20; ++k) {
     const Triangles triangles = GetParam().at(random_plane(random, 3.0L * random.direction()));
-    const SceneTables tables = lamp_scene(triangles);
+    const SceneTables tables = area_light_scene(triangles);
     ASSERT_EQ(tables.lights.size(), 1u);
     EXPECT_EQ(tables.lights[0].kind, LIGHT_OUTLINE);
     EXPECT_NEAR(tables.lights[0].area / double(length(area_of(triangles))), 1, 1e-6);
@@ -126,7 +126,7 @@ int part_of(const LightTriangle& t, const vec3& p, double& out) {
 TEST_P(OutlineLights, PointsAreUniformOverTheTriangles) {
   RandomNumbers random(2);
   const Triangles triangles = GetParam().at(random_plane(random, 3.0L * random.direction()));
-  SceneTables tables = lamp_scene(triangles);
+  SceneTables tables = area_light_scene(triangles);
   const Scene scene = tables.scene();
   const LightReceiver from = receiver_of(receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)));
   constexpr int kPoints = 200'000;
@@ -160,7 +160,7 @@ TEST_P(OutlineLights, InverseDensitiesAverageToTheSolidAngle) {
     double expected = 0;
     for (const LightTriangle& t : triangles)
       expected += exact_solid_angle(exact(t.p0), exact(t.p1), exact(t.p2));
-    SceneTables tables = lamp_scene(triangles);
+    SceneTables tables = area_light_scene(triangles);
     const Scene scene = tables.scene();
     const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
     statistics::Sample inverse;
@@ -186,7 +186,7 @@ TEST_P(OutlineLights, ShadowRaysEndBeforeTheTrianglesAndRaysFindTheSameDensity) 
         const vec3 shift = rounded(offset * random.direction());
         const Triangles triangles = GetParam().at(
             random_plane(random, exact(shift) + (1.5L + random.uniform()) * random.direction(), bend));
-        SceneTables tables = lamp_scene(triangles);
+        SceneTables tables = area_light_scene(triangles);
         const Scene scene = tables.scene();
         const Surface s = receiver(shift, rounded(random.direction()));
         for (int i = 0; i < 50; ++i) {

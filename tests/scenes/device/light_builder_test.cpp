@@ -102,7 +102,7 @@ TEST(LightBuilder, WhatIsNoRectangleStaysTriangles) {
   }
 }
 
-TEST(LightBuilder, FlatLampsOfSeveralTrianglesAreOneLightByArea) {
+TEST(LightBuilder, FlatAreaLightsOfSeveralTrianglesAreOneLightByArea) {
   const Triangles trapezoid{{flat(0, 0), flat(3, 0), flat(2, 1)}, {flat(0, 0), flat(2, 1), flat(0, 1)}},
       ell = cells({"x.", "xx"}, tilted), apart = together(trapezoid, turned(trapezoid));
   for (const bool polygons : {false, true})

@@ -125,10 +125,10 @@ TEST_F(LightShaftTest, LittleElseIsMet) {
 }
 
 TEST_F(LightShaftTest, WhatIsInTheEndsOwnPlanesIsNotInTheWay) {
-  // A floor and a lamp above it; the rest of the floor, of the ceiling, and a wall along the floor's edge.
+  // A floor and a light above it; the rest of the floor, of the ceiling, and a wall along the floor's edge.
   const std::vector<dvec3> floor{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  const std::vector<dvec3> lamp{{0.2, 0.2, 2}, {0.2, 0.8, 2}, {0.8, 0.8, 2}, {0.8, 0.2, 2}};
-  const LightShaft shaft(ShaftEnd{floor, {{0, 0, 1}, 0}}, ShaftEnd{lamp, {{0, 0, -1}, 2}}, kSlack);
+  const std::vector<dvec3> area_light{{0.2, 0.2, 2}, {0.2, 0.8, 2}, {0.8, 0.8, 2}, {0.8, 0.2, 2}};
+  const LightShaft shaft(ShaftEnd{floor, {{0, 0, 1}, 0}}, ShaftEnd{area_light, {{0, 0, -1}, 2}}, kSlack);
   EXPECT_FALSE(shaft.light_is_cut() || shaft.surface_is_cut());
   EXPECT_FALSE(shaft.may_meet(triangle({-1, -1, 0}, {3, 0, 0}, {0, 3, 0})));
   EXPECT_FALSE(shaft.may_meet(triangle({-1, -1, 2}, {3, 0, 2}, {0, 3, 2})));

@@ -7,17 +7,17 @@
 
 namespace penumbra {
 
-/// Number k of a device scene's owners, from 1 on, is `owners[k - 1]`. Each name is there once, so objects
+/// Number k of a device scene's mattes, from 1 on, is `mattes[k - 1]`. Each name is there once, so objects
 /// that are called the same are one.
-struct OwnerNames {
-  struct Owner {
+struct MatteNames {
+  struct Matte {
     std::uint32_t object = 0, material = 0;  ///< indices of their names
-    friend bool operator==(const Owner&, const Owner&) = default;
+    friend bool operator==(const Matte&, const Matte&) = default;
   };
   std::vector<std::string> objects, materials;
-  std::vector<Owner> owners;
+  std::vector<Matte> mattes;
 
-  friend bool operator==(const OwnerNames&, const OwnerNames&) = default;
+  friend bool operator==(const MatteNames&, const MatteNames&) = default;
 };
 
 }  // namespace penumbra

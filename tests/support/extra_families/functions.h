@@ -1,6 +1,6 @@
-// Values and samples of the stand-in families, for kernels/bsdf/bsdf.h.
-#ifndef PENUMBRA_STAND_IN_FUNCTIONS_H
-#define PENUMBRA_STAND_IN_FUNCTIONS_H
+// Values and samples of the extra family families, for kernels/bsdf/bsdf.h.
+#ifndef PENUMBRA_EXTRA_FAMILY_FUNCTIONS_H
+#define PENUMBRA_EXTRA_FAMILY_FUNCTIONS_H
 #include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/phong.h"
 

@@ -1,7 +1,7 @@
 // Families of BSDFs that only tests have, for kernels/bsdf/families.h: what the renderer's own do not do.
-#ifndef PENUMBRA_STAND_IN_LIST_H
-#define PENUMBRA_STAND_IN_LIST_H
-#include "tests/support/stand_in_families/numbers.h"
+#ifndef PENUMBRA_EXTRA_FAMILY_LIST_H
+#define PENUMBRA_EXTRA_FAMILY_LIST_H
+#include "tests/support/extra_families/numbers.h"
 
 // Six of the same cost, for families_benchmark.
 #define SIX_PHONGS(X)                                     \

@@ -1,12 +1,12 @@
-// Rooms of surfaces that have closed forms and of stand-ins that have none, and renders of them.
+// Rooms of surfaces that have closed forms and of extra families that have none, and renders of them.
 #pragma once
 
 #include <utility>
 #include <vector>
 
 #include "scenes/scene_description.h"
+#include "tests/support/extra_families/extra_family_kernels.h"
 #include "tests/support/image_test.h"
-#include "tests/support/stand_in_families/stand_in_kernels.h"
 #include "tests/support/statistics.h"
 
 namespace penumbra {
@@ -19,35 +19,35 @@ struct RoomOptions {
   bool crude = false;           ///< what has no closed form, and the floor, have control lobes
 };
 
-/// A description whose BSDFs are stand-ins in part.
-struct StandInScene {
+/// A description whose BSDFs are extra families in part.
+struct ExtraFamilyScene {
   SceneDescription description;
-  std::vector<StandIn> stand_ins;
+  std::vector<ExtraFamily> extra_families;
 
   [[nodiscard]] DeviceScene build() const;
 };
 
 /// A room with two polygon lights and something that throws shadows: floor diffuse, left wall Phong, right
 /// wall the same without a closed form. Paths without a depth limit.
-StandInScene stand_in_room(const RoomOptions& options = {});
+ExtraFamilyScene extra_family_room(const RoomOptions& options = {});
 
 /// Glass of that index in a vacuum: the indices of what it is from outside and from inside.
 std::pair<int, int> add_glass(SceneDescription& scene, float index);
 
 /// The same room with balls of glass that reflects and refracts, and no mirror.
-StandInScene room_with_glass();
+ExtraFamilyScene room_with_glass();
 
 /// A sphere that refracts and loses nothing, in an environment of radiance 1.
-StandInScene glass_ball(float index);
+ExtraFamilyScene glass_ball(float index);
 
 /// All planes of the whole film, in one unit.
-std::vector<float> render_stand_ins(const NativeKernel& kernel, const DeviceScene& scene);
+std::vector<float> render_extra_families(const NativeKernel& kernel, const DeviceScene& scene);
 
 /// `batches` renders with seeds from `first_seed` on.
-statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, std::uint32_t first_seed,
-                                       int block);
+statistics::Estimate extra_family_estimate(const ExtraFamilyScene& scene, int batches,
+                                           std::uint32_t first_seed, int block);
 
 /// All samples of a channel of the film together.
-statistics::Sample stand_in_sample(const StandInScene& scene, int channel);
+statistics::Sample extra_family_sample(const ExtraFamilyScene& scene, int channel);
 
 }  // namespace penumbra

@@ -9,7 +9,7 @@
 namespace penumbra {
 
 /// A place that the camera sees, or that light reaches from one.
-struct SurveyedPlace {
+struct PilotVertex {
   vec3 p;
   vec3 facing;  ///< unit shading normal; 0 where light from all directions counts
   double weight;
@@ -17,7 +17,7 @@ struct SurveyedPlace {
 
 /// Always the same for the same scene, which has the hierarchy of the portable intersector; its lights do not
 /// matter.
-std::vector<SurveyedPlace> survey_places(const SceneHeader& header, const SceneRecords& records);
+std::vector<PilotVertex> pilot_vertices(const SceneHeader& header, const SceneRecords& records);
 
 struct InfiniteLights {
   std::vector<double>
@@ -32,7 +32,7 @@ struct InfiniteLights {
 /// The scene has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays
 /// find what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records
 /// say.
-InfiniteLights survey_infinite_lights(const SceneHeader& header, const SceneRecords& records,
-                                      std::span<const int> infinite);
+InfiniteLights weigh_infinite_lights(const SceneHeader& header, const SceneRecords& records,
+                                     std::span<const int> infinite);
 
 }  // namespace penumbra

@@ -1,6 +1,6 @@
-// The numbers of the stand-in families, which tests patch into materials.
-#ifndef PENUMBRA_STAND_IN_NUMBERS_H
-#define PENUMBRA_STAND_IN_NUMBERS_H
+// The numbers of the extra family families, which tests patch into materials.
+#ifndef PENUMBRA_EXTRA_FAMILY_NUMBERS_H
+#define PENUMBRA_EXTRA_FAMILY_NUMBERS_H
 
 #define FAMILY_CRUDE 21
 #define FAMILY_MIRROR 22

@@ -1,4 +1,4 @@
-#include "tests/support/stand_in_families/stand_in_kernels.h"
+#include "tests/support/extra_families/extra_family_kernels.h"
 
 #include <bit>
 #include <cstring>
@@ -8,18 +8,18 @@
 
 namespace penumbra {
 
-NativeRenderBlock render_stand_ins_scalar, render_stand_ins_sse2;
+NativeRenderBlock render_extra_familys_scalar, render_extra_familys_sse2;
 
-const NativeKernel& stand_in_kernel(bool one_lane) {
-  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_stand_ins_scalar};
-  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_stand_ins_sse2};
+const NativeKernel& extra_family_kernel(bool one_lane) {
+  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_familys_scalar};
+  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_familys_sse2};
   return one_lane ? kOneLane : kLanes;
 }
 
-void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
+void put_extra_families(DeviceScene& scene, std::span<const ExtraFamily> extra_families) {
   const TableSpan span = scene.header.tables.materials;
   auto* materials = reinterpret_cast<Material*>(scene.words.data() + span.offset);
-  for (const StandIn& each : stand_ins) {
+  for (const ExtraFamily& each : extra_families) {
     Material& m = materials[each.material];
     m.family = each.family;
     if (each.specular >= 0) m.specular = {each.specular, each.specular, each.specular};

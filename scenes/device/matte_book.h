@@ -1,4 +1,4 @@
-// The numbers of a device scene's owners, and who they are.
+// The numbers of a device scene's mattes, and who they are.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scenes/instances.h"
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
@@ -17,9 +17,9 @@ namespace penumbra {
 /// the N-th of the scene from 1 on, or "instance-N"; a material is "material-N", the N-th BSDF of the scene,
 /// and what absorbs everything "black". All that an instance places is one object: the instance, or else its
 /// group.
-class OwnerBook {
+class MatteBook {
  public:
-  explicit OwnerBook(const SceneDescription& scene) : scene_(scene) {}
+  explicit MatteBook(const SceneDescription& scene) : scene_(scene) {}
 
   /// Of a shape of the scene, by its index: a number from 1 on.
   int of_shape(std::size_t index);
@@ -28,7 +28,7 @@ class OwnerBook {
   /// Of the group's first shape that does not emit in that place; those that follow have the next numbers.
   int first_of(const PlacedGroup& place);
 
-  [[nodiscard]] OwnerNames names() && { return std::move(names_); }
+  [[nodiscard]] MatteNames names() && { return std::move(names_); }
 
  private:
   using Index = std::map<std::string, std::uint32_t>;
@@ -36,10 +36,10 @@ class OwnerBook {
   [[nodiscard]] std::string material_name(const Shape& shape) const;
   std::uint32_t material_of(const Shape& shape);
   std::uint32_t object_of(const PlacedGroup& place);
-  int number_of(OwnerNames::Owner owner);
+  int number_of(MatteNames::Matte matte);
 
   const SceneDescription& scene_;
-  OwnerNames names_;
+  MatteNames names_;
   Index objects_, materials_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> numbers_;  // of objects with their materials
   std::map<std::pair<std::uint32_t, int>, int> firsts_;             // of objects and their groups

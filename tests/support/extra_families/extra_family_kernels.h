@@ -1,4 +1,4 @@
-// Native kernels that have the stand-in families, and scenes of them.
+// Native kernels that have the extra family families, and scenes of them.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,15 @@
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/native_kernels.h"
-#include "tests/support/stand_in_families/numbers.h"
+#include "tests/support/extra_families/numbers.h"
 
 namespace penumbra {
 
 /// With all features: one lane, or lanes of SSE2.
-const NativeKernel& stand_in_kernel(bool one_lane = false);
+const NativeKernel& extra_family_kernel(bool one_lane = false);
 
 /// What a material of the scene becomes; the rest of it stays.
-struct StandIn {
+struct ExtraFamily {
   int material = 1;  ///< that of the description's BSDF of index 0 is 1
   int family = FAMILY_MIRROR;
   float specular = -1;  ///< negative: stays
@@ -22,6 +22,6 @@ struct StandIn {
 };
 
 /// Stands them in.
-void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins);
+void put_extra_families(DeviceScene& scene, std::span<const ExtraFamily> extra_families);
 
 }  // namespace penumbra

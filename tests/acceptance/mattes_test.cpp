@@ -9,13 +9,13 @@
 #include <string>
 
 #include "scenes/device/device_scene_builder.h"
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra::owners_test {
+namespace penumbra::mattes_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -28,14 +28,14 @@ constexpr std::uint32_t kSamples = 1024;
 /// A scene with who is in it.
 struct OwnedScene {
   DeviceScene device;
-  OwnerNames names;
+  MatteNames names;
 };
 
 OwnedScene owned(const SceneDescription& scene, bool embree = false) {
   OwnedScene built;
   DeviceSceneOptions options;
   options.intersector = embree ? IntersectorChoice::kEmbree : IntersectorChoice::kPortable;
-  options.owners = &built.names;
+  options.mattes = &built.names;
   auto device = build_device_scene(scene, options);
   if (!device) throw std::runtime_error(device.error().message);
   built.device = std::move(*device);
@@ -45,8 +45,8 @@ OwnedScene owned(const SceneDescription& scene, bool embree = false) {
 /// Shares of a pixel's samples, by the objects' names.
 std::map<std::string, double> shares(const OwnedScene& scene, const FilmAccumulator& film, int x, int y = 0) {
   std::map<std::string, double> result;
-  for (const OwnerWeight& each : film.owners(x, y))
-    result[scene.names.objects[scene.names.owners[std::size_t(each.owner) - 1].object]] +=
+  for (const MatteWeight& each : film.mattes(x, y))
+    result[scene.names.objects[scene.names.mattes[std::size_t(each.matte) - 1].object]] +=
         each.weight / double(film.at(x, y).count);
   return result;
 }
@@ -91,7 +91,7 @@ void expect_two_planes(const SceneDescription& description) {
     }
 }
 
-TEST(Owners, CoverTheShareOfThePixelWhateverTheIntegrator) {
+TEST(Mattes, CoverTheShareOfThePixelWhateverTheIntegrator) {
   SceneDescription scene = two_planes();
   expect_two_planes(scene);
   for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kWhitted,
@@ -102,7 +102,7 @@ TEST(Owners, CoverTheShareOfThePixelWhateverTheIntegrator) {
   }
 }
 
-TEST(Owners, AreNamedByTheSceneOrInAFixedWay) {
+TEST(Mattes, AreNamedByTheSceneOrInAFixedWay) {
   SceneDescription scene = two_planes();
   Shape sphere;
   sphere.geometry = Sphere{{0, 0, 3}, 0.2};
@@ -113,15 +113,15 @@ TEST(Owners, AreNamedByTheSceneOrInAFixedWay) {
   scene.shapes.push_back(named(scene.shapes[1], "right"));
   scene.bsdfs.push_back({"diffuse at scenes/room.xml:9:3", DiffuseBsdf{}});
   scene.shapes.back().front_bsdf = 1;
-  const OwnerNames names = owned(scene).names;
+  const MatteNames names = owned(scene).names;
   EXPECT_THAT(names.objects, ElementsAre("left", "right", "shape-3"));
   EXPECT_THAT(names.materials, ElementsAre("grey", "black", "gold", "material-2"));
-  EXPECT_THAT(names.owners, ElementsAre(OwnerNames::Owner{0, 0}, OwnerNames::Owner{1, 1},
-                                        OwnerNames::Owner{2, 2}, OwnerNames::Owner{1, 3}));
+  EXPECT_THAT(names.mattes, ElementsAre(MatteNames::Matte{0, 0}, MatteNames::Matte{1, 1},
+                                        MatteNames::Matte{2, 2}, MatteNames::Matte{1, 3}));
 }
 
-/// Three spheres in a row, placed by instances of one group, which also has a lamp; and a sphere by itself.
-SceneDescription instances(bool lamp) {
+/// Three spheres in a row, placed by instances of one group, which also has a light; and a sphere by itself.
+SceneDescription instances(bool area_light) {
   SceneDescription scene = empty_scene(48, 16, 16, 3);
   scene.integrator = path_integrator(DirectSampling::kMis);
   add_diffuse(scene, 0.5f);
@@ -136,11 +136,11 @@ SceneDescription instances(bool lamp) {
   square.name = "square";
   square.material = "paper";
   group.shapes = {ball, square};
-  if (lamp) {
+  if (area_light) {
     group.shapes.push_back(ball);
     group.shapes.back().geometry = Sphere{{0, -0.5, 0}, 0.15};
     group.shapes.back().radiance = glm::vec3(1);
-    group.shapes.back().material = "lamp";
+    group.shapes.back().material = "area_light";
   }
   scene.groups.push_back(group);
   const char* names[] = {"first", "instance at a.xml:2:1", "third"};
@@ -159,39 +159,39 @@ std::map<std::string, double> totals(const OwnedScene& scene, const FilmAccumula
   std::map<std::string, double> result;
   for (int y = 0; y < film.height(); ++y)
     for (int x = 0; x < film.width(); ++x)
-      for (const OwnerWeight& each : film.owners(x, y)) {
-        const OwnerNames::Owner& owner = scene.names.owners[std::size_t(each.owner) - 1];
-        result[materials ? scene.names.materials[owner.material] : scene.names.objects[owner.object]] +=
+      for (const MatteWeight& each : film.mattes(x, y)) {
+        const MatteNames::Matte& matte = scene.names.mattes[std::size_t(each.matte) - 1];
+        result[materials ? scene.names.materials[matte.material] : scene.names.objects[matte.object]] +=
             each.weight;
       }
   return result;
 }
 
-TEST(Owners, OfInstancesAreTheInstances) {
-  for (const bool lamp : {false, true})
+TEST(Mattes, OfInstancesAreTheInstances) {
+  for (const bool area_light : {false, true})
     for (const bool embree : {false, true}) {
-      const OwnedScene scene = owned(instances(lamp), embree);
+      const OwnedScene scene = owned(instances(area_light), embree);
       const FilmAccumulator film = render_or_throw(scene.device);
       auto objects = totals(scene, film, false), materials = totals(scene, film, true);
       EXPECT_EQ(objects.size(), 4u);
       for (const char* name : {"first", "instance-2", "third", "ball"}) EXPECT_GT(objects[name], 50) << name;
       // They are alike but for the perspective.
       EXPECT_NEAR(objects["first"] / objects["third"], 1, 0.1);
-      EXPECT_EQ(materials.size(), lamp ? 3u : 2u);
+      EXPECT_EQ(materials.size(), area_light ? 3u : 2u);
       EXPECT_GT(materials["clay"], materials["paper"]);
-      if (lamp) EXPECT_GT(materials["lamp"], 50);
+      if (area_light) EXPECT_GT(materials["area_light"], 50);
     }
 }
 
-TEST(Owners, AreNotThereUnlessAskedFor) {
+TEST(Mattes, AreNotThereUnlessAskedFor) {
   const SceneDescription description = instances(true);
   const DeviceScene without = build_or_throw(description);
-  EXPECT_EQ(without.header.features & FEATURE_OWNERS, 0u);
-  EXPECT_EQ(without.header.tables.owners.count, 0);
-  EXPECT_EQ(without.header.tables.instance_owners.count, 0);
+  EXPECT_EQ(without.header.features & FEATURE_MATTES, 0u);
+  EXPECT_EQ(without.header.tables.mattes.count, 0);
+  EXPECT_EQ(without.header.tables.instance_mattes.count, 0);
   const OwnedScene with = owned(description);
   const FilmAccumulator a = render_or_throw(with.device), b = render_or_throw(without);
-  EXPECT_TRUE(b.owners(20, 8).empty());
+  EXPECT_TRUE(b.mattes(20, 8).empty());
   for (int y = 0; y < a.height(); ++y)
     for (int x = 0; x < a.width(); ++x)
       for (int c = 0; c < 3; ++c) {
@@ -201,13 +201,13 @@ TEST(Owners, AreNotThereUnlessAskedFor) {
 }
 
 /// Embree's light may differ, in rays that are in doubt.
-void expect_same_owners(const FilmAccumulator& a, const FilmAccumulator& b) {
+void expect_same_mattes(const FilmAccumulator& a, const FilmAccumulator& b) {
   for (int y = 0; y < a.height(); ++y)
     for (int x = 0; x < a.width(); ++x)
-      EXPECT_TRUE(std::ranges::equal(a.owners(x, y), b.owners(x, y))) << x << ',' << y;
+      EXPECT_TRUE(std::ranges::equal(a.mattes(x, y), b.mattes(x, y))) << x << ',' << y;
 }
 
-TEST(Owners, AreTheSameFromEveryBackend) {
+TEST(Mattes, AreTheSameFromEveryBackend) {
   for (const SceneDescription& description : {two_planes(), instances(true)}) {
     const OwnedScene scene = owned(description);
     TestDevice device = native_device();
@@ -222,7 +222,7 @@ TEST(Owners, AreTheSameFromEveryBackend) {
     EXPECT_EQ(traced.names, scene.names);
     // The planes' edge is that of the rows: rays that go along it are in doubt.
     if (scene.device.header.tables.instances.count == 0) continue;
-    expect_same_owners(render_or_throw(traced.device), render_or_throw(scene.device));
+    expect_same_mattes(render_or_throw(traced.device), render_or_throw(scene.device));
     TestDevice opencl = opencl_device();
     EXPECT_EQ(render_or_throw(scene.device, opencl).hash(), hash) << "OpenCL";
     opencl.options.opencl_tuning.path_per_item = true;
@@ -231,7 +231,7 @@ TEST(Owners, AreTheSameFromEveryBackend) {
 }
 
 /// Many narrow strips side by side, more in a pixel than a unit has pairs for.
-TEST(Owners, BeyondWhatAUnitHoldsCountAsNobody) {
+TEST(Mattes, BeyondWhatAUnitHoldsCountAsNobody) {
   SceneDescription scene = empty_scene(1, 1, 4096, 1);
   scene.integrator = direct_integrator(1, 0);
   scene.camera = {};
@@ -247,18 +247,18 @@ TEST(Owners, BeyondWhatAUnitHoldsCountAsNobody) {
     device.samples_per_pass = per_pass;
     const FilmAccumulator film = render_or_throw(built.device, device);
     double all = 0;
-    for (const OwnerWeight& each : film.owners(0, 0)) all += each.weight;
-    count = film.owners(0, 0).size();
+    for (const MatteWeight& each : film.mattes(0, 0)) all += each.weight;
+    count = film.mattes(0, 0).size();
     return all;
   };
   std::size_t few = 0, many = 0;
   EXPECT_LT(sum(4096, few), 4096);
-  EXPECT_EQ(few, std::size_t(MAX_OWNER_PAIRS - 1));
+  EXPECT_EQ(few, std::size_t(MAX_MATTE_PAIRS - 1));
   EXPECT_EQ(sum(16, many), 4096);
   EXPECT_EQ(many, 58u);
 }
 
-TEST(Owners, DeviceScenesWithWrongOnesAreRefused) {
+TEST(Mattes, DeviceScenesWithWrongOnesAreRefused) {
   const OwnedScene scene = owned(instances(true));
   const auto error = [&](auto change) {
     DeviceScene changed = scene.device;
@@ -270,24 +270,24 @@ TEST(Owners, DeviceScenesWithWrongOnesAreRefused) {
     s.words[span.offset + std::size_t(index)] = std::uint32_t(value);
   };
   EXPECT_EQ(error([](DeviceScene&) {}), "");
-  const int owners = scene.device.header.owner_count;
+  const int mattes = scene.device.header.matte_count;
   // Of the ball that is in the scene itself.
   const int ball = scene.device.header.tables.triangles.count;
-  for (const int wrong : {0, -1, owners + 1, 1 << 30})
-    EXPECT_THAT(error([&](DeviceScene& s) { set(s, s.header.tables.owners, ball, wrong); }),
-                HasSubstr("owner that is not there"))
+  for (const int wrong : {0, -1, mattes + 1, 1 << 30})
+    EXPECT_THAT(error([&](DeviceScene& s) { set(s, s.header.tables.mattes, ball, wrong); }),
+                HasSubstr("matte that is not there"))
         << wrong;
-  for (const int wrong : {0, -5, owners, 1 << 30, -2'000'000'000})
-    EXPECT_THAT(error([&](DeviceScene& s) { set(s, s.header.tables.instance_owners, 1, wrong); }),
-                HasSubstr("owner that is not there"))
+  for (const int wrong : {0, -5, mattes, 1 << 30, -2'000'000'000})
+    EXPECT_THAT(error([&](DeviceScene& s) { set(s, s.header.tables.instance_mattes, 1, wrong); }),
+                HasSubstr("matte that is not there"))
         << wrong;
-  EXPECT_THAT(error([](DeviceScene& s) { s.header.owner_count = MAX_OWNERS + 1; }), HasSubstr("implausible"));
-  EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.owners.count; }), HasSubstr("do not match"));
-  EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.instance_owners.count; }),
+  EXPECT_THAT(error([](DeviceScene& s) { s.header.matte_count = MAX_MATTES + 1; }), HasSubstr("implausible"));
+  EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.mattes.count; }), HasSubstr("do not match"));
+  EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.instance_mattes.count; }),
               HasSubstr("do not match"));
-  EXPECT_THAT(error([](DeviceScene& s) { s.header.features &= ~std::uint32_t(FEATURE_OWNERS); }),
+  EXPECT_THAT(error([](DeviceScene& s) { s.header.features &= ~std::uint32_t(FEATURE_MATTES); }),
               HasSubstr("without their feature bit"));
 }
 
 }  // namespace
-}  // namespace penumbra::owners_test
+}  // namespace penumbra::mattes_test

@@ -1,4 +1,4 @@
-#include "scenes/device/light_survey.h"
+#include "scenes/device/pilot_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,9 +30,9 @@ struct Arrival {
   double other_pdf = 0;  ///< with which a direction of the surface is sampled, were it diffuse
 };
 
-class Survey {
+class PilotPaths {
  public:
-  Survey(const Scene& scene, std::span<const int> infinite) : scene_(scene), infinite_(infinite) {}
+  PilotPaths(const Scene& scene, std::span<const int> infinite) : scene_(scene), infinite_(infinite) {}
 
   InfiniteLights run() {
     for (int k = 0; k < kCameraRays; ++k)
@@ -40,8 +40,8 @@ class Survey {
     return found();
   }
 
-  std::vector<SurveyedPlace> places() {
-    std::vector<SurveyedPlace> all;
+  std::vector<PilotVertex> places() {
+    std::vector<PilotVertex> all;
     for (int k = 0; k < kCameraRays; ++k)
       follow(k, [&](const Surface& s, bool all_around, double weight) {
         all.push_back({s.p, all_around ? make_vec3(0, 0, 0) : s.shading, weight});
@@ -311,15 +311,15 @@ class Survey {
 
 }  // namespace
 
-std::vector<SurveyedPlace> survey_places(const SceneHeader& header, const SceneRecords& records) {
+std::vector<PilotVertex> pilot_vertices(const SceneHeader& header, const SceneRecords& records) {
   const RecordsView view(records, header);
-  return Survey(view.scene(), {}).places();
+  return PilotPaths(view.scene(), {}).places();
 }
 
-InfiniteLights survey_infinite_lights(const SceneHeader& header, const SceneRecords& records,
-                                      std::span<const int> infinite) {
+InfiniteLights weigh_infinite_lights(const SceneHeader& header, const SceneRecords& records,
+                                     std::span<const int> infinite) {
   const RecordsView view(records, header);
-  return Survey(view.scene(), infinite).run();
+  return PilotPaths(view.scene(), infinite).run();
 }
 
 }  // namespace penumbra
