@@ -20,7 +20,6 @@
   X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle") \
   X(POLYGONS, 0x1000, "polygon lights in closed form")                        \
   X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
-  X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
   X(UV, 0x8000, "texture coordinates and tangents")                           \
   X(TEXTURES, 0x10000, "textures")                                            \
   X(NESTED, 0x20000, "BSDFs that hold others, and surfaces seen through")     \
@@ -36,8 +35,7 @@
   X(MATTES, 0x8000000, "objects and materials of pixels")                     \
   X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
   X(MEDIA, 0x20000000, "participating media")                                 \
-  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")          \
-  X(LIT_CELLS, 0x80000000u, "closed forms where surfaces see lights whole")
+  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -54,7 +52,6 @@
 #define FEATURE_PROJECTED 0x800
 #define FEATURE_POLYGONS 0x1000
 #define FEATURE_LOOK_THROUGH 0x2000
-#define FEATURE_RATIO 0x4000
 #define FEATURE_UV 0x8000
 #define FEATURE_TEXTURES 0x10000
 #define FEATURE_NESTED 0x20000
@@ -71,12 +68,10 @@
 #define FEATURE_PARTS 0x10000000
 #define FEATURE_MEDIA 0x20000000
 #define FEATURE_LIGHT_EDGES 0x40000000
-#define FEATURE_LIT_CELLS 0x80000000u
 #define FEATURE_ALL 0xffffffffu
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
-#define HAS_CLOSED_FORMS (HAS(POLYGONS) || HAS(LIT_CELLS))
 /// Small scenes are searched by testing every primitive, others through the hierarchy. Kernels for one scene
 /// have its search alone, kernels for every scene both.
 #define HAS_WHOLE (!HAS(BVH) || (FEATURES) == FEATURE_ALL)

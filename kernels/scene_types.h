@@ -45,7 +45,6 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ESTIMATOR_SAMPLES 0  // H alone
 #define ESTIMATOR_ALPHA 1    // alpha G + (H - alpha W)
 #define ESTIMATOR_AUTO 2     // the same, alpha from other samples of the pixel
-#define ESTIMATOR_RATIO 3    // G H / W
 
 // What the camera sees of emitters: their light, a surface without it, or what is behind them.
 #define HIDE_NOTHING 0
@@ -98,7 +97,6 @@ PENUMBRA_NAMESPACE_BEGIN
   16777216.0f               // 2^24: probabilities within the hierarchy of lights are multiples of its inverse
 #define LIGHT_CUT 16        // nodes at most from which a walk through the hierarchy of lights begins
 #define MAX_BRANCH_DEPTH 8  // surfaces at which a path may branch, one after the other
-#define LIT_CELL_LEVELS 9   // of halves along either side of a triangle
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
@@ -351,16 +349,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, first_edge)                                                                         \
   F(int, edge_count)
 
-// The cells of a triangle from which every light is seen whole: see light/lit_cells.h.
-#define LIT_FACE_FIELDS(F)                                                                     \
-  F(vec3, row_x) /* a point p of it is at row_x . p + at_x of the way from p0 to p1, ... */    \
-  F(vec3, row_y) /* ... and row_y . p + at_y of the way to p2 */                               \
-  F(float, at_x)                                                                               \
-  F(float, at_y)                                                                               \
-  F(int, first) /* its first word in the table of cells */                                     \
-  F(int, level) /* it has 2^level cells along either way, in rows along the first; -1: none */ \
-  F(int, front) /* 1: they are on its front side, 0: on its back */
-
 // A piece of an edge within the reach of a pixel's filter, about the pixel's centre and in filter radii: at y
 // of [y0, y1), or [y1, y0), it is at x0 + slope (y - y0). The light is at smaller x where y1 > y0, else at
 // larger x.
@@ -518,9 +506,6 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, light_edge_rows, int, 2, "rows of edges of lights")                             \
   T(A, light_edge_pixels, LightEdgePixel, 1, "pixels with edges of lights")            \
   T(A, light_edges, LightEdge, 1, "edges of lights in pixels")                         \
-  /* FEATURE_LIT_CELLS: of each triangle; 32 cells a word. */                          \
-  T(A, lit_faces, LitFace, 1, "triangles that may see lights whole")                   \
-  T(A, lit_cells, uint, 1, "words of cells of them")                                   \
   LIGHT_TABLES(T, A)
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
@@ -614,7 +599,6 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \
   X(LightEdge, LIGHT_EDGE_FIELDS)                       \
-  X(LitFace, LIT_FACE_FIELDS)                           \
   X(LightStrip, LIGHT_STRIP_FIELDS)                     \
   X(BvhNode, BVH_NODE_FIELDS)                           \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \

@@ -62,26 +62,12 @@ FN int coverage_plane(uint features) {
   const int with_layers = (features & FEATURE_POLYGONS) != 0u ? LAYER_PLANES_END : ANALYTIC_PLANE;
   return (features & FEATURE_LAYERS) != 0u ? with_layers : FIRST_LAYER_PLANE;
 }
-// After all others, the statistics of RatioPlane, three channels each.
-enum {
-  RATIO_MEAN_PLANE = 0,
-  RATIO_DEVIATION_PLANE = 3,
-  RATIO_CORRELATION_PLANE = 6,
-  RATIO_PLANE = 9,
-  RATIO_UNSHADOWED_PLANE = 12
-};
 
-/// Where a unit's RatioPlanes start.
-FN int first_ratio_plane(uint features) {
-  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
-}
-
-// Behind those, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how many of the
-// pixel's samples met it.
-#define RATIO_PLANES 15
+// After all others, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how many of
+// the pixel's samples met it.
 #define MAX_MATTE_PAIRS 32
 FN int first_matte_plane(uint features) {
-  return first_ratio_plane(features) + ((features & FEATURE_RATIO) != 0u ? RATIO_PLANES : 0);
+  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
 }
 /// How many pairs a unit of so many samples has: one for each matte that they can meet, and one for nobody.
 FN int matte_pairs(int sample_count) {

@@ -135,8 +135,7 @@ std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint32_t features) {
 }
 
 std::string lacking_for(const OpenClDeviceInfo& device, std::uint32_t features) {
-  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LIT_CELLS)) == 0u || device.has_double)
-    return {};
+  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0u || device.has_double) return {};
   return device.name +
          " has no double precision (cl_khr_fp64), which closed forms and projected solid angles of polygon "
          "lights need";

@@ -316,10 +316,6 @@ CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* uni
   if (NEEDS(scene, MATTES))
     accumulate_mattes(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
-#if HAS(POLYGONS) && HAS(RATIO)
-  if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
-    accumulate_ratio(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
-#endif
   if (block->probe != 0)
     probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);
 }

@@ -65,7 +65,7 @@ class Checker {
     require(in(h_.integrator.emitter_samples, 0, MAX_DIRECT_SAMPLES) &&
                 in(h_.integrator.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
-    require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_AUTO), "unknown estimator");
     require(in(h_.integrator.bsdf_sampling, DIRECTION_BSDF, DIRECTION_LOBE), "unknown density of directions");
     require(in(h_.integrator.branch_depth, 0, MAX_BRANCH_DEPTH), "paths branch too often");
     require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
@@ -152,15 +152,14 @@ class Checker {
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       require(in(l.start, 0, int(LIGHT_NUMBERS)), "a light begins at no number that a sampler can give");
-      require(!has(FEATURE_POLYGONS | FEATURE_LIT_CELLS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
+      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
       check_strips(l);
       check_light_texture(l);
     }
-    if (has(FEATURE_POLYGONS | FEATURE_LIT_CELLS)) check_polygons();
-    if (has(FEATURE_LIT_CELLS)) check_lit_cells();
+    if (has(FEATURE_POLYGONS)) check_polygons();
     if (has(FEATURE_LIGHT_EDGES)) check_light_edges();
     if (has(FEATURE_LIGHT_TREE)) check_light_tree();
     require(has(FEATURE_LIGHT_TREE) == (h_.integrator.light_choice == CHOICE_TREE),
@@ -170,8 +169,6 @@ class Checker {
             "closed forms without their feature bit");
     require(!has(FEATURE_LTC) || h_.tables.ltc_cells.count == 2 * LTC_SIZE * LTC_SIZE,
             "linearly transformed cosines without their tables");
-    require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
-            "the ratio estimator and its feature bit go together");
     require((h_.families & families_with(TRANSMITS) & ~families_with(FREE)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
@@ -456,17 +453,6 @@ class Checker {
       require(
           pixel.edge_count >= 0 && in(pixel.first_edge, 0, h_.tables.light_edges.count - pixel.edge_count),
           "a pixel names edges of lights that are not there");
-  }
-
-  void check_lit_cells() {
-    require(h_.tables.lit_faces.count == h_.tables.triangles.count, "cells do not match the triangles");
-    for (const LitFace& face : table<LitFace>(scene_, at_least_one(h_.tables.lit_faces))) {
-      require(in(face.level, -1, LIT_CELL_LEVELS), "a triangle has too many cells");
-      if (!problem_.empty() || face.level < 0) continue;
-      const std::int64_t words = ((std::int64_t{1} << 2 * face.level) + 31) / 32;
-      require(face.first >= 0 && face.first + words <= h_.tables.lit_cells.count,
-              "a triangle names cells that are not there");
-    }
   }
 
   /// Walks end at a light, whatever the numbers of the nodes.

@@ -44,17 +44,6 @@ enum SampleBufferPlane : int {
   kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
   kFeaturePlanes = kAnalyticR,  ///< ... without closed forms
 };
-/// Further planes, after all others, of the ratio estimator (FEATURE_RATIO): the ratio r is that of all
-/// passes in the end, so a result says how its samples depend on it. A sample is a + r b with b = G - W;
-/// kMean and the other planes are for the r of the result's own samples.
-enum RatioPlane : int {
-  kRatioMeanR = RATIO_MEAN_PLANE,                ///< mean of b
-  kRatioDeviationR = RATIO_DEVIATION_PLANE,      ///< its standard deviation
-  kRatioCorrelationR = RATIO_CORRELATION_PLANE,  ///< of a + r b and b, -1 to 1
-  kRatioR = RATIO_PLANE,                         ///< r, mean H / mean W
-  kRatioUnshadowedR = RATIO_UNSHADOWED_PLANE,    ///< mean of W
-  kRatioPlanes = RATIO_PLANES
-};
 static_assert(LAYER_PLANES_END == kSampleBufferPlanes);
 static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
               DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
@@ -65,8 +54,9 @@ constexpr int layer_planes_end(std::uint32_t features) {
   return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
 }
 
-/// The same with the coverage behind them.
-constexpr int image_plane_count(std::uint32_t features) {
+/// How many planes the results of a scene with these FEATURE_* bits have: the same with the coverage behind
+/// them.
+constexpr int plane_count(std::uint32_t features) {
   return layer_planes_end(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
 }
 
@@ -80,11 +70,6 @@ constexpr int coverage_plane_of(int image_planes) {
 /// How many of SampleBufferPlane they have.
 constexpr int layer_planes_of(int image_planes) {
   return coverage_plane_of(image_planes) < 0 ? image_planes : image_planes - 1;
-}
-
-/// How many planes the results of a scene with these FEATURE_* bits have.
-constexpr int plane_count(std::uint32_t features) {
-  return image_plane_count(features) + ((features & FEATURE_RATIO) != 0u ? kRatioPlanes : 0);
 }
 
 /// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes

@@ -5,7 +5,6 @@
 #include "kernels/integrator/directions.h"
 #include "kernels/integrator/kept_surfaces.h"
 #include "kernels/integrator/light_request.h"
-#include "kernels/light/lit_cells.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -92,51 +91,6 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
     #endif
   find_emissions(scene, &found, k > 0, &emissions);
   add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
-}
-  #endif
-
-  #if HAS(LIT_CELLS)
-/// Whether any of the surfaces sees every light whole; lit[j]: lane j's does, and its light has a closed
-/// form.
-STAGE int find_lit(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                   const PRIVATE Closures* RESTRICT closures, PRIVATE int* RESTRICT lit) {
-  int any = 0;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const bool whole = sees_lights_whole(scene, load_surface(surfaces, j));
-      lit[j] = (whole & has_closed_form(load_closure(closures, j))) ? 1 : 0;
-      any |= lit[j];
-    }
-  return any;
-}
-
-/// Those surfaces get the closed form, and nothing more is sampled there.
-STAGE void add_lit(const PRIVATE PathState* paths, int i, const PRIVATE int* RESTRICT lit,
-                   const PRIVATE double* RESTRICT light, PRIVATE Surfaces* RESTRICT surfaces,
-                   PRIVATE Closures* RESTRICT closures) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3 form = make_vec3((float)light[j], (float)light[LANES + j], (float)light[2 * LANES + j]);
-      const vec3 before = get_radiance(paths, i + j);
-      const vec3 after = add(before, mul(get_throughput(paths, i + j), form));
-      set_radiance(paths, i + j, select3(lit[j] != 0, after, before));
-      surfaces->primitive[j] = lit[j] != 0 ? NOTHING_HIT : surfaces->primitive[j];
-      closures->family[j] = lit[j] != 0 ? FAMILY_BLACK : closures->family[j];
-    }
-}
-
-/// Light of the surfaces that see all of it.
-FN void light_lit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                           PRIVATE StepLanes* step) {
-  int lit[LANES];
-  if (find_lit(scene, &step->surfaces, &step->closures, lit) == 0) return;
-  ShadingPoints points;
-  Reservoir none;
-  double light[3 * LANES];
-  store_shading_points(scene, &step->surfaces, &step->closures, &points);
-  unshadowed_lights(scene, &points, false, &none, light);
-  add_lit(paths, i, lit, light, &step->surfaces, &step->closures);
-  step->families = families_among(&step->closures);
 }
   #endif
 
@@ -227,9 +181,6 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
       find_emissions(scene, &step.found, k > 0, &step.emissions);
       add_emissions_found(scene, k == 0, paths, i, &step.found, &step.emissions);
     }
-  #if HAS(LIT_CELLS)
-    if (NEEDS(scene, LIT_CELLS) && k == 0) light_lit_surfaces(scene, paths, i, &step);
-  #endif
     begin_steps(paths, i, &step.surfaces, is_last);
     if (step.families == 0u) continue;  // nothing scatters
     if (emits) {

@@ -35,7 +35,7 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   return request;
 }
 
-#if HAS_CLOSED_FORMS
+#if HAS(POLYGONS)
 STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,
                                 PRIVATE ShadingPoints* RESTRICT points) {
@@ -43,9 +43,7 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
     for (int j = 0; j < LANES; j++)
       store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
-#endif
 
-#if HAS(POLYGONS)
   #if HAS(LTC)
 STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,

@@ -12,7 +12,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS_CLOSED_FORMS
+#if HAS(POLYGONS)
 
 /// Shading points and their reflectances, one a lane.
 typedef struct {
@@ -217,9 +217,6 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   }
 }
 
-#endif
-
-#if HAS(POLYGONS)
   #if HAS(LTC)
 FN double sum_of_channels(const PRIVATE double* values, int j) {
   return values[j] + values[LANES + j] + values[2 * LANES + j];

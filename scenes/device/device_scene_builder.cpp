@@ -21,7 +21,6 @@
 #include "scenes/device/light_choice.h"
 #include "scenes/device/light_edges.h"
 #include "scenes/device/light_textures.h"
-#include "scenes/device/lit_cells.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
@@ -52,8 +51,7 @@ class Builder {
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
       : scene_(scene),
         options_(options),
-        lights_(default_sampling(scene.integrator),
-                wants_polygons(scene.integrator) || wants_lit_cells(scene.integrator)),
+        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
         light_textures_(scene, records_, {}) {
     if (auto placed = place_groups(scene))
       placed_ = std::move(*placed);
@@ -83,7 +81,7 @@ class Builder {
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
-    need(lights_.features() & ~(wants_polygons(scene_.integrator) ? 0u : unsigned(FEATURE_POLYGONS)));
+    need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
     if (scene_.film.alpha) need(FEATURE_COVERAGE);
@@ -444,8 +442,6 @@ class Builder {
 
   /// What is found by rays through the scene, which is whole otherwise.
   Expected<void> look_at_scene() {
-    if (wants_lit_cells(scene_.integrator)) add_lit_cells(h_, records_);
-    if ((h_.features & (FEATURE_POLYGONS | FEATURE_LIT_CELLS)) == 0u) forget_polygons();
     BorrowedHierarchy hierarchy(records_);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done =
@@ -453,12 +449,6 @@ class Builder {
           !done)
         return done;
     return scene_.film.closed_light_edges ? add_light_edges(h_, records_, hierarchy) : Expected<void>();
-  }
-
-  void forget_polygons() {
-    records_.polygons.clear();
-    records_.polygon_corners.clear();
-    for (Light& light : records_.lights) light.polygon = -1;
   }
 
   void set_camera() {

@@ -131,9 +131,6 @@ void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lig
   } else if (!variate) {
     // A choice by contribution evaluates the closed form, so the layers show it.
     if (h.integrator.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
-  } else if (variate->estimator == CvEstimator::kRatio) {
-    h.integrator.estimator = ESTIMATOR_RATIO;
-    h.features |= FEATURE_RATIO;
   } else if (variate->alpha) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
     h.adjustable.alpha = *variate->alpha;
@@ -168,10 +165,6 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
 bool wants_polygons(const IntegratorSettings& integrator) {
   return integrator.is<PolygonAnalyticIntegrator>() || control_variate(integrator) ||
          light_choice(integrator) == LightChoice::kAnalytic;
-}
-
-bool wants_lit_cells(const IntegratorSettings& integrator) {
-  return parameter_or(integrator, PENUMBRA_PARAMETER(closed_where_lit), false);
 }
 
 bool chooses_as_it_likes(const IntegratorSettings& integrator) {

@@ -41,11 +41,10 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features,
                                              int matte_count) {
-  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u, matte_count};
+  return {x, y, width, height, plane_count(features), matte_count};
 }
 
-FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio,
-                                 int matte_count)
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, int matte_count)
     : x_(x),
       y_(y),
       width_(width),
@@ -53,12 +52,11 @@ FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes
       planes_(planes),
       pixels_(std::size_t(width) * std::size_t(height)),
       layers_(pixels_.size() * layers()),
-      ratios_(with_ratio ? pixels_.size() : 0),
       mattes_(pixels_.size(), matte_count) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
-  const bool complete = result.planes == planes_ + (ratios_.empty() ? 0 : int(kRatioPlanes));
+  const bool complete = result.planes == planes_;
   const std::size_t layer_count = complete ? layers() : 0;
   std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
@@ -76,8 +74,6 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       }
       for (std::size_t k = 0; k < layer_count; ++k)
         merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
-      if (complete && !ratios_.empty())
-        add_ratio(std::size_t(pixel - pixels_.data()), value, plane, result.sample_count);
       pixel->count += result.sample_count;
     }
   }
@@ -85,35 +81,10 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
     penumbra::add(flagged_[{x, y}], result.flagged);
 }
 
-void FilmAccumulator::add_ratio(std::size_t pixel, const float* value, std::size_t plane,
-                                std::uint32_t count) {
-  PixelStatistics& merged = pixels_[pixel];
-  const float* of_ratio = value + std::size_t(planes_) * plane;
-  const bool has_difference = planes_ > kDifferenceR;
-  for (int c = 0; c < 3; ++c) {
-    RatioSums& sums = ratios_[pixel][std::size_t(c)];
-    sums.add({.count = count,
-              .mean = value[(kMeanR + c) * plane],
-              .deviation = value[(kDeviationR + c) * plane],
-              .b = of_ratio[(kRatioMeanR + c) * plane],
-              .deviation_b = of_ratio[(kRatioDeviationR + c) * plane],
-              .correlation = of_ratio[(kRatioCorrelationR + c) * plane],
-              .ratio = of_ratio[(kRatioR + c) * plane],
-              .w = of_ratio[(kRatioUnshadowedR + c) * plane],
-              .difference = has_difference ? value[(kDifferenceR + c) * plane] : 0.0f});
-    merged.mean[c] = sums.mean();
-    merged.m2[c] = sums.m2();
-    if (has_difference)
-      layers_[pixel * layers() + std::size_t(kDifferenceR + c - kRadiancePlanes)] = sums.difference();
-  }
-}
-
 void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
-    if (!ratios_.empty())
-      std::fill_n(ratios_.begin() + std::ptrdiff_t(first), width, std::array<RatioSums, 3>{});
     std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
     mattes_.clear(first, std::size_t(width));
   }
@@ -190,10 +161,9 @@ double FilmAccumulator::relative_error() const {
 }
 
 void FilmAccumulator::write(ByteWriter& bytes) const {
-  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1}) bytes.i64(number);
+  for (const int number : {x_, y_, width_, height_, planes_}) bytes.i64(number);
   bytes.row(pixels_);
   bytes.row(layers_);
-  bytes.row(ratios_);
   mattes_.write(bytes);
   bytes.u64(flagged_.size());
   for (const auto& [corner, noted] : flagged_) {
@@ -210,9 +180,9 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
 }
 
 Expected<void> FilmAccumulator::read(ByteReader& bytes) {
-  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1})
+  for (const int number : {x_, y_, width_, height_, planes_})
     if (bytes.i64() != number) return fail("a film of another size or with other layers");
-  if (!bytes.row(pixels_) || !bytes.row(layers_) || !bytes.row(ratios_)) return fail("it ends in its film");
+  if (!bytes.row(pixels_) || !bytes.row(layers_)) return fail("it ends in its film");
   if (auto read = mattes_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
   if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
@@ -251,9 +221,6 @@ Expected<void> FilmAccumulator::check() const {
         !std::ranges::all_of(pixel.m2, [](double m2) { return std::isfinite(m2) && m2 >= 0; }))
       return fail("a pixel whose statistics are none");
   if (!std::ranges::all_of(layers_, is_finite)) return fail("a layer with a value that is not finite");
-  for (std::size_t i = 0; i < ratios_.size(); ++i)
-    if (!std::ranges::all_of(ratios_[i], [&](const RatioSums& sums) { return sums.is_of(pixels_[i].count); }))
-      return fail("a pixel whose ratio is none");
   for (std::size_t i = 0; mattes_.is_kept() && i < pixels_.size(); ++i)
     if (!mattes_.are_of(i, pixels_[i].count)) return fail("a pixel with mattes of more than its samples");
   return {};

@@ -1,7 +1,6 @@
 // The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -12,7 +11,6 @@
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/byte_stream.h"
 #include "scheduler/plan/film_mattes.h"
-#include "scheduler/plan/ratio_estimate.h"
 
 namespace penumbra {
 
@@ -29,18 +27,16 @@ struct PixelStatistics {
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, after which
-  /// `with_ratio` RatioPlanes follow, and of a scene with so many mattes.
-  FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio = false,
-                  int matte_count = 0);
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, and of a
+  /// scene with so many mattes.
+  FilmAccumulator(int x, int y, int width, int height, int planes, int matte_count = 0);
   /// The same for results of a scene with these FEATURE_* bits.
   static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features,
                                      int matte_count = 0);
 
   /// Of the memory that it takes, with the constructor's arguments.
-  static constexpr std::uint64_t bytes_per_pixel(int planes, bool with_ratio = false) {
-    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double) +
-           (with_ratio ? sizeof(std::array<RatioSums, 3>) : 0);
+  static constexpr std::uint64_t bytes_per_pixel(int planes) {
+    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double);
   }
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
@@ -50,7 +46,7 @@ class FilmAccumulator {
   void clear(int x, int y, int width, int height);
 
   /// Puts into its rectangle the mean of two independent estimates of it, equally weighed whatever their
-  /// samples; of one alone, where the other one has none. Of the same planes, none of them with ratios. The
+  /// samples; of one alone, where the other one has none. Of the same planes. The
   /// statistics are then those of as many samples whose mean has that mean's variance.
   void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
 
@@ -91,11 +87,8 @@ class FilmAccumulator {
  private:
   [[nodiscard]] Expected<void> check() const;
   [[nodiscard]] std::uint64_t written_with(std::uint64_t matte_bytes) const {
-    return (bytes_per_pixel(planes_, !ratios_.empty()) + (mattes_.is_kept() ? matte_bytes : 0)) *
-           pixels_.size();
+    return (bytes_per_pixel(planes_) + (mattes_.is_kept() ? matte_bytes : 0)) * pixels_.size();
   }
-  /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
-  void add_ratio(std::size_t pixel, const float* value, std::size_t plane, std::uint32_t count);
   [[nodiscard]] std::size_t index(int film_x, int film_y) const {
     return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
   }
@@ -105,7 +98,6 @@ class FilmAccumulator {
   int planes_ = kRadiancePlanes;
   std::vector<PixelStatistics> pixels_;
   std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
-  std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
   FilmMattes mattes_;
   std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
 };

@@ -16,7 +16,7 @@ void Merge::begin(std::uint32_t tile) {
   if (!target_error_ || tiles_[tile].is_done || tiles_[tile].adaptive) return;
   const RenderUnit area = grid_.unit(tile, 0);
   tiles_[tile].adaptive = std::make_unique<AdaptiveTile>(
-      FilmAccumulator(area.x, area.y, area.width, area.height, film_.planes(), false, film_.matte_count()),
+      FilmAccumulator(area.x, area.y, area.width, area.height, film_.planes(), film_.matte_count()),
       *target_error_, grid_.passes());
 }
 

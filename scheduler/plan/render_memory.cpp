@@ -16,12 +16,11 @@ std::uint64_t PixelMemory::peak(bool writes_files, int films_beside) const {
   return film + std::max(watch + std::uint64_t(films_beside) * film, writes_files ? output : 0);
 }
 
-PixelMemory pixel_memory(int planes, bool with_ratio, bool with_mattes) {
+PixelMemory pixel_memory(int planes, bool with_mattes) {
   const std::uint64_t image =
       std::uint64_t(image_channels(planes) + (with_mattes ? kMatteChannels : 0)) * sizeof(float);
   // What does not compress fills a file as large as the image, in a buffer that doubles as it grows.
-  return {.film = FilmAccumulator::bytes_per_pixel(planes, with_ratio) +
-                  (with_mattes ? FilmMattes::kBytesPerPixel : 0),
+  return {.film = FilmAccumulator::bytes_per_pixel(planes) + (with_mattes ? FilmMattes::kBytesPerPixel : 0),
           .watch = TileSnapshot::bytes_per_pixel(planes > kDifferenceB),
           .output = image + 2 * image};
 }

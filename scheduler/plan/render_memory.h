@@ -12,8 +12,8 @@ int image_channels(int planes);
 /// Channels of the mattes' layers in an image file, see cryptomatte.h.
 constexpr int kMatteChannels = 24;
 
-/// Bytes for each pixel of a render whose results have so many SampleBufferPlanes, `with_ratio` those of
-/// RatioPlane, and `with_mattes` mattes, of which a few are assumed.
+/// Bytes for each pixel of a render whose results have so many SampleBufferPlanes, and `with_mattes` mattes,
+/// of which a few are assumed.
 struct PixelMemory {
   std::uint64_t film = 0;    ///< while it goes on and after
   std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
@@ -23,6 +23,6 @@ struct PixelMemory {
   /// halves of a render with a target error.
   [[nodiscard]] std::uint64_t peak(bool writes_files, int films_beside = 0) const;
 };
-PixelMemory pixel_memory(int planes, bool with_ratio = false, bool with_mattes = false);
+PixelMemory pixel_memory(int planes, bool with_mattes = false);
 
 }  // namespace penumbra

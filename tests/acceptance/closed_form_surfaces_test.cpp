@@ -32,18 +32,15 @@ Method sampled(const std::string& name, DirectSampling sampling) {
   return {name, settings};
 }
 
-Method controlled(const std::string& name, CvEstimator estimator, std::optional<float> alpha) {
+Method controlled(const std::string& name, std::optional<float> alpha) {
   IntegratorSettings settings;
   param::next_event(settings) = NextEvent::kCv;
-  param::estimator(settings) = estimator;
   param::alpha(settings) = alpha;
   return {name, settings};
 }
 
 std::vector<Method> controlled_methods() {
-  return {controlled("AlphaOne", CvEstimator::kCv, 1.0f),
-          controlled("AlphaAuto", CvEstimator::kCv, std::nullopt),
-          controlled("Ratio", CvEstimator::kRatio, std::nullopt)};
+  return {controlled("AlphaOne", 1.0f), controlled("AlphaAuto", std::nullopt)};
 }
 
 std::vector<Method> all_methods() {

@@ -29,8 +29,6 @@ TEST(ExtraFamilyFamilies, GiveTheSameBitsForAnyNumberOfLanes) {
     expect_same_bits(room);
     param::next_event(room.description.integrator) = NextEvent::kCv;
     expect_same_bits(room);
-    param::estimator(room.description.integrator) = CvEstimator::kRatio;
-    expect_same_bits(room);
     room.description.integrator = direct_integrator(1, 2);
     expect_same_bits(room);
     use(room.description.integrator, IntegratorKind::kWhitted);

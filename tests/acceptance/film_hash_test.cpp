@@ -43,7 +43,6 @@ const std::vector<Settings> kIntegrators{
     {"integrator.type=polygon_analytic"},
     {"integrator.type=polygon_area", "integrator.emitter_samples=2"},
     {"integrator.type=polygon_cv"},
-    {"integrator.type=polygon_cv", "integrator.estimator=ratio", "integrator.vis_samples=2"},
     {"integrator.type=whitted"},
     {"integrator.type=whitted", "integrator.indirect_samples=2", "integrator.branch_depth=2",
      "integrator.indirect_sampling=uniform", "integrator.nee=cv"},

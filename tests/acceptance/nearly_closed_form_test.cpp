@@ -27,14 +27,12 @@ struct Variant {
   std::string name;
   std::optional<float> alpha;
   EmitterSampling sampling = EmitterSampling::kSolidAngle;
-  CvEstimator estimator = CvEstimator::kCv;
 };
 void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name; }
 
 void use_variant(IntegratorSettings& integrator, const Variant& variant) {
   param::alpha(integrator) = variant.alpha;
   param::emitter_sampling(integrator) = variant.sampling;
-  param::estimator(integrator) = variant.estimator;
 }
 
 class NearlyClosedForm : public testing::TestWithParam<Variant> {};
@@ -105,14 +103,11 @@ TEST(NearlyClosedFormImages, DoNotDependOnLanes) {
     ExtraFamilyScene room = extra_family_room({.many_triangles = many_triangles, .crude = true});
     param::next_event(room.description.integrator) = NextEvent::kCv;
     room.description.sampler.spp = 8;
-    for (const CvEstimator estimator : {CvEstimator::kCv, CvEstimator::kRatio}) {
-      param::estimator(room.description.integrator) = estimator;
-      const DeviceScene built = room.build();
-      const std::vector<float> one_lane = render_extra_families(extra_family_kernel(true), built);
-      const std::vector<float> many = render_extra_families(extra_family_kernel(), built);
-      ASSERT_EQ(many.size(), one_lane.size());
-      EXPECT_EQ(std::memcmp(many.data(), one_lane.data(), many.size() * sizeof(float)), 0);
-    }
+    const DeviceScene built = room.build();
+    const std::vector<float> one_lane = render_extra_families(extra_family_kernel(true), built);
+    const std::vector<float> many = render_extra_families(extra_family_kernel(), built);
+    ASSERT_EQ(many.size(), one_lane.size());
+    EXPECT_EQ(std::memcmp(many.data(), one_lane.data(), many.size() * sizeof(float)), 0);
   }
 }
 

@@ -96,7 +96,6 @@ class Integrators {
       case 5:
         return path("path_ems", emitter_sampling() + light_choice(true));
       case 6: {
-        // The ratio estimator is biased for few samples.
         const std::string alpha =
             random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
         return path("path", text("nee", "cv") + alpha + emitter_sampling() + light_choice(false));

@@ -15,7 +15,6 @@
 #include "kernels/intersect/triangle.h"
 #include "kernels/light/light.h"
 #include "kernels/light/light_tree.h"
-#include "kernels/light/lit_cells.h"
 #include "kernels/light/mis.h"
 #include "kernels/light/projected_light.h"
 #include "kernels/light/spherical_triangle.h"

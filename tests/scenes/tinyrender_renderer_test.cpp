@@ -92,7 +92,6 @@ TEST_F(TinyRenderRenderer, PolygonalMethods) {
     EXPECT_EQ(kind_of(cv), IntegratorKind::kPolygonCv);
     EXPECT_EQ(param::alpha(cv), 0.75f);
     EXPECT_EQ(param::vis_samples(cv), 4);
-    EXPECT_EQ(param::estimator(cv), CvEstimator::kCv);
     EXPECT_EQ(param::emitter_sampling(cv), EmitterSampling::kArea);
   }
   const IntegratorSettings by_default = integrator("type = \"polygonal\"\nmethod = \"controlVariates\"");

@@ -60,7 +60,7 @@ TEST(Features, AreJustTheNeeded) {
     return build(scene).header.features;
   };
   EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_EDGES | FEATURE_LIT_CELLS));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_EDGES));
   EXPECT_EQ(with([](auto& s) { s.film.closed_light_edges = false; }),
             std::uint32_t(FEATURE_PATH | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);

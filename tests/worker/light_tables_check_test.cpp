@@ -1,5 +1,5 @@
 // Tables of lights as they come off the wire: what a worker refuses of the choice among them, of their edges,
-// of their strips and of cells that see them whole.
+// and of their strips.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,6 @@ TEST(LightTablesCheck, TablesAsTheyAreBuiltAreAccepted) {
   const DeviceScene scene = scene_of_area_lights();
   ASSERT_GT(scene.header.tables.lights.count, 1);
   ASSERT_GT(scene.header.tables.light_edge_pixels.count, 0);
-  ASSERT_GT(scene.header.tables.lit_cells.count, 1);
   ASSERT_GT(scene.header.tables.light_strips.count, 1);
   const auto checked = check_device_scene(scene);
   EXPECT_TRUE(checked) << checked.error().message;
@@ -55,10 +54,6 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
   const auto rows = [](DeviceScene& s) { return records<int>(s, s.header.tables.light_edge_rows); };
   const auto pixels = [](DeviceScene& s) {
     return records<LightEdgePixel>(s, s.header.tables.light_edge_pixels);
-  };
-  const auto face = [](DeviceScene& s) -> LitFace& {
-    return *std::ranges::find_if(records<LitFace>(s, s.header.tables.lit_faces),
-                                 [](const LitFace& f) { return f.level >= 0; });
   };
   const auto light = [](DeviceScene& s) -> Light& {
     return records<Light>(s, s.header.tables.lights).back();
@@ -93,11 +88,6 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       // Lanes of lights of other kinds look at them, too.
       {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip = 0x7fffffff; }},
       {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip_count = 0x7fffffff; }},
-      {"do not match the triangles", [](DeviceScene& s) { --s.header.tables.lit_faces.count; }},
-      {"too many cells", [&](DeviceScene& s) { face(s).level = LIT_CELL_LEVELS + 1; }},
-      {"too many cells", [&](DeviceScene& s) { face(s).level = -2; }},
-      {"cells that are not there", [&](DeviceScene& s) { face(s).first = -1; }},
-      {"cells that are not there", [&](DeviceScene& s) { face(s).first = s.header.tables.lit_cells.count; }},
       {"a polygon that is not there",
        [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
   for (const Broken& one : broken) {

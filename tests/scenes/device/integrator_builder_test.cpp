@@ -84,7 +84,6 @@ void by_power(S& scene) { param::light_choice(scene.integrator) = LightChoice::k
 void by_tree(S& scene) { param::light_choice(scene.integrator) = LightChoice::kTree; }
 void by_contribution(S& scene) { param::light_choice(scene.integrator) = LightChoice::kAnalytic; }
 void with_cv(S& scene) { param::next_event(scene.integrator) = NextEvent::kCv; }
-void ratio(S& scene) { param::estimator(scene.integrator) = CvEstimator::kRatio; }
 void ems(S& scene) { param::direct_sampling(scene.integrator) = DirectSampling::kEmitterOnly; }
 void mats(S& scene) { param::direct_sampling(scene.integrator) = DirectSampling::kBsdfOnly; }
 void no_bsdf_samples(S& scene) { param::bsdf_samples(scene.integrator) = 0; }
@@ -125,7 +124,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path", kPath, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"path, emitters alone", kPath, ems, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"alpha without a control variate", kPath, with_alpha(0.5f), ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
-      {"ratio without a control variate", kPath, ratio, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"direct, two lights", kDirect, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
       {"path, two lights", kPath, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
       {"whitted, two lights", kWhitted, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
@@ -143,9 +141,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"cv, alpha below 0", kPolygonCv, with_alpha(-2), ESTIMATOR_ALPHA, -2, CHOICE_ANALYTIC},
       {"cv, alpha 1", kPolygonCv, with_alpha(1), ESTIMATOR_ALPHA, 1, CHOICE_ANALYTIC},
       {"cv, by power", kPolygonCv, all({with_alpha(1), by_power}), ESTIMATOR_ALPHA, 1, CHOICE_POWER},
-      {"cv, ratio", kPolygonCv, ratio, ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
-      {"cv, ratio, whatever alpha", kPolygonCv, all({ratio, with_alpha(0.25f)}), ESTIMATOR_RATIO, 1,
-       CHOICE_ANALYTIC},
       {"cv, fitted", kPolygonCv, {}, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"cv, nothing to fit", kPolygonCv, by_projection, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
       {"cv, Phong", kPolygonCv, all({by_projection, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
@@ -156,7 +151,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path cv", kPath, all({with_cv, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"path cv, alpha given", kPath, all({with_cv, with_alpha(0.5f)}), ESTIMATOR_ALPHA, 0.5f,
        CHOICE_ANALYTIC},
-      {"path cv, ratio", kPath, all({with_cv, ratio}), ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
       // The BSDF's samples find the sphere: multiple importance sampling needs the density of its choice.
       {"path cv, other lights", kPath, all({with_cv, with_sphere}), ESTIMATOR_AUTO, 1, CHOICE_POWER},
       {"path cv, other lights, emitters alone", kPath, all({with_cv, with_sphere, ems}), ESTIMATOR_AUTO, 1,
@@ -355,7 +349,7 @@ TEST(IntegratorBuilder, WithoutPolygonLightsNothingOfThemIsLeft) {
                                                     {"a black one", black},
                                                     {"one without area", without_area}};
   for (const auto& [what, change] : changes)
-    for (const Change& more : {Change([](S&) {}), Change(ratio), Change(by_contribution), with_alpha(0.5f)})
+    for (const Change& more : {Change([](S&) {}), Change(by_contribution), with_alpha(0.5f)})
       for (const IntegratorKind kind : {kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
         const SceneHeader h = header(kind, all({change, where_there(more)}));
         EXPECT_EQ(h.integrator.estimator, ESTIMATOR_SAMPLES) << what;

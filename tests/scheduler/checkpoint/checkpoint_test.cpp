@@ -31,16 +31,14 @@ std::string error_of(std::span<const std::uint8_t> bytes, const RenderIdentity& 
 struct Layout {
   const char* name;
   int planes;
-  bool with_ratio;
 };
 
 class CheckpointLayouts : public testing::TestWithParam<Layout> {};
 
 TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
-  const auto& [name, planes, with_ratio] = GetParam();
-  const int of_results = planes + (with_ratio ? int(kRatioPlanes) : 0);
-  Merge undisturbed = half_merged(planes, with_ratio);
-  auto before = decode_checkpoint(encoded(undisturbed), small_identity(), empty_merge(planes, with_ratio));
+  const auto& [name, planes] = GetParam();
+  Merge undisturbed = half_merged(planes);
+  auto before = decode_checkpoint(encoded(undisturbed), small_identity(), empty_merge(planes));
   ASSERT_TRUE(before) << before.error().message;
   EXPECT_EQ(before->rendered, 12.5);
   EXPECT_EQ(before->merge.film().hash(), undisturbed.film().hash());
@@ -51,7 +49,7 @@ TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
   for (Merge* merge : {&undisturbed, &before->merge}) {
     for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
       for (std::uint32_t pass = 0; pass < small_grid().passes(); ++pass)
-        if (!is_merged_first(tile, pass)) merge->add(tile, pass, result(tile, pass, of_results));
+        if (!is_merged_first(tile, pass)) merge->add(tile, pass, result(tile, pass, planes));
     EXPECT_EQ(merge->finished_passes(), small_grid().passes());
   }
   EXPECT_EQ(before->merge.film().hash(), undisturbed.film().hash());
@@ -60,11 +58,9 @@ TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Films, CheckpointLayouts,
-                         testing::Values(Layout{"radiance", kRadiancePlanes, false},
-                                         Layout{"layers", kFeaturePlanes, false},
-                                         Layout{"polygons", kSampleBufferPlanes, false},
-                                         Layout{"ratio", kSampleBufferPlanes, true},
-                                         Layout{"ratio_of_radiance", kRadiancePlanes, true}),
+                         testing::Values(Layout{"radiance", kRadiancePlanes},
+                                         Layout{"layers", kFeaturePlanes},
+                                         Layout{"polygons", kSampleBufferPlanes}),
                          [](const auto& parameter) { return parameter.param.name; });
 
 TEST(Checkpoint, WhatWaitsIsNotKeptAndATileWithAGapBeginsAnew) {

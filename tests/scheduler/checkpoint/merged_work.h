@@ -11,8 +11,8 @@ constexpr std::uint32_t kSpp = 22, kSamplesPerPass = 4;
 
 inline TileGrid small_grid() { return {kX, kY, kWidth, kHeight, 8, kSpp, kSamplesPerPass}; }
 
-inline Merge empty_merge(int planes = kFeaturePlanes, bool with_ratio = false) {
-  return {FilmAccumulator(kX, kY, kWidth, kHeight, planes, with_ratio), small_grid()};
+inline Merge empty_merge(int planes = kFeaturePlanes) {
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, planes), small_grid()};
 }
 
 /// What a worker would send.
@@ -25,12 +25,11 @@ inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
 }
 
 /// Every tile has another number of passes, none and all among them.
-inline Merge half_merged(int planes = kFeaturePlanes, bool with_ratio = false) {
-  Merge merge = empty_merge(planes, with_ratio);
-  const int of_results = planes + (with_ratio ? int(kRatioPlanes) : 0);
+inline Merge half_merged(int planes = kFeaturePlanes) {
+  Merge merge = empty_merge(planes);
   for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
     for (std::uint32_t pass = 0; is_merged_first(tile, pass); ++pass)
-      merge.add(tile, pass, result(tile, pass, of_results));
+      merge.add(tile, pass, result(tile, pass, planes));
   return merge;
 }
 

@@ -509,12 +509,6 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   large.target_error.reset();
   large.interactive = true;  // writes no files
   EXPECT_TRUE(fits(0.99 * whole));
-  large.interactive = false;
-  large.scene.header.features |= FEATURE_RATIO;  // its sums stay in the film, and are no channels
-  const double with_ratio = double(pixel_memory(kFeaturePlanes, true).peak(true));
-  EXPECT_GT(with_ratio, whole);
-  EXPECT_TRUE(fits(1.01 * with_ratio));
-  EXPECT_FALSE(fits(0.99 * with_ratio));
 }
 
 // --- No orphans

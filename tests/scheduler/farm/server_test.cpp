@@ -591,8 +591,8 @@ TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
 
 TEST(MessageSize, HoldsTheLargestResultOfAnyScene) {
   for (const std::uint32_t features :
-       {0u, std::uint32_t(FEATURE_LAYERS), std::uint32_t(FEATURE_RATIO),
-        std::uint32_t(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO), std::uint32_t(FEATURE_ALL)}) {
+       {0u, std::uint32_t(FEATURE_LAYERS), std::uint32_t(FEATURE_LAYERS | FEATURE_POLYGONS),
+        std::uint32_t(FEATURE_ALL)}) {
     const std::int64_t values = std::int64_t(kMaxTile) * kMaxTile * plane_count(features);
     EXPECT_LT(values * std::int64_t(sizeof(float)), kMaxMessageBytes) << features;
   }

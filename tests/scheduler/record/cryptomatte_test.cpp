@@ -93,7 +93,7 @@ TEST(Cryptomatte, MetadataNameBothLayersAndTheirManifests) {
 
 /// A pixel of ten samples: so many met each matte.
 Image image_of(const MatteNames& names, std::vector<std::uint32_t> pairs) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes, false, int(names.mattes.size()));
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes, int(names.mattes.size()));
   SampleBuffer buffer{.width = 1, .height = 1, .planes = kRadiancePlanes, .sample_count = 10, .values = {}};
   buffer.values.assign(kRadiancePlanes, 0.0f);
   buffer.mattes = {std::uint32_t(pairs.size() / 2)};

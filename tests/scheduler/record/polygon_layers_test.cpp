@@ -59,7 +59,6 @@ std::vector<Estimator> estimators() {
                              {"alpha -0.5", polygon_cv(-0.5f, kSolidAngle, 1)},
                              {"auto", polygon_cv(std::nullopt, kSolidAngle, 2)},
                              {"auto, projected", polygon_cv(std::nullopt, kProjected, 1)},
-                             {"ratio", polygon_ratio(kSolidAngle, 2)},
                              {"direct", emitter_only(kSolidAngle, 2, LightChoice::kAnalytic)},
                              {"path", path},
                              {"path by contribution", by_contribution}};
@@ -82,14 +81,12 @@ DeviceScene build(const SceneDescription& scene, bool layers) {
 // --- which layers there are
 
 TEST(PolygonLayers, CountOfPlanes) {
-  for (const std::uint32_t others : {0u, unsigned(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS |
-                                                                  FEATURE_RATIO | FEATURE_COVERAGE))}) {
+  for (const std::uint32_t others :
+       {0u, unsigned(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_COVERAGE))}) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 8);
-    EXPECT_EQ(plane_count(others | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 15);
-    EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 7 + 8 + 15);
     for (const std::uint32_t layers : {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS}) {
       const int without = plane_count(others | layers),
                 with = plane_count(others | layers | FEATURE_COVERAGE);
@@ -97,7 +94,6 @@ TEST(PolygonLayers, CountOfPlanes) {
       EXPECT_EQ(coverage_plane_of(without), -1);
       EXPECT_EQ(coverage_plane_of(with), without);
       EXPECT_EQ(layer_planes_of(with), without);
-      EXPECT_EQ(plane_count(others | layers | FEATURE_COVERAGE | FEATURE_RATIO), with + 15);
     }
   }
 }
