@@ -6,6 +6,8 @@
 #define PENUMBRA_NAMESPACE_END }
 
 #define FN static inline __attribute__((always_inline, unused))
+// One that constants may be made of.
+#define CONSTANT_FN static constexpr inline __attribute__((always_inline, unused))
 // A function that holds lane loops: never inlined, so that RESTRICT holds and each is optimised by itself.
 #define STAGE static __attribute__((noinline, unused))
 // A function of its own where kernels are compiled when they are first wanted.

@@ -9,6 +9,7 @@
 // PoCL 3.1 defines `inline` away, which would make each of them a function to optimise and to keep.
 #undef inline
 #define FN inline __attribute__((always_inline))
+#define CONSTANT_FN FN
 // Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
 // as fast with them.
 #if defined(__has_attribute) && VECTOR_WIDTH >= 16

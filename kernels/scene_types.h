@@ -88,7 +88,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BEND_NORMAL_MAP 1
 #define BEND_BUMP_MAP 2
 
-#define NO_MATTE 0           // the matte of what is no surface
+#define NO_MATTE 0           // of a ray that hits nothing
 #define MAX_MATTES 16777215  // numbers that a float holds exactly
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
@@ -487,7 +487,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \
-  /* FEATURE_MATTES: whose each triangle and then each quadric is, a number from 1 */  \
+  /* FEATURE_MATTES: the matte of each triangle and then of each quadric, from 1 on */  \
   /* on; of a group's, to be added to the first number of the instance, from 0 on. */  \
   T(A, mattes, int, 1, "mattes of primitives")                                         \
   T(A, instance_mattes, int, 1, "first mattes of instances")                           \

@@ -1,4 +1,5 @@
-// Who is seen in a pixel: objects and what they are made of, by name.
+// The mattes of a scene by name: a matte is a pair of an object and a material that camera rays can hit
+// (Cryptomatte).
 #pragma once
 
 #include <cstdint>

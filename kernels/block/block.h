@@ -295,26 +295,23 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel,
                              int pixels, const PRIVATE Block* block, GLOBAL float* out,
                              GLOBAL BadSamples* bad) {
-  const bool layers = (SCENE_FEATURES(&scene->header) & FEATURE_LAYERS) != 0u;
+  const uint features = SCENE_FEATURES(&scene->header);
   const PRIVATE SlotState* slots = &block->slots;
 #if HAS(POLYGONS)
-  const bool control = has_control(scene);
-  if (control) control_samples(scene, unit, first_pixel, pixels, slots, layers, out);
-  if (control && layers)
-    spread_bad_planes(unit, first_pixel, pixels, ANALYTIC_PLANE, WHOLE_PLANE + 1, slots, out);
+  if (has_control(scene)) {
+    control_samples(scene, unit, first_pixel, pixels, slots, features, out);
+    if (has_layer(features, LAYER_ANALYTIC))
+      spread_bad_planes(unit, first_pixel, pixels, layer_plane(features, LAYER_ANALYTIC),
+                        layer_plane(features, LAYER_UNSHADOWED) + 1, slots, out);
+  }
 #endif
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
-  accumulate(unit, first_pixel, pixels, slots, layers, out, bad);
+  accumulate(unit, first_pixel, pixels, slots, features, out, bad);
 #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) note_contradictions(unit, first_pixel, pixels, slots, bad);
 #endif
-#if HAS(COVERAGE)
-  if (NEEDS(scene, COVERAGE))
-    accumulate_coverage(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
-#endif
 #if HAS(MATTES)
-  if (NEEDS(scene, MATTES))
-    accumulate_mattes(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
+  if (NEEDS(scene, MATTES)) accumulate_mattes(unit, first_pixel, pixels, slots, features, out);
 #endif
   if (block->probe != 0)
     probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);

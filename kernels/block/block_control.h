@@ -24,13 +24,13 @@ FN void check_control(const PRIVATE SlotState* slots, int s) {
 }
 
 /// Completes the samples of the block's pixels by their control variates.
-/// With `layers` also the means of the closed form G, of what shadows take away (the samples' part of the
-/// estimate less G), and of the light samples with and without shadows, in the planes after the other
-/// layers'.
+/// Where they are wanted also the layers of the closed form G, of what shadows take away (the samples' part of
+/// the estimate less G), and of the light samples with and without shadows.
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                           const PRIVATE SlotState* slots, bool layers, GLOBAL float* RESTRICT out) {
+                           const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int estimator = scene->header.integrator.estimator, pitch = slot_pixels(slots->capacity, n, LANES);
+  const bool layers = has_layer(features, LAYER_ANALYTIC);
   for (int p = 0; p < pixels; p++)
     for (int s = 0; s < n; s++) check_control(slots, s * pitch + p);
   for (int p = 0; p < pixels; p++) {
@@ -56,18 +56,17 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         analytic[s] *= weight;
       }
     }
-  #if HAS(LAYERS)
     if (layers) {
-      out[SEEN_PLANE * area + first_pixel + p] = all_shadowed / (float)n / HUGE_SAMPLE_SCALE;
-      out[WHOLE_PLANE * area + first_pixel + p] = all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
+      GLOBAL float* of_pixel = out + first_pixel + p;
+      of_pixel[layer_plane(features, LAYER_SHADOWED) * area] = all_shadowed / (float)n / HUGE_SAMPLE_SCALE;
+      of_pixel[layer_plane(features, LAYER_UNSHADOWED) * area] = all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
     }
-  #endif
   }
   for (int c = 0; c < 3 && layers; c++) {
     accumulate_field(slots->analytic + c * slots->capacity, pitch, pixels, n,
-                     out + (ANALYTIC_PLANE + c) * area + first_pixel, 0);
+                     out + (layer_plane(features, LAYER_ANALYTIC) + c) * area + first_pixel, 0);
     accumulate_field(slots->shadowed + c * slots->capacity, pitch, pixels, n,
-                     out + (DIFFERENCE_PLANE + c) * area + first_pixel, 0);
+                     out + (layer_plane(features, LAYER_DIFFERENCE) + c) * area + first_pixel, 0);
   }
 }
 #endif

@@ -179,7 +179,7 @@ STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* R
 #endif
 
 #if HAS(MATTES)
-/// Whose surfaces camera rays met: NO_MATTE where there is none. Kernels may be compiled for more than a
+/// The mattes that camera rays hit: NO_MATTE where there is none. Kernels may be compiled for more than a
 /// scene has: without the tables nobody is there.
 STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {

@@ -18,7 +18,7 @@ struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;    ///< albedo, normal and depth beside the radiance
   bool surface_uv = false;       ///< texture coordinates and tangents of surfaces, textures or not
-  MatteNames* mattes = nullptr;  ///< null, or results say whose surfaces were met: becomes who those are
+  MatteNames* mattes = nullptr;  ///< null, or where the mattes go, which results then count
 };
 
 /// The middle of the scene's bounding box, which the device scene's positions are relative to.

@@ -1,4 +1,4 @@
-// The numbers of a device scene's mattes, and who they are.
+// The numbers of a device scene's mattes, and the names of their objects and materials.
 #pragma once
 
 #include <cstddef>

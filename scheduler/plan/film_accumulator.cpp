@@ -39,31 +39,26 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 }  // namespace
 
-FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features,
-                                             int matte_count) {
-  return {x, y, width, height, plane_count(features), matte_count};
-}
-
-FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, int matte_count)
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers)
     : x_(x),
       y_(y),
       width_(width),
       height_(height),
-      planes_(planes),
+      layers_(layers),
       pixels_(std::size_t(width) * std::size_t(height)),
-      layers_(pixels_.size() * layers()),
-      mattes_(pixels_.size(), matte_count) {}
+      layer_means_(pixels_.size() * layer_planes()),
+      mattes_(pixels_.size(), layers.mattes()) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
-  const bool complete = result.planes == planes_;
-  const std::size_t layer_count = complete ? layers() : 0;
+  const bool complete = result.planes == layers_.planes();
+  const std::size_t layer_count = complete ? layer_planes() : 0;
   std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
     if (mattes_.is_kept() && !mattes.empty())
       mattes = mattes_.add(index(x, y + row), std::size_t(result.width), mattes);
     PixelStatistics* pixel = &pixels_[index(x, y + row)];
-    double* layer = layers_.data() + index(x, y + row) * layers();
+    double* layer = layer_means_.data() + index(x, y + row) * layer_planes();
     const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
     for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
       const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
@@ -85,7 +80,7 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
-    std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
+    std::fill_n(layer_means_.begin() + std::ptrdiff_t(first * layer_planes()), std::size_t(width) * layer_planes(), 0.0);
     mattes_.clear(first, std::size_t(width));
   }
   std::erase_if(flagged_, [&](const auto& noted) {
@@ -96,6 +91,7 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
 
 void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b) {
   clear(a.x_, a.y_, a.width_, a.height_);
+  const std::size_t planes = layer_planes();
   const auto variance = [](const PixelStatistics& pixel, int c) {
     return pixel.count < 2 ? 0 : pixel.m2[c] / (double(pixel.count) * double(pixel.count - 1));
   };
@@ -111,10 +107,10 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
         mean.m2[c] = (weight * weight * variance(of_a, c) + (1 - weight) * (1 - weight) * variance(of_b, c)) *
                      n * std::max(n - 1, 0.0);
       }
-      const double *layer_a = a.layers_.data() + a.index(x, y) * layers(),
-                   *layer_b = b.layers_.data() + b.index(x, y) * layers();
-      double* layer = layers_.data() + index(x, y) * layers();
-      for (std::size_t k = 0; k < layers(); ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
+      const double *layer_a = a.layer_means_.data() + a.index(x, y) * planes,
+                   *layer_b = b.layer_means_.data() + b.index(x, y) * planes;
+      double* layer = layer_means_.data() + index(x, y) * planes;
+      for (std::size_t k = 0; k < planes; ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
       const auto scale = [n](double share, const PixelStatistics& of) {
         return of.count == 0 ? 0 : share * (n / double(of.count));
       };
@@ -128,8 +124,8 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
 }
 
 double FilmAccumulator::visibility(int film_x, int film_y) const {
-  const double whole = layer(film_x, film_y, kWhole);
-  return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
+  const double unshadowed = layer(film_x, film_y, LAYER_UNSHADOWED);
+  return unshadowed > 0 ? layer(film_x, film_y, LAYER_SHADOWED) / unshadowed : 0;
 }
 
 FlaggedKinds FilmAccumulator::flagged() const {
@@ -142,8 +138,9 @@ const PixelStatistics& FilmAccumulator::at(int film_x, int film_y) const {
   return pixels_[index(film_x, film_y)];
 }
 
-double FilmAccumulator::layer(int film_x, int film_y, int plane) const {
-  return layers_[index(film_x, film_y) * layers() + std::size_t(plane - kRadiancePlanes)];
+double FilmAccumulator::layer(int film_x, int film_y, int layer, int plane) const {
+  const auto place = std::size_t(layers_.plane(layer) - kRadiancePlanes + plane);
+  return layer_means_[index(film_x, film_y) * layer_planes() + place];
 }
 
 double FilmAccumulator::relative_error() const {
@@ -161,9 +158,9 @@ double FilmAccumulator::relative_error() const {
 }
 
 void FilmAccumulator::write(ByteWriter& bytes) const {
-  for (const int number : {x_, y_, width_, height_, planes_}) bytes.i64(number);
+  for (const int number : {x_, y_, width_, height_, layers_.planes()}) bytes.i64(number);
   bytes.row(pixels_);
-  bytes.row(layers_);
+  bytes.row(layer_means_);
   mattes_.write(bytes);
   bytes.u64(flagged_.size());
   for (const auto& [corner, noted] : flagged_) {
@@ -180,9 +177,9 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
 }
 
 Expected<void> FilmAccumulator::read(ByteReader& bytes) {
-  for (const int number : {x_, y_, width_, height_, planes_})
+  for (const int number : {x_, y_, width_, height_, layers_.planes()})
     if (bytes.i64() != number) return fail("a film of another size or with other layers");
-  if (!bytes.row(pixels_) || !bytes.row(layers_)) return fail("it ends in its film");
+  if (!bytes.row(pixels_) || !bytes.row(layer_means_)) return fail("it ends in its film");
   if (auto read = mattes_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
   if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
@@ -220,7 +217,7 @@ Expected<void> FilmAccumulator::check() const {
     if (!std::ranges::all_of(pixel.mean, is_finite) ||
         !std::ranges::all_of(pixel.m2, [](double m2) { return std::isfinite(m2) && m2 >= 0; }))
       return fail("a pixel whose statistics are none");
-  if (!std::ranges::all_of(layers_, is_finite)) return fail("a layer with a value that is not finite");
+  if (!std::ranges::all_of(layer_means_, is_finite)) return fail("a layer with a value that is not finite");
   for (std::size_t i = 0; mattes_.is_kept() && i < pixels_.size(); ++i)
     if (!mattes_.are_of(i, pixels_[i].count)) return fail("a pixel with mattes of more than its samples");
   return {};
@@ -228,7 +225,7 @@ Expected<void> FilmAccumulator::check() const {
 
 std::uint64_t FilmAccumulator::hash() const {
   const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
-  return mattes_.hash(XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance));
+  return mattes_.hash(XXH3_64bits_withSeed(layer_means_.data(), layer_means_.size() * sizeof(double), of_radiance));
 }
 
 }  // namespace penumbra

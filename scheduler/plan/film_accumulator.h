@@ -27,16 +27,17 @@ struct PixelStatistics {
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, and of a
-  /// scene with so many mattes.
-  FilmAccumulator(int x, int y, int width, int height, int planes, int matte_count = 0);
-  /// The same for results of a scene with these FEATURE_* bits.
-  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features,
-                                     int matte_count = 0);
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results that have these layers.
+  FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers);
 
-  /// Of the memory that it takes, with the constructor's arguments.
-  static constexpr std::uint64_t bytes_per_pixel(int planes) {
-    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double);
+  /// One of another rectangle without samples, whose pixels have the same layers.
+  [[nodiscard]] FilmAccumulator empty_like(int x, int y, int width, int height) const {
+    return {x, y, width, height, layers_};
+  }
+
+  /// Of the memory that one with these layers takes, but for mattes.
+  static constexpr std::uint64_t bytes_per_pixel(const FilmLayers& layers) {
+    return sizeof(PixelStatistics) + std::uint64_t(layers.planes() - kRadiancePlanes) * sizeof(double);
   }
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
@@ -54,16 +55,15 @@ class FilmAccumulator {
   [[nodiscard]] int y() const { return y_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  [[nodiscard]] int planes() const { return planes_; }
+  [[nodiscard]] const FilmLayers& layers() const { return layers_; }
   /// Pixel at film coordinates.
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
-  /// Mean of a plane from kRadiancePlanes on, at film coordinates.
-  [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
-  /// Whom its samples met, in the order of their numbers; nobody of a film without mattes.
+  /// Mean of a plane of a layer that it has, LAYER_… of kernels/film_layers.h, at film coordinates.
+  [[nodiscard]] double layer(int film_x, int film_y, int layer, int plane = 0) const;
+  /// The mattes that its samples hit, in the order of their numbers; none of a film without mattes.
   [[nodiscard]] std::span<const MatteWeight> mattes(int film_x, int film_y) const {
     return mattes_.is_kept() ? mattes_.at(index(film_x, film_y)) : std::span<const MatteWeight>();
   }
-  [[nodiscard]] int matte_count() const { return mattes_.matte_count(); }
   /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
@@ -87,17 +87,17 @@ class FilmAccumulator {
  private:
   [[nodiscard]] Expected<void> check() const;
   [[nodiscard]] std::uint64_t written_with(std::uint64_t matte_bytes) const {
-    return (bytes_per_pixel(planes_) + (mattes_.is_kept() ? matte_bytes : 0)) * pixels_.size();
+    return (bytes_per_pixel(layers_) + (mattes_.is_kept() ? matte_bytes : 0)) * pixels_.size();
   }
   [[nodiscard]] std::size_t index(int film_x, int film_y) const {
     return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
   }
-  [[nodiscard]] std::size_t layers() const { return std::size_t(planes_ - kRadiancePlanes); }
+  [[nodiscard]] std::size_t layer_planes() const { return std::size_t(layers_.planes() - kRadiancePlanes); }
 
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
-  int planes_ = kRadiancePlanes;
+  FilmLayers layers_;
   std::vector<PixelStatistics> pixels_;
-  std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
+  std::vector<double> layer_means_;  // of the layers' planes, of one pixel after the other
   FilmMattes mattes_;
   std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
 };

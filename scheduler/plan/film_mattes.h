@@ -1,4 +1,4 @@
-// Whom the samples of each pixel met: merged counts of mattes.
+// Merged counts of the mattes that the samples of each pixel hit.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// A matte of a device scene, from 1 on, and how many of the pixel's samples met it: a whole number, exact,
+/// A matte of a device scene, from 1 on, and how many of the pixel's samples hit it: a whole number, exact,
 /// but for a mean of two halves.
 struct MatteWeight {
   std::uint64_t matte = 0;

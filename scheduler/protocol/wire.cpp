@@ -267,8 +267,8 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
 }
 
 Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit,
-                              const ResultShape& shape) {
-  const int planes = shape.planes;
+                              const FilmLayers& layers) {
+  const int planes = layers.planes();
   if (!result.has_pixels()) return fail("the result is of another kind than its unit");
   const wire::PixelResult& message = result.pixels();
   if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
@@ -307,7 +307,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   if (const Expected<void> checked = check_statistics(buffer); !checked)
     return fail("the result has " + checked.error().message);
   buffer.mattes.assign(message.mattes().begin(), message.mattes().end());
-  if (const Expected<void> checked = check_mattes(buffer, shape.matte_count); !checked)
+  if (const Expected<void> checked = check_mattes(buffer, layers.mattes()); !checked)
     return fail("the result has " + checked.error().message);
   return buffer;
 }

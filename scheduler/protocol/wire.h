@@ -81,7 +81,7 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// its values are no statistics (see check_statistics), its mattes none (see check_mattes), or it took a time
 /// that is not finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit,
-                              const ResultShape& shape);
+                              const FilmLayers& layers);
 
 void encode(const AssetManifest& manifest, wire::AssetManifest& message);
 /// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.

@@ -140,12 +140,12 @@ TEST(HiddenEmitters, LayersAndClippingPlanesAreThoseOfWhatIsSeen) {
   scene.shapes.push_back(area_light(4, kHalf, kBlackBsdf, true));
   scene.integrator = hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough);
   const FilmAccumulator film = render_or_throw(scene);
-  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kDepth)), float(9 - scene.camera.near_clip));
-  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kNormalY)), 1);
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, LAYER_DEPTH)), float(9 - scene.camera.near_clip));
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, LAYER_NORMAL, 1)), 1);
   scene.camera.far_clip = 8.9;
-  EXPECT_EQ(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_EQ(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
   scene.camera.far_clip = 9.1;
-  EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
 }
 
 /// One above the other and in one place, tested whole and by the hierarchy.
@@ -154,12 +154,12 @@ TEST(HiddenEmitters, ManyAtOnce) {
     SceneDescription scene = floor_from_above(1);
     for (int i = 0; i < count; ++i) scene.shapes.push_back(area_light(kHeight + i * 1e-3, kHalf, kBlackBsdf));
     scene.integrator = hiding(direct_integrator(1, 0), HiddenEmitters::kLookedThrough);
-    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count;
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 8) << count;
     for (Shape& shape : scene.shapes) {
       if (!shape.radiance) continue;
       for (dvec3& p : std::get<Mesh>(shape.geometry).positions) p.y = kHeight;
     }
-    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count << " in one place";
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 8) << count << " in one place";
   }
 }
 

@@ -213,10 +213,10 @@ TEST(SeeThroughTest, LayersAreOfWhatIsSeenBehind) {
   ball.front_bsdf = ball.back_bsdf = add_mask(scene, 0, add_diffuse(scene, 1));
   scene.shapes.push_back(ball);
   const FilmAccumulator film = render_or_throw(scene);
-  for (const auto plane : {kDepth, kNormalY})
-    EXPECT_NEAR(film.layer(0, 0, plane), without.layer(0, 0, plane), 1e-6);
+  EXPECT_NEAR(film.layer(0, 0, LAYER_DEPTH), without.layer(0, 0, LAYER_DEPTH), 1e-6);
+  EXPECT_NEAR(film.layer(0, 0, LAYER_NORMAL, 1), without.layer(0, 0, LAYER_NORMAL, 1), 1e-6);
   scene.camera.far_clip = 0.9;
-  EXPECT_EQ(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_EQ(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
 }
 
 /// Tested whole and by the hierarchy, ours and Embree's.

@@ -20,6 +20,7 @@
 #include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/host/view.h"
+#include "tests/support/film_layers.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
@@ -326,7 +327,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   SampleBuffer buffer;
   buffer.width = unit.width;
   buffer.height = unit.height;
-  buffer.planes = kSampleBufferPlanes;
+  buffer.planes = kPolygonLayers.planes();
   buffer.sample_count = unit.sample_count;
   buffer.values.resize(std::size_t(buffer.planes) * buffer.pixels());
   const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count) + kernel.lanes - 1;

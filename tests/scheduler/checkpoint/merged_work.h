@@ -11,13 +11,13 @@ constexpr std::uint32_t kSpp = 22, kSamplesPerPass = 4;
 
 inline TileGrid small_grid() { return {kX, kY, kWidth, kHeight, 8, kSpp, kSamplesPerPass}; }
 
-inline Merge empty_merge(int planes = kFeaturePlanes) {
-  return {FilmAccumulator(kX, kY, kWidth, kHeight, planes), small_grid()};
+inline Merge empty_merge(FilmLayers layers = kFeatureLayers) {
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, layers), small_grid()};
 }
 
 /// What a worker would send.
-inline SampleBuffer result(std::uint32_t tile, std::uint32_t pass, int planes = kFeaturePlanes) {
-  return fake_samples(small_grid().unit(tile, pass), planes);
+inline SampleBuffer result(std::uint32_t tile, std::uint32_t pass, FilmLayers layers = kFeatureLayers) {
+  return fake_samples(small_grid().unit(tile, pass), layers);
 }
 
 inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
@@ -25,11 +25,11 @@ inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
 }
 
 /// Every tile has another number of passes, none and all among them.
-inline Merge half_merged(int planes = kFeaturePlanes) {
-  Merge merge = empty_merge(planes);
+inline Merge half_merged(FilmLayers layers = kFeatureLayers) {
+  Merge merge = empty_merge(layers);
   for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
     for (std::uint32_t pass = 0; is_merged_first(tile, pass); ++pass)
-      merge.add(tile, pass, result(tile, pass, planes));
+      merge.add(tile, pass, result(tile, pass, layers));
   return merge;
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "scheduler/plan/film_accumulator.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -18,7 +19,7 @@ SampleBuffer met(const std::vector<std::uint32_t>& mattes, float radiance = 0) {
   for (const std::uint32_t matte : mattes) ++counts[matte];
   SampleBuffer buffer{.width = 1,
                       .height = 1,
-                      .planes = kRadiancePlanes,
+                      .planes = kNoLayers.planes(),
                       .sample_count = std::uint32_t(mattes.size()),
                       .values = {radiance, radiance, radiance, 0, 0, 0}};
   buffer.mattes = {std::uint32_t(counts.size())};
@@ -26,7 +27,7 @@ SampleBuffer met(const std::vector<std::uint32_t>& mattes, float radiance = 0) {
   return buffer;
 }
 
-FilmAccumulator film_of_pixel() { return {0, 0, 1, 1, kRadiancePlanes, false, kMattes}; }
+FilmAccumulator film_of_pixel() { return {0, 0, 1, 1, FilmLayers(0, kMattes)}; }
 
 TEST(FilmMattes, AreTheSumsOfAllSamples) {
   FilmAccumulator film = film_of_pixel();
@@ -72,7 +73,7 @@ TEST(FilmMattes, OfAMeanOfHalvesAreTheMeanOfTheirShares) {
 }
 
 TEST(FilmMattes, BelongToTheHash) {
-  FilmAccumulator a = film_of_pixel(), b = film_of_pixel(), without(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator a = film_of_pixel(), b = film_of_pixel(), without(0, 0, 1, 1, kNoLayers);
   a.add(0, 0, met({1, 2}));
   b.add(0, 0, met({1, 1}));
   without.add(0, 0, met({1, 2}));

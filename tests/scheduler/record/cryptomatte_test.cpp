@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scheduler/record/film_image.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -93,9 +94,9 @@ TEST(Cryptomatte, MetadataNameBothLayersAndTheirManifests) {
 
 /// A pixel of ten samples: so many met each matte.
 Image image_of(const MatteNames& names, std::vector<std::uint32_t> pairs) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes, int(names.mattes.size()));
-  SampleBuffer buffer{.width = 1, .height = 1, .planes = kRadiancePlanes, .sample_count = 10, .values = {}};
-  buffer.values.assign(kRadiancePlanes, 0.0f);
+  FilmAccumulator film(0, 0, 1, 1, FilmLayers(0, int(names.mattes.size())));
+  SampleBuffer buffer{.width = 1, .height = 1, .planes = kNoLayers.planes(), .sample_count = 10, .values = {}};
+  buffer.values.assign(kNoLayers, 0.0f);
   buffer.mattes = {std::uint32_t(pairs.size() / 2)};
   buffer.mattes.insert(buffer.mattes.end(), pairs.begin(), pairs.end());
   EXPECT_TRUE(check_mattes(buffer, int(names.mattes.size())));
@@ -141,7 +142,7 @@ TEST(Cryptomatte, SixRanksAreKept) {
 }
 
 TEST(Cryptomatte, IsNotThereUnlessAskedFor) {
-  const FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  const FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   const Image image = image_of_film(film, 1, 1);
   EXPECT_EQ(image.exact_channels, 0u);
   EXPECT_FALSE(image.channel("CryptoObject00.R"));

@@ -66,8 +66,8 @@ std::vector<Estimator> estimators() {
   return all;
 }
 
-double layer(const FilmAccumulator& film, int x, int y, int first, int channel) {
-  return film.layer(x, y, first + channel);
+double layer(const FilmAccumulator& film, int x, int y, int layer, int channel) {
+  return film.layer(x, y, layer, channel);
 }
 
 DeviceScene build(const SceneDescription& scene, bool layers) {
@@ -91,9 +91,8 @@ TEST(PolygonLayers, CountOfPlanes) {
       const int without = plane_count(others | layers),
                 with = plane_count(others | layers | FEATURE_COVERAGE);
       EXPECT_EQ(with, without + 1);
-      EXPECT_EQ(coverage_plane_of(without), -1);
-      EXPECT_EQ(coverage_plane_of(with), without);
-      EXPECT_EQ(layer_planes_of(with), without);
+      EXPECT_FALSE(has_layer(others | layers, LAYER_COVERAGE));
+      EXPECT_EQ(layer_plane(others | layers | FEATURE_COVERAGE, LAYER_COVERAGE), without);
     }
   }
 }
@@ -154,8 +153,8 @@ TEST(PolygonLayers, ClosedFormAndDifferenceMakeTheImage) {
           for (int y = 0; y < film.height(); ++y)
             for (int x = 0; x < film.width(); ++x)
               for (int c = 0; c < 3; ++c) {
-                const double analytic = layer(film, x, y, kAnalyticR, c);
-                const double difference = layer(film, x, y, kDifferenceR, c);
+                const double analytic = layer(film, x, y, LAYER_ANALYTIC, c);
+                const double difference = layer(film, x, y, LAYER_DIFFERENCE, c);
                 ASSERT_NEAR(film.at(x, y).mean[c], analytic + difference, kRounding * analytic)
                     << each.name << " at " << x << ", " << y;
                 lit += analytic;
@@ -184,10 +183,10 @@ TEST(PolygonLayers, TheClosedFormIsThatOfPolygonAnalytic) {
           for (int c = 0; c < 3; ++c) {
             const double truth = alone.at(x, y).mean[c];
             const double error = std::sqrt(2 * alone.at(x, y).m2[c] / (16 * 15));
-            ASSERT_NEAR(layer(film, x, y, kAnalyticR, c), truth,
+            ASSERT_NEAR(layer(film, x, y, LAYER_ANALYTIC, c), truth,
                         kRounding * truth + (same_rays ? 0 : kSigmas * error))
                 << each.name << " at " << x << ", " << y;
-            ASSERT_EQ(layer(alone, x, y, kDifferenceR, c), 0) << "it has no samples";
+            ASSERT_EQ(layer(alone, x, y, LAYER_DIFFERENCE, c), 0) << "it has no samples";
           }
     }
   }
@@ -204,7 +203,7 @@ TEST(PolygonLayers, WithoutOccludersAllIsVisible) {
           ASSERT_EQ(film.visibility(x, y), 1) << each.name << " at " << x << ", " << y;
           // H is W to the last bit.
           if (const auto cv = control_variate(each.settings); cv && cv->alpha == 1.0f) {
-            ASSERT_EQ(layer(film, x, y, kDifferenceR, 1), 0);
+            ASSERT_EQ(layer(film, x, y, LAYER_DIFFERENCE, 1), 0);
           }
         }
     }
@@ -225,7 +224,7 @@ TEST(PolygonLayers, WithOccludersItIsAShare) {
           ASSERT_LE(visibility, 1);
           shadowed += visibility < 0.5 ? 1 : 0;
           lit += visibility == 1 ? 1 : 0;
-          difference += layer(film, x, y, kDifferenceR, 1);
+          difference += layer(film, x, y, LAYER_DIFFERENCE, 1);
         }
       EXPECT_GT(shadowed, 3) << each.name;
       EXPECT_GT(lit, 3) << each.name;
@@ -262,8 +261,9 @@ TEST(PolygonLayers, WhereThereIsNoLightTheyAreZero) {
     const FilmAccumulator film = render_or_throw(scene);
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x)
-        for (int plane = kAnalyticR; plane <= kWhole; ++plane)
-          ASSERT_EQ(film.layer(x, y, plane), 0) << each.name << " plane " << plane;
+        for (int layer = LAYER_ANALYTIC; layer <= LAYER_UNSHADOWED; ++layer)
+          for (int plane = 0; plane < kFilmLayers[layer].planes; ++plane)
+            ASSERT_EQ(film.layer(x, y, layer, plane), 0) << each.name << ' ' << kFilmLayers[layer].name;
   }
 }
 
