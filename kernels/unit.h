@@ -58,16 +58,16 @@ enum {
 #define WHOLE_PLANE 20
 #define LAYER_PLANES_END 21
 /// Where the coverage is, of results that have it (FEATURE_COVERAGE): behind all of those.
-FN int coverage_plane(uint features) {
-  const int with_layers = (features & FEATURE_POLYGONS) != 0u ? LAYER_PLANES_END : ANALYTIC_PLANE;
-  return (features & FEATURE_LAYERS) != 0u ? with_layers : FIRST_LAYER_PLANE;
+FN int coverage_plane(ulong features) {
+  const int with_layers = (features & FEATURE_POLYGONS) != 0 ? LAYER_PLANES_END : ANALYTIC_PLANE;
+  return (features & FEATURE_LAYERS) != 0 ? with_layers : FIRST_LAYER_PLANE;
 }
 
 // After all others, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how many of
 // the pixel's samples met it.
 #define MAX_MATTE_PAIRS 32
-FN int first_matte_plane(uint features) {
-  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
+FN int first_matte_plane(ulong features) {
+  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0 ? 1 : 0);
 }
 /// How many pairs a unit of so many samples has: one for each matte that they can meet, and one for nobody.
 FN int matte_pairs(int sample_count) {

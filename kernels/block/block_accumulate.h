@@ -189,7 +189,6 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   }
 }
 
-#if HAS(MEDIA)
 /// The samples whose paths crossed boundaries that contradict each other.
 STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pixels,
                                const PRIVATE SlotState* slots, GLOBAL BadSamples* RESTRICT bad) {
@@ -200,25 +199,21 @@ STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pi
       if (shape >= 0) note_bad(bad + BAD_BOUNDARY, 1u, first_pixel + p, i, (uint)shape);
     }
 }
-#endif
 
-#if HAS(COVERAGE)
 /// The share of the samples that met something, whatever their filter weights: by those what is covered whole
 /// would be 1 only in the mean.
 STAGE void accumulate_coverage(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                               const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
+                               const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   accumulate_field(slots->coverage, slot_pixels(slots->capacity, n, LANES), pixels, n,
                    out + coverage_plane(features) * area + first_pixel, 0);
 }
-#endif
 
-#if HAS(MATTES)
 /// Whom the samples met and how often, whatever their filter weights: nobody first, then mattes in the order
 /// of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of a pixel
 /// are those of its samples.
 STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                             const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
+                             const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height, pairs = matte_pairs(n);
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
@@ -239,7 +234,6 @@ STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixe
     }
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

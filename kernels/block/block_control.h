@@ -8,7 +8,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(POLYGONS)
 /// A sample of which any part is not finite becomes one NaN or infinity of its plain part, for accumulate()
 /// to count.
 FN void check_control(const PRIVATE SlotState* slots, int s) {
@@ -56,12 +55,10 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         analytic[s] *= weight;
       }
     }
-  #if HAS(LAYERS)
-    if (layers) {
+    if (HAS(LAYERS) && layers) {
       out[SEEN_PLANE * area + first_pixel + p] = all_shadowed / (float)n / HUGE_SAMPLE_SCALE;
       out[WHOLE_PLANE * area + first_pixel + p] = all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
     }
-  #endif
   }
   for (int c = 0; c < 3 && layers; c++) {
     accumulate_field(slots->analytic + c * slots->capacity, pitch, pixels, n,
@@ -70,7 +67,6 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
                      out + (DIFFERENCE_PLANE + c) * area + first_pixel, 0);
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

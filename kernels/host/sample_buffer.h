@@ -49,15 +49,15 @@ static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
               DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
 
 /// How many of SampleBufferPlane the results of a scene with these FEATURE_* bits have.
-constexpr int layer_planes_end(std::uint32_t features) {
+constexpr int layer_planes_end(std::uint64_t features) {
   if ((features & FEATURE_LAYERS) == 0u) return kRadiancePlanes;
-  return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
+  return (features & FEATURE_POLYGONS) != 0 ? kSampleBufferPlanes : kFeaturePlanes;
 }
 
 /// How many planes the results of a scene with these FEATURE_* bits have: the same with the coverage behind
 /// them.
-constexpr int plane_count(std::uint32_t features) {
-  return layer_planes_end(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
+constexpr int plane_count(std::uint64_t features) {
+  return layer_planes_end(features) + ((features & FEATURE_COVERAGE) != 0 ? 1 : 0);
 }
 
 /// Of images of so many planes, the one that is the share of the samples which met something, or a sky that
@@ -74,8 +74,8 @@ constexpr int layer_planes_of(int image_planes) {
 
 /// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes
 /// (FEATURE_MATTES), which take_mattes takes out of them.
-inline int device_plane_count(std::uint32_t features, std::uint32_t sample_count) {
-  return plane_count(features) + ((features & FEATURE_MATTES) != 0u ? 2 * matte_pairs(int(sample_count)) : 0);
+inline int device_plane_count(std::uint64_t features, std::uint32_t sample_count) {
+  return plane_count(features) + ((features & FEATURE_MATTES) != 0 ? 2 * matte_pairs(int(sample_count)) : 0);
 }
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from

@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
-  const std::uint32_t features = job.scene.header.features;
+  const std::uint64_t features = job.scene.header.features;
   const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
-  return pixel_memory(plane_count(features), (features & FEATURE_MATTES) != 0u)
+  return pixel_memory(plane_count(features), (features & FEATURE_MATTES) != 0)
       .peak(!job.interactive, films_beside);
 }
 

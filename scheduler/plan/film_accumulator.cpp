@@ -39,7 +39,7 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 }  // namespace
 
-FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features,
+FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint64_t features,
                                              int matte_count) {
   return {x, y, width, height, plane_count(features), matte_count};
 }

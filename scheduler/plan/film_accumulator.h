@@ -31,7 +31,7 @@ class FilmAccumulator {
   /// scene with so many mattes.
   FilmAccumulator(int x, int y, int width, int height, int planes, int matte_count = 0);
   /// The same for results of a scene with these FEATURE_* bits.
-  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features,
+  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint64_t features,
                                      int matte_count = 0);
 
   /// Of the memory that it takes, with the constructor's arguments.
