@@ -29,6 +29,9 @@
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
 
+// Of constants of 64 bits.
+#define ENUM_OF_ULONG enum : ulong
+
 // What a scene needs, a bit mask: its own, of what kernels are compiled for.
 #define NEEDED(compiled, own) (own)
 

@@ -232,8 +232,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3,                                                                                                 \
     radiance) /* radiance; radiant intensity of a point or spot light, irradiance of a directional one */ \
-  F(vec3, p0) /* triangle vertex, rectangle corner, also of that about an outline; centre (of a           \
-                 cylinder's first end), or position */                                                    \
+  F(vec3, p0) /* triangle vertex, rectangle corner; centre (of a cylinder's first end), or position */    \
   F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis;       \
                  unit direction of a directional light */                                                 \
   F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */               \
@@ -247,21 +246,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, texture)   /* by whose values its radiance is multiplied, an index, or -1 */                     \
   F(int, grid)      /* where its distribution begins in the light grids, or -1: it has none */            \
   F(int, grid_side)                                                                                       \
-  F(int, beam)  /* of a spot light or a projector, an index */                                            \
-  F(int, strip) /* of an outline the first, an index */                                                   \
-  F(int, strip_count)
-
-// A part of an outline light between two parallel lines: see light/outline_light.h. In the light's rectangle,
-// whose sides are x and y from 0 to 1; its left side leads from (x, y) to (x + step_x, y + step_y).
-#define LIGHT_STRIP_FIELDS(F)                                                                           \
-  F(float, start)         /* of the numbers in [0, 1), each strip's as many as its share of the area */ \
-  F(float, inverse_share) /* 1 / how many */                                                            \
-  F(float, x)                                                                                           \
-  F(float, y)                                                                                           \
-  F(float, step_x)                                                                                      \
-  F(float, step_y)                                                                                      \
-  F(float, width)  /* along x, at the start of the left side */                                         \
-  F(float, growth) /* of the width up to its end */
+  F(int, beam) /* of a spot light or a projector, an index */
 
 // A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
 // cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
@@ -487,7 +472,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \
-  /* FEATURE_MATTES: the matte of each triangle and then of each quadric, from 1 on */  \
+  /* FEATURE_MATTES: the matte of each triangle and then of each quadric, from 1 on */ \
   /* on; of a group's, to be added to the first number of the instance, from 0 on. */  \
   T(A, mattes, int, 1, "mattes of primitives")                                         \
   T(A, instance_mattes, int, 1, "first mattes of instances")                           \
@@ -550,7 +535,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Everything that is not a record of a table.
 #define SCENE_HEADER_FIELDS(F)                                                                       \
-  F(uint, features)      /* FEATURE_* bits */                                                        \
+  F(ulong, features)     /* FEATURE_* bits */                                                        \
   F(uint, families)      /* of its materials, 1 << FAMILY_* */                                       \
   F(uint, textured)      /* bits 1 << TEXTURED_* of the fields for which a material has a texture */ \
   F(uint, texture_kinds) /* bits 1 << TEXTURE_* of the textures there are */                         \
@@ -599,7 +584,6 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \
   X(LightEdge, LIGHT_EDGE_FIELDS)                       \
-  X(LightStrip, LIGHT_STRIP_FIELDS)                     \
   X(BvhNode, BVH_NODE_FIELDS)                           \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \

@@ -65,7 +65,7 @@ Expected<Isa> usable_isa(std::string_view name) {
   return isa;
 }
 
-Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features) {
+Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t features) {
   if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
     return fail(
         fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",

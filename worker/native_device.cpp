@@ -134,7 +134,7 @@ class NativeDevice final : public Device {
       blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
     SceneHeader header = scene_.header;
-    if (whole_) header.features &= ~std::uint32_t(FEATURE_BVH);
+    if (whole_) header.features &= ~std::uint64_t(FEATURE_BVH);
     const Unit portable = kernel_unit(unit);
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};

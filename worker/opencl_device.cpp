@@ -314,7 +314,7 @@ class OpenClDevice final : public Device {
   const DeviceScene& scene_;
   BlockShape shape_;
   int items_;
-  std::uint32_t features_;
+  std::uint64_t features_;
   OpenClLimits limits_;
   LaunchSize launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   DevicePreparation preparation_;

@@ -110,19 +110,19 @@ typedef struct {
 } SampleValue;
 
 /// The k-th value of those layers.
-FN SampleValue layer_value(const PRIVATE SlotState* slots, uint features, int filtered, int k) {
+FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int filtered, int k) {
   SampleValue value;
   value.samples = 0;
   value.plane = 0;
-#define TAKE_LAYER(NAME, planes, needs, field, mean, layer, channels)                           \
-  {                                                                                             \
-    GLOBAL float* field_of_layer = field;                                                       \
+#define TAKE_LAYER(NAME, planes, needs, field, mean, layer, channels)                              \
+  {                                                                                                \
+    GLOBAL float* field_of_layer = field;                                                          \
     const bool there = field_of_layer != 0 && mean == filtered && LAYER_IS_THERE(features, needs); \
-    if (there && k >= 0 && k < planes) {                                                        \
-      value.samples = field_of_layer + k * slots->capacity;                                     \
-      value.plane = layer_plane(features, LAYER_##NAME) + k;                                    \
-    }                                                                                           \
-    k -= there ? planes : 0;                                                                    \
+    if (there && k >= 0 && k < planes) {                                                           \
+      value.samples = field_of_layer + k * slots->capacity;                                        \
+      value.plane = layer_plane(features, LAYER_##NAME) + k;                                       \
+    }                                                                                              \
+    k -= there ? planes : 0;                                                                       \
   }
   PENUMBRA_FILM_LAYERS(TAKE_LAYER)
 #undef TAKE_LAYER
@@ -130,7 +130,7 @@ FN SampleValue layer_value(const PRIVATE SlotState* slots, uint features, int fi
 }
 
 /// The k-th value that the film's filter weighs.
-FN SampleValue filtered_value(const PRIVATE SlotState* slots, uint features, int k) {
+FN SampleValue filtered_value(const PRIVATE SlotState* slots, ulong features, int k) {
   SampleValue radiance;
   radiance.samples = slots->sample + k * slots->capacity;
   radiance.plane = k;
@@ -150,7 +150,7 @@ STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
 
 /// Samples with a NaN or an infinity in one of their filtered values are noted in `bad`, of BAD_KINDS. Their
 /// radiance becomes 0, and so does each non-finite value of their layers.
-STAGE void remove_bad(const PRIVATE SlotState* slots, uint features, int pitch, int first_pixel, int pixels,
+STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch, int first_pixel, int pixels,
                       int count, GLOBAL BadSamples* RESTRICT bad) {
   for (int p = 0; p < pixels; p++)
     for (int i = 0; i < count; i++) {
@@ -195,7 +195,7 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
 
 /// Statistics of the block's pixels, in sample order, without non-finite samples.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, const PRIVATE SlotState* slots,
-                      uint features, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
+                      ulong features, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   bool bad_ones = false;
@@ -218,7 +218,6 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   }
 }
 
-#if HAS(MEDIA)
 /// The samples whose paths crossed boundaries that contradict each other.
 STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pixels,
                                const PRIVATE SlotState* slots, GLOBAL BadSamples* RESTRICT bad) {
@@ -229,14 +228,12 @@ STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pi
       if (shape >= 0) note_bad(bad + BAD_BOUNDARY, 1u, first_pixel + p, i, (uint)shape);
     }
 }
-#endif
 
-#if HAS(MATTES)
-/// Which mattes the samples hit and how often, whatever their filter weights: NO_MATTE first, then mattes in the order
-/// of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of a pixel
-/// are those of its samples.
+/// Which mattes the samples hit and how often, whatever their filter weights: NO_MATTE first, then mattes in
+/// the order of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of
+/// a pixel are those of its samples.
 STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                             const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
+                             const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height, pairs = matte_pairs(n);
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
@@ -257,7 +254,6 @@ STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixe
     }
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

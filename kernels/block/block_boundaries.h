@@ -6,26 +6,25 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// Of a boundary, or -1, that is crossed in that direction: above 0 or, as long as it contradicts those
 /// before, its negative.
 FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 4 : 3); }
 FN int boundary_of_code(int code) { return ((code < 0 ? -code : code) - 3) >> 1; }
 
-  // How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
-  // crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
-  // medium what bounds none.
-  #define MEETS_IN_PLACE 1
-  #define MEETS_CROSSING 2
-  #define MEETS_ARRIVING 4
-  #define MEETS_RIGHT 8
-  #define MEETS_UNENTERED 16
-  #define MEETS_WITHIN 32
-  #define MEETING_FIELDS(F, a)                                       \
-    F(a, int, ways)       /* MEETS_* */                              \
-    F(a, int, code)       /* see crossing_code */                    \
-    F(a, int, behind_low) /* the media behind it, as the ray goes */ \
-    F(a, int, behind_high)
+// How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
+// crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
+// medium what bounds none.
+#define MEETS_IN_PLACE 1
+#define MEETS_CROSSING 2
+#define MEETS_ARRIVING 4
+#define MEETS_RIGHT 8
+#define MEETS_UNENTERED 16
+#define MEETS_WITHIN 32
+#define MEETING_FIELDS(F, a)                                       \
+  F(a, int, ways)       /* MEETS_* */                              \
+  F(a, int, code)       /* see crossing_code */                    \
+  F(a, int, behind_low) /* the media behind it, as the ray goes */ \
+  F(a, int, behind_high)
 LANE_RECORD(Meeting, Meetings, meeting, MEETING_FIELDS)
 
 FN MediumStack media_of_rays(const PRIVATE PathState* paths, int i, bool shadow) {
@@ -74,9 +73,9 @@ STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
 }
 
-  // Of a path that was where a boundary meets another surface, so that rounding says on which side it is:
-  // what it crosses from there on says nothing.
-  #define CONTRADICTION_UNKNOWN -1
+// Of a path that was where a boundary meets another surface, so that rounding says on which side it is:
+// what it crosses from there on says nothing.
+#define CONTRADICTION_UNKNOWN -1
 
 /// Notes the crossings, and the first of a path that contradicts those before it and that nothing in the same
 /// place sets right: of two touching media the one that is left may be met last.
@@ -158,7 +157,6 @@ FN void follow_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* p
   note_crossings(scene, paths, i, &meetings);
   cross_boundaries(scene, paths, i, shadow, &meetings, surfaces);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

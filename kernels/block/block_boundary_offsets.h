@@ -9,7 +9,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// How far off the surface, along its normal, a point is surely before it: distances along rays that go
 /// beside it are sums of what is as large as it is wide.
 FN float clear_of(Surface s) { return max_f(4.0f * s.error, POSITION_ERROR * s.span); }
@@ -81,7 +80,6 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       set_boundary(&fields, i + j, select_boundary(scatters, next, near));
     }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -8,7 +8,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(POLYGONS)
 /// A sample of which any part is not finite becomes one NaN or infinity of its plain part, for accumulate()
 /// to count.
 FN void check_control(const PRIVATE SlotState* slots, int s) {
@@ -24,10 +23,10 @@ FN void check_control(const PRIVATE SlotState* slots, int s) {
 }
 
 /// Completes the samples of the block's pixels by their control variates.
-/// Where they are wanted also the layers of the closed form G, of what shadows take away (the samples' part of
-/// the estimate less G), and of the light samples with and without shadows.
+/// Where they are wanted also the layers of the closed form G, of what shadows take away (the samples' part
+/// of the estimate less G), and of the light samples with and without shadows.
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                           const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
+                           const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int estimator = scene->header.integrator.estimator, pitch = slot_pixels(slots->capacity, n, LANES);
   const bool layers = has_layer(features, LAYER_ANALYTIC);
@@ -59,7 +58,8 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
     if (layers) {
       GLOBAL float* of_pixel = out + first_pixel + p;
       of_pixel[layer_plane(features, LAYER_SHADOWED) * area] = all_shadowed / (float)n / HUGE_SAMPLE_SCALE;
-      of_pixel[layer_plane(features, LAYER_UNSHADOWED) * area] = all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
+      of_pixel[layer_plane(features, LAYER_UNSHADOWED) * area] =
+          all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
     }
   }
   for (int c = 0; c < 3 && layers; c++) {
@@ -69,7 +69,6 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
                      out + (layer_plane(features, LAYER_DIFFERENCE) + c) * area + first_pixel, 0);
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -14,7 +14,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// Camera rays start in the camera's medium, of a channel that a number of their own chooses.
 STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* RESTRICT choice) {
@@ -355,7 +354,6 @@ STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
         set_shadow_radiance(&fields, j, mul(get_shadow_radiance(&fields, j), get_shadow_passes(&fields, j)));
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

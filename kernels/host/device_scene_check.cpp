@@ -50,7 +50,7 @@ class Checker {
   }
 
   void check_header() {
-    static_assert(FEATURE_ALL == ~std::uint32_t{0}, "features are unknown where not all bits are one's");
+    require((h_.features & ~std::uint64_t(FEATURE_ALL)) == 0, "unknown features");
     require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
     require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
@@ -108,7 +108,7 @@ class Checker {
     }
   }
 
-  [[nodiscard]] bool has(unsigned feature) const { return (h_.features & feature) != 0; }
+  [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0; }
   static TableSpan at_least_one(TableSpan span) { return {std::max(span.count, 1), span.offset}; }
 
   /// Of every record of `from`, and of those that kernels read of an empty table: the member is an index into
@@ -156,7 +156,6 @@ class Checker {
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
-      check_strips(l);
       check_light_texture(l);
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
@@ -172,7 +171,8 @@ class Checker {
     require((h_.families & families_with(TRANSMITS) & ~families_with(FREE)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
-    constexpr unsigned kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED, FEATURE_OCCLUSION};
+    constexpr std::uint64_t kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED,
+                                              FEATURE_OCCLUSION};
     require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
@@ -389,15 +389,6 @@ class Checker {
     const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
     require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
-  }
-
-  /// Beside an outline, lanes of other lights look at theirs, too; a table has a strip at least.
-  void check_strips(const Light& l) {
-    const int least = l.kind == LIGHT_OUTLINE && h_.tables.lights.count > 0 ? 1 : 0;
-    const int strips = std::max(h_.tables.light_strips.count, 1);
-    require(in(l.strip_count, least, std::min(MOST_LIGHT_STRIPS, h_.tables.light_strips.count)) &&
-                in(l.strip, 0, strips - std::max(l.strip_count, 1)),
-            "a light's strips are not there");
   }
 
   /// What its texture needs, and its grid, see light_grid.h.

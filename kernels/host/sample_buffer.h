@@ -14,7 +14,8 @@
 
 namespace penumbra {
 
-/// The first planes of a result, one float per pixel each; those of the layers follow (kernels/film_layers.h).
+/// The first planes of a result, one float per pixel each; those of the layers follow
+/// (kernels/film_layers.h).
 enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
@@ -32,7 +33,7 @@ class FilmLayers {
  public:
   constexpr FilmLayers() = default;  ///< none
   /// Of a scene with these FEATURE_* bits, and so many mattes.
-  constexpr explicit FilmLayers(std::uint32_t features, int mattes = 0)
+  constexpr explicit FilmLayers(std::uint64_t features, int mattes = 0)
       : features_(features), mattes_(mattes) {}
 
   [[nodiscard]] constexpr bool has(int layer) const { return has_layer(features_, layer); }
@@ -43,7 +44,7 @@ class FilmLayers {
   [[nodiscard]] constexpr int planes() const { return plane(FILM_LAYERS); }
 
  private:
-  std::uint32_t features_ = 0;
+  std::uint64_t features_ = 0;
   int mattes_ = 0;
 };
 
@@ -53,14 +54,15 @@ struct FilmLayerInfo {
   std::string_view channels;  ///< a letter each; none where it is not shown by itself
   int planes;
 };
-#define LAYER_INFO(NAME, planes, needs, samples, mean, layer, channels) FilmLayerInfo{layer, channels, planes},
+#define LAYER_INFO(NAME, planes, needs, samples, mean, layer, channels) \
+  FilmLayerInfo{layer, channels, planes},
 inline constexpr FilmLayerInfo kFilmLayers[] = {PENUMBRA_FILM_LAYERS(LAYER_INFO)};
 #undef LAYER_INFO
 
 /// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes
 /// (FEATURE_MATTES), which take_mattes takes out of them.
-inline int device_plane_count(std::uint32_t features, std::uint32_t sample_count) {
-  return plane_count(features) + ((features & FEATURE_MATTES) != 0u ? 2 * matte_pairs(int(sample_count)) : 0);
+inline int device_plane_count(std::uint64_t features, std::uint32_t sample_count) {
+  return plane_count(features) + ((features & FEATURE_MATTES) != 0 ? 2 * matte_pairs(int(sample_count)) : 0);
 }
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from

@@ -8,7 +8,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(DIRECT)
 /// Random numbers for a step's light and direction samples.
 FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathState* paths, int i,
                        PRIVATE float* u) {
@@ -26,7 +25,6 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
-  #if HAS(UV)
 STAGE void keep_uvs(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) keep_uv(paths, i + j, load_surface(surfaces, j));
@@ -36,7 +34,6 @@ STAGE void load_kept_uvs(const PRIVATE PathState* paths, int i, PRIVATE Surfaces
     for (int j = 0; j < LANES; j++)
       store_surface_uv(surfaces, j, with_kept_uv(paths, i + j, load_surface(surfaces, j)));
 }
-  #endif
 
 /// Adds what the last rays found: at `first` the camera's, then those of the direction samples.
 STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
@@ -59,7 +56,6 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
-  #if HAS(NESTED)
 /// Adds the light of surfaces that the k-th rays pass, in the lanes with `passes`. The surfaces are as seen
 /// from where the rays started.
 FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
@@ -67,18 +63,14 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
   FoundLights found;
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
-    #if HAS(PROJECTED) || HAS(LIGHT_TREE)
   if ((NEEDS(scene, PROJECTED) || NEEDS_LIGHT_TREE(scene)) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
     Closures closures;
     for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
     resolve_closures(scene, &left, &closures);
-      #if HAS(PROJECTED)
     if (NEEDS(scene, PROJECTED))
       project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
-      #endif
-      #if HAS(LIGHT_TREE)
     if (NEEDS_LIGHT_TREE(scene)) {
       LitPlaces places;
       LightScales scales;
@@ -86,13 +78,10 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
       find_light_scales(scene, &places, &scales);
       find_tree_pmfs(scene, &places, &scales, &found);
     }
-      #endif
   }
-    #endif
   find_emissions(scene, &found, k > 0, &emissions);
   add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
 }
-  #endif
 
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
@@ -158,23 +147,13 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
     if (k == 0 && !is_last) keep_surfaces(paths, i, &step.surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
-  #if HAS(UV)
     if (NEEDS(scene, UV) && k == 0 && !is_last) keep_uvs(paths, i, &step.surfaces);
     if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
-  #endif
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &step.surfaces);
-  #endif
     resolve_step_closures(scene, &step);
-  #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-  #endif
-  #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-  #endif
-  #if HAS(MATTES)
     if (NEEDS(scene, MATTES) && k == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
-  #endif
     direct_numbers(h, k, paths, i, step.u);
     request_lights(scene, request, finds, &step, paths, i);
     if (finds) {
@@ -186,14 +165,10 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-  #if HAS(LTC)
-      if (has_other_control(scene)) admit_controls(scene, &step);
-  #endif
+      if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
       request_emitter_samples(scene, paths, i, &step);
-  #if HAS(LTC)
-      if (has_other_control(scene))
+      if (HAS(LTC) && has_other_control(scene))
         request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
-  #endif
     }
     if (scatters) {
       const uint by_themselves = families_by_themselves(h);
@@ -209,7 +184,6 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -27,7 +27,6 @@ FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
   return roulette ? roulette_survival(strongest * (eta * eta), throws) : 1.0f;
 }
 
-#if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
 CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths,
@@ -64,7 +63,6 @@ STAGE void end_paths(const PRIVATE PathState* paths, int i) {
     }
 }
 
-  #if HAS(POLYGONS)
 /// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
 /// light; directions of no density it never samples.
 STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
@@ -85,9 +83,7 @@ STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* 
     for (int j = 0; j < LANES; j++)
       set_left_controlled(paths, i + j, is_controlled(scene, load_closure(closures, j), true));
 }
-  #endif
 
-  #if HAS(PARTS)
 /// Whether light is kept that `bounces` surfaces scattered and a sample of that technique found.
 FN bool is_kept_part(const PRIVATE SceneHeader* h, int bounces, int technique) {
   const int only = h->integrator.only_technique;
@@ -114,7 +110,6 @@ STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathStat
       lights->tmax[j] = kept ? lights->tmax[j] : -1.0f;
     }
 }
-  #endif
 
 /// Adds what the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -138,7 +133,6 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
-  #if HAS(NESTED)
 /// Adds the light of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The surfaces
 /// are as seen from where the rays started.
 FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
@@ -147,22 +141,13 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   FoundLights found;
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
-    #if HAS(PROJECTED)
   if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
-    #endif
-    #if HAS(LIGHT_TREE)
   if (NEEDS_LIGHT_TREE(scene) && balances) find_left_pmfs(scene, paths, i, &found);
-    #endif
   find_emissions(scene, &found, balances & (step > 0), &emissions);
-    #if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
-    #endif
-    #if HAS(PARTS)
   if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
-    #endif
   add_emissions(scene, paths, i, &found, &emissions);
 }
-  #endif
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE StepLanes* RESTRICT step) {
@@ -190,7 +175,6 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
-  #if HAS(TRANSMISSION)
 /// The media into which the next rays lead.
 STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE BsdfSamples* RESTRICT samples,
                        PRIVATE float* RESTRICT etas) {
@@ -201,9 +185,7 @@ STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE Bsdf
       etas[j] = eta;
     }
 }
-  #endif
 
-  #if HAS(MEDIA)
 /// The media in which shadow rays start, and what directions have to do with lights: see weigh_shadow_rays.
 STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  const PRIVATE StepLanes* RESTRICT step) {
@@ -231,7 +213,6 @@ STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE S
       set_media(&fields, i + j, select_media(behind, get_beyond(&fields, i + j), get_media(&fields, i + j)));
     }
 }
-  #endif
 
 /// The next rays, or the ends of the paths.
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -271,64 +252,39 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (scatters) path_numbers(h, steps + 1 >= h->integrator.rr_depth, paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
     resolve_step_closures(scene, &step);
-  #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && steps == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-  #endif
-  #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && steps == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-  #endif
-  #if HAS(MATTES)
     if (NEEDS(scene, MATTES) && steps == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
-  #endif
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_lights(scene, light_request(scene, true, scatters, scatters, balances), finds, &step, paths, i);
     if (finds) find_emissions(scene, &step.found, balances & (steps > 0), &step.emissions);
-  #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) {
       if (finds) drop_controlled(paths, i, &step.emissions, &step.found);
       note_controlled(scene, paths, i, &step.closures);
     }
-  #endif
-  #if HAS(PARTS)
     if (NEEDS(scene, PARTS) && finds) drop_found_parts(scene, paths, i, &step.found);
-  #endif
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (!scatters) {
       end_paths(paths, i);
       continue;
     }
     sample_step_lights(scene, &step);
-  #if HAS(PARTS)
     if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
-  #endif
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-  #if HAS(LTC)
-    if (has_other_control(scene)) admit_controls(scene, &step);
-  #endif
+    if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
     request_light(scene, paths, i, &step);
-  #if HAS(LTC)
-    if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
-  #endif
-  #if HAS(MEDIA)
+    if (HAS(LTC) && has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
     if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
-  #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
     shade_bumps(scene, &step.surfaces, &step.samples);
-  #if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
-  #endif
     continue_paths(scene, paths, i, &step);
-  #if HAS(MEDIA)
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
-  #endif
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
-  #endif
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

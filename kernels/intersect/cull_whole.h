@@ -18,7 +18,7 @@ typedef struct {
   int hit[LANES];
 } RayLanes;
 
-#if HAS_WHOLE && LANES > 1
+#if LANES > 1
   // The least cosine between rays of a bundle and its axis: others are wide, and meet most of a scene.
   #define BUNDLE_COSINE 0.9f
   // Of coordinates: 512 times what the test of a triangle rounds them by.

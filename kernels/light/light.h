@@ -12,7 +12,6 @@
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/light_texture.h"
-#include "kernels/light/outline_light.h"
 #include "kernels/light/point_light.h"
 #include "kernels/light/projector_light.h"
 #include "kernels/light/rectangle_light.h"
@@ -76,7 +75,7 @@ STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RE
 
 /// Makes `s` lane j's sample if its light is of that kind; otherwise it stays, or becomes none if it is the
 /// first.
-FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, uint strategies,
+FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, ulong strategies,
                           PRIVATE LightSamples* samples, int j) {
   s.pdf *= choice.pmf;
   s.tmax = (!choice.own & (s.pdf > 0.0f)) ? s.tmax : -1.0f;
@@ -126,18 +125,17 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
         keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                       \
       }                                                                                      \
   }
-#define KIND_LANES(name, NAME, number, strategies, description)                 \
-  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)            \
-  SAMPLE_LANES(sample_##name##_lights_by_strategy, name, NAME, choice.light,    \
-               (uint)((FEATURES) & (strategies)))                               \
-  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                   \
-  SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light, \
-               (uint)((FEATURES) & (strategies)&FEATURE_SOLID_ANGLE))           \
-  SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,        \
-               (uint)((FEATURES) & (strategies)&FEATURE_SOLID_ANGLE))           \
-  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                           \
-  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                          \
-  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, (uint)((FEATURES) & (strategies)))
+#define KIND_LANES(name, NAME, number, strategies, description)                                              \
+  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                         \
+  SAMPLE_LANES(sample_##name##_lights_by_strategy, name, NAME, choice.light, COMPILED_FEATURES&(strategies)) \
+  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                                \
+  SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                              \
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+  SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                                     \
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                        \
+  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                       \
+  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies))
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
 #undef FOUND_LANES
@@ -145,11 +143,11 @@ LIGHT_KINDS(KIND_LANES)
 
 /// Whether the scene is one whose lights of a kind are sampled by these strategies.
 #define NEEDS_STRATEGIES(scene, strategies) \
-  (((FEATURES) & (strategies)) != 0 && (SCENE_FEATURES(&(scene)->header) & (uint)(strategies)) != 0u)
+  ((COMPILED_FEATURES & (strategies)) != 0 && (SCENE_FEATURES(&(scene)->header) & (strategies)) != 0)
 /// Whether it is, and of its strategies only those of `few` are wanted.
-#define NEEDS_FEW_STRATEGIES(scene, strategies, few) \
-  (((FEATURES) & (strategies) & (few)) != 0 &&       \
-   (SCENE_FEATURES(&(scene)->header) & (uint)(strategies)) == (uint)(few))
+#define NEEDS_FEW_STRATEGIES(scene, strategies, few)  \
+  ((COMPILED_FEATURES & (strategies) & (few)) != 0 && \
+   (SCENE_FEATURES(&(scene)->header) & (strategies)) == (few))
 
 /// The kinds, of those of the scene, among LANES; negative ones are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
@@ -175,14 +173,12 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
   const uint among = kinds_among(scene, chosen.kind);
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   float of_grid[LANES];
   if (NEEDS(scene, LIGHT_TEXTURES)) {
     for (int j = 0; j < LANES; j++) of_grid[j] = v[j];
     choose_by_light_grids(scene, chosen.light, chosen.u, of_grid, chosen.pmf);
     v = of_grid;
   }
-#endif
   if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
     choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
   bool first = true;
@@ -203,9 +199,7 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
-#endif
 }
 
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
@@ -224,9 +218,7 @@ CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLig
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, emissions);
-#endif
 }
 
 PENUMBRA_NAMESPACE_END

@@ -23,12 +23,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
   X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
-  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")                   \
-  X(outline, OUTLINE, 11, 0, "flat area lights of several triangles")
+  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way
-#define MOST_LIGHT_STRIPS 64      // of a light's outline, a power of two
 
 // Rows of SCENE_TABLES for what single kinds have many numbers of.
 #define LIGHT_TABLES(T, A)                                                            \
@@ -40,9 +38,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* See beam.h. */                                                                   \
   T(A, beams, Beam, 1, "beams of spot lights and projectors")                         \
   /* See light_grid.h. */                                                             \
-  T(A, light_grids, float, 3, "distributions over textured lights")                   \
-  /* See outline_light.h. */                                                          \
-  T(A, light_strips, LightStrip, 1, "strips of outlines of lights")
+  T(A, light_grids, float, 3, "distributions over textured lights")
 
 #define ENUMERATE_KIND(name, NAME, number, strategies, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, strategies, description) +1

@@ -68,7 +68,7 @@ typedef struct {
 } SampledPoint;
 
 /// Whether a scene's lights are sampled in this way, of `strategies`, a constant.
-#define BY(strategies, name) (HAS(name) && ((strategies)&FEATURE_##name) != 0u)
+#define BY(strategies, name) (HAS(name) && ((strategies)&FEATURE_##name) != 0)
 
 /// The sample of a light that is there, with the place on it.
 FN LightSample at_place(LightSample s, LightPoint at) {

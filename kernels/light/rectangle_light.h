@@ -20,7 +20,7 @@ FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
 LIGHT_SHINES_ALIKE(rectangle)
 
 FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                       float v, uint strategies) {
+                                       float v, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
   SampledPoint s = flat_light_point(flat, r.p, (1.0f - u) - v, u, v);
@@ -30,16 +30,14 @@ FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Li
     s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), s.at.p);
     s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
   }
-#if HAS(UV)
   if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
-#endif
   return s;
 }
 
 SAMPLE_LIGHT_BY_POINT(rectangle)
 
 FN float rectangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                             uint strategies) {
+                             ulong strategies) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
   if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_rectangle(light, found.from).solid_angle;

@@ -23,7 +23,7 @@ FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
 LIGHT_SHINES_ALIKE(triangle)
 
 FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, LightSampling sampling, uint strategies) {
+                                      float v, LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
   const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
@@ -36,14 +36,12 @@ FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, Lig
   }
   if (BY(strategies, PROJECTED))
     s.at.p = select3(sampling.scale > 0.0f, flat_light_seen(flat, r.p, sampling.wi), s.at.p);
-#if HAS(UV)
   if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
-#endif
   return s;
 }
 
 FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     LightSampling sampling, uint strategies) {
+                                     LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const SampledPoint point = sample_triangle_point(scene, index, r, u, v, sampling, strategies);
   LightSample s = toward_light(light, r, point);
@@ -58,7 +56,7 @@ FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Ligh
 }
 
 FN float triangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                            uint strategies) {
+                            ulong strategies) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
   if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_triangle(light, found.from).solid_angle;

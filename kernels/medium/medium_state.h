@@ -6,23 +6,22 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
-  // get_media(paths, i), set_media(paths, i, media): from, and into, two numbers of path i.
-  #define MEDIA_ACCESSORS(name, part)                                              \
-    FN MediumStack get_##name(const PRIVATE PathState* paths, int i) {             \
-      MediumStack media;                                                           \
-      media.low = (uint)get_##part##_low(paths, i);                                \
-      media.high = (uint)get_##part##_high(paths, i);                              \
-      return media;                                                                \
-    }                                                                              \
-    FN void set_##name(const PRIVATE PathState* paths, int i, MediumStack media) { \
-      set_##part##_low(paths, i, (int)media.low);                                  \
-      set_##part##_high(paths, i, (int)media.high);                                \
-    }
+// get_media(paths, i), set_media(paths, i, media): from, and into, two numbers of path i.
+#define MEDIA_ACCESSORS(name, part)                                              \
+  FN MediumStack get_##name(const PRIVATE PathState* paths, int i) {             \
+    MediumStack media;                                                           \
+    media.low = (uint)get_##part##_low(paths, i);                                \
+    media.high = (uint)get_##part##_high(paths, i);                              \
+    return media;                                                                \
+  }                                                                              \
+  FN void set_##name(const PRIVATE PathState* paths, int i, MediumStack media) { \
+    set_##part##_low(paths, i, (int)media.low);                                  \
+    set_##part##_high(paths, i, (int)media.high);                                \
+  }
 MEDIA_ACCESSORS(media, media)
 MEDIA_ACCESSORS(beyond, beyond)
 MEDIA_ACCESSORS(shadow_media, shadow)
-  #undef MEDIA_ACCESSORS
+#undef MEDIA_ACCESSORS
 
 /// The surface near a path, in media.
 typedef struct {
@@ -73,7 +72,6 @@ FN void set_flight_weight(const PRIVATE PathState* paths, int i, FlightWeight w)
   set_channels(paths, i, w.channels);
   set_direction_pdf(paths, i, w.density);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

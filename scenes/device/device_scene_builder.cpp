@@ -115,7 +115,7 @@ class Builder {
   }
 
  private:
-  void need(std::uint32_t feature) { h_.features |= feature; }
+  void need(std::uint64_t feature) { h_.features |= feature; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
   /// `reach`: how far the shape extends about the position.
@@ -434,7 +434,6 @@ class Builder {
     lights_.finish();
     records_.lights = lights_.lights();
     records_.light_cells = lights_.cells();
-    records_.light_strips = lights_.strips();
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();

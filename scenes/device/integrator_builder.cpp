@@ -152,9 +152,8 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
   if (const auto* direct = integrator.get<DirectIntegrator>(); direct && direct->emitter_samples == 0)
     return false;
   // Samples of lights that rays find count for nothing.
-  constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_OUTLINE |
-                                   1u << LIGHT_SPHERE | 1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT |
-                                   1u << LIGHT_ENVMAP;
+  constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
+                                   1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
   const bool finds_all =
       direct_sampling(integrator) == DirectSampling::kBsdfOnly && (lights.kinds() & ~kFound) == 0u;
   return lights.lights().size() > 1 && !finds_all;

@@ -67,7 +67,7 @@ class Chooser {
     if (tree.nodes.empty()) {
       h_.light_cut = h_.light_tree_depth = 0;
       h_.integrator.light_choice = CHOICE_POWER;
-      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      h_.features &= ~std::uint64_t(FEATURE_LIGHT_TREE);
       return;
     }
     records_.light_nodes = tree.nodes;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#define FEATURES FEATURE_ALL
 #include "kernels/light/light_tree.h"
 
 namespace penumbra {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/host/material_closure.h"
-#define FEATURES FEATURE_ALL
 #include "kernels/camera/camera.h"
+#include "kernels/host/material_closure.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/light/light.h"
 #include "kernels/light/light_tree.h"

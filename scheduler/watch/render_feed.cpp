@@ -22,7 +22,7 @@ float standard_error(const PixelStatistics& pixel) {
 
 bool is_hybrid(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
-  const std::uint32_t needed = FEATURE_POLYGONS | FEATURE_LAYERS;
+  const std::uint64_t needed = FEATURE_POLYGONS | FEATURE_LAYERS;
   if ((h.features & needed) != needed || (h.features & FEATURE_CAMERA) != 0u ||
       h.integrator.kind != INTEGRATOR_DIRECT || h.integrator.estimator != ESTIMATOR_ALPHA ||
       h.integrator.emitter_samples == 0)

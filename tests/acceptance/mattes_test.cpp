@@ -285,7 +285,7 @@ TEST(Mattes, DeviceScenesWithWrongOnesAreRefused) {
   EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.mattes.count; }), HasSubstr("do not match"));
   EXPECT_THAT(error([](DeviceScene& s) { --s.header.tables.instance_mattes.count; }),
               HasSubstr("do not match"));
-  EXPECT_THAT(error([](DeviceScene& s) { s.header.features &= ~std::uint32_t(FEATURE_MATTES); }),
+  EXPECT_THAT(error([](DeviceScene& s) { s.header.features &= ~std::uint64_t(FEATURE_MATTES); }),
               HasSubstr("without their feature bit"));
 }
 

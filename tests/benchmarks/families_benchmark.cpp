@@ -123,7 +123,7 @@ double median(std::vector<double> values) {
 
 /// Its paths are not sorted by family.
 DeviceScene unsorted(DeviceScene scene) {
-  scene.header.features &= ~std::uint32_t(FEATURE_MIXED_FAMILIES);
+  scene.header.features &= ~std::uint64_t(FEATURE_MIXED_FAMILIES);
   return scene;
 }
 

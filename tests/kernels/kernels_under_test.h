@@ -1,7 +1,6 @@
 // The portable kernels as the tests compile them: with every feature, on LANES lanes.
 #pragma once
 
-#define FEATURES FEATURE_ALL
 #include "kernels/block/block_compact.h"
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_surface.h"

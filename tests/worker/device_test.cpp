@@ -363,7 +363,7 @@ TEST(NativeSearches, GiveTheSameBytes) {
     use(description.integrator, kind);
     const DeviceScene scene = build_or_throw(description);
     DeviceScene whole = scene;
-    whole.header.features &= ~std::uint32_t(FEATURE_BVH);
+    whole.header.features &= ~std::uint64_t(FEATURE_BVH);
     ASSERT_NE(whole.header.features, scene.header.features);
     ASSERT_GT(scene.header.tables.corners.count, 64);
     ASSERT_GT(scene.header.tables.nodes.count, 0);

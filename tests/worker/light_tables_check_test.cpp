@@ -1,5 +1,5 @@
-// Tables of lights as they come off the wire: what a worker refuses of the choice among them, of their edges,
-// and of their strips.
+// Tables of lights as they come off the wire: what a worker refuses of the choice among them and of their
+// edges.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,6 @@ TEST(LightTablesCheck, TablesAsTheyAreBuiltAreAccepted) {
   const DeviceScene scene = scene_of_area_lights();
   ASSERT_GT(scene.header.tables.lights.count, 1);
   ASSERT_GT(scene.header.tables.light_edge_pixels.count, 0);
-  ASSERT_GT(scene.header.tables.light_strips.count, 1);
   const auto checked = check_device_scene(scene);
   EXPECT_TRUE(checked) << checked.error().message;
 }
@@ -54,14 +53,6 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
   const auto rows = [](DeviceScene& s) { return records<int>(s, s.header.tables.light_edge_rows); };
   const auto pixels = [](DeviceScene& s) {
     return records<LightEdgePixel>(s, s.header.tables.light_edge_pixels);
-  };
-  const auto light = [](DeviceScene& s) -> Light& {
-    return records<Light>(s, s.header.tables.lights).back();
-  };
-  const auto as_triangle = [&](DeviceScene& s) -> Light& {
-    s.header.light_kinds |= 1u << LIGHT_TRIANGLE;
-    light(s).kind = LIGHT_TRIANGLE;
-    return light(s);
   };
   const std::vector<Broken> broken = {
       {"no power of two", [](DeviceScene& s) { --s.header.tables.light_cells.count; }},
@@ -78,16 +69,6 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"edges of lights that are not there", [&](DeviceScene& s) { pixels(s)[0].edge_count = 0x7fffffff; }},
       {"edges of lights that are not there",
        [&](DeviceScene& s) { pixels(s).back().first_edge = s.header.tables.light_edges.count; }},
-      {"strips are not there", [](DeviceScene& s) { --s.header.tables.light_strips.count; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip = -1; }},
-      {"strips are not there", [&](DeviceScene& s) { ++light(s).strip; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip = 0x7fffffff; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0; }},
-      {"strips are not there", [&](DeviceScene& s) { ++light(s).strip_count; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0x7fffffff; }},
-      // Lanes of lights of other kinds look at them, too.
-      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip = 0x7fffffff; }},
-      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip_count = 0x7fffffff; }},
       {"a polygon that is not there",
        [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
   for (const Broken& one : broken) {

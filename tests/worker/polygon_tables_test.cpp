@@ -102,7 +102,7 @@ TEST_F(PolygonTables, HeaderFields) {
 }
 
 TEST_F(PolygonTables, ClosedFormsNeedTheirFeatureBit) {
-  const auto without = [](SceneHeader& h) { h.features &= ~unsigned(FEATURE_POLYGONS); };
+  const auto without = [](SceneHeader& h) { h.features &= ~std::uint64_t(FEATURE_POLYGONS); };
   refuse_header(without, "closed forms without their feature bit");
   for (const int estimator : {ESTIMATOR_ALPHA, ESTIMATOR_AUTO})
     refuse_header(
@@ -230,10 +230,10 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
         "an environment map is not there");
     for (int kind = 0; kind < 32; ++kind) {
       if (kind == LIGHT_ENVMAP || (ALL_LIGHT_KINDS >> kind & 1u) == 0u) continue;
-      if (kind == LIGHT_SPOT || kind == LIGHT_PROJECTOR || kind == LIGHT_OUTLINE) {
+      if (kind == LIGHT_SPOT || kind == LIGHT_PROJECTOR) {
         expect_refused(
             with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
-            kind == LIGHT_OUTLINE ? "a light's strips are not there" : "a light's beam is not there");
+            "a light's beam is not there");
         continue;
       }
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)

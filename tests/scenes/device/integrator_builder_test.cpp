@@ -212,13 +212,13 @@ TEST(IntegratorBuilder, NumbersOfSamples) {
 }
 
 TEST(IntegratorBuilder, HowLightsAreSampled) {
-  const std::uint32_t both = FEATURE_SOLID_ANGLE | FEATURE_PROJECTED;
+  const std::uint64_t both = FEATURE_SOLID_ANGLE | FEATURE_PROJECTED;
   const auto sampling = [&](IntegratorKind kind, const Change& change = {}) {
     return header(kind, change).features & both;
   };
   // By what pays: the square is as large as the floor under it.
-  EXPECT_EQ(sampling(kDirect), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPath), unsigned(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kDirect), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPath), std::uint64_t(FEATURE_SOLID_ANGLE));
   const Change tiny = [](S& s) {
     for (dvec3& p : std::get<Mesh>(s.shapes[1].geometry).positions) p = dvec3(0.01 * p.x, p.y, 0.01 * p.z);
   };
@@ -227,17 +227,17 @@ TEST(IntegratorBuilder, HowLightsAreSampled) {
   EXPECT_EQ(sampling(kDirect, by_area), 0u);
   EXPECT_EQ(sampling(kPolygonArea), 0u);
   EXPECT_EQ(sampling(kPolygonAnalytic), 0u);
-  EXPECT_EQ(sampling(kPolygonCv), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPath, with_cv), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPolygonCv, by_projection), unsigned(FEATURE_PROJECTED));
+  EXPECT_EQ(sampling(kPolygonCv), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPath, with_cv), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPolygonCv, by_projection), std::uint64_t(FEATURE_PROJECTED));
   EXPECT_EQ(sampling(kPolygonCv, by_area), 0u);
   EXPECT_EQ(sampling(kPolygonArea,
                      [](S& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
-            unsigned(FEATURE_SOLID_ANGLE));
+            std::uint64_t(FEATURE_SOLID_ANGLE));
   // A shape knows better.
   EXPECT_EQ(sampling(kPolygonCv, [](S& s) { s.shapes[1].sampling = EmitterSampling::kArea; }), 0u);
   EXPECT_EQ(sampling(kPolygonArea, [](S& s) { s.shapes[1].sampling = EmitterSampling::kProjected; }),
-            unsigned(FEATURE_PROJECTED));
+            std::uint64_t(FEATURE_PROJECTED));
 }
 
 TEST(IntegratorBuilder, ShadowsAreLeftOutOnlyWhereThatIsASetting) {
@@ -266,7 +266,7 @@ TEST(IntegratorBuilder, DepthsAndFlags) {
     EXPECT_EQ(header(kind, [](S& s) { s.integrator.hide_emitters = true; }).integrator.hide_emitters, 1);
     EXPECT_EQ(header(kind).integrator.kind, kind == kPath ? INTEGRATOR_PATH : INTEGRATOR_DIRECT);
     EXPECT_EQ(header(kind).features & (FEATURE_PATH | FEATURE_DIRECT),
-              unsigned(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
+              std::uint64_t(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
   }
 }
 
@@ -384,7 +384,7 @@ TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
 
 TEST(IntegratorBuilder, LayersAreAFeatureOfTheirOwn) {
   for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
-    const std::uint32_t with = header(kind).features, without = header(kind, {}, false).features;
+    const std::uint64_t with = header(kind).features, without = header(kind, {}, false).features;
     EXPECT_EQ(with, without | FEATURE_LAYERS);
     EXPECT_EQ(without & FEATURE_LAYERS, 0u);
   }

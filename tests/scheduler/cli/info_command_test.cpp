@@ -65,7 +65,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   for (const auto& feature : costs["left_out"]) left_out.insert(feature["name"]);
   EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_RECTANGLE"}));
   EXPECT_TRUE(left_out.contains("BSDF_PHONG"));
-  EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(unsigned(FEATURE_ALL)) +
+  EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(std::uint64_t(FEATURE_ALL)) +
                                                        std::popcount(EVERY_FAMILY) + LIGHT_KIND_COUNT));
 
   const auto& bytes = costs["bytes"];

@@ -25,11 +25,11 @@ TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
 }
 
 TEST(PixelText, ShowsAlphaWhereThereIsOne) {
-  for (const std::uint32_t features : {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS}) {
+  for (const std::uint64_t features :
+       {std::uint64_t(0), std::uint64_t(FEATURE_LAYERS), std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS)}) {
     const FilmLayers layers(features | FEATURE_COVERAGE);
     FilmAccumulator film(0, 0, 1, 1, layers);
-    SampleBuffer buffer{
-        .width = 1, .height = 1, .planes = layers.planes(), .sample_count = 2, .values = {}};
+    SampleBuffer buffer{.width = 1, .height = 1, .planes = layers.planes(), .sample_count = 2, .values = {}};
     buffer.values.resize(std::size_t(layers.planes()));
     buffer.values.back() = 0.75f;
     film.add(0, 0, buffer);

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr std::uint32_t kLayerFeatures[] = {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS};
+constexpr std::uint64_t kLayerFeatures[] = {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS};
 
 /// Every plane p of pixel i is p + i / 8.
 SampleBuffer buffer_of(int width, int height, const FilmLayers& layers, std::uint32_t samples) {
@@ -34,19 +34,20 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
   const Image image = image_of_film(film, 16, 12);
   EXPECT_EQ(image.data, (PixelWindow{4, 6, 3, 2}));
   EXPECT_EQ(image.display, (PixelWindow{0, 0, 16, 12}));
-  const std::vector<std::pair<std::string, int>> planes = {{"R", kMeanR},
-                                                           {"G", kMeanG},
-                                                           {"B", kMeanB},
-                                                           {"albedo.R", kPolygonLayers.plane(LAYER_ALBEDO)},
-                                                           {"albedo.G", kPolygonLayers.plane(LAYER_ALBEDO) + 1},
-                                                           {"albedo.B", kPolygonLayers.plane(LAYER_ALBEDO) + 2},
-                                                           {"normal.X", kPolygonLayers.plane(LAYER_NORMAL)},
-                                                           {"normal.Y", kPolygonLayers.plane(LAYER_NORMAL) + 1},
-                                                           {"normal.Z", kPolygonLayers.plane(LAYER_NORMAL) + 2},
-                                                           {"depth.Z", kPolygonLayers.plane(LAYER_DEPTH)},
-                                                           {"analytic.R", kPolygonLayers.plane(LAYER_ANALYTIC)},
-                                                           {"analytic.B", kPolygonLayers.plane(LAYER_ANALYTIC) + 2},
-                                                           {"difference.G", kPolygonLayers.plane(LAYER_DIFFERENCE) + 1}};
+  const std::vector<std::pair<std::string, int>> planes = {
+      {"R", kMeanR},
+      {"G", kMeanG},
+      {"B", kMeanB},
+      {"albedo.R", kPolygonLayers.plane(LAYER_ALBEDO)},
+      {"albedo.G", kPolygonLayers.plane(LAYER_ALBEDO) + 1},
+      {"albedo.B", kPolygonLayers.plane(LAYER_ALBEDO) + 2},
+      {"normal.X", kPolygonLayers.plane(LAYER_NORMAL)},
+      {"normal.Y", kPolygonLayers.plane(LAYER_NORMAL) + 1},
+      {"normal.Z", kPolygonLayers.plane(LAYER_NORMAL) + 2},
+      {"depth.Z", kPolygonLayers.plane(LAYER_DEPTH)},
+      {"analytic.R", kPolygonLayers.plane(LAYER_ANALYTIC)},
+      {"analytic.B", kPolygonLayers.plane(LAYER_ANALYTIC) + 2},
+      {"difference.G", kPolygonLayers.plane(LAYER_DIFFERENCE) + 1}};
   for (int i = 0; i < 6; ++i) {
     const int x = i % 3, y = i / 3;
     for (const auto& [name, plane] : planes) {
@@ -54,14 +55,15 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     }
     const float deviation = float(kDeviationG) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
-    const float shadowed = float(kPolygonLayers.plane(LAYER_SHADOWED)) + float(i) / 8, unshadowed = float(kPolygonLayers.plane(LAYER_UNSHADOWED)) + float(i) / 8;
+    const float shadowed = float(kPolygonLayers.plane(LAYER_SHADOWED)) + float(i) / 8,
+                unshadowed = float(kPolygonLayers.plane(LAYER_UNSHADOWED)) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), shadowed / unshadowed);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.Y")), 5);
   }
 }
 
 TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
-  for (const std::uint32_t features : kLayerFeatures)
+  for (const std::uint64_t features : kLayerFeatures)
     for (const FilmLayers& layers : {FilmLayers(features), FilmLayers(features | FEATURE_COVERAGE)}) {
       const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, layers), 2, 1);
       EXPECT_EQ(image.channels.size(), std::size_t(image_channels(layers)));
@@ -70,7 +72,7 @@ TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
 }
 
 TEST(FilmImage, AlphaFollowsTheColours) {
-  for (const std::uint32_t features : kLayerFeatures) {
+  for (const std::uint64_t features : kLayerFeatures) {
     const FilmLayers layers(features), with_alpha(features | FEATURE_COVERAGE);
     FilmAccumulator film(0, 0, 2, 1, with_alpha), without(0, 0, 2, 1, layers);
     SampleBuffer buffer = buffer_of(2, 1, with_alpha, 3);

@@ -28,8 +28,8 @@ void put_extra_families(DeviceScene& scene, std::span<const ExtraFamily> extra_f
   scene.header.families = 0;
   for (int i = 1; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
   // What the builder does for families that the renderer has.
-  std::uint32_t& features = scene.header.features;
-  features &= ~std::uint32_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
+  std::uint64_t& features = scene.header.features;
+  features &= ~std::uint64_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
   if ((scene.header.families & families_with(TRANSMITS)) != 0) features |= FEATURE_TRANSMISSION;
   if (std::popcount(scene.header.families) > 1) features |= FEATURE_MIXED_FAMILIES;
   if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0 ||
