@@ -14,7 +14,7 @@
 #include "kernels/block/block_trace.h"
 #include "kernels/bsdf/material_tree.h"
 #include "kernels/integrator/direct.h"
-#include "kernels/integrator/path.h"
+#include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

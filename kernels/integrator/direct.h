@@ -151,9 +151,7 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &step.surfaces);
     resolve_step_closures(scene, &step);
-    if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-    if (NEEDS(scene, MATTES) && k == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
+    if (k == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
     direct_numbers(h, k, paths, i, step.u);
     request_lights(scene, request, finds, &step, paths, i);
     if (finds) {

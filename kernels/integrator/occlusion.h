@@ -83,14 +83,12 @@ CALLED_FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathStat
     if (k == 0 && samples > 1) keep_surfaces(paths, i, &surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &surfaces);
     if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &surfaces);
-    if (NEEDS(scene, LAYERS) && k == 0) {
+    if (k == 0) {
       Closures closures;
       for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
-      resolve_closures(scene, &surfaces, &closures);
-      record_layers(&surfaces, &closures, paths, i, slots);
+      if (NEEDS(scene, LAYERS)) resolve_closures(scene, &surfaces, &closures);
+      record_first_hits(scene, &surfaces, &closures, paths, i, slots);
     }
-    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &surfaces, paths, i, slots);
-    if (NEEDS(scene, MATTES) && k == 0) record_mattes(scene, &surfaces, paths, i, slots);
     sample_pair(h->sampler.kind, sequence_length(h), nth_point(step_point(PAIR_BSDF), samples, k), paths, i,
                 u, v);
     begin_steps(paths, i, &surfaces, k + 1 >= samples);

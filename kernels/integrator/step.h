@@ -174,5 +174,14 @@ STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
   }
 }
 
+/// What the film keeps of the surfaces that camera rays hit.
+FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                          const PRIVATE Closures* closures, const PRIVATE PathState* paths, int i,
+                          const PRIVATE SlotState* slots) {
+  if (NEEDS(scene, LAYERS)) record_layers(surfaces, closures, paths, i, slots);
+  if (NEEDS(scene, COVERAGE)) record_coverage(scene, surfaces, paths, i, slots);
+  if (NEEDS(scene, MATTES)) record_mattes(scene, surfaces, paths, i, slots);
+}
+
 PENUMBRA_NAMESPACE_END
 #endif

@@ -6,7 +6,7 @@
 #define PENUMBRA_INTEGRATOR_WHITTED_H
 #include "kernels/integrator/branches.h"
 #include "kernels/integrator/directions.h"
-#include "kernels/integrator/path.h"
+#include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -243,9 +243,7 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (scatters) path_numbers(h, any_roulette(h, paths, i), paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
     resolve_step_closures(scene, &step);
-    if (NEEDS(scene, LAYERS) && steps == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-    if (NEEDS(scene, COVERAGE) && steps == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-    if (NEEDS(scene, MATTES) && steps == 0) record_mattes(scene, &step.surfaces, paths, i, slots);
+    if (steps == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_whitted_lights(scene, scatters, finds, &step, paths, i);
