@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "kernels/host/block_memory.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "worker/embree_tracer.h"
 #include "worker/kernel_unit.h"
 #include "worker/search_choice.h"

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "worker/kernel_unit.h"
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"

@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "kernels/features.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

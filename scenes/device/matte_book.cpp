@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 #include "kernels/scene_types.h"
 #include "scenes/names.h"
 

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
 #include "scenes/names.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/record/film_image.h"
 
 namespace penumbra {
@@ -30,8 +30,8 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
     if (!film.layers().has(layer) || info.channels.empty()) continue;
     text += fmt::format("{:<16}", layer == LAYER_COVERAGE ? "alpha" : info.name);
     for (int plane = 0; plane < info.planes; ++plane)
-      text += fmt::format(
-          "{:>17.9g}", layer == LAYER_SHADOWED ? film.visibility(x, y) : film.layer(x, y, layer, plane));
+      text += fmt::format("{:>17.9g}",
+                          layer == LAYER_SHADOWED ? film.visibility(x, y) : film.layer(x, y, layer, plane));
     text += '\n';
   }
   return text;

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
-#include "kernels/host/stopwatch.h"
-#include "kernels/host/words.h"
+#include "kernels/host/process.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"

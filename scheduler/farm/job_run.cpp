@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "kernels/host/peak_memory.h"
+#include "kernels/host/process.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/flagged_text.h"

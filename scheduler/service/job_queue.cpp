@@ -7,7 +7,7 @@
 #include <limits>
 #include <set>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
 

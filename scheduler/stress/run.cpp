@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/device/device_scene_builder.h"
 
 namespace penumbra::stress {

@@ -12,8 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "kernels/host/peak_memory.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scheduler/farm/render_farm.h"
 #include "scheduler/farm/render_job_check.h"
 #include "tests/load/load_board.h"
@@ -124,7 +123,8 @@ void for_each_unit(const RenderJob& job, Do act) {
 std::uint64_t expected_hash(const RenderJob& job) {
   const FilmLayers layers(job.scene.header.features);
   FilmAccumulator film(0, 0, job.width, job.height, layers);
-  for_each_unit(job, [&](const RenderUnit& unit) { film.add(unit.x, unit.y, load_samples(unit, layers.planes())); });
+  for_each_unit(
+      job, [&](const RenderUnit& unit) { film.add(unit.x, unit.y, load_samples(unit, layers.planes())); });
   return film.hash();
 }
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/settings.h"
 
 namespace penumbra {

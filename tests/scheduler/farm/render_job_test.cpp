@@ -13,7 +13,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "kernels/host/peak_memory.h"
+#include "kernels/host/process.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/farm/worker_isa.h"
 #include "scheduler/plan/adaptive_tile.h"

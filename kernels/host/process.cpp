@@ -1,4 +1,4 @@
-#include "kernels/host/peak_memory.h"
+#include "kernels/host/process.h"
 
 #include <fstream>
 #include <limits>
