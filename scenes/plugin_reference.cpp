@@ -55,7 +55,7 @@ void describe_all(std::string& out, const char* heading, const std::variant<Mode
 std::string plugin_reference() {
   std::string out =
       "Anything else is an error, which names what there is. With --lenient a plugin that is not here has a "
-      "stand-in, and a warning.\n\n";
+      "placeholder, and a warning.\n\n";
   describe_all(out, "BSDFs", static_cast<const BsdfModel*>(nullptr));
   describe_all(out, "BSDFs that hold others", static_cast<const HolderParameters*>(nullptr));
   describe_all(out, "Textures", static_cast<const TextureModel*>(nullptr));

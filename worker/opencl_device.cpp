@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "worker/kernel_unit.h"
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
@@ -60,7 +60,7 @@ class OpenClDevice final : public Device {
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
-    if ((features_ & FEATURE_OWNERS) != 0u) take_owners(result);
+    if ((features_ & FEATURE_MATTES) != 0u) take_mattes(result);
     return made;
   }
 
@@ -314,7 +314,7 @@ class OpenClDevice final : public Device {
   const DeviceScene& scene_;
   BlockShape shape_;
   int items_;
-  std::uint32_t features_;
+  std::uint64_t features_;
   OpenClLimits limits_;
   LaunchSize launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   DevicePreparation preparation_;

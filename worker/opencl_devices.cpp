@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "kernels/features.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {
@@ -126,7 +126,7 @@ Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
                           wanted, opencl_device_table(devices)));
 }
 
-std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint32_t features) {
+std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint64_t features) {
   std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
   std::erase_if(devices, [features](const OpenClDeviceInfo& device) {
     return device.is_cpu || !device.is_exact || !lacking_for(device, features).empty();
@@ -134,9 +134,8 @@ std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint32_t features) {
   return devices;
 }
 
-std::string lacking_for(const OpenClDeviceInfo& device, std::uint32_t features) {
-  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LIT_CELLS)) == 0u || device.has_double)
-    return {};
+std::string lacking_for(const OpenClDeviceInfo& device, std::uint64_t features) {
+  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0u || device.has_double) return {};
   return device.name +
          " has no double precision (cl_khr_fp64), which closed forms and projected solid angles of polygon "
          "lights need";

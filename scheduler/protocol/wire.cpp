@@ -20,9 +20,9 @@ bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
 std::uint64_t checksum_of(const wire::PixelResult& result) {
   const std::uint64_t of_values = XXH3_64bits(result.values().data(), result.values().size());
-  const auto& owners = result.owners();
-  if (owners.empty()) return of_values;
-  return XXH3_64bits_withSeed(owners.data(), std::size_t(owners.size()) * sizeof(std::uint32_t), of_values);
+  const auto& mattes = result.mattes();
+  if (mattes.empty()) return of_values;
+  return XXH3_64bits_withSeed(mattes.data(), std::size_t(mattes.size()) * sizeof(std::uint32_t), of_values);
 }
 
 std::string hash_text(const XXH128_hash_t& hash) {
@@ -262,13 +262,13 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
   message.set_sample_count(buffer.sample_count);
   for (const FlaggedSamples& samples : buffer.flagged) encode(samples, *message.add_flagged());
   message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
-  message.mutable_owners()->Add(buffer.owners.begin(), buffer.owners.end());
+  message.mutable_mattes()->Add(buffer.mattes.begin(), buffer.mattes.end());
   message.set_checksum(checksum_of(message));
 }
 
 Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit,
-                              const ResultShape& shape) {
-  const int planes = shape.planes;
+                              const FilmLayers& layers) {
+  const int planes = layers.planes();
   if (!result.has_pixels()) return fail("the result is of another kind than its unit");
   const wire::PixelResult& message = result.pixels();
   if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
@@ -284,7 +284,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
                       .sample_count = unit.sample_count,
                       .flagged = {},
                       .values = {},
-                      .owners = {}};
+                      .mattes = {}};
   const std::size_t count = buffer.pixels() * std::size_t(planes);
   if (message.values().size() != count * sizeof(float)) {
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
@@ -306,8 +306,8 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
   if (const Expected<void> checked = check_statistics(buffer); !checked)
     return fail("the result has " + checked.error().message);
-  buffer.owners.assign(message.owners().begin(), message.owners().end());
-  if (const Expected<void> checked = check_owners(buffer, shape.owner_count); !checked)
+  buffer.mattes.assign(message.mattes().begin(), message.mattes().end());
+  if (const Expected<void> checked = check_mattes(buffer, layers.mattes()); !checked)
     return fail("the result has " + checked.error().message);
   return buffer;
 }

@@ -25,7 +25,7 @@ constexpr int kMostColumns = 120;
 /// README.md and whatever else is Markdown in the folders of the project, relative to its root.
 std::vector<std::string> markdown_files() {
   std::vector<std::string> files{"README.md"};
-  for (const char* folder : {"gl", "kernels", "packaging", "scenes", "scheduler", "tests", "worker"})
+  for (const char* folder : {"gl", "kernels", "scenes", "scheduler", "tests", "worker"})
     for (const auto& entry : std::filesystem::recursive_directory_iterator(source_path(folder)))
       if (entry.path().extension() == ".md")
         files.push_back(std::filesystem::relative(entry.path(), source_path(".")).string());
