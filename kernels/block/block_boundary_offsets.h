@@ -1,6 +1,6 @@
-// Where paths are in media, finer than floats: in a dense medium they scatter closer to its boundary than a
-// ray can start and surely meet it. Rays then start farther off, and a path keeps of the surface near it how
-// far it is itself.
+// The distance of a path to the boundary of its medium, more exact than its position. In a dense medium paths
+// scatter closer to the boundary than a ray can start without missing it. So rays start farther away, and the
+// path keeps its own distance to that surface.
 #ifndef PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
 #define PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
 #include "kernels/block/path_state.h"

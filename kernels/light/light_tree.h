@@ -3,8 +3,8 @@
 // Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
 // the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
 // taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
-// so with few lights one of those; from there on one of two children. A leaf may have several lights that are
-// as one from wherever they are seen: they keep their shares (scenes/device/light_groups.h). Infinite lights
+// so with few lights one of those; from there on one of two children. A leaf may hold a cluster of
+// lights, which have fixed probabilities within it (scenes/device/light_groups.h). Infinite lights
 // (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/pilot_paths.h.
 //
 // Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities

@@ -1,5 +1,5 @@
-// Which lights are as one from wherever they are seen, say the triangles of a light: a walk through the
-// hierarchy of lights need not tell them apart.
+// Clusters of lights that look alike from all vertices of the pilot paths, say the triangles of a mesh. A
+// walk through the hierarchy of lights ends at a cluster and takes its lights by fixed probabilities.
 #pragma once
 
 #include <span>
