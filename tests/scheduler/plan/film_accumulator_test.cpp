@@ -96,16 +96,15 @@ TEST(FilmAccumulator, FeaturesAreAveraged) {
   const auto result = [](float value, std::uint32_t count) {
     SampleBuffer buffer{
         .width = 1, .height = 1, .planes = kPolygonLayers.planes(), .sample_count = count, .values = {}};
-    for (int plane = 0; plane < kPolygonLayers; ++plane)
+    for (int plane = 0; plane < kPolygonLayers.planes(); ++plane)
       buffer.values.push_back(value * float(plane + 1));
     return buffer;
   };
   film.add(11, 20, result(1, 1));
   film.add(11, 20, result(4, 2));  // the mean of 1, 4, 4 is 3
-  EXPECT_NEAR(film.layer(11, 20, LAYER_ALBEDO), 3.0 * (LAYER_ALBEDO + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, LAYER_NORMAL, 2), 3.0 * (LAYER_NORMAL, 2 + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, LAYER_DEPTH), 3.0 * (LAYER_DEPTH + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, LAYER_UNSHADOWED), 3.0 * (LAYER_UNSHADOWED + 1), 1e-14);
+  for (int layer = 0; layer < LAYER_COVERAGE; ++layer)
+    for (int plane = 0; plane < kFilmLayers[layer].planes; ++plane)
+      EXPECT_NEAR(film.layer(11, 20, layer, plane), 3.0 * (kPolygonLayers.plane(layer) + plane + 1), 1e-14);
   EXPECT_EQ(film.at(10, 20).count, 0u);
 }
 
