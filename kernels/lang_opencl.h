@@ -10,9 +10,14 @@
 #undef inline
 #define FN inline __attribute__((always_inline))
 #define CONSTANT_FN FN
+// Stages that GPUs run are part of their kernel: with one lane there are no loops to keep apart, and what
+// would be handed from function to function in memory stays in registers.
+#ifdef INLINE_STAGES
+  #define STAGE static inline __attribute__((always_inline))
+#endif
 // Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
 // as fast with them.
-#if defined(__has_attribute) && VECTOR_WIDTH >= 16
+#if !defined(STAGE) && defined(__has_attribute) && VECTOR_WIDTH >= 16
   #if __has_attribute(min_vector_width)
     #define STAGE static __attribute__((noinline, min_vector_width(512)))
   #endif

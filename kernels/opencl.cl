@@ -15,6 +15,7 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   return unit;
 }
 
+#if LANES > 1
 /// What one work item does of render_blocks. Of a kernel itself PoCL makes three functions.
 STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL const uint* words, Unit unit,
                               int first_pixel, int end_pixel, int block_pixels, int capacity,
@@ -45,8 +46,7 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   render_free_blocks((int)get_global_id(0), header, words, unit, first_pixel, end_pixel, block_pixels,
                      capacity, slot_capacity, states, slots, out, bad, next_block);
 }
-
-#if LANES == 1
+#else
 // For GPUs: a path a work item, and then a pixel a work item. The paths of all pixels [first_pixel, ...)
 // share `slots`. A field of neighbouring paths lies side by side: each block is one lane of a wide one.
 

@@ -116,6 +116,9 @@ class OpenClDevice final : public Device {
     const OpenClTuning& tuning = options.opencl_tuning;
     OpenClSource source =
         opencl_source(info(), "kernels/opencl.cl", {}, needs_of(scene_.header), shape_.lanes);
+    if (!info().is_cpu) source.options += " -DINLINE_STAGES";
+    // Twice as many paths at once as with all that the compiler would take.
+    if (info().limits_registers) source.options += " -cl-nv-maxrregcount=128";
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
     const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
     KernelOrigin origin;

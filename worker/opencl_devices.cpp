@@ -50,6 +50,7 @@ OpenClDeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   constexpr cl_device_fp_config kExact =
       CL_FP_DENORM | CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST | CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
   info.is_exact = (value_of<cl_device_fp_config>(device, CL_DEVICE_SINGLE_FP_CONFIG) & kExact) == kExact;
+  info.limits_registers = text_of(device, CL_DEVICE_EXTENSIONS).contains("cl_nv_compiler_options");
   info.version = text_of(device, CL_DEVICE_VERSION);
   for (const cl_platform_info what : {CL_PLATFORM_NAME, CL_PLATFORM_VENDOR, CL_PLATFORM_VERSION})
     info.compiler_identity += text_of(platform, what) + "\n";

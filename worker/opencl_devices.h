@@ -19,6 +19,7 @@ struct OpenClDeviceInfo {
   unsigned compute_units = 1;
   std::uint64_t memory_bytes = 0, max_allocation_bytes = 0;
   bool is_exact = false;          ///< float arithmetic as a CPU's: the same bits as native code
+  bool limits_registers = false;  ///< takes -cl-nv-maxrregcount
   std::string version;            ///< of OpenCL, "OpenCL 1.2 ..."
   std::string compiler_identity;  ///< vendors, drivers and versions: what a compiled kernel is only good for
 };
