@@ -10,7 +10,6 @@
 #include "gl/analytic_shaders.h"
 #include "kernels/features.h"
 #include "kernels/host/device_scene_tables.h"
-#define FEATURES FEATURE_ALL
 #include "kernels/sampler/filter.h"
 
 namespace penumbra {

@@ -6,8 +6,8 @@
 
 #include "gl/picture_files.h"
 #include "kernels/host/console.h"
-#include "kernels/host/stopwatch.h"
-#include "kernels/host/words.h"
+#include "kernels/host/process.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

@@ -3,86 +3,74 @@
 // masked out is neither allocated, uploaded nor shipped.
 #ifndef PENUMBRA_FEATURES_H
 #define PENUMBRA_FEATURES_H
+#include "kernels/lang.h"
 
-// X(name, bit, what it is for people)
-#define PENUMBRA_FEATURES(X)                                                  \
-  X(PATH, 0x001, "path integrator")                                           \
-  X(DIRECT, 0x002, "direct integrator")                                       \
-  X(BVH, 0x004, "bounding volume hierarchy")                                  \
-  X(TRANSMISSION, 0x008, "paths through surfaces into other media")           \
-  X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
-  X(QUADRICS, 0x020, "spheres and disks")                                     \
-  X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
-  X(WHITTED, 0x80, "whitted integrator")                                      \
-  X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
-  X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
-  X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
-  X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle") \
-  X(POLYGONS, 0x1000, "polygon lights in closed form")                        \
-  X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
-  X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
-  X(UV, 0x8000, "texture coordinates and tangents")                           \
-  X(TEXTURES, 0x10000, "textures")                                            \
-  X(NESTED, 0x20000, "BSDFs that hold others, and surfaces seen through")     \
-  X(BENT, 0x40000, "normal maps and bump maps")                               \
-  X(OCCLUSION, 0x80000, "ambient and reflection occlusion integrators")       \
-  X(LTC, 0x100000, "glossy BSDFs under polygon lights")                       \
-  X(LIGHT_TREE, 0x200000, "choice among lights by their contribution")        \
-  X(INSTANCES, 0x400000, "instances of groups of shapes")                     \
-  X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")     \
-  X(LIGHT_TEXTURES, 0x1000000, "lights with textures")                        \
-  X(CYLINDERS, 0x2000000, "cylinders")                                        \
-  X(COVERAGE, 0x4000000, "alpha")                                             \
-  X(OWNERS, 0x8000000, "objects and materials of pixels")                     \
-  X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
-  X(MEDIA, 0x20000000, "participating media")                                 \
-  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")          \
-  X(LIT_CELLS, 0x80000000u, "closed forms where surfaces see lights whole")
+PENUMBRA_NAMESPACE_BEGIN
 
-// Plain macros as well, since the preprocessor has to test them.
-#define FEATURE_PATH 0x001
-#define FEATURE_DIRECT 0x002
-#define FEATURE_BVH 0x004
-#define FEATURE_TRANSMISSION 0x008
-#define FEATURE_SHADING_NORMALS 0x010
-#define FEATURE_QUADRICS 0x020
-#define FEATURE_MIXED_FAMILIES 0x040
-#define FEATURE_WHITTED 0x80
-#define FEATURE_SOLID_ANGLE 0x100
-#define FEATURE_LAYERS 0x200
-#define FEATURE_SAMPLERS 0x400
-#define FEATURE_PROJECTED 0x800
-#define FEATURE_POLYGONS 0x1000
-#define FEATURE_LOOK_THROUGH 0x2000
-#define FEATURE_RATIO 0x4000
-#define FEATURE_UV 0x8000
-#define FEATURE_TEXTURES 0x10000
-#define FEATURE_NESTED 0x20000
-#define FEATURE_BENT 0x40000
-#define FEATURE_OCCLUSION 0x80000
-#define FEATURE_LTC 0x100000
-#define FEATURE_LIGHT_TREE 0x200000
-#define FEATURE_INSTANCES 0x400000
-#define FEATURE_CAMERA 0x800000
-#define FEATURE_LIGHT_TEXTURES 0x1000000
-#define FEATURE_CYLINDERS 0x2000000
-#define FEATURE_COVERAGE 0x4000000
-#define FEATURE_OWNERS 0x8000000
-#define FEATURE_PARTS 0x10000000
-#define FEATURE_MEDIA 0x20000000
-#define FEATURE_LIGHT_EDGES 0x40000000
-#define FEATURE_LIT_CELLS 0x80000000u
-#define FEATURE_ALL 0xffffffffu
+// X(name, what it is for people)
+#define PENUMBRA_FEATURES(X)                                           \
+  X(PATH, "path integrator")                                           \
+  X(DIRECT, "direct integrator")                                       \
+  X(BVH, "bounding volume hierarchy")                                  \
+  X(TRANSMISSION, "paths through surfaces into other media")           \
+  X(SHADING_NORMALS, "interpolated vertex normals")                    \
+  X(QUADRICS, "spheres and disks")                                     \
+  X(MIXED_FAMILIES, "several families of BSDFs")                       \
+  X(WHITTED, "whitted integrator")                                     \
+  X(SOLID_ANGLE, "sampling of triangle lights by solid angle")         \
+  X(LAYERS, "albedo, normal and depth layers")                         \
+  X(SAMPLERS, "samplers other than Owen-scrambled Sobol")              \
+  X(PROJECTED, "sampling of triangle lights by projected solid angle") \
+  X(POLYGONS, "polygon lights in closed form")                         \
+  X(LOOK_THROUGH, "hidden emitters that the camera looks through")     \
+  X(UV, "texture coordinates and tangents")                            \
+  X(TEXTURES, "textures")                                              \
+  X(NESTED, "BSDFs that hold others, and surfaces seen through")       \
+  X(BENT, "normal maps and bump maps")                                 \
+  X(OCCLUSION, "ambient and reflection occlusion integrators")         \
+  X(LTC, "glossy BSDFs under polygon lights")                          \
+  X(LIGHT_TREE, "choice among lights by their contribution")           \
+  X(INSTANCES, "instances of groups of shapes")                        \
+  X(CAMERA, "lenses, parallel projection and distorted images")        \
+  X(LIGHT_TEXTURES, "lights with textures")                            \
+  X(CYLINDERS, "cylinders")                                            \
+  X(COVERAGE, "alpha")                                                 \
+  X(MATTES, "objects and materials of pixels")                         \
+  X(PARTS, "parts of the light of paths alone")                        \
+  X(MEDIA, "participating media")                                      \
+  X(LIGHT_EDGES, "edges of lights that the camera sees")
 
-/// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
-#define HAS(name) ((FEATURES & FEATURE_##name) != 0)
-#define HAS_CLOSED_FORMS (HAS(POLYGONS) || HAS(LIT_CELLS))
+#define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
+enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };
+#undef NUMBER_FEATURE
+#define FEATURE_BIT(name, text) FEATURE_##name = (ulong)1 << NUMBER_OF_##name,
+/// A mask has 64 bits, the highest of which is none of a feature (see ALL_OF).
+ENUM_OF_ULONG{PENUMBRA_FEATURES(FEATURE_BIT) FEATURE_ALL = ((ulong)1 << FEATURE_COUNT) - 1};
+#undef FEATURE_BIT
+
+// FEATURES comes from the build of kernels for one scene, as a number. Without it kernels are for every
+// scene.
+#ifdef FEATURES
+  #if (FEATURES) == 0
+    #error "FEATURES is 0: kernels for one scene need its features"
+  #endif
+  #define COMPILED_FEATURES ((ulong)(FEATURES))
+  #define FOR_EVERY_SCENE false
+#else
+  #define COMPILED_FEATURES ((ulong)FEATURE_ALL)
+  #define FOR_EVERY_SCENE true
+#endif
+
+// Constants: compilers do not look at what is behind `if (HAS(POLYGONS) && ...)` where it is false, nor at
+// functions that nothing else calls.
+#define HAS(name) ((COMPILED_FEATURES & FEATURE_##name) != 0)
 /// Small scenes are searched by testing every primitive, others through the hierarchy. Kernels for one scene
 /// have its search alone, kernels for every scene both.
-#define HAS_WHOLE (!HAS(BVH) || (FEATURES) == FEATURE_ALL)
+#define HAS_WHOLE (!HAS(BVH) || FOR_EVERY_SCENE)
 /// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
 /// what it does not need.
-#define NEEDS(scene, name) (HAS(name) && (SCENE_FEATURES(&(scene)->header) & FEATURE_##name) != 0u)
-#define SCENE_FEATURES(h) NEEDED(FEATURES, (h)->features)
+#define NEEDS(scene, name) (HAS(name) && (SCENE_FEATURES(&(scene)->header) & FEATURE_##name) != 0)
+#define SCENE_FEATURES(h) NEEDED(COMPILED_FEATURES, (h)->features)
 
+PENUMBRA_NAMESPACE_END
 #endif

@@ -6,6 +6,8 @@
 #define PENUMBRA_NAMESPACE_END }
 
 #define FN static inline __attribute__((always_inline, unused))
+// One that constants may be made of.
+#define CONSTANT_FN static constexpr inline __attribute__((always_inline, unused))
 // A function that holds lane loops: never inlined, so that RESTRICT holds and each is optimised by itself.
 #define STAGE static __attribute__((noinline, unused))
 // A function of its own where kernels are compiled when they are first wanted.
@@ -26,6 +28,9 @@
 #define TO_INT(x) ((int)(x))
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
+
+// Of constants of 64 bits.
+#define ENUM_OF_ULONG enum : ulong
 
 // What a scene needs, a bit mask: its own, of what kernels are compiled for.
 #define NEEDED(compiled, own) (own)

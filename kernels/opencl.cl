@@ -15,14 +15,16 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   return unit;
 }
 
+#if LANES > 1
 /// What one work item does of render_blocks. Of a kernel itself PoCL makes three functions.
 STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL const uint* words, Unit unit,
                               int first_pixel, int end_pixel, int block_pixels, int capacity,
                               int slot_capacity, GLOBAL uint* states, GLOBAL uint* slots, GLOBAL float* out,
                               GLOBAL BadSamples* bad, volatile GLOBAL int* next_block) {
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block = make_block(FEATURES, states + (size_t)item * path_words(FEATURES) * capacity, capacity,
-                                 slots + (size_t)item * slot_words(FEATURES) * slot_capacity, slot_capacity);
+  const Block block = make_block(
+      COMPILED_FEATURES, states + (size_t)item * path_words(COMPILED_FEATURES) * capacity, capacity,
+      slots + (size_t)item * slot_words(COMPILED_FEATURES) * slot_capacity, slot_capacity);
   const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
   for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
     const int pixel = first_pixel + b * block_pixels;
@@ -44,8 +46,7 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   render_free_blocks((int)get_global_id(0), header, words, unit, first_pixel, end_pixel, block_pixels,
                      capacity, slot_capacity, states, slots, out, bad, next_block);
 }
-
-#if LANES == 1
+#else
 // For GPUs: a path a work item, and then a pixel a work item. The paths of all pixels [first_pixel, ...)
 // share `slots`. A field of neighbouring paths lies side by side: each block is one lane of a wide one.
 
@@ -58,7 +59,7 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
   if (item >= path_count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block = make_block(FEATURES, states + item, capacity, slots, slot_capacity);
+  const Block block = make_block(COMPILED_FEATURES, states + item, capacity, slots, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
@@ -71,7 +72,7 @@ __kernel void finish_samples(__global const SceneHeader* header, __global const 
   if (item >= count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block = make_block(FEATURES, 0, 1, slots + from + item, slot_capacity);
+  const Block block = make_block(COMPILED_FEATURES, 0, 1, slots + from + item, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
 }
 #endif

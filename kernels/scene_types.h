@@ -45,7 +45,6 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ESTIMATOR_SAMPLES 0  // H alone
 #define ESTIMATOR_ALPHA 1    // alpha G + (H - alpha W)
 #define ESTIMATOR_AUTO 2     // the same, alpha from other samples of the pixel
-#define ESTIMATOR_RATIO 3    // G H / W
 
 // What the camera sees of emitters: their light, a surface without it, or what is behind them.
 #define HIDE_NOTHING 0
@@ -89,8 +88,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BEND_NORMAL_MAP 1
 #define BEND_BUMP_MAP 2
 
-#define NOBODY 0             // the owner of what is no surface
-#define MAX_OWNERS 16777215  // numbers that a float holds exactly
+#define NO_MATTE 0           // of a ray that hits nothing
+#define MAX_MATTES 16777215  // numbers that a float holds exactly
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
@@ -98,7 +97,6 @@ PENUMBRA_NAMESPACE_BEGIN
   16777216.0f               // 2^24: probabilities within the hierarchy of lights are multiples of its inverse
 #define LIGHT_CUT 16        // nodes at most from which a walk through the hierarchy of lights begins
 #define MAX_BRANCH_DEPTH 8  // surfaces at which a path may branch, one after the other
-#define LIT_CELL_LEVELS 9   // of halves along either side of a triangle
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
@@ -234,8 +232,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3,                                                                                                 \
     radiance) /* radiance; radiant intensity of a point or spot light, irradiance of a directional one */ \
-  F(vec3, p0) /* triangle vertex, rectangle corner, also of that about an outline; centre (of a           \
-                 cylinder's first end), or position */                                                    \
+  F(vec3, p0) /* triangle vertex, rectangle corner; centre (of a cylinder's first end), or position */    \
   F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis;       \
                  unit direction of a directional light */                                                 \
   F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */               \
@@ -249,21 +246,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, texture)   /* by whose values its radiance is multiplied, an index, or -1 */                     \
   F(int, grid)      /* where its distribution begins in the light grids, or -1: it has none */            \
   F(int, grid_side)                                                                                       \
-  F(int, beam)  /* of a spot light or a projector, an index */                                            \
-  F(int, strip) /* of an outline the first, an index */                                                   \
-  F(int, strip_count)
-
-// A part of an outline light between two parallel lines: see light/outline_light.h. In the light's rectangle,
-// whose sides are x and y from 0 to 1; its left side leads from (x, y) to (x + step_x, y + step_y).
-#define LIGHT_STRIP_FIELDS(F)                                                                           \
-  F(float, start)         /* of the numbers in [0, 1), each strip's as many as its share of the area */ \
-  F(float, inverse_share) /* 1 / how many */                                                            \
-  F(float, x)                                                                                           \
-  F(float, y)                                                                                           \
-  F(float, step_x)                                                                                      \
-  F(float, step_y)                                                                                      \
-  F(float, width)  /* along x, at the start of the left side */                                         \
-  F(float, growth) /* of the width up to its end */
+  F(int, beam) /* of a spot light or a projector, an index */
 
 // A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
 // cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
@@ -350,16 +333,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, x)                                                                                  \
   F(int, first_edge)                                                                         \
   F(int, edge_count)
-
-// The cells of a triangle from which every light is seen whole: see light/lit_cells.h.
-#define LIT_FACE_FIELDS(F)                                                                     \
-  F(vec3, row_x) /* a point p of it is at row_x . p + at_x of the way from p0 to p1, ... */    \
-  F(vec3, row_y) /* ... and row_y . p + at_y of the way to p2 */                               \
-  F(float, at_x)                                                                               \
-  F(float, at_y)                                                                               \
-  F(int, first) /* its first word in the table of cells */                                     \
-  F(int, level) /* it has 2^level cells along either way, in rows along the first; -1: none */ \
-  F(int, front) /* 1: they are on its front side, 0: on its back */
 
 // A piece of an edge within the reach of a pixel's filter, about the pixel's centre and in filter radii: at y
 // of [y0, y1), or [y1, y0), it is at x0 + slope (y - y0). The light is at smaller x where y1 > y0, else at
@@ -499,10 +472,10 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \
-  /* FEATURE_OWNERS: whose each triangle and then each quadric is, a number from 1 */  \
+  /* FEATURE_MATTES: the matte of each triangle and then of each quadric, from 1 on */ \
   /* on; of a group's, to be added to the first number of the instance, from 0 on. */  \
-  T(A, owners, int, 1, "owners of primitives")                                         \
-  T(A, instance_owners, int, 1, "first owners of instances")                           \
+  T(A, mattes, int, 1, "mattes of primitives")                                         \
+  T(A, instance_mattes, int, 1, "first mattes of instances")                           \
   /* FEATURE_MEDIA: of each triangle and then each quadric its boundary, or -1. */     \
   T(A, media, Medium, 1, "media")                                                      \
   T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                         \
@@ -518,9 +491,6 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, light_edge_rows, int, 2, "rows of edges of lights")                             \
   T(A, light_edge_pixels, LightEdgePixel, 1, "pixels with edges of lights")            \
   T(A, light_edges, LightEdge, 1, "edges of lights in pixels")                         \
-  /* FEATURE_LIT_CELLS: of each triangle; 32 cells a word. */                          \
-  T(A, lit_faces, LitFace, 1, "triangles that may see lights whole")                   \
-  T(A, lit_cells, uint, 1, "words of cells of them")                                   \
   LIGHT_TABLES(T, A)
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
@@ -565,7 +535,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Everything that is not a record of a table.
 #define SCENE_HEADER_FIELDS(F)                                                                       \
-  F(uint, features)      /* FEATURE_* bits */                                                        \
+  F(ulong, features)     /* FEATURE_* bits */                                                        \
   F(uint, families)      /* of its materials, 1 << FAMILY_* */                                       \
   F(uint, textured)      /* bits 1 << TEXTURED_* of the fields for which a material has a texture */ \
   F(uint, texture_kinds) /* bits 1 << TEXTURE_* of the textures there are */                         \
@@ -580,7 +550,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, light_cut)         /* nodes that have no parent */                                          \
   F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
   F(int, light_leaf_turns)  /* turns to any of a leaf's lights, 0 if leaves have one light each */   \
-  F(int, owner_count)       /* FEATURE_OWNERS: numbers of owners are at most that */                 \
+  F(int, matte_count)       /* FEATURE_MATTES: numbers of mattes are at most that */                 \
   F(int, camera_medium)     /* the medium in which the camera is */                                  \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(uint, edges_camera)     /* FEATURE_LIGHT_EDGES: camera_key of the one that sees the tables' */   \
@@ -614,8 +584,6 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \
   X(LightEdge, LIGHT_EDGE_FIELDS)                       \
-  X(LitFace, LIT_FACE_FIELDS)                           \
-  X(LightStrip, LIGHT_STRIP_FIELDS)                     \
   X(BvhNode, BVH_NODE_FIELDS)                           \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \

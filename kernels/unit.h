@@ -2,6 +2,7 @@
 #ifndef PENUMBRA_UNIT_H
 #define PENUMBRA_UNIT_H
 #include "kernels/block/path_state.h"
+#include "kernels/film_layers.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -49,43 +50,12 @@ enum {
   SOURCE_FILTER        ///< the film's filter, or a layer
 };
 
-// Where a unit's layers start among the planes of its result: see SampleBufferPlane, which checks that they
-// agree.
-#define FIRST_LAYER_PLANE 6
-#define ANALYTIC_PLANE 13
-#define DIFFERENCE_PLANE 16
-#define SEEN_PLANE 19
-#define WHOLE_PLANE 20
-#define LAYER_PLANES_END 21
-/// Where the coverage is, of results that have it (FEATURE_COVERAGE): behind all of those.
-FN int coverage_plane(uint features) {
-  const int with_layers = (features & FEATURE_POLYGONS) != 0u ? LAYER_PLANES_END : ANALYTIC_PLANE;
-  return (features & FEATURE_LAYERS) != 0u ? with_layers : FIRST_LAYER_PLANE;
-}
-// After all others, the statistics of RatioPlane, three channels each.
-enum {
-  RATIO_MEAN_PLANE = 0,
-  RATIO_DEVIATION_PLANE = 3,
-  RATIO_CORRELATION_PLANE = 6,
-  RATIO_PLANE = 9,
-  RATIO_UNSHADOWED_PLANE = 12
-};
-
-/// Where a unit's RatioPlanes start.
-FN int first_ratio_plane(uint features) {
-  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
-}
-
-// Behind those, of results that have them (FEATURE_OWNERS): pairs of planes, of an owner and how many of the
-// pixel's samples met it.
-#define RATIO_PLANES 15
-#define MAX_OWNER_PAIRS 32
-FN int first_owner_plane(uint features) {
-  return first_ratio_plane(features) + ((features & FEATURE_RATIO) != 0u ? RATIO_PLANES : 0);
-}
-/// How many pairs a unit of so many samples has: one for each owner that they can meet, and one for nobody.
-FN int owner_pairs(int sample_count) {
-  return sample_count + 1 < MAX_OWNER_PAIRS ? sample_count + 1 : MAX_OWNER_PAIRS;
+// Behind the planes of the layers, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how
+// many of the pixel's samples hit it.
+#define MAX_MATTE_PAIRS 32
+/// How many pairs a unit of so many samples has: one for each matte that they can hit, and NO_MATTE.
+FN int matte_pairs(int sample_count) {
+  return sample_count + 1 < MAX_MATTE_PAIRS ? sample_count + 1 : MAX_MATTE_PAIRS;
 }
 
 PENUMBRA_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 #include "scenes/text.h"
 
 namespace penumbra {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "kernels/host/suggestion.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 

@@ -95,7 +95,7 @@ Setting shading_samples_row() {
 /// Those that have an effect only with certain values of others.
 void say_when_they_matter(std::vector<Setting>& table) {
   for (Setting& setting : table) {
-    if (setting.key == "integrator.alpha" || setting.key == "integrator.estimator")
+    if (setting.key == "integrator.alpha")
       setting.matters = [](const RenderSettings& s) { return control_variate(s.integrator).has_value(); };
     if (setting.key == "integrator.hidden_emitters")
       setting.matters = [](const RenderSettings& s) { return s.integrator.hide_emitters; };

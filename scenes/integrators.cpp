@@ -73,11 +73,11 @@ std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrat
 }
 
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {
-  if (const auto* cv = integrator.get<PolygonCvIntegrator>()) return ControlVariate{cv->alpha, cv->estimator};
+  if (const auto* cv = integrator.get<PolygonCvIntegrator>()) return ControlVariate{cv->alpha};
   return std::visit(
       []<typename Method>(const Method& method) -> std::optional<ControlVariate> {
         if constexpr (requires { method.next_event; })
-          if (method.next_event == NextEvent::kCv) return ControlVariate{method.alpha, method.estimator};
+          if (method.next_event == NextEvent::kCv) return ControlVariate{method.alpha};
         return std::nullopt;
       },
       integrator.method);

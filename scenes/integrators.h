@@ -22,9 +22,6 @@ enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats",
 enum class PathTechnique { kAll, kBsdf, kEmitter };
 enum class MisHeuristic { kBalance, kPower };          ///< power: beta = 2
 enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
-/// How samples and the closed form of polygon lights are put together: alpha G + <H - alpha G>, or G <H> /
-/// <G>.
-enum class CvEstimator { kCv, kRatio };
 enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
 /// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
 /// point.
@@ -49,7 +46,6 @@ struct DirectIntegrator {
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
   bool trace_shadows = true;
-  bool closed_where_lit = true;  ///< surfaces that see lights whole are without noise, where they can be
 };
 
 struct PathIntegrator {
@@ -69,7 +65,6 @@ struct PathIntegrator {
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
-  CvEstimator estimator = CvEstimator::kCv;
   int only_bounces = -1;  ///< surfaces that scattered the light that is kept; -1: any number
   PathTechnique only_technique = PathTechnique::kAll;
 };
@@ -90,7 +85,6 @@ struct VolpathIntegrator {
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
-  CvEstimator estimator = CvEstimator::kCv;
 };
 
 /// Whether not all of its light is kept.
@@ -113,7 +107,6 @@ struct WhittedIntegrator {
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
-  CvEstimator estimator = CvEstimator::kCv;
 };
 
 /// Ambient occlusion: the share of the directions above a surface in which nothing is within `ray_length`.
@@ -166,7 +159,6 @@ struct PolygonCvIntegrator {
       "direct light of polygon lights, with the closed form as control variate";
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
   int vis_samples = 1;
-  CvEstimator estimator = CvEstimator::kCv;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   LightChoice light_choice = LightChoice::kAuto;
 };
@@ -286,10 +278,6 @@ void integrator_parameters(const Row& row) {
       "of what each light may contribute");
   row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{}, "whether shadow rays are traced",
       &P::trace_shadows);
-  row("lit_surfaces", PENUMBRA_PARAMETER(closed_where_lit),
-      OneOf<bool>{{{"closed_form", true}, {"sampled", false}}},
-      "direct light where nothing occludes it; closed_form is without noise and shadow rays where that is "
-      "possible, and has the same mean");
   row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
   row("occlusion_sampling", PENUMBRA_PARAMETER(sampling),
@@ -313,9 +301,6 @@ void integrator_parameters(const Row& row) {
       "next-event estimation; samples alone, or with the closed form of polygon lights as control variate");
   row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
       "weight of the control variate; auto: fitted for each pixel");
-  row("estimator", PENUMBRA_PARAMETER(estimator),
-      OneOf<CvEstimator>{{{"cv", CvEstimator::kCv}, {"ratio", CvEstimator::kRatio}}},
-      "estimator of polygon lights: control variate or ratio");
   row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
       "whether lights are invisible to the camera");
   row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),
@@ -342,10 +327,9 @@ std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrat
 /// belongs to the name.
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);
 
-/// How samples of polygon lights and their closed form make an estimate.
+/// Of the closed form of polygon lights.
 struct ControlVariate {
-  std::optional<float> alpha;
-  CvEstimator estimator;
+  std::optional<float> alpha;  ///< none: fitted
 };
 /// Nothing where the integrator takes no control variate.
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator);

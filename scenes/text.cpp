@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

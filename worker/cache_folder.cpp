@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "kernels/host/plain_file.h"
-#include "kernels/host/user_folder.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 namespace {

@@ -65,7 +65,7 @@ Expected<Isa> usable_isa(std::string_view name) {
   return isa;
 }
 
-Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features) {
+Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t features) {
   if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
     return fail(
         fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",
@@ -82,9 +82,9 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
 namespace {
 
 /// A native device instead of one that is not available.
-class StandIn final : public Device {
+class FallbackDevice final : public Device {
  public:
-  StandIn(std::unique_ptr<Device> device, std::string warning)
+  FallbackDevice(std::unique_ptr<Device> device, std::string warning)
       : device_(std::move(device)), warning_(std::move(warning)) {}
 
   std::string description() const override { return device_->description(); }
@@ -111,7 +111,7 @@ Expected<std::unique_ptr<Device>> make_chosen_device(const DeviceScene& scene, c
   if (device) return device;
   Expected<std::unique_ptr<Device>> native = make_native_device(scene, options);
   if (!native) return native;
-  return std::make_unique<StandIn>(
+  return std::make_unique<FallbackDevice>(
       std::move(*native),
       fmt::format("native code renders, since {} cannot: {}", devices.front().name, device.error().message));
 }

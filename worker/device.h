@@ -107,7 +107,7 @@ Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const De
 
 /// An empty result for the unit, with room for the planes that a device writes for the scene's features, see
 /// device_plane_count. The error names a unit that no device can render.
-Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features);
+Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t features);
 
 constexpr std::array<Isa, 3> kIsas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
 constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};

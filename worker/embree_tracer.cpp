@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#define FEATURES FEATURE_ALL
 #include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/intersect/instance.h"

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "kernels/host/console.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/help_text.h"

@@ -12,7 +12,7 @@
 #include "kernels/host/console.h"
 #include "kernels/host/kernel_needs.h"
 #include "kernels/host/plain_file.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "worker/device.h"
 
 namespace penumbra {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "kernels/host/block_memory.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "worker/embree_tracer.h"
 #include "worker/kernel_unit.h"
 #include "worker/search_choice.h"
@@ -134,7 +134,7 @@ class NativeDevice final : public Device {
       blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
     SceneHeader header = scene_.header;
-    if (whole_) header.features &= ~std::uint32_t(FEATURE_BVH);
+    if (whole_) header.features &= ~std::uint64_t(FEATURE_BVH);
     const Unit portable = kernel_unit(unit);
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
@@ -150,7 +150,7 @@ class NativeDevice final : public Device {
       for (int kind = 0; kind < BAD_KINDS; ++kind)
         result.flagged[std::size_t(kind)].add(flagged_samples(portable, bad[kind]));
     });
-    if ((scene_.header.features & FEATURE_OWNERS) != 0u) take_owners(result);
+    if ((scene_.header.features & FEATURE_MATTES) != 0u) take_mattes(result);
     return made;
   }
 

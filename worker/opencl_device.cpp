@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "worker/kernel_unit.h"
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
@@ -60,7 +60,7 @@ class OpenClDevice final : public Device {
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
-    if ((features_ & FEATURE_OWNERS) != 0u) take_owners(result);
+    if ((features_ & FEATURE_MATTES) != 0u) take_mattes(result);
     return made;
   }
 
@@ -116,6 +116,9 @@ class OpenClDevice final : public Device {
     const OpenClTuning& tuning = options.opencl_tuning;
     OpenClSource source =
         opencl_source(info(), "kernels/opencl.cl", {}, needs_of(scene_.header), shape_.lanes);
+    if (!info().is_cpu) source.options += " -DINLINE_STAGES";
+    // Twice as many paths at once as with all that the compiler would take.
+    if (info().limits_registers) source.options += " -cl-nv-maxrregcount=128";
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
     const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
     KernelOrigin origin;
@@ -314,7 +317,7 @@ class OpenClDevice final : public Device {
   const DeviceScene& scene_;
   BlockShape shape_;
   int items_;
-  std::uint32_t features_;
+  std::uint64_t features_;
   OpenClLimits limits_;
   LaunchSize launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   DevicePreparation preparation_;

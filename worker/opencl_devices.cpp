@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "kernels/features.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {
@@ -50,6 +50,7 @@ OpenClDeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   constexpr cl_device_fp_config kExact =
       CL_FP_DENORM | CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST | CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
   info.is_exact = (value_of<cl_device_fp_config>(device, CL_DEVICE_SINGLE_FP_CONFIG) & kExact) == kExact;
+  info.limits_registers = text_of(device, CL_DEVICE_EXTENSIONS).contains("cl_nv_compiler_options");
   info.version = text_of(device, CL_DEVICE_VERSION);
   for (const cl_platform_info what : {CL_PLATFORM_NAME, CL_PLATFORM_VENDOR, CL_PLATFORM_VERSION})
     info.compiler_identity += text_of(platform, what) + "\n";
@@ -126,7 +127,7 @@ Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
                           wanted, opencl_device_table(devices)));
 }
 
-std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint32_t features) {
+std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint64_t features) {
   std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
   std::erase_if(devices, [features](const OpenClDeviceInfo& device) {
     return device.is_cpu || !device.is_exact || !lacking_for(device, features).empty();
@@ -134,9 +135,8 @@ std::vector<OpenClDeviceInfo> suitable_opencl_devices(std::uint32_t features) {
   return devices;
 }
 
-std::string lacking_for(const OpenClDeviceInfo& device, std::uint32_t features) {
-  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LIT_CELLS)) == 0u || device.has_double)
-    return {};
+std::string lacking_for(const OpenClDeviceInfo& device, std::uint64_t features) {
+  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0u || device.has_double) return {};
   return device.name +
          " has no double precision (cl_khr_fp64), which closed forms and projected solid angles of polygon "
          "lights need";

@@ -11,7 +11,7 @@ namespace {
 // MB.
 constexpr int kMostItems = 1 << 18;
 constexpr int kMostSlots = 1 << 20;
-constexpr int kMostFinishingItems = 1 << 12;
+constexpr int kMostFinishingItems = 1 << 15;
 
 bool fits(const OpenClMemoryPlan& plan, const OpenClDemand& demand, const OpenClLimits& limits) {
   std::uint64_t sum = demand.scene_bytes;

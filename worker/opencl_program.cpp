@@ -76,7 +76,8 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
   std::string options = fmt::format(
-      "-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DTEXTURE_KINDS_MASK={} -DLANES={} "
+      "-cl-std=CL1.2 -w -DFEATURES={}ul -DFAMILIES={}u -DLIGHT_KINDS_MASK={}u -DTEXTURE_KINDS_MASK={}u "
+      "-DLANES={} "
       "-DVECTOR_WIDTH={}",
       needs.features, needs.families, needs.light_kinds, needs.texture_kinds, lanes, width);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)

@@ -18,9 +18,7 @@
 #include <utility>
 #include <variant>
 
-#include "kernels/host/host_name.h"
-#include "kernels/host/peak_memory.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/keys/tcp_address.h"
 #include "scheduler/keys/unreachable.h"

@@ -20,10 +20,6 @@
 #include "kernels/integrator/whitted.h"
 #include "kernels/sampler/filter.h"
 
-#if (FEATURES) == 0
-  #error "FEATURES is 0 or the name of no feature set"
-#endif
-
 PENUMBRA_NAMESPACE_BEGIN
 
 /// The scene as this unit samples it.
@@ -125,7 +121,6 @@ FN void start_pinhole_paths(const PRIVATE Scene* scene, const PRIVATE PathState*
     start_paths(scene, paths, i, u, v, slots);
 }
 
-#if HAS(CAMERA)
 /// The same through lenses, see lens_camera.h.
 STAGE void start_lens_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
                             const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
@@ -167,9 +162,7 @@ STAGE void start_lens_paths(const PRIVATE Scene* scene, const PRIVATE PathState*
       start_path(&fields, i + j, lens_ray(camera, focus, x[j], y[j], lens_x[j], lens_y[j]));
   for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
 }
-#endif
 
-#if HAS(POLYGONS)
 STAGE void clear_control(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) {
@@ -179,14 +172,11 @@ STAGE void clear_control(const PRIVATE PathState* paths, int i) {
       set_analytic(paths, j, zero);
     }
 }
-#endif
 
-#if HAS(TRANSMISSION)
 STAGE void start_media(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) set_eta(paths, j, 1.0f);
 }
-#endif
 
 CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, int channel, const PRIVATE PathState* paths,
@@ -196,30 +186,16 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
-#if HAS(CAMERA)
     if (NEEDS(scene, CAMERA)) start_lens_paths(scene, paths, i, channel, u, v, slots);
     if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
-#else
-    start_pinhole_paths(scene, paths, i, u, v, slots);
-#endif
-#if HAS(LIGHT_EDGES)
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
-#endif
-#if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
-#endif
-#if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
-#endif
-#if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
-#endif
-#if HAS(MEDIA)
     if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);
       start_in_media(scene, paths, i, u);
     }
-#endif
   }
 }
 
@@ -240,11 +216,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   const PRIVATE SlotState* slots = &block->slots;
   const PRIVATE SceneHeader* h = &scene->header;
   const bool control = has_control(scene);
-#if HAS(CAMERA)
-  const int channels = camera_channels(h);
-#else
-  const int channels = 1;
-#endif
+  const int channels = HAS(CAMERA) ? camera_channels(h) : 1;
   const int turns = channels * ((path_count + batch - 1) / batch);
   for (int turn = 0; turn < turns; turn++) {
     const int done = turn / channels * batch, channel = (turn + 2) % channels;  // green comes last
@@ -254,35 +226,22 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, paths, count, step == 0);
       pad_hits(scene, paths, count);
-#if HAS(NESTED) || HAS(LOOK_THROUGH)
-      see_through(scene, paths, count, step);
-#endif
-#if HAS(MIXED_FAMILIES) && LANES > 1
+      if (HAS(NESTED) || HAS(LOOK_THROUGH)) see_through(scene, paths, count, step);
+#if LANES > 1
       if (NEEDS(scene, MIXED_FAMILIES) && hits_scatter(h, step)) sort_by_family(scene, paths, count);
 #endif
-#if HAS(PATH)
-      if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);
-#endif
-#if HAS(DIRECT)
-      if (h->integrator.kind == INTEGRATOR_DIRECT) step_direct(scene, paths, count, step, slots);
-#endif
-#if HAS(WHITTED)
-      if (h->integrator.kind == INTEGRATOR_WHITTED) step_whitted(scene, paths, count, step, slots);
-#endif
-#if HAS(OCCLUSION)
-      if (h->integrator.kind == INTEGRATOR_OCCLUSION) step_occlusion(scene, paths, count, step, slots);
-#endif
+      if (HAS(PATH) && h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);
+      if (HAS(DIRECT) && h->integrator.kind == INTEGRATOR_DIRECT)
+        step_direct(scene, paths, count, step, slots);
+      if (HAS(WHITTED) && h->integrator.kind == INTEGRATOR_WHITTED)
+        step_whitted(scene, paths, count, step, slots);
+      if (HAS(OCCLUSION) && h->integrator.kind == INTEGRATOR_OCCLUSION)
+        step_occlusion(scene, paths, count, step, slots);
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
-#if HAS(NESTED)
       if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
-#endif
-#if HAS(BENT)
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
-#endif
-#if HAS(POLYGONS)
-      if (control) add_light_with_control(scene, has_other_control(scene), paths, count);
-#endif
+      if (HAS(POLYGONS) && control) add_light_with_control(scene, has_other_control(scene), paths, count);
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);
       count = compact(scene, paths, count, channels == 1 ? EVERY_CHANNEL : channel, slots);
@@ -295,31 +254,18 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel,
                              int pixels, const PRIVATE Block* block, GLOBAL float* out,
                              GLOBAL BadSamples* bad) {
-  const bool layers = (SCENE_FEATURES(&scene->header) & FEATURE_LAYERS) != 0u;
+  const ulong features = SCENE_FEATURES(&scene->header);
   const PRIVATE SlotState* slots = &block->slots;
-#if HAS(POLYGONS)
-  const bool control = has_control(scene);
-  if (control) control_samples(scene, unit, first_pixel, pixels, slots, layers, out);
-  if (control && layers)
-    spread_bad_planes(unit, first_pixel, pixels, ANALYTIC_PLANE, WHOLE_PLANE + 1, slots, out);
-#endif
+  if (HAS(POLYGONS) && has_control(scene)) {
+    control_samples(scene, unit, first_pixel, pixels, slots, features, out);
+    if (has_layer(features, LAYER_ANALYTIC))
+      spread_bad_planes(unit, first_pixel, pixels, layer_plane(features, LAYER_ANALYTIC),
+                        layer_plane(features, LAYER_UNSHADOWED) + 1, slots, out);
+  }
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
-  accumulate(unit, first_pixel, pixels, slots, layers, out, bad);
-#if HAS(MEDIA)
+  accumulate(unit, first_pixel, pixels, slots, features, out, bad);
   if (NEEDS_MEDIA(scene)) note_contradictions(unit, first_pixel, pixels, slots, bad);
-#endif
-#if HAS(COVERAGE)
-  if (NEEDS(scene, COVERAGE))
-    accumulate_coverage(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
-#endif
-#if HAS(OWNERS)
-  if (NEEDS(scene, OWNERS))
-    accumulate_owners(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
-#endif
-#if HAS(POLYGONS) && HAS(RATIO)
-  if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
-    accumulate_ratio(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
-#endif
+  if (NEEDS(scene, MATTES)) accumulate_mattes(unit, first_pixel, pixels, slots, features, out);
   if (block->probe != 0)
     probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);
 }

@@ -99,16 +99,42 @@ STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRI
     for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
 }
 
-// A sample's values: the radiance, then those of the layers, in the order of their planes.
+// A sample's values: its radiance, then the layers that have a field and are FILTERED, or those that are not.
 #define RADIANCE_VALUES 3
-#define LAYER_VALUES 7
+#define FILTERED 1
+#define UNFILTERED 0
 
-/// The k-th value of the samples, an array over the slots.
-FN GLOBAL float* slot_values(const PRIVATE SlotState* slots, int k) {
-  if (k < 3) return slots->sample + k * slots->capacity;
-  if (k < 6) return slots->albedo + (k - 3) * slots->capacity;
-  if (k < 9) return slots->normal + (k - 6) * slots->capacity;
-  return slots->distance;
+typedef struct {
+  GLOBAL float* samples;  ///< an array over the slots; 0: there is no such value
+  int plane;              ///< of their mean
+} SampleValue;
+
+/// The k-th value of those layers.
+FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int filtered, int k) {
+  SampleValue value;
+  value.samples = 0;
+  value.plane = 0;
+#define TAKE_LAYER(NAME, planes, needs, field, mean, layer, channels)                              \
+  {                                                                                                \
+    GLOBAL float* field_of_layer = field;                                                          \
+    const bool there = field_of_layer != 0 && mean == filtered && LAYER_IS_THERE(features, needs); \
+    if (there && k >= 0 && k < planes) {                                                           \
+      value.samples = field_of_layer + k * slots->capacity;                                        \
+      value.plane = layer_plane(features, LAYER_##NAME) + k;                                       \
+    }                                                                                              \
+    k -= there ? planes : 0;                                                                       \
+  }
+  PENUMBRA_FILM_LAYERS(TAKE_LAYER)
+#undef TAKE_LAYER
+  return value;
+}
+
+/// The k-th value that the film's filter weighs.
+FN SampleValue filtered_value(const PRIVATE SlotState* slots, ulong features, int k) {
+  SampleValue radiance;
+  radiance.samples = slots->sample + k * slots->capacity;
+  radiance.plane = k;
+  return k < RADIANCE_VALUES ? radiance : layer_value(slots, features, FILTERED, k - RADIANCE_VALUES);
 }
 
 /// Whether any of neighbouring values is a NaN or an infinity.
@@ -122,23 +148,23 @@ STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
   return bad != 0u;
 }
 
-/// Samples with a NaN or an infinity in the first `values` values are noted in `bad`, of BAD_KINDS. Their
+/// Samples with a NaN or an infinity in one of their filtered values are noted in `bad`, of BAD_KINDS. Their
 /// radiance becomes 0, and so does each non-finite value of their layers.
-STAGE void remove_bad(const PRIVATE SlotState* slots, int values, int pitch, int first_pixel, int pixels,
+STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch, int first_pixel, int pixels,
                       int count, GLOBAL BadSamples* RESTRICT bad) {
   for (int p = 0; p < pixels; p++)
     for (int i = 0; i < count; i++) {
       const int slot = i * pitch + p;
       bool nan = false, infinite = false;
-      for (int k = 0; k < values; k++) {
-        const uint bits = FLOAT_BITS(slot_values(slots, k)[slot]);
+      for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
+        const uint bits = FLOAT_BITS(filtered_value(slots, features, k).samples[slot]);
         nan = nan | is_nan_bits(bits);
         infinite = infinite | is_infinite_bits(bits);
       }
       note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i, 0u);
       note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i, 0u);
-      for (int k = 0; k < values; k++) {
-        GLOBAL float* value = slot_values(slots, k) + slot;
+      for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
+        GLOBAL float* value = filtered_value(slots, features, k).samples + slot;
         const uint bits = FLOAT_BITS(*value);
         const bool own = is_nan_bits(bits) | is_infinite_bits(bits);
         *value = (k < RADIANCE_VALUES ? nan | infinite : own) ? 0.0f : *value;
@@ -169,27 +195,29 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
 
 /// Statistics of the block's pixels, in sample order, without non-finite samples.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, const PRIVATE SlotState* slots,
-                      bool layers, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
+                      ulong features, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int pitch = slot_pixels(slots->capacity, n, LANES);
-  const int values = RADIANCE_VALUES + (layers ? LAYER_VALUES : 0);
   bool bad_ones = false;
-  for (int i = 0; i < n; i++)
-    for (int k = 0; k < values; k++) {
-      GLOBAL float* row = slot_values(slots, k) + i * pitch;
+  for (int k = 0; filtered_value(slots, features, k).samples != 0; k++)
+    for (int i = 0; i < n; i++) {
+      GLOBAL float* row = filtered_value(slots, features, k).samples + i * pitch;
       weigh_field(row, slots->filter_weight + i * pitch, pixels);
       bad_ones = bad_ones | any_bad(row, pixels);
     }
-  if (bad_ones) remove_bad(slots, values, pitch, first_pixel, pixels, n, bad);
-  for (int k = 0; k < values; k++) {
-    const bool radiance = k < RADIANCE_VALUES;
-    const int plane = radiance ? k : FIRST_LAYER_PLANE + k - RADIANCE_VALUES;
-    GLOBAL float* deviations = radiance ? out + (RADIANCE_VALUES + k) * area + first_pixel : 0;
-    accumulate_field(slot_values(slots, k), pitch, pixels, n, out + plane * area + first_pixel, deviations);
+  if (bad_ones) remove_bad(slots, features, pitch, first_pixel, pixels, n, bad);
+  for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
+    const SampleValue value = filtered_value(slots, features, k);
+    GLOBAL float* means = out + value.plane * area + first_pixel;
+    GLOBAL float* deviations = k < RADIANCE_VALUES ? means + RADIANCE_VALUES * area : 0;
+    accumulate_field(value.samples, pitch, pixels, n, means, deviations);
+  }
+  for (int k = 0; layer_value(slots, features, UNFILTERED, k).samples != 0; k++) {
+    const SampleValue value = layer_value(slots, features, UNFILTERED, k);
+    accumulate_field(value.samples, pitch, pixels, n, out + value.plane * area + first_pixel, 0);
   }
 }
 
-#if HAS(MEDIA)
 /// The samples whose paths crossed boundaries that contradict each other.
 STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pixels,
                                const PRIVATE SlotState* slots, GLOBAL BadSamples* RESTRICT bad) {
@@ -200,46 +228,32 @@ STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pi
       if (shape >= 0) note_bad(bad + BAD_BOUNDARY, 1u, first_pixel + p, i, (uint)shape);
     }
 }
-#endif
 
-#if HAS(COVERAGE)
-/// The share of the samples that met something, whatever their filter weights: by those what is covered whole
-/// would be 1 only in the mean.
-STAGE void accumulate_coverage(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                               const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
-  const int n = unit->sample_count, area = unit->width * unit->height;
-  accumulate_field(slots->coverage, slot_pixels(slots->capacity, n, LANES), pixels, n,
-                   out + coverage_plane(features) * area + first_pixel, 0);
-}
-#endif
-
-#if HAS(OWNERS)
-/// Whom the samples met and how often, whatever their filter weights: nobody first, then owners in the order
-/// of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of a pixel
-/// are those of its samples.
-STAGE void accumulate_owners(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                             const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
-  const int n = unit->sample_count, area = unit->width * unit->height, pairs = owner_pairs(n);
+/// Which mattes the samples hit and how often, whatever their filter weights: NO_MATTE first, then mattes in
+/// the order of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of
+/// a pixel are those of its samples.
+STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixels,
+                             const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
+  const int n = unit->sample_count, area = unit->width * unit->height, pairs = matte_pairs(n);
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
-    GLOBAL float* owners = out + first_owner_plane(features) * area + first_pixel + p;
-    GLOBAL float* counts = owners + area;
-    for (int k = 0; k < pairs; k++) owners[2 * k * area] = counts[2 * k * area] = 0.0f;
+    GLOBAL float* mattes = out + plane_count(features) * area + first_pixel + p;
+    GLOBAL float* counts = mattes + area;
+    for (int k = 0; k < pairs; k++) mattes[2 * k * area] = counts[2 * k * area] = 0.0f;
     int used = 1;
     for (int s = 0; s < n; s++) {
-      const float owner = (float)slots->owner[s * pitch + p];
+      const float matte = (float)slots->matte[s * pitch + p];
       int k = 0;
-      while (k < used && owners[2 * k * area] != owner) k++;
+      while (k < used && mattes[2 * k * area] != matte) k++;
       k = k < pairs ? k : 0;
       if (k == used) {
-        owners[2 * k * area] = owner;
+        mattes[2 * k * area] = matte;
         used++;
       }
       counts[2 * k * area] += 1.0f;
     }
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

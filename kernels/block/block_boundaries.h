@@ -2,30 +2,29 @@
 // each other.
 #ifndef PENUMBRA_BLOCK_BOUNDARIES_H
 #define PENUMBRA_BLOCK_BOUNDARIES_H
-#include "kernels/block/block_walls.h"
+#include "kernels/block/block_boundary_offsets.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// Of a boundary, or -1, that is crossed in that direction: above 0 or, as long as it contradicts those
 /// before, its negative.
 FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 4 : 3); }
 FN int boundary_of_code(int code) { return ((code < 0 ? -code : code) - 3) >> 1; }
 
-  // How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
-  // crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
-  // medium what bounds none.
-  #define MEETS_IN_PLACE 1
-  #define MEETS_CROSSING 2
-  #define MEETS_ARRIVING 4
-  #define MEETS_RIGHT 8
-  #define MEETS_UNENTERED 16
-  #define MEETS_WITHIN 32
-  #define MEETING_FIELDS(F, a)                                       \
-    F(a, int, ways)       /* MEETS_* */                              \
-    F(a, int, code)       /* see crossing_code */                    \
-    F(a, int, behind_low) /* the media behind it, as the ray goes */ \
-    F(a, int, behind_high)
+// How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
+// crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
+// medium what bounds none.
+#define MEETS_IN_PLACE 1
+#define MEETS_CROSSING 2
+#define MEETS_ARRIVING 4
+#define MEETS_RIGHT 8
+#define MEETS_UNENTERED 16
+#define MEETS_WITHIN 32
+#define MEETING_FIELDS(F, a)                                       \
+  F(a, int, ways)       /* MEETS_* */                              \
+  F(a, int, code)       /* see crossing_code */                    \
+  F(a, int, behind_low) /* the media behind it, as the ray goes */ \
+  F(a, int, behind_high)
 LANE_RECORD(Meeting, Meetings, meeting, MEETING_FIELDS)
 
 FN MediumStack media_of_rays(const PRIVATE PathState* paths, int i, bool shadow) {
@@ -74,9 +73,9 @@ STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
 }
 
-  // Of a path that was where a boundary meets another surface, so that rounding says on which side it is:
-  // what it crosses from there on says nothing.
-  #define CONTRADICTION_UNKNOWN -1
+// Of a path that was where a boundary meets another surface, so that rounding says on which side it is:
+// what it crosses from there on says nothing.
+#define CONTRADICTION_UNKNOWN -1
 
 /// Notes the crossings, and the first of a path that contradicts those before it and that nothing in the same
 /// place sets right: of two touching media the one that is left may be met last.
@@ -137,12 +136,12 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
       set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
       const bool along = passes & !shadow;
-      Wall met;
+      NearBoundary met;
       met.normal = select3(along, negate(s.geometric), s.geometric);
       met.depth = 0.0f;
-      met.lift = arrives ? s.error : 0.0f;
+      met.offset = arrives ? s.error : 0.0f;
       met.clearance = clear_of(s);
-      set_wall(&fields, i + j, select_wall(along | arrives, met, get_wall(&fields, i + j)));
+      set_boundary(&fields, i + j, select_boundary(along | arrives, met, get_boundary(&fields, i + j)));
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;
@@ -158,7 +157,6 @@ FN void follow_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* p
   note_crossings(scene, paths, i, &meetings);
   cross_boundaries(scene, paths, i, shadow, &meetings, surfaces);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -41,7 +41,7 @@ CALLED_FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRIC
   for (int k = 0; k < 3; k++) MOVE_UP_float((field) + k * (capacity), capacity, going, count)
 
 /// A field at a time. Of `count` paths `left` go on; where fields are not packed, `going` lists them.
-STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int count, int left) {
+STAGE void close_gaps(ulong features, const PRIVATE PathState* paths, int count, int left) {
   GLOBAL int* RESTRICT going = paths->going;
 #ifdef PACKS_FIELDS
   for (int i = 0; i < count; i += 8) {
@@ -60,7 +60,7 @@ STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int count, 
 }
 
 /// Copies lane `from` to lane `to`.
-FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int from) {
+FN void copy_lane(ulong features, const PRIVATE PathState* paths, int to, int from) {
 #define COPY_FIELD(type, name, needs, travels)                        \
   if (MAY_MOVE(needs, travels) && is_moved(features, needs, travels)) \
     set_##name(paths, to, get_##name(paths, from));
@@ -77,7 +77,6 @@ FN vec3 with_channel(vec3 known, vec3 found, int channel) {
                    channel == 2 ? found.z : known.z);
 }
 
-#if HAS(CAMERA)
 /// What a finished path found, of one channel: see camera_channels.
 FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool polygons,
                        const PRIVATE SlotState* slots) {
@@ -92,16 +91,13 @@ FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool 
                       with_channel(get_slot_analytic(slots, slot), get_analytic(paths, i), channel));
   }
 }
-#endif
 
-#if HAS(MEDIA)
 /// What paths crossed of boundaries is of the sample, whatever channel they are of.
 FN void finish_crossings(const PRIVATE PathState* paths, int i, int channel, const PRIVATE SlotState* slots) {
   const int slot = get_slot(paths, i), found = get_contradiction(paths, i);
   const int known = channel > 0 ? get_slot_contradiction(slots, slot) : 0;
   set_slot_contradiction(slots, slot, known != 0 ? known : found);
 }
-#endif
 
 /// Finished paths leave what they found in their slots, of one channel or of EVERY_CHANNEL; the others move
 /// up, in order. Returns how many are left.
@@ -122,10 +118,8 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
     gone += 1 - alive;
   }
   const bool polygons = NEEDS(scene, POLYGONS);
-#if HAS(CAMERA)
-  for (int m = 0; m < gone && channel != EVERY_CHANNEL; m++)
-    finish_channel(paths, finished[m], channel, polygons, slots);
-#endif
+  if (HAS(CAMERA) && channel != EVERY_CHANNEL)
+    for (int m = 0; m < gone; m++) finish_channel(paths, finished[m], channel, polygons, slots);
   for (int m = 0; m < gone && channel == EVERY_CHANNEL; m++) {
     const int i = finished[m], slot = get_slot(paths, i);
     set_slot_sample(slots, slot, get_radiance(paths, i));
@@ -135,16 +129,15 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
       set_slot_analytic(slots, slot, get_analytic(paths, i));
     }
   }
-#if HAS(MEDIA)
-  for (int m = 0; m < gone && NEEDS_MEDIA(scene); m++) finish_crossings(paths, finished[m], channel, slots);
-#endif
+  if (NEEDS_MEDIA(scene))
+    for (int m = 0; m < gone; m++) finish_crossings(paths, finished[m], channel, slots);
   if (gone > 0 && left > 0) close_gaps(SCENE_FEATURES(&scene->header), paths, count, left);
   return left;
 }
 
 /// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid
 /// work.
-CALLED_FN void pad_lanes(uint features, const PRIVATE PathState* paths, int count) {
+CALLED_FN void pad_lanes(ulong features, const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) copy_lane(features, paths, i, count - 1);
 }
 

@@ -11,7 +11,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(NESTED)
 /// The share of light that passes the primitive, if that is known without a look at the place: 1 where there
 /// is none, 0 if none passes; else negative.
 FN float share_behind(const PRIVATE Scene* scene, int primitive) {
@@ -19,20 +18,17 @@ FN float share_behind(const PRIVATE Scene* scene, int primitive) {
   const int front = scene->materials[sides.front].passes, back = scene->materials[sides.back].passes;
   return primitive < 0 ? 1.0f : ((front | back) != PASSES_NONE ? -1.0f : 0.0f);
 }
-#endif
 
 /// How much of the light of a shadow ray gets through, of which `primitive` is some hit or -1: negative where
 /// what stops it may let some through.
 FN void set_transmittance_of_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  int primitive) {
   float share = primitive < 0 ? 1.0f : 0.0f;
-#if HAS(NESTED)
   if (NEEDS(scene, NESTED)) share = share_behind(scene, primitive);
-#endif
   set_shadow_transmittance(paths, i, share);
 }
 
-#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+#ifdef RAYS_IN_FLIGHT
   #define CACHE_LINE 64
 
 /// Those that come next to a node, those that come to a leaf, and those that have ended. A place more, as

@@ -7,7 +7,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(INSTANCES)
 /// Camera rays start nowhere.
 STAGE void start_outside(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -93,7 +92,6 @@ STAGE void end_ways_at_instances(const PRIVATE PathState* paths, int count) {
   }
 }
 
-  #if HAS(NESTED)
 STAGE void follow_from_instances(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   for (int i = 0; i < count; i += LANES) {
@@ -116,8 +114,6 @@ STAGE void leave_for_instances(const PRIVATE PathState* paths, int count) {
       }
   }
 }
-  #endif
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

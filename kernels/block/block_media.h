@@ -14,7 +14,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// Camera rays start in the camera's medium, of a channel that a number of their own chooses.
 STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* RESTRICT choice) {
@@ -24,7 +23,7 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     for (int j = 0; j < LANES; j++) {
       set_media(&fields, i + j, camera);
       set_contradiction(&fields, i + j, 0);
-      set_wall(&fields, i + j, no_wall());
+      set_boundary(&fields, i + j, no_boundary());
       set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
       set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
     }
@@ -355,7 +354,6 @@ STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
         set_shadow_radiance(&fields, j, mul(get_shadow_radiance(&fields, j), get_shadow_passes(&fields, j)));
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

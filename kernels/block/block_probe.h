@@ -33,9 +33,8 @@ FN void probe_step(const PRIVATE Block* block, bool control, int step) {
   if (get_alive(paths, 0))
     probe_source(block->probe, is_finite3(get_throughput(paths, 0)) & is_finite3(get_ray_direction(paths, 0)),
                  SOURCE_DIRECTION, step);
-#if HAS(POLYGONS)
-  if (control) probe_source(block->probe, is_finite3(get_analytic(paths, 0)), SOURCE_CLOSED_FORM, step);
-#endif
+  if (HAS(POLYGONS) && control)
+    probe_source(block->probe, is_finite3(get_analytic(paths, 0)), SOURCE_CLOSED_FORM, step);
 }
 
 /// After the shadow ray's light is added.

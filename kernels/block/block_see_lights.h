@@ -6,7 +6,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(NESTED)
 /// Exchanges rays and what was kept of them for shadow rays, of which only those that something stops which
 /// may let light through are to be followed.
 STAGE bool follow_shadow_rays(const PRIVATE PathState* paths, int count) {
@@ -63,7 +62,6 @@ STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
-  #if HAS(MEDIA)
 /// What panes colour of what gets through, in all, by `shares`.
 STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
                             const PRIVATE PassingShares* RESTRICT walks, const PRIVATE float* RESTRICT shares,
@@ -80,7 +78,6 @@ STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
       set_shadow_tint(&fields, i + j, mul(before, tint));
     }
 }
-  #endif
 
 FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -97,7 +94,6 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
   PassingShares walks;
   passing_shares(scene, &surfaces, numbers, &walks, shares);
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene) && any_pane(scene, walks.material)) {
     PaneTints tints;
     find_tints(scene, &surfaces, walks.material, &tints);
@@ -105,31 +101,22 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   }
   float lengths[LANES];
   if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
-  #endif
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) follow_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
-  #endif
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
-  #endif
   return restart_behind(paths, i, &surfaces, passes);
 }
 
 /// After occlude_block: what gets through the surfaces that stopped shadow rays.
 CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                                   int step) {
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
-  #endif
   int most = MOST_PASSED;
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) {
     most = MOST_CROSSED;
     start_shadow_flights(paths, count);
     dim_unobstructed(scene, paths, count);
   }
-  #endif
   bool any = follow_shadow_rays(paths, count);
   for (int k = 0; any && k < most; k++) {
     intersect_block(scene, paths, count, false);
@@ -138,16 +125,11 @@ CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE Path
     for (int i = 0; i < count; i += LANES)
       if (any_ray(paths, i)) any = pass_light(scene, paths, i, step, k) | any;
   }
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
-  #endif
   leave_shadow_rays(paths, count);
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) weigh_shadow_rays(scene, paths, count);
   if (NEEDS_MEDIA(scene) && !has_control(scene)) dim_shadow_light(paths, count);
-  #endif
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

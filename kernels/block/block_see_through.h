@@ -5,7 +5,7 @@
 // are followed by block_see_lights.h.
 //
 // A ray is under way while its `ray_tmax` is above 0; one that has arrived is set aside until all have.
-// Surfaces in one place may be passed as one.
+// Surfaces in one place may be passed as one. A ray that has passed MOST_PASSED surfaces is absorbed.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
 #include "kernels/block/block_instances.h"
@@ -14,11 +14,10 @@
 #include "kernels/block/block_trace.h"
 #include "kernels/bsdf/material_tree.h"
 #include "kernels/integrator/direct.h"
-#include "kernels/integrator/path.h"
+#include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(NESTED) || HAS(LOOK_THROUGH)
 /// Keeps what restarting changes; those that hit nothing have arrived.
 STAGE void keep_starts(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
@@ -80,7 +79,6 @@ STAGE void pass_hidden(const PRIVATE PathState* paths, int i, bool hides,
     }
 }
 
-  #if HAS(NESTED)
 STAGE void clear_leaves(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -115,9 +113,7 @@ STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* path
       // Its side's own is not noted, so that what is does not depend on the other lanes; but a pane is, which
       // a ray may meet behind another side of the same primitive.
       bool is_chosen = leaf != surfaces->material[j];
-    #if HAS(MEDIA)
-      is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
-    #endif
+      if (HAS(MEDIA)) is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
       set_material(paths, i + j, (hit & !through & is_chosen) ? leaf : before);
     }
 }
@@ -126,13 +122,9 @@ STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* path
 FN void add_passed_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
                          const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
   const int kind = scene->header.integrator.kind;
-    #if HAS(PATH) || HAS(WHITTED)
-  if (kind == INTEGRATOR_PATH || kind == INTEGRATOR_WHITTED)
+  if ((HAS(PATH) || HAS(WHITTED)) && (kind == INTEGRATOR_PATH || kind == INTEGRATOR_WHITTED))
     add_passed_by_path(scene, paths, i, step, surfaces, passes);
-    #endif
-    #if HAS(DIRECT)
-  if (kind == INTEGRATOR_DIRECT) add_passed_directly(scene, paths, i, step, surfaces, passes);
-    #endif
+  if (HAS(DIRECT) && kind == INTEGRATOR_DIRECT) add_passed_directly(scene, paths, i, step, surfaces, passes);
 }
 
 FN bool any_passed_light(const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
@@ -150,7 +142,6 @@ FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
   return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);
 }
 
-    #if HAS(MEDIA)
 /// What panes colour of the paths that pass them, of leaves of which -1 are those that are passed.
 STAGE void tint_paths(const PRIVATE PathState* paths, int i, const PRIVATE int* RESTRICT leaves,
                       const PRIVATE PaneTints* RESTRICT tints) {
@@ -162,7 +153,6 @@ STAGE void tint_paths(const PRIVATE PathState* paths, int i, const PRIVATE int* 
       set_throughput(&fields, i + j, select3(passes, mul(before, load_pane_tint(tints, j).colour), before));
     }
 }
-    #endif
 
 /// Chooses leaves at the surfaces, the k-th that the rays meet, and adds the light of those that they pass.
 FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
@@ -179,11 +169,9 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
                 others);
   walk_to_leaves(scene, surfaces, numbers, leaves);
   leaf_shares(scene, surfaces, leaves, shares);
-    #if HAS(MEDIA)
   PaneTints tints;
   const bool panes = NEEDS_MEDIA(scene) && any_pane(scene, leaves);
-  if (panes) find_tints(scene, surfaces, leaves, &tints);
-    #endif
+  if (HAS(MEDIA) && panes) find_tints(scene, surfaces, leaves, &tints);
   pass_leaves(numbers, shares, leaves);
   note_leaves(scene, paths, i, surfaces, leaves, passes);
   if (any_passed_light(surfaces, passes)) {
@@ -191,13 +179,9 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
     see_from_starts(paths, i, &seen);
     add_passed_light(scene, paths, i, step, &seen, passes);
   }
-    #if HAS(MEDIA)
-  if (panes) tint_paths(paths, i, leaves, &tints);
-    #endif
+  if (HAS(MEDIA) && panes) tint_paths(paths, i, leaves, &tints);
 }
-  #endif
 
-  #if HAS(MEDIA)
 /// Starts LANES flights.
 FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -205,7 +189,6 @@ FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   sample_pair(h->sampler.kind, sequence_length(h), step_point(PAIR_END), paths, i, roulette, flights);
   start_flights(paths, i, flights);
 }
-  #endif
 
 /// Those of LANES rays from lane i on that pass the k-th surface they meet start behind it. Returns whether
 /// any does.
@@ -213,26 +196,17 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
                       bool hides) {
   Surfaces surfaces;
   int passes[LANES];
-  bool chooses = false;
-  #if HAS(NESTED)
-  chooses = NEEDS(scene, NESTED) && any_choice(scene, paths, i);
-  #endif
-  bool flies = false;
-  #if HAS(MEDIA)
+  const bool chooses = NEEDS(scene, NESTED) && any_choice(scene, paths, i);
   float lengths[LANES];
-  flies = NEEDS_MEDIA(scene) && any_in_media(scene, paths, i);
-  #endif
+  const bool flies = NEEDS_MEDIA(scene) && any_in_media(scene, paths, i);
   if (!hides && !chooses && !flies) {
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) arrive_at_instances(paths, i);
-  #endif
     arrive(paths, i);
     return false;
   }
   find_hit_surfaces(scene, paths, i, &surfaces);
-  #if HAS(MEDIA)
-  if (flies) flight_lengths(paths, i, &surfaces, lengths);
-  if (flies) {
+  if (HAS(MEDIA) && flies) flight_lengths(paths, i, &surfaces, lengths);
+  if (HAS(MEDIA) && flies) {
     float reaches[LANES];
     int decided[LANES];
     for (int j = 0; j < LANES; j++) {
@@ -245,17 +219,10 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
     scatter_in_media(paths, i, &surfaces, lengths, reaches);
     if (has_grids(scene)) colour_by_grids(scene, paths, i, reaches);
   }
-  #endif
   pass_hidden(paths, i, hides, &surfaces, passes);
-  #if HAS(NESTED)
-  if (chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
-  #endif
-  #if HAS(MEDIA)
-  if (flies) follow_boundaries(scene, paths, i, lengths, passes, false, &surfaces);
-  #endif
-  #if HAS(INSTANCES)
+  if (HAS(NESTED) && chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
+  if (HAS(MEDIA) && flies) follow_boundaries(scene, paths, i, lengths, passes, false, &surfaces);
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
-  #endif
   return restart_behind(paths, i, &surfaces, passes);
 }
 
@@ -275,16 +242,13 @@ STAGE void end_ways(const PRIVATE PathState* paths, int count) {
       for (int j = i; j < i + LANES; j++) end_way(paths, j, true);
   }
 }
-  #if HAS(NESTED)
 STAGE void end_ways_by_choice(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) end_way(paths, j, get_material(paths, j) < 0);
   }
 }
-  #endif
 
-  #if HAS(NESTED)
 /// Rays that passed too many surfaces end on black ones.
 STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
@@ -295,7 +259,6 @@ STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
       }
   }
 }
-  #endif
 
 /// From what the rays of the `step`-th step hit to where they end.
 CALLED_FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
@@ -303,17 +266,11 @@ CALLED_FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   const bool hides = step == 0 && scene->header.integrator.hide_emitters == HIDE_LOOK_THROUGH;
   if (!nested && !hides) return;
   keep_starts(paths, count);
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) keep_start_instances(paths, count);
-  #endif
-  #if HAS(NESTED)
-  if (nested) clear_leaves(paths, count);
-  #endif
-  int most = MOST_PASSED;
-  #if HAS(MEDIA)
-  if (NEEDS_MEDIA(scene)) most = MOST_CROSSED;
-  for (int i = 0; NEEDS_MEDIA(scene) && i < count; i += LANES) start_flying(scene, paths, i);
-  #endif
+  if (HAS(NESTED) && nested) clear_leaves(paths, count);
+  const int most = NEEDS_MEDIA(scene) ? MOST_CROSSED : MOST_PASSED;
+  if (NEEDS_MEDIA(scene))
+    for (int i = 0; i < count; i += LANES) start_flying(scene, paths, i);
   bool any = true;
   for (int k = 0; any && k < most; k++) {
     any = false;
@@ -322,16 +279,11 @@ CALLED_FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (any) intersect_block(scene, paths, count, false);
     if (any) pad_hits(scene, paths, count);
   }
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) end_ways_at_instances(paths, count);
-  #endif
-  #if HAS(NESTED)
-  if (nested) blacken_unfinished(paths, count);
-  if (nested) end_ways_by_choice(paths, count);
-  #endif
+  if (HAS(NESTED) && nested) blacken_unfinished(paths, count);
+  if (HAS(NESTED) && nested) end_ways_by_choice(paths, count);
   if (!nested) end_ways(paths, count);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MIXED_FAMILIES) && LANES > 1
+#if LANES > 1
   #define MAX_FAMILIES 32
 
 /// Family of the primitive's front, or its back where the front is black: which of them is seen is not known
@@ -26,7 +26,6 @@ STAGE void find_hit_families(const PRIVATE Scene* scene, const PRIVATE PathState
   }
 }
 
-  #if HAS(NESTED)
 /// Where leaves were chosen, theirs.
 STAGE void find_leaf_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                               GLOBAL int* RESTRICT families) {
@@ -39,7 +38,6 @@ STAGE void find_leaf_families(const PRIVATE Scene* scene, const PRIVATE PathStat
       }
   }
 }
-  #endif
 
 /// Lists the lanes by family, those of one in order. Returns whether that is another order.
 STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBAL int* RESTRICT order) {
@@ -84,19 +82,15 @@ STAGE void reorder_int(GLOBAL int* field, const GLOBAL int* RESTRICT order, int 
 
 /// Of the paths whose rays were just intersected.
 CALLED_FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
-  const uint features = SCENE_FEATURES(&scene->header);
+  const ulong features = SCENE_FEATURES(&scene->header);
   const GLOBAL int* order = paths->going;
   GLOBAL float* floats = paths->sort_buffer;
   GLOBAL int* ints = paths->finished;
   find_hit_families(scene, paths, count, paths->finished);
-  #if HAS(NESTED)
   if (NEEDS(scene, NESTED)) find_leaf_families(scene, paths, count, paths->finished);
-  #endif
   if (!order_by_family(paths->finished, count, paths->going)) return;
   REORDER_int(paths->hit);
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) REORDER_int(paths->hit_instance);
-  #endif
   #define REORDER_FIELD(type, name, needs, travels) \
     if (MAY_MOVE(needs, travels) && is_moved(features, needs, travels)) REORDER_##type(paths->name);
   PATH_FIELDS(REORDER_FIELD)

@@ -40,7 +40,6 @@ STAGE void find_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathSt
     find_points_on(scene, paths, i, -1, points);
 }
 
-#if HAS(SHADING_NORMALS)
 FN void interpolate_normals_on(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                                PRIVATE PrimitivePoints* RESTRICT points) {
   LANE_LOOP
@@ -57,32 +56,26 @@ STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathSta
   else
     interpolate_normals_on(scene, paths, i, -1, points);
 }
-#endif
 
-#if HAS(QUADRICS)
-  // Of lanes whose primitive is a quadric and `such` a one, the points by `point_of`, instead of what was
-  // found.
-  #define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                     \
-    STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                      \
-                     PRIVATE PrimitivePoints* RESTRICT points) {                                             \
-      const int triangle_count = scene->header.tables.triangles.count;                                       \
-      LANE_LOOP                                                                                              \
-        for (int j = 0; j < LANES; j++) {                                                                    \
-          const int quadric = get_hit(paths, i + j) - triangle_count;                                        \
-          const PrimitivePoint other = load_primitive_point(points, j);                                      \
-          const PrimitivePoint r = point_of(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j), \
-                                            get_ray_direction(paths, i + j));                                \
-          store_primitive_point(points, j, select_primitive_point(such(scene, quadric), r, other));          \
-        }                                                                                                    \
-    }
+// Of lanes whose primitive is a quadric and `such` a one, the points by `point_of`, instead of what was
+// found.
+#define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                     \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                      \
+                   PRIVATE PrimitivePoints* RESTRICT points) {                                             \
+    const int triangle_count = scene->header.tables.triangles.count;                                       \
+    LANE_LOOP                                                                                              \
+      for (int j = 0; j < LANES; j++) {                                                                    \
+        const int quadric = get_hit(paths, i + j) - triangle_count;                                        \
+        const PrimitivePoint other = load_primitive_point(points, j);                                      \
+        const PrimitivePoint r = point_of(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j), \
+                                          get_ray_direction(paths, i + j));                                \
+        store_primitive_point(points, j, select_primitive_point(such(scene, quadric), r, other));          \
+      }                                                                                                    \
+  }
 FIND_POINTS_OF_QUADRICS(find_quadric_points, quadric_point, is_quadric)
-  #if HAS(CYLINDERS)
 FIND_POINTS_OF_QUADRICS(find_cylinder_points, cylinder_point, is_cylinder)
-  #endif
-  #undef FIND_POINTS_OF_QUADRICS
-#endif
+#undef FIND_POINTS_OF_QUADRICS
 
-#if HAS(INSTANCES)
 /// The instance of which a lane's ray hit a primitive, or -1.
 FN int instance_hit(const PRIVATE PathState* paths, int i) {
   const int hit = get_hit(paths, i), instance = get_hit_instance(paths, i);
@@ -112,14 +105,11 @@ STAGE void note_instances(const PRIVATE PathState* paths, int i, PRIVATE Surface
   LANE_LOOP
     for (int j = 0; j < LANES; j++) surfaces->instance[j] = instance_hit(paths, i + j);
 }
-#endif
 
-#if HAS(MEDIA)
 STAGE void note_spans(const PRIVATE PrimitivePoints* RESTRICT points, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) surfaces->span[j] = max_component(load_primitive_point(points, j).extent);
 }
-#endif
 
 STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE PrimitivePoints* RESTRICT points,
                         PRIVATE Surfaces* RESTRICT surfaces) {
@@ -130,7 +120,6 @@ STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Pri
                                      get_ray_direction(paths, i + j), load_primitive_point(points, j)));
 }
 
-#if HAS(UV)
 FN void find_uvs_on(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                     const PRIVATE PrimitivePoints* RESTRICT points, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -148,7 +137,6 @@ STAGE void find_triangle_uvs(const PRIVATE Scene* scene, const PRIVATE PathState
     find_uvs_on(scene, paths, i, -1, points, surfaces);
 }
 
-  #if HAS(QUADRICS)
 STAGE void find_quadric_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                             const PRIVATE PrimitivePoints* RESTRICT points,
                             PRIVATE Surfaces* RESTRICT surfaces) {
@@ -162,9 +150,7 @@ STAGE void find_quadric_uvs(const PRIVATE Scene* scene, const PRIVATE PathState*
       store_surface_uv(surfaces, j, select_surface(quadric >= 0, s, other));
     }
 }
-  #endif
 
-  #if HAS(INSTANCES)
 /// The surfaces' instances are known.
 STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* RESTRICT points,
                              PRIVATE Surfaces* RESTRICT surfaces) {
@@ -176,17 +162,13 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
       store_surface_uv(surfaces, j, select_surface(other.instance >= 0, s, other));
     }
 }
-  #endif
 
 /// Texture coordinates and tangents.
 FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                  const PRIVATE PrimitivePoints* points, PRIVATE Surfaces* surfaces) {
   find_triangle_uvs(scene, paths, i, only, points, surfaces);
-  #if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_uvs(scene, paths, i, points, surfaces);
-  #endif
 }
-#endif
 
 /// Those that the last rays of LANES paths from lane i on hit, as rays and geometry have them.
 CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -194,35 +176,18 @@ CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
   PrimitivePoints points;
   const int only = only_triangle(scene, paths, i);
   find_triangle_points(scene, paths, i, only, &points);
-#if HAS(SHADING_NORMALS)
   if (NEEDS(scene, SHADING_NORMALS)) interpolate_normals(scene, paths, i, only, &points);
-#endif
-#if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
-  #if HAS(CYLINDERS)
   if (NEEDS(scene, CYLINDERS)) find_cylinder_points(scene, paths, i, &points);
-  #endif
-#endif
-#if HAS(INSTANCES)
   const bool instances = NEEDS(scene, INSTANCES) && any_instance_hit(paths, i);
-  if (instances) find_instance_points(scene, paths, i, &points);
-#endif
+  if (HAS(INSTANCES) && instances) find_instance_points(scene, paths, i, &points);
   see_surfaces(paths, i, &points, surfaces);
-#if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
-#endif
-#if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
-#endif
-#if HAS(UV)
   if (NEEDS(scene, UV)) find_uvs(scene, paths, i, only, &points, surfaces);
-  #if HAS(INSTANCES)
-  if (NEEDS(scene, UV) && instances) find_instance_uvs(scene, &points, surfaces);
-  #endif
-#endif
+  if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
 }
 
-#if HAS(NESTED)
 /// As seen from where rays started, whatever they passed.
 STAGE void see_from_starts(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -241,9 +206,7 @@ STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* R
       surfaces->material[j] = leaf >= 0 ? leaf : own;
     }
 }
-#endif
 
-#if HAS(MEDIA)
 /// Where paths scatter in media.
 STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -257,22 +220,15 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
       store_surface(surfaces, j, select_surface(get_hit(paths, i + j) == IN_MEDIUM, s, other));
     }
 }
-#endif
 
 /// Where the last rays of LANES paths from lane i on ended.
 CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                              PRIVATE Surfaces* surfaces) {
   find_hit_surfaces(scene, paths, i, surfaces);
-#if HAS(NESTED)
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
-#endif
-#if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
-#endif
-#if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
-#endif
 }
 
 PENUMBRA_NAMESPACE_END

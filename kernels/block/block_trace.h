@@ -18,13 +18,11 @@ FN bool any_ray(const PRIVATE PathState* paths, int i) {
   return any != 0;
 }
 
-#if HAS(NESTED)
 /// What stopped rays of intersectors that do not say what did may let light through.
 STAGE void doubt_occluded(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i++)
     if (!(get_shadow_transmittance(paths, i) > 0.0f)) set_shadow_transmittance(paths, i, -1.0f);
 }
-#endif
 
 /// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
 STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
@@ -38,7 +36,7 @@ STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int
   return n;
 }
 
-#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+#ifdef RAYS_IN_FLIGHT
 /// Lists the lanes that have a ray; the others hit nothing.
 STAGE int list_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
   int n = 0;
@@ -51,7 +49,6 @@ STAGE int list_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTR
 }
 #endif
 
-#if HAS_WHOLE
 FN void load_lane_ray(PRIVATE RayLanes* rays, int j, vec3 origin, vec3 direction, float tmax, int skip) {
   rays->ox[j] = origin.x;
   rays->oy[j] = origin.y;
@@ -87,7 +84,6 @@ STAGE void scatter_transmittances(const PRIVATE RayLanes* RESTRICT rays, const P
       set_shadow_transmittance(paths, wanted[j], rays->hit[j] < 0 ? 1.0f : 0.0f);
 }
 
-  #if HAS(NESTED)
 /// Where what is in the way may let light through: negative.
 STAGE void doubt_transmittances(const PRIVATE Scene* scene, const PRIVATE RayLanes* RESTRICT rays,
                                 const PRIVATE PathState* paths, const GLOBAL int* RESTRICT wanted) {
@@ -95,7 +91,6 @@ STAGE void doubt_transmittances(const PRIVATE Scene* scene, const PRIVATE RayLan
     for (int j = 0; j < LANES; j++)
       set_shadow_transmittance(paths, wanted[j], share_behind(scene, rays->hit[j]));
 }
-  #endif
 
 STAGE void store_hits(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -109,9 +104,7 @@ FN void clear_hits(const PRIVATE PathState* paths, int i) {
 
 /// Every ray against every primitive.
 FN void intersect_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
-  #endif
   for (int i = 0; i < count; i += LANES) {
     if (!any_ray(paths, i)) {
       clear_hits(paths, i);
@@ -133,22 +126,17 @@ FN void occlude_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState*
     gather_shadow_rays(&lanes, paths, wanted + i);
     intersect_whole(scene, &lanes);
     scatter_transmittances(&lanes, paths, wanted + i);
-  #if HAS(NESTED)
     if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
-  #endif
   }
 }
-#endif
 
-#if HAS(BVH)
 FN int ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   return intersect_bvh(scene, get_ray_origin(paths, i), get_ray_direction(paths, i), get_ray_tmax(paths, i),
                        get_ray_skip(paths, i))
       .primitive;
 }
-#endif
 
-#if HAS(BVH) && LANES > 1
+#if LANES > 1
 STAGE void load_packet(const PRIVATE PathState* paths, int i, PRIVATE RayPacket* RESTRICT packet,
                        PRIVATE float* RESTRICT dx, PRIVATE float* RESTRICT dy, PRIVATE float* RESTRICT dz) {
   LANE_LOOP
@@ -178,11 +166,9 @@ FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* 
 }
 #endif
 
-#if HAS(BVH)
 /// Rays through the hierarchy. `together`: neighbours' rays go nearly the same way.
 FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                             bool together) {
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) {
     for (int i = 0; i < count; i++) {
       const Hit hit = intersect_levels(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
@@ -193,18 +179,17 @@ FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState*
     }
     return;
   }
-  #endif
-  #if defined(RAYS_IN_FLIGHT)
+#if defined(RAYS_IN_FLIGHT)
   if (!together) {
     const int rays = list_rays(paths, count, paths->going);
     intersect_in_flight(scene, paths, paths->going, rays);
     return;
   }
-  #endif
+#endif
   int i = 0;
-  #if LANES > 1
+#if LANES > 1
   for (; together && i + LANES <= count; i += LANES) intersect_together(scene, paths, i);
-  #endif
+#endif
   for (; i < count; i++) set_hit(paths, i, ray_hit(scene, paths, i));
 }
 
@@ -213,26 +198,23 @@ FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
   const float tmax = get_shadow_tmax(paths, i);
   const int skip = get_shadow_skip(paths, i);
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES))
     return occlude_levels(scene, origin, direction, tmax, skip, get_shadow_skip_instance(paths, i), true);
-  #endif
   return occlude_bvh(scene, origin, direction, tmax, skip);
 }
 
 /// Shadow rays through the hierarchy.
 FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
-  #if defined(RAYS_IN_FLIGHT)
+#if defined(RAYS_IN_FLIGHT)
   if (!NEEDS(scene, INSTANCES)) {
     const int rays = list_shadow_rays(paths, count, paths->going);
     occlude_in_flight(scene, paths, paths->going, rays);
     return;
   }
-  #endif
+#endif
   for (int i = 0; i < count; i++)
     set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
 }
-#endif
 
 /// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
 STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
@@ -243,48 +225,34 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
     return;
   }
 #endif
-#if HAS(BVH)
   if (NEEDS(scene, BVH)) intersect_block_bvh(scene, paths, count, together);
-#endif
-#if HAS_WHOLE
   if (!NEEDS(scene, BVH)) intersect_block_whole(scene, paths, count);
-#endif
 }
 
 /// Intersectors that take one ray at a time leave lanes from `count` on alone: they repeat the last path's
 /// hit too.
 FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) set_hit(paths, i, get_hit(paths, count - 1));
-#if HAS(INSTANCES)
   if (!NEEDS(scene, INSTANCES)) return;
   for (int i = count; i % LANES != 0; i++) set_hit_instance(paths, i, get_hit_instance(paths, count - 1));
-#endif
 }
 
 /// Finds how much of the light of each lane's shadow ray gets through; negative where what stops it may let
 /// some through.
 STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
-#if HAS(DIRECT)
-  if (!scene->header.integrator.trace_shadows) {
+  if (HAS(DIRECT) && !scene->header.integrator.trace_shadows) {
     for (int i = 0; i < count; i++) set_shadow_transmittance(paths, i, 1.0f);
     return;
   }
-#endif
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.occlude) {
     scene->tracer.occlude(scene->tracer.context, paths, count);
-  #if HAS(NESTED)
     if (NEEDS(scene, NESTED)) doubt_occluded(paths, count);
-  #endif
     return;
   }
 #endif
-#if HAS(BVH)
   if (NEEDS(scene, BVH)) occlude_block_bvh(scene, paths, count);
-#endif
-#if HAS_WHOLE
   if (!NEEDS(scene, BVH)) occlude_block_whole(scene, paths, count);
-#endif
 }
 
 /// What a lane's shadow ray brings, if `wanted`, times the share that gets through.
@@ -293,7 +261,6 @@ FN vec3 shadow_ray_light(const PRIVATE PathState* paths, int i, bool wanted, flo
   return select3(lit, scale(get_shadow_radiance(paths, i), share), make_vec3(0.0f, 0.0f, 0.0f));
 }
 
-#if HAS(BENT)
 /// Of shadow rays that got through, what bumps where they start let through.
 STAGE void shade_shadow_rays(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
@@ -302,7 +269,6 @@ STAGE void shade_shadow_rays(const PRIVATE PathState* paths, int count) {
         set_shadow_transmittance(paths, j, get_shadow_transmittance(paths, j) * get_shadow_share(paths, j));
   }
 }
-#endif
 
 /// Adds the light of shadow rays that got through to what the paths found.
 STAGE void add_light(const PRIVATE PathState* paths, int count) {
@@ -315,7 +281,6 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
   }
 }
 
-#if HAS(POLYGONS)
 /// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
 /// into sums of its own. `other_form`: what the variate gets is not what the path does. `media`: they take
 /// from the light too.
@@ -326,62 +291,45 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form, b
   const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
   vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
   vec3 unshadowed = shadow_ray_light(paths, i, controlled, 1.0f);
-  #if HAS(LTC)
-  if (other_form) {
+  if (HAS(LTC) && other_form) {
     const bool lit = controlled & (get_shadow_tmax(paths, i) > 0.0f);
     unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
   }
-  #endif
   vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
-  #if HAS(MEDIA)
-  if (media) {
+  if (HAS(MEDIA) && media) {
     other = mul(other, get_shadow_passes(paths, i));
     shadowed = mul(shadowed, get_shadow_passes(paths, i));
   }
-  #endif
   set_radiance(paths, i, add(get_radiance(paths, i), other));
   set_unshadowed(paths, i, add(get_unshadowed(paths, i), unshadowed));
   set_shadowed(paths, i, add(get_shadowed(paths, i), shadowed));
 }
 
-  // Of all lanes.
-  #define ADD_CONTROLLED_LIGHT(stage, other_form, media)                                   \
-    STAGE void stage(const PRIVATE PathState* paths, int count) {                          \
-      for (int i = 0; i < count; i += LANES) {                                             \
-        LANE_LOOP                                                                          \
-          for (int j = i; j < i + LANES; j++) add_controlled(paths, j, other_form, media); \
-      }                                                                                    \
-    }
+// Of all lanes.
+#define ADD_CONTROLLED_LIGHT(stage, other_form, media)                                   \
+  STAGE void stage(const PRIVATE PathState* paths, int count) {                          \
+    for (int i = 0; i < count; i += LANES) {                                             \
+      LANE_LOOP                                                                          \
+        for (int j = i; j < i + LANES; j++) add_controlled(paths, j, other_form, media); \
+    }                                                                                    \
+  }
 ADD_CONTROLLED_LIGHT(add_controlled_light, false, false)
-  #if HAS(LTC)
 ADD_CONTROLLED_LIGHT(add_controlled_light_by_form, true, false)
-  #endif
-  #if HAS(MEDIA)
 ADD_CONTROLLED_LIGHT(add_controlled_light_in_media, false, true)
-    #if HAS(LTC)
 ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
-    #endif
-  #endif
-  #undef ADD_CONTROLLED_LIGHT
+#undef ADD_CONTROLLED_LIGHT
 
 /// Whichever the scene needs.
 FN void add_light_with_control(const PRIVATE Scene* scene, bool other_form, const PRIVATE PathState* paths,
                                int count) {
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene)) {
-    #if HAS(LTC)
-    if (other_form) add_controlled_light_by_form_in_media(paths, count);
-    #endif
+    if (HAS(LTC) && other_form) add_controlled_light_by_form_in_media(paths, count);
     if (!other_form) add_controlled_light_in_media(paths, count);
     return;
   }
-  #endif
-  #if HAS(LTC)
-  if (other_form) add_controlled_light_by_form(paths, count);
-  #endif
+  if (HAS(LTC) && other_form) add_controlled_light_by_form(paths, count);
   if (!other_form) add_controlled_light(paths, count);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -10,11 +10,11 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-#define EVERY_SCENE 0xffffffffu
+#define EVERY_SCENE FEATURE_ALL
 #define NEVER 0u
 #define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
 // Instead of any of several features: all of them.
-#define ALL_OF(features) ((ulong)1 << 32 | (features))
+#define ALL_OF(features) ((ulong)1 << 63 | (features))
 
 #define LTC_PROJECTED ALL_OF(FEATURE_LTC | FEATURE_PROJECTED)
 #define LTC_CONTROLLED ALL_OF(FEATURE_LTC | FEATURE_POLYGONS)
@@ -73,10 +73,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, channels, FEATURE_MEDIA, FEATURE_MEDIA)       /* ratios of the channels' densities, of mean 1 */     \
   X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
   X(float, way, FEATURE_MEDIA, NEVER)                   /* from its start to the last surface passed */        \
-  X(vec3, wall_normal, FEATURE_MEDIA, FEATURE_MEDIA)    /* of that, or of one near its start: see Wall */      \
-  X(float, wall_depth, FEATURE_MEDIA, FEATURE_MEDIA)                                                           \
-  X(float, wall_lift, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
-  X(float, wall_clearance, FEATURE_MEDIA, FEATURE_MEDIA)                                                       \
+  X(vec3, boundary_normal, FEATURE_MEDIA, FEATURE_MEDIA)    /* of that, or of one near its start: see NearBoundary */      \
+  X(float, boundary_depth, FEATURE_MEDIA, FEATURE_MEDIA)                                                           \
+  X(float, boundary_offset, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
+  X(float, boundary_clearance, FEATURE_MEDIA, FEATURE_MEDIA)                                                       \
   X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + the first shape whose boundary was one, 0, -1 */ \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media in which the shadow ray is */                 \
@@ -139,23 +139,23 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, distance, FEATURE_LAYERS, NEVER)                         \
   X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */          \
   X(int, contradiction, FEATURE_MEDIA, NEVER) /* as of paths */     \
-  X(int, owner, FEATURE_OWNERS, NEVER)        /* see record_owners */ \
+  X(int, matte, FEATURE_MATTES, NEVER)        /* see record_mattes */ \
   X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                      \
   X(vec3, analytic, FEATURE_POLYGONS, NEVER)
 // clang-format on
 
 /// Whether a scene with these features has a field that those need; whether it travels.
-FN bool is_stored(uint features, ulong needs) {
-  return needs >> 32 != 0 ? (~features & (uint)needs) == 0u : (features & (uint)needs) != 0u;
+FN bool is_stored(ulong features, ulong needs) {
+  return needs >> 63 != 0 ? (~features & needs) << 1 == 0 : (features & needs) != 0;
 }
-FN bool is_moved(uint features, ulong needs, ulong travels) {
+FN bool is_moved(ulong features, ulong needs, ulong travels) {
   return is_stored(features, needs) && is_stored(features, travels);
 }
 // Whether kernels are compiled for any scene in which it is.
-#define MAY_STORE(needs)                                                        \
-  ((ulong)(needs) >> 32 != 0 ? (~(uint)(FEATURES) & (uint)(ulong)(needs)) == 0u \
-                             : ((uint)(FEATURES) & (uint)(ulong)(needs)) != 0u)
+#define MAY_STORE(needs)                                                       \
+  ((ulong)(needs) >> 63 != 0 ? (~COMPILED_FEATURES & (ulong)(needs)) << 1 == 0 \
+                             : (COMPILED_FEATURES & (ulong)(needs)) != 0)
 #define MAY_MOVE(needs, travels) (MAY_STORE(needs) && MAY_STORE(travels))
 
 // Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in
@@ -188,13 +188,13 @@ typedef struct {
 #define STACK_WORDS(type, name, needs, travels) \
   words += is_stored(features, needs) ? MAX_BRANCH_DEPTH * WORDS_##type : 0;
 /// How many words of 4 bytes a path and a sample of a scene with these features take.
-FN int path_words(uint features) {
+FN int path_words(ulong features) {
   int words = 0;
   PATH_FIELDS(STATE_WORDS)
   STACKED_FIELDS(STACK_WORDS)
   return words;
 }
-FN int slot_words(uint features) {
+FN int slot_words(ulong features) {
   int words = 0;
   SLOT_FIELDS(STATE_WORDS)
   return words;
@@ -209,14 +209,14 @@ FN int slot_words(uint features) {
   state.name = (POINTER_##type)words;           \
   words += is_stored(features, needs) ? (ulong)(MAX_BRANCH_DEPTH * WORDS_##type) * (ulong)capacity : 0u;
 /// The fields in path_words() * capacity words.
-FN PathState make_path_state(uint features, GLOBAL uint* words, int capacity) {
+FN PathState make_path_state(ulong features, GLOBAL uint* words, int capacity) {
   PathState state;
   PATH_FIELDS(STATE_PLACE)
   STACKED_FIELDS(STACK_PLACE)
   state.capacity = capacity;
   return state;
 }
-FN SlotState make_slot_state(uint features, GLOBAL uint* words, int capacity) {
+FN SlotState make_slot_state(ulong features, GLOBAL uint* words, int capacity) {
   SlotState state;
   SLOT_FIELDS(STATE_PLACE)
   state.capacity = capacity;
@@ -291,7 +291,7 @@ typedef struct {
 } Block;
 
 /// `path_memory`: path_words(features) * capacity words; `slot_memory`: slot_words(features) * slot_capacity.
-FN Block make_block(uint features, GLOBAL uint* path_memory, int capacity, GLOBAL uint* slot_memory,
+FN Block make_block(ulong features, GLOBAL uint* path_memory, int capacity, GLOBAL uint* slot_memory,
                     int slot_capacity) {
   Block block;
   block.paths = make_path_state(features, path_memory, capacity);

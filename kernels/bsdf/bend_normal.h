@@ -13,17 +13,16 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
-  /// How a surface's shading normal n is bent: to the direction of along + up n, `along` being tangential.
-  #define BEND_FIELDS(F, a) \
-    F(a, vec3, along)       \
-    F(a, float, up)
+/// How a surface's shading normal n is bent: to the direction of along + up n, `along` being tangential.
+#define BEND_FIELDS(F, a) \
+  F(a, vec3, along)       \
+  F(a, float, up)
 LANE_RECORD(Bend, Bends, bend, BEND_FIELDS)
 
-  // Changes of position with the texture coordinates.
-  #define DERIVATIVES_FIELDS(F, a) \
-    F(a, vec3, du)                 \
-    F(a, vec3, dv)
+// Changes of position with the texture coordinates.
+#define DERIVATIVES_FIELDS(F, a) \
+  F(a, vec3, du)                 \
+  F(a, vec3, dv)
 LANE_RECORD(Derivatives, DerivativesLanes, derivatives, DERIVATIVES_FIELDS)
 
 FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 normal) {
@@ -42,7 +41,6 @@ FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 
   return d;
 }
 
-  #if HAS(QUADRICS)
 /// See sphere_uv, disk_uv and cylinder_uv.
 FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p) {
   GLOBAL const Quadric* q = scene->quadrics + index;
@@ -58,44 +56,39 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   disk.du = scale(outward, radius);
   d.du = select3(kind == QUADRIC_DISK, disk.du, sphere.du);
   d.dv = select3(kind == QUADRIC_DISK, disk.dv, sphere.dv);
-    #if HAS(CYLINDERS)
-  d.dv = select3(kind == QUADRIC_CYLINDER, scale(z, q->length), d.dv);
-    #endif
+  if (HAS(CYLINDERS)) d.dv = select3(kind == QUADRIC_CYLINDER, scale(z, q->length), d.dv);
   return d;
 }
-  #endif
 
-  #if HAS(INSTANCES)
 /// `d`: as if the primitive were the scene's own.
 FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Derivatives d) {
   GLOBAL const Instance* at = scene->instances + (s.instance >= 0 ? s.instance : 0);
   const int triangles = scene->header.tables.triangles.count;
   const bool is_quadric = s.primitive >= triangles;
   Derivatives own = d;
-    #if HAS(QUADRICS)
-  const Derivatives q =
-      quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, to_group_point(at, s.p));
-  own.du = select3(is_quadric, q.du, own.du);
-  own.dv = select3(is_quadric, q.dv, own.dv);
-    #endif
+  if (HAS(QUADRICS)) {
+    const Derivatives q =
+        quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, to_group_point(at, s.p));
+    own.du = select3(is_quadric, q.du, own.du);
+    own.dv = select3(is_quadric, q.dv, own.dv);
+  }
   const bool moves = s.instance >= 0;
   Derivatives there;
   there.du = select3(moves, from_group_vector(at, own.du), d.du);
   there.dv = select3(moves, from_group_vector(at, own.dv), d.dv);
   return there;
 }
-  #endif
 
 FN Derivatives surface_derivatives(const PRIVATE Scene* scene, Surface s, vec3 front) {
   const int triangles = scene->header.tables.triangles.count;
   const bool is_triangle = (s.primitive >= 0) & (s.primitive < triangles);
   Derivatives d = triangle_derivatives(scene, is_triangle ? s.primitive : 0, front);
-  #if HAS(QUADRICS)
-  const bool is_quadric = s.primitive >= triangles;
-  const Derivatives q = quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, s.p);
-  d.du = select3(is_quadric, q.du, d.du);
-  d.dv = select3(is_quadric, q.dv, d.dv);
-  #endif
+  if (HAS(QUADRICS)) {
+    const bool is_quadric = s.primitive >= triangles;
+    const Derivatives q = quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, s.p);
+    d.du = select3(is_quadric, q.du, d.du);
+    d.dv = select3(is_quadric, q.dv, d.dv);
+  }
   return d;
 }
 
@@ -156,7 +149,6 @@ STAGE void find_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
     }
 }
 
-  #if HAS(INSTANCES)
 STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                                      PRIVATE DerivativesLanes* RESTRICT derivatives) {
   LANE_LOOP
@@ -165,7 +157,6 @@ STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE S
           derivatives, j,
           instance_derivatives(scene, load_surface(surfaces, j), load_derivatives(derivatives, j)));
 }
-  #endif
 
 /// Where the surface is displaced along its normal by h(u, v) its normal is that of du + h_u n and dv + h_v n
 /// (Blinn 1978), n's own change left out, as in Mitsuba 3.
@@ -252,9 +243,7 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
     }
     DerivativesLanes derivatives;
     find_derivatives(scene, surfaces, &derivatives);
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
-  #endif
     bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
     apply_bends(scene, textures, &bends, surfaces);
   }
@@ -267,7 +256,6 @@ FN float bump_shadow(Surface s, vec3 w) {
   const float tangent2 = max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f);
   return 2.0f / (1.0f + SQRT(1.0f + s.bumps * tangent2));
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

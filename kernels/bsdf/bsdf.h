@@ -46,41 +46,39 @@ PENUMBRA_NAMESPACE_BEGIN
 CLOSURE_FIELDS(RESOLVE_LANES, )
 #undef RESOLVE_LANES
 
-#if HAS(TEXTURES)
-  #define LANE_OF_float(value) luminance(value)
-  #define LANE_OF_vec3(value) (value)
-  // Where materials have a texture for a field, its value there.
-  #define TEXTURE_LANES(a, type, name)                                                                   \
-    STAGE bool note_##name##_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
-                                      PRIVATE int* RESTRICT textures) {                                  \
-      int any = 0;                                                                                       \
-      for (int j = 0; j < LANES; j++) {                                                                  \
-        textures[j] = scene->materials[materials[j]].name##_texture;                                     \
-        any |= textures[j] >= 0 ? 1 : 0;                                                                 \
-      }                                                                                                  \
-      return any != 0;                                                                                   \
-    }                                                                                                    \
-    STAGE void store_##name##_textures(const PRIVATE int* RESTRICT textures,                             \
-                                       const PRIVATE TextureLanes* RESTRICT found,                       \
-                                       PRIVATE Closures* RESTRICT closures) {                            \
-      LANE_LOOP                                                                                          \
-        for (int j = 0; j < LANES; j++) {                                                                \
-          const type before = LOAD_ENTRY_##type(closures->name, LANES, j);                               \
-          const type value = LANE_OF_##type(LOAD_LANE_vec3(found->value, j));                            \
-          STORE_ENTRY_##type(closures->name, LANES, j, SELECT_##type(textures[j] >= 0, value, before));  \
-        }                                                                                                \
-    }                                                                                                    \
-    FN void texture_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,         \
-                                   PRIVATE Closures* closures) {                                         \
-      int textures[LANES];                                                                               \
-      TextureLanes found;                                                                                \
-      if (!note_##name##_textures(scene, surfaces->material, textures)) return;                          \
-      eval_textures(scene, surfaces, textures, &found);                                                  \
-      store_##name##_textures(textures, &found, closures);                                               \
-    }
+#define LANE_OF_float(value) luminance(value)
+#define LANE_OF_vec3(value) (value)
+// Where materials have a texture for a field, its value there.
+#define TEXTURE_LANES(a, type, name)                                                                   \
+  STAGE bool note_##name##_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
+                                    PRIVATE int* RESTRICT textures) {                                  \
+    int any = 0;                                                                                       \
+    for (int j = 0; j < LANES; j++) {                                                                  \
+      textures[j] = scene->materials[materials[j]].name##_texture;                                     \
+      any |= textures[j] >= 0 ? 1 : 0;                                                                 \
+    }                                                                                                  \
+    return any != 0;                                                                                   \
+  }                                                                                                    \
+  STAGE void store_##name##_textures(const PRIVATE int* RESTRICT textures,                             \
+                                     const PRIVATE TextureLanes* RESTRICT found,                       \
+                                     PRIVATE Closures* RESTRICT closures) {                            \
+    LANE_LOOP                                                                                          \
+      for (int j = 0; j < LANES; j++) {                                                                \
+        const type before = LOAD_ENTRY_##type(closures->name, LANES, j);                               \
+        const type value = LANE_OF_##type(LOAD_LANE_vec3(found->value, j));                            \
+        STORE_ENTRY_##type(closures->name, LANES, j, SELECT_##type(textures[j] >= 0, value, before));  \
+      }                                                                                                \
+  }                                                                                                    \
+  FN void texture_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,         \
+                                 PRIVATE Closures* closures) {                                         \
+    int textures[LANES];                                                                               \
+    TextureLanes found;                                                                                \
+    if (!note_##name##_textures(scene, surfaces->material, textures)) return;                          \
+    eval_textures(scene, surfaces, textures, &found);                                                  \
+    store_##name##_textures(textures, &found, closures);                                               \
+  }
 TEXTURED_FIELDS(TEXTURE_LANES, )
-  #undef TEXTURE_LANES
-#endif
+#undef TEXTURE_LANES
 
 /// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
@@ -91,16 +89,14 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
     resolve_##name##_lanes(scene, surfaces->material, closures);
   CLOSURE_FIELDS(RESOLVE_IF_USED, )
 #undef RESOLVE_IF_USED
-#if HAS(TEXTURES)
-  #define TEXTURE_IF_USED(a, type, name)                                               \
-    if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u && \
-        (scene->header.textured >> TEXTURED_##name & 1u) != 0u)                        \
-      texture_##name##_lanes(scene, surfaces, closures);
+#define TEXTURE_IF_USED(a, type, name)                                               \
+  if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u && \
+      (scene->header.textured >> TEXTURED_##name & 1u) != 0u)                        \
+    texture_##name##_lanes(scene, surfaces, closures);
   if (NEEDS(scene, TEXTURES)) {
     TEXTURED_FIELDS(TEXTURE_IF_USED, )
   }
-  #undef TEXTURE_IF_USED
-#endif
+#undef TEXTURE_IF_USED
 }
 
 /// The families of LANES closures.

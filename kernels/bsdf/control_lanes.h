@@ -7,22 +7,21 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(LTC)
-  #define CONTROL_FAMILY(name, NAME)                                                                         \
-    STAGE void control_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures, \
-                                      const PRIVATE Surfaces* RESTRICT surfaces,                             \
-                                      PRIVATE ControlLanes* RESTRICT controls) {                             \
-      LANE_LOOP                                                                                              \
-        for (int j = 0; j < LANES; j++) {                                                                    \
-          const Closure c = load_closure(closures, j);                                                       \
-          const Surface s = load_surface(surfaces, j);                                                       \
-          const ControlLobes own = name##_control(scene, c, max_f(dot3(s.shading, s.wo), 0.0f));             \
-          const ControlLobes before = load_control_lobes(controls, j);                                       \
-          store_control_lobes(controls, j, select_control_lobes(c.family == FAMILY_##NAME, own, before));    \
-        }                                                                                                    \
-    }
+#define CONTROL_FAMILY(name, NAME)                                                                         \
+  STAGE void control_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures, \
+                                    const PRIVATE Surfaces* RESTRICT surfaces,                             \
+                                    PRIVATE ControlLanes* RESTRICT controls) {                             \
+    LANE_LOOP                                                                                              \
+      for (int j = 0; j < LANES; j++) {                                                                    \
+        const Closure c = load_closure(closures, j);                                                       \
+        const Surface s = load_surface(surfaces, j);                                                       \
+        const ControlLobes own = name##_control(scene, c, max_f(dot3(s.shading, s.wo), 0.0f));             \
+        const ControlLobes before = load_control_lobes(controls, j);                                       \
+        store_control_lobes(controls, j, select_control_lobes(c.family == FAMILY_##NAME, own, before));    \
+      }                                                                                                    \
+  }
 LTC_FAMILIES(CONTROL_FAMILY)
-  #undef CONTROL_FAMILY
+#undef CONTROL_FAMILY
 
 STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
   LANE_LOOP
@@ -33,26 +32,25 @@ STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
 FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                       const PRIVATE Surfaces* surfaces, PRIVATE ControlLanes* controls) {
   clear_controls(controls);
-  #define CONTROL_IF_THERE(name, NAME)                                            \
-    if (HAS_FAMILY_OF(FAMILY_##NAME) && (families & (1u << FAMILY_##NAME)) != 0u) \
-      control_##name##_lanes(scene, closures, surfaces, controls);
+#define CONTROL_IF_THERE(name, NAME)                                            \
+  if (HAS_FAMILY_OF(FAMILY_##NAME) && (families & (1u << FAMILY_##NAME)) != 0u) \
+    control_##name##_lanes(scene, closures, surfaces, controls);
   LTC_FAMILIES(CONTROL_IF_THERE)
-  #undef CONTROL_IF_THERE
+#undef CONTROL_IF_THERE
 }
 
 /// One at a time, for a viewer at that cosine.
 FN ControlLobes control_of(const PRIVATE Scene* scene, Closure c, float cosine) {
   switch (c.family) {
-  #define CONTROL_ONE(name, NAME) \
-    case FAMILY_##NAME:           \
-      return name##_control(scene, c, cosine);
+#define CONTROL_ONE(name, NAME) \
+  case FAMILY_##NAME:           \
+    return name##_control(scene, c, cosine);
     LTC_FAMILIES(CONTROL_ONE)
-  #undef CONTROL_ONE
+#undef CONTROL_ONE
     default:
       return no_control_lobes();
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

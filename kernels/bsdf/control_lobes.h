@@ -29,7 +29,6 @@ FN ControlLobes no_control_lobes(void) {
   return c;
 }
 
-#if HAS(LTC)
 /// A microfacet reflection as a lobe.
 typedef struct {
   Ltc ltc;
@@ -46,13 +45,13 @@ FN MicrofacetLobe microfacet_lobe(const PRIVATE Scene* scene, int distribution, 
   const int table = distribution == DISTRIBUTION_BECKMANN ? LTC_SIZE * LTC_SIZE : 0;
   GLOBAL const LtcCell* at = scene->ltc_cells + (table + i * LTC_SIZE + j);
   const float w00 = (1.0f - s) * (1.0f - t), w01 = (1.0f - s) * t, w10 = s * (1.0f - t), w11 = s * t;
-  #define MIXED(field) \
-    ((w00 * at[0].field + w01 * at[1].field) + (w10 * at[LTC_SIZE].field + w11 * at[LTC_SIZE + 1].field))
+#define MIXED(field) \
+  ((w00 * at[0].field + w01 * at[1].field) + (w10 * at[LTC_SIZE].field + w11 * at[LTC_SIZE + 1].field))
   MicrofacetLobe lobe;
   lobe.ltc = make_ltc(MIXED(lean), MIXED(width_x), MIXED(width_y), a, cosine);
   lobe.albedo = MIXED(albedo);
   lobe.schlick = MIXED(schlick);
-  #undef MIXED
+#undef MIXED
   return lobe;
 }
 
@@ -91,7 +90,6 @@ FN vec3 control_value(ControlLobes c, vec3 wo, vec3 wi) {
 /// Whether samples of polygon lights at such a closure may have the lobes as control variate. Families that
 /// light gets through have none: it would have to be sampled otherwise.
 FN bool has_ltc_form(Closure c) { return ((ltc_families() >> c.family) & 1u) != 0u; }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -57,7 +57,6 @@ FN BsdfSample disney_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, floa
   return s;
 }
 
-#if HAS(LTC)
 /// Without sheen and clearcoat.
 FN ControlLobes disney_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
@@ -68,7 +67,6 @@ FN ControlLobes disney_control(const PRIVATE Scene* scene, Closure c, float cosi
   const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
   return make_control_lobes(scale(c.diffuse, (1.0f - c.metallic) * diffuse), lobe, fresnel);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

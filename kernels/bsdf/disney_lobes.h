@@ -76,7 +76,6 @@ FN DisneyShares disney_shares(float diffuse, float clearcoat, float specular) {
   return shares;
 }
 
-#if HAS(LTC)
 /// pi f of the diffuse lobe for a viewer's cosine, about its mean over the light's directions: at theirs of
 /// 0.7, at right angles to the viewer.
 FN float mean_disney_diffuse(float cosine, float roughness, float flatness) {
@@ -87,7 +86,6 @@ FN MicrofacetLobe disney_lobe(const PRIVATE Scene* scene, Closure c, float cosin
   const Microfacets m = disney_microfacets(c.roughness, c.anisotropic);
   return microfacet_lobe(scene, DISTRIBUTION_GGX, SQRT(m.alpha_u * m.alpha_v), cosine);
 }
-#endif
 
 // --- The clearcoat: generalised Trowbridge-Reitz microfacets with exponent 1 (Burley 2012, B.2), reflectance
 // 0.04 along the normal, and the masking of GGX with alpha 0.25.

@@ -17,7 +17,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
-#ifdef EXTRA_BSDF_FAMILY_LIST  // of tests: see tests/support/stand_in_families
+#ifdef EXTRA_BSDF_FAMILY_LIST  // of tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
 #else
   #define EXTRA_BSDF_FAMILIES(X)

@@ -11,7 +11,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(NESTED)
 /// PASSES_* of the material of that index, or -1.
 FN int passes_of(const PRIVATE Scene* scene, int material) {
   const int passes = scene->materials[material >= 0 ? material : 0].passes;
@@ -30,7 +29,6 @@ FN bool any_branch(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   return any != 0;
 }
 
-  #if HAS(MEDIA)
 /// The relative index of the thin pane that the material of that index, or -1, is, or 0.
 FN float pane_of(const PRIVATE Scene* scene, int material) {
   const float pane = scene->materials[material >= 0 ? material : 0].pane;
@@ -42,13 +40,10 @@ FN bool any_pane(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   for (int j = 0; j < LANES; j++) any |= pane_of(scene, materials[j]) > 0.0f ? 1 : 0;
   return any != 0;
 }
-  #endif
 
 /// Whether any of the materials takes a number to choose.
 FN bool any_chance(const PRIVATE Scene* scene, const PRIVATE int* materials) {
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene) && any_pane(scene, materials)) return true;
-  #endif
   return any_branch(scene, materials);
 }
 
@@ -61,7 +56,6 @@ STAGE void plain_weights(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT
     }
 }
 
-  #if HAS(TEXTURES)
 STAGE bool note_weight_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials,
                                 PRIVATE int* RESTRICT textures) {
   int any = 0;
@@ -83,20 +77,17 @@ STAGE void textured_weights(const PRIVATE int* RESTRICT textures, const PRIVATE 
       weights[j] = textures[j] >= 0 ? value : plain;
     }
 }
-  #endif
 
 /// With which materials, which are no leaves, are the second of their two.
 FN void branch_weights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                        const PRIVATE int* materials, PRIVATE float* weights) {
   plain_weights(scene, materials, weights);
-  #if HAS(TEXTURES)
   int textures[LANES];
   if (NEEDS(scene, TEXTURES) && note_weight_textures(scene, materials, textures)) {
     TextureLanes found;
     eval_textures(scene, surfaces, textures, &found);
     textured_weights(textures, &found, weights);
   }
-  #endif
 }
 
 /// What is left of a number in [0, 1) that was below `weight`, or was not: uniform in [0, 1) again.
@@ -132,7 +123,6 @@ STAGE void plain_leaf_shares(const PRIVATE Scene* scene, const PRIVATE int* REST
     }
 }
 
-  #if HAS(MEDIA)
 STAGE void pane_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                        const PRIVATE int* RESTRICT leaves, PRIVATE float* RESTRICT shares) {
   LANE_LOOP
@@ -146,15 +136,12 @@ STAGE void pane_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTR
       shares[j] = is_pane ? 1.0f - reflected : plain;
     }
 }
-  #endif
 
 /// With which probabilities rays pass the leaves.
 FN void leaf_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
                     PRIVATE float* shares) {
   plain_leaf_shares(scene, leaves, shares);
-  #if HAS(MEDIA)
   if (NEEDS_MEDIA(scene) && any_pane(scene, leaves)) pane_shares(scene, surfaces, leaves, shares);
-  #endif
 }
 
 /// From the surfaces' materials to leaves of theirs, which the numbers, uniform in [0, 1), choose.
@@ -177,11 +164,11 @@ STAGE void pass_leaves(const PRIVATE float* RESTRICT numbers, const PRIVATE floa
     }
 }
 
-  // A walk for the share of light that gets through a material: sum + factor * the share of `material`.
-  #define PASSING_SHARE_FIELDS(F, a) \
-    F(a, float, sum)                 \
-    F(a, float, factor)              \
-    F(a, int, material)
+// A walk for the share of light that gets through a material: sum + factor * the share of `material`.
+#define PASSING_SHARE_FIELDS(F, a) \
+  F(a, float, sum)                 \
+  F(a, float, factor)              \
+  F(a, int, material)
 LANE_RECORD(PassingShare, PassingShares, passing_share, PASSING_SHARE_FIELDS)
 
 STAGE void start_shares(const PRIVATE int* RESTRICT materials, PRIVATE PassingShares* RESTRICT shares) {
@@ -245,8 +232,7 @@ FN void passing_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfa
   finish_shares(shares, passing);
 }
 
-  #if HAS(MEDIA)
-    #define PANE_TINT_FIELDS(F, a) F(a, vec3, colour)
+#define PANE_TINT_FIELDS(F, a) F(a, vec3, colour)
 LANE_RECORD(PaneTint, PaneTints, pane_tint, PANE_TINT_FIELDS)
 
 STAGE void plain_tints(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT leaves,
@@ -261,7 +247,6 @@ STAGE void plain_tints(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT l
     }
 }
 
-    #if HAS(TEXTURES)
 STAGE bool note_tint_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT leaves,
                               PRIVATE int* RESTRICT textures) {
   int any = 0;
@@ -282,23 +267,18 @@ STAGE void textured_tints(const PRIVATE int* RESTRICT textures, const PRIVATE Te
       store_pane_tint(tints, j, tint);
     }
 }
-    #endif
 
 /// By what the leaves colour what passes them: 1 where they are no panes.
 FN void find_tints(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
                    PRIVATE PaneTints* tints) {
   plain_tints(scene, leaves, tints);
-    #if HAS(TEXTURES)
   int textures[LANES];
   if (NEEDS(scene, TEXTURES) && note_tint_textures(scene, leaves, textures)) {
     TextureLanes found;
     eval_textures(scene, surfaces, textures, &found);
     textured_tints(textures, &found, tints);
   }
-    #endif
 }
-  #endif
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -31,14 +31,12 @@ FN BsdfSample microfacet_diffuse_sample(const PRIVATE Scene* scene, Closure c, v
   return sample_of_value(wi, microfacet_diffuse_eval(scene, c, wo, wi));
 }
 
-#if HAS(LTC)
 FN ControlLobes microfacet_diffuse_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   const Microfacets m = make_microfacets(DISTRIBUTION_BECKMANN, c.alpha_u, c.alpha_u);
   const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_BECKMANN, m.alpha_u, cosine);
   const float fresnel = dielectric_fresnel(fresnel_cosine(lobe), c.ior).reflectance;
   return make_control_lobes(c.diffuse, lobe, scale(c.specular, fresnel));
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -56,7 +56,6 @@ FN BsdfSample plastic_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, flo
   return select_bsdf_sample(wo.z > 0.0f, s, no_bsdf_sample());
 }
 
-#if HAS(LTC)
 /// The base as a Lambert, for a viewer whose light the boundary lets `through`: what arrives from all around
 /// gets through it as much as diffuse light from inside does, times ior^2.
 FN vec3 base_as_lambert(Closure c, float through) {
@@ -70,7 +69,6 @@ FN ControlLobes plastic_control(const PRIVATE Scene* scene, Closure c, float cos
   lobes.diffuse = base_as_lambert(c, smooth_transmittance(c, cosine));
   return lobes;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -143,7 +143,6 @@ PRINCIPLED_FAMILY(principled, false)
 PRINCIPLED_FAMILY(principled_transmitting, true)
 #undef PRINCIPLED_FAMILY
 
-#if HAS(LTC)
 /// Without sheen and clearcoat.
 FN ControlLobes principled_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   const Principled p = principled_of(c, false);
@@ -156,7 +155,6 @@ FN ControlLobes principled_control(const PRIVATE Scene* scene, Closure c, float 
   return make_control_lobes(scale(c.diffuse, p.brdf * diffuse), lobe,
                             principled_fresnel(c, p, boundary.reflectance, weight, tint));
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

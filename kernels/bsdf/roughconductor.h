@@ -44,20 +44,18 @@ ROUGH_CONDUCTOR(roughconductor_ggx, GGX)
 ROUGH_CONDUCTOR(roughconductor_beckmann, BECKMANN)
 #undef ROUGH_CONDUCTOR
 
-#if HAS(LTC)
-  /// Of an anisotropic lobe the round one of the same size.
-  #define ROUGH_CONDUCTOR_CONTROL(name, NAME)                                                 \
-    FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {     \
-      const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_v);      \
-      const MicrofacetLobe lobe =                                                             \
-          microfacet_lobe(scene, DISTRIBUTION_##NAME, SQRT(m.alpha_u * m.alpha_v), cosine);   \
-      const vec3 fresnel = conductor_fresnel(fresnel_cosine(lobe), c.eta, c.k);               \
-      return make_control_lobes(make_vec3(0.0f, 0.0f, 0.0f), lobe, mul(c.specular, fresnel)); \
-    }
+/// Of an anisotropic lobe the round one of the same size.
+#define ROUGH_CONDUCTOR_CONTROL(name, NAME)                                                 \
+  FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {     \
+    const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_v);      \
+    const MicrofacetLobe lobe =                                                             \
+        microfacet_lobe(scene, DISTRIBUTION_##NAME, SQRT(m.alpha_u * m.alpha_v), cosine);   \
+    const vec3 fresnel = conductor_fresnel(fresnel_cosine(lobe), c.eta, c.k);               \
+    return make_control_lobes(make_vec3(0.0f, 0.0f, 0.0f), lobe, mul(c.specular, fresnel)); \
+  }
 ROUGH_CONDUCTOR_CONTROL(roughconductor_ggx, GGX)
 ROUGH_CONDUCTOR_CONTROL(roughconductor_beckmann, BECKMANN)
-  #undef ROUGH_CONDUCTOR_CONTROL
-#endif
+#undef ROUGH_CONDUCTOR_CONTROL
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -86,21 +86,19 @@ ROUGH_PLASTIC(roughplastic_ggx, GGX)
 ROUGH_PLASTIC(roughplastic_beckmann, BECKMANN)
 #undef ROUGH_PLASTIC
 
-#if HAS(LTC)
-  #define ROUGH_PLASTIC_CONTROL(name, NAME)                                                       \
-    FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {         \
-      const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_u);          \
-      const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_##NAME, m.alpha_u, cosine); \
-      const float fresnel = dielectric_fresnel(fresnel_cosine(lobe), c.ior).reflectance;          \
-      const CurveRows rows = curve_rows(c);                                                       \
-      const Closure base = with_internal(scene, c, rows);                                         \
-      return make_control_lobes(base_as_lambert(base, curve_at(scene, rows, cosine)), lobe,       \
-                                scale(c.specular, fresnel));                                      \
-    }
+#define ROUGH_PLASTIC_CONTROL(name, NAME)                                                       \
+  FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {         \
+    const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_u);          \
+    const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_##NAME, m.alpha_u, cosine); \
+    const float fresnel = dielectric_fresnel(fresnel_cosine(lobe), c.ior).reflectance;          \
+    const CurveRows rows = curve_rows(c);                                                       \
+    const Closure base = with_internal(scene, c, rows);                                         \
+    return make_control_lobes(base_as_lambert(base, curve_at(scene, rows, cosine)), lobe,       \
+                              scale(c.specular, fresnel));                                      \
+  }
 ROUGH_PLASTIC_CONTROL(roughplastic_ggx, GGX)
 ROUGH_PLASTIC_CONTROL(roughplastic_beckmann, BECKMANN)
-  #undef ROUGH_PLASTIC_CONTROL
-#endif
+#undef ROUGH_PLASTIC_CONTROL
 
 PENUMBRA_NAMESPACE_END
 #endif

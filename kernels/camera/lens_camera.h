@@ -1,6 +1,9 @@
 // Cameras beyond the pinhole: lenses of a radius, round or with blades, that are sharp in one plane; parallel
 // projection; an axis beside the film's centre; radial distortion; and channels whose images differ in size
 // and focus. The effects are independent of each other: a ray takes them in turn, from its point of the film.
+// With chromatic aberration a sample traces three rays by the same random numbers, one for each channel, so
+// colours have no noise of their own. (One ray of a random channel with weight 3 needs three times as many
+// samples for the same noise.) Albedo, normal, depth and alpha are those of the green ray.
 #ifndef PENUMBRA_LENS_CAMERA_H
 #define PENUMBRA_LENS_CAMERA_H
 #include "kernels/camera/camera.h"

@@ -12,7 +12,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(LIGHT_EDGES)
 /// The first of a row's pixels with edges that is not left of x.
 FN int find_edge_pixel(const PRIVATE Scene* scene, int first, int end, int x) {
   while (first < end) {
@@ -72,7 +71,6 @@ FN void add_light_edges(const PRIVATE Scene* scene, const PRIVATE PathState* pat
     last_y = y;
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -13,7 +13,7 @@ namespace penumbra {
 class BlockMemory {
  public:
   /// For scenes with these FEATURE_* bits: `capacity` paths under way, `slot_capacity` samples.
-  BlockMemory(std::uint32_t features, int capacity, int slot_capacity)
+  BlockMemory(std::uint64_t features, int capacity, int slot_capacity)
       : paths_(std::size_t(path_words(features)) * std::size_t(capacity)),
         slots_(std::size_t(slot_words(features)) * std::size_t(slot_capacity)),
         features_(features),
@@ -27,7 +27,7 @@ class BlockMemory {
  private:
   AlignedVector<uint> paths_;  // zeros: lanes that no path ever used hold finite values too
   AlignedVector<uint> slots_;
-  std::uint32_t features_;
+  std::uint64_t features_;
   int capacity_, slot_capacity_;
 };
 

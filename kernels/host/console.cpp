@@ -12,7 +12,7 @@
 #include <exception>
 #include <mutex>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

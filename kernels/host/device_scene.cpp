@@ -10,7 +10,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x53424e50;  // "PNBS"
-constexpr std::uint32_t kVersion = 8;
+constexpr std::uint32_t kVersion = 9;
 
 struct Preamble {
   std::uint32_t magic = kMagic;
@@ -18,6 +18,10 @@ struct Preamble {
   std::uint32_t header_bytes = sizeof(SceneHeader);
   std::uint32_t word_count = 0;
 };
+
+#define FIELD_SIZE(type, name) +sizeof(type)
+static_assert(sizeof(SceneHeader) == 0 SCENE_HEADER_FIELDS(FIELD_SIZE), "padding has no value to ship");
+#undef FIELD_SIZE
 
 constexpr std::size_t kHeadBytes = sizeof(Preamble) + sizeof(SceneHeader);
 

@@ -50,7 +50,7 @@ class Checker {
   }
 
   void check_header() {
-    static_assert(FEATURE_ALL == ~std::uint32_t{0}, "features are unknown where not all bits are one's");
+    require((h_.features & ~std::uint64_t(FEATURE_ALL)) == 0, "unknown features");
     require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
     require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
@@ -65,7 +65,7 @@ class Checker {
     require(in(h_.integrator.emitter_samples, 0, MAX_DIRECT_SAMPLES) &&
                 in(h_.integrator.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
-    require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_AUTO), "unknown estimator");
     require(in(h_.integrator.bsdf_sampling, DIRECTION_BSDF, DIRECTION_LOBE), "unknown density of directions");
     require(in(h_.integrator.branch_depth, 0, MAX_BRANCH_DEPTH), "paths branch too often");
     require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
@@ -108,7 +108,7 @@ class Checker {
     }
   }
 
-  [[nodiscard]] bool has(unsigned feature) const { return (h_.features & feature) != 0; }
+  [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0; }
   static TableSpan at_least_one(TableSpan span) { return {std::max(span.count, 1), span.offset}; }
 
   /// Of every record of `from`, and of those that kernels read of an empty table: the member is an index into
@@ -140,7 +140,7 @@ class Checker {
     check_light_cells();
     check_uvs();
     check_instances();
-    check_owners();
+    check_mattes();
     check_media();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
@@ -152,15 +152,13 @@ class Checker {
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       require(in(l.start, 0, int(LIGHT_NUMBERS)), "a light begins at no number that a sampler can give");
-      require(!has(FEATURE_POLYGONS | FEATURE_LIT_CELLS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
+      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
-      check_strips(l);
       check_light_texture(l);
     }
-    if (has(FEATURE_POLYGONS | FEATURE_LIT_CELLS)) check_polygons();
-    if (has(FEATURE_LIT_CELLS)) check_lit_cells();
+    if (has(FEATURE_POLYGONS)) check_polygons();
     if (has(FEATURE_LIGHT_EDGES)) check_light_edges();
     if (has(FEATURE_LIGHT_TREE)) check_light_tree();
     require(has(FEATURE_LIGHT_TREE) == (h_.integrator.light_choice == CHOICE_TREE),
@@ -170,12 +168,11 @@ class Checker {
             "closed forms without their feature bit");
     require(!has(FEATURE_LTC) || h_.tables.ltc_cells.count == 2 * LTC_SIZE * LTC_SIZE,
             "linearly transformed cosines without their tables");
-    require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
-            "the ratio estimator and its feature bit go together");
     require((h_.families & families_with(TRANSMITS) & ~families_with(FREE)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
-    constexpr unsigned kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED, FEATURE_OCCLUSION};
+    constexpr std::uint64_t kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED,
+                                              FEATURE_OCCLUSION};
     require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
@@ -335,20 +332,20 @@ class Checker {
     }
   }
 
-  /// Whatever a ray meets has one of the owners that there are.
-  void check_owners() {
+  /// Whatever a ray meets has one of the mattes that there are.
+  void check_mattes() {
     const TableSpans& t = h_.tables;
-    if (!has(FEATURE_OWNERS)) {
-      require(t.owners.count == 0 && t.instance_owners.count == 0 && h_.owner_count == 0,
-              "owners without their feature bit");
+    if (!has(FEATURE_MATTES)) {
+      require(t.mattes.count == 0 && t.instance_mattes.count == 0 && h_.matte_count == 0,
+              "mattes without their feature bit");
       return;
     }
-    require(in(h_.owner_count, 0, MAX_OWNERS), "an implausible number of owners");
-    require(t.owners.count == std::int64_t{t.triangles.count} + t.quadrics.count,
-            "owners do not match the primitives");
-    require(t.instance_owners.count == t.instances.count, "owners do not match the instances");
+    require(in(h_.matte_count, 0, MAX_MATTES), "an implausible number of mattes");
+    require(t.mattes.count == std::int64_t{t.triangles.count} + t.quadrics.count,
+            "mattes do not match the primitives");
+    require(t.instance_mattes.count == t.instances.count, "mattes do not match the instances");
     if (!problem_.empty()) return;
-    const auto owners = table<int>(scene_, t.owners), firsts = table<int>(scene_, t.instance_owners);
+    const auto mattes = table<int>(scene_, t.mattes), firsts = table<int>(scene_, t.instance_mattes);
     const auto groups = table<PrimitiveGroup>(scene_, t.groups);
     // What an instance adds: at least so much, at most so much.
     std::vector<std::pair<int, int>> added(std::max<std::size_t>(groups.size(), 1),
@@ -361,12 +358,12 @@ class Checker {
       most = std::max(most, firsts[i]);
     }
     const auto check = [&](int first, int count, std::pair<int, int> range) {
-      for (const int owner : owners.subspan(std::size_t(first), std::size_t(count)))
-        require(owner >= 0 && std::int64_t{owner} + range.first >= 1 &&
-                    std::int64_t{owner} + range.second <= h_.owner_count,
-                "a primitive names an owner that is not there");
+      for (const int matte : mattes.subspan(std::size_t(first), std::size_t(count)))
+        require(matte >= 0 && std::int64_t{matte} + range.first >= 1 &&
+                    std::int64_t{matte} + range.second <= h_.matte_count,
+                "a primitive names a matte that is not there");
     };
-    if (groups.empty()) check(0, t.owners.count, added[0]);
+    if (groups.empty()) check(0, t.mattes.count, added[0]);
     for (std::size_t g = 0; g < groups.size(); ++g) {
       check(groups[g].first_triangle, groups[g].triangle_count, added[g]);
       check(t.triangles.count + groups[g].first_quadric, groups[g].quadric_count, added[g]);
@@ -392,15 +389,6 @@ class Checker {
     const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
     require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
-  }
-
-  /// Beside an outline, lanes of other lights look at theirs, too; a table has a strip at least.
-  void check_strips(const Light& l) {
-    const int least = l.kind == LIGHT_OUTLINE && h_.tables.lights.count > 0 ? 1 : 0;
-    const int strips = std::max(h_.tables.light_strips.count, 1);
-    require(in(l.strip_count, least, std::min(MOST_LIGHT_STRIPS, h_.tables.light_strips.count)) &&
-                in(l.strip, 0, strips - std::max(l.strip_count, 1)),
-            "a light's strips are not there");
   }
 
   /// What its texture needs, and its grid, see light_grid.h.
@@ -456,17 +444,6 @@ class Checker {
       require(
           pixel.edge_count >= 0 && in(pixel.first_edge, 0, h_.tables.light_edges.count - pixel.edge_count),
           "a pixel names edges of lights that are not there");
-  }
-
-  void check_lit_cells() {
-    require(h_.tables.lit_faces.count == h_.tables.triangles.count, "cells do not match the triangles");
-    for (const LitFace& face : table<LitFace>(scene_, at_least_one(h_.tables.lit_faces))) {
-      require(in(face.level, -1, LIT_CELL_LEVELS), "a triangle has too many cells");
-      if (!problem_.empty() || face.level < 0) continue;
-      const std::int64_t words = ((std::int64_t{1} << 2 * face.level) + 31) / 32;
-      require(face.first >= 0 && face.first + words <= h_.tables.lit_cells.count,
-              "a triangle names cells that are not there");
-    }
   }
 
   /// Walks end at a light, whatever the numbers of the nodes.

@@ -11,7 +11,7 @@ constexpr std::uint32_t kEveryFamily = EVERY_FAMILY;
 
 /// Bit masks.
 struct KernelNeeds {
-  std::uint32_t features = FEATURE_ALL;             ///< FEATURE_*
+  std::uint64_t features = FEATURE_ALL;             ///< FEATURE_*
   std::uint32_t families = kEveryFamily;            ///< 1 << FAMILY_*
   std::uint32_t light_kinds = ALL_LIGHT_KINDS;      ///< 1 << LIGHT_*
   std::uint32_t texture_kinds = ALL_TEXTURE_KINDS;  ///< 1 << TEXTURE_*

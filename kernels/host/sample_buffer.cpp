@@ -28,47 +28,47 @@ Expected<void> check_statistics(const SampleBuffer& buffer) {
   return {};
 }
 
-void take_owners(SampleBuffer& buffer) {
+void take_mattes(SampleBuffer& buffer) {
   const std::size_t pixels = buffer.pixels();
-  const int pairs = owner_pairs(int(buffer.sample_count));
+  const int pairs = matte_pairs(int(buffer.sample_count));
   const float* planes = buffer.values.data() + buffer.values.size() - 2 * std::size_t(pairs) * pixels;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> met;
-  buffer.owners.clear();
-  buffer.owners.reserve(4 * pixels);
+  buffer.mattes.clear();
+  buffer.mattes.reserve(4 * pixels);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     met.clear();
     for (std::size_t k = 0; k < std::size_t(pairs); ++k) {
-      const float owner = planes[2 * k * pixels + pixel], count = planes[(2 * k + 1) * pixels + pixel];
-      if (count > 0) met.emplace_back(std::uint32_t(owner), std::uint32_t(count));
+      const float matte = planes[2 * k * pixels + pixel], count = planes[(2 * k + 1) * pixels + pixel];
+      if (count > 0) met.emplace_back(std::uint32_t(matte), std::uint32_t(count));
     }
     std::ranges::sort(met);
-    buffer.owners.push_back(std::uint32_t(met.size()));
-    for (const auto& [owner, count] : met) buffer.owners.insert(buffer.owners.end(), {owner, count});
+    buffer.mattes.push_back(std::uint32_t(met.size()));
+    for (const auto& [matte, count] : met) buffer.mattes.insert(buffer.mattes.end(), {matte, count});
   }
   buffer.values.resize(std::size_t(buffer.planes) * pixels);
 }
 
-Expected<void> check_owners(const SampleBuffer& buffer, int owner_count) {
-  if (owner_count == 0)
-    return buffer.owners.empty() ? Expected<void>() : fail("owners, of which the scene has none");
-  std::span<const std::uint32_t> rest = buffer.owners;
-  const auto most = std::uint32_t(owner_pairs(int(buffer.sample_count)));
+Expected<void> check_mattes(const SampleBuffer& buffer, int matte_count) {
+  if (matte_count == 0)
+    return buffer.mattes.empty() ? Expected<void>() : fail("mattes, of which the scene has none");
+  std::span<const std::uint32_t> rest = buffer.mattes;
+  const auto most = std::uint32_t(matte_pairs(int(buffer.sample_count)));
   for (std::size_t pixel = 0; pixel < buffer.pixels(); ++pixel) {
     if (rest.empty() || rest[0] > most || rest.size() - 1 < 2 * std::size_t(rest[0]))
-      return fail("a list of owners that is no list of its pixels");
+      return fail("a list of mattes that is no list of its pixels");
     const auto pairs = rest.subspan(1, 2 * std::size_t(rest[0]));
     rest = rest.subspan(1 + pairs.size());
     std::uint64_t samples = 0;
     for (std::size_t k = 0; k < pairs.size(); k += 2) {
-      if (pairs[k] > std::uint32_t(owner_count) || (k > 0 && pairs[k] <= pairs[k - 2]))
-        return fail(fmt::format("the owner {}, which is unknown or out of its order", pairs[k]));
-      if (pairs[k + 1] == 0) return fail("an owner that no sample met");
+      if (pairs[k] > std::uint32_t(matte_count) || (k > 0 && pairs[k] <= pairs[k - 2]))
+        return fail(fmt::format("the matte {}, which is unknown or out of its order", pairs[k]));
+      if (pairs[k + 1] == 0) return fail("a matte that no sample met");
       samples += pairs[k + 1];
     }
     if (samples != buffer.sample_count)
-      return fail(fmt::format("owners of {} samples in a pixel of {}", samples, buffer.sample_count));
+      return fail(fmt::format("mattes of {} samples in a pixel of {}", samples, buffer.sample_count));
   }
-  if (!rest.empty()) return fail("owners of more pixels than there are");
+  if (!rest.empty()) return fail("mattes of more pixels than there are");
   return {};
 }
 

@@ -4,18 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "kernels/features.h"
+#include "kernels/film_layers.h"
 #include "kernels/host/error.h"
 #include "kernels/host/flagged_samples.h"
 #include "kernels/unit.h"
 
 namespace penumbra {
 
-/// One float per pixel each. The first six are always there; the rest only when the job asks for feature
-/// layers, and the last eight of them only where polygon lights have a closed form (FEATURE_POLYGONS). Behind
-/// them, where it is asked for (FEATURE_COVERAGE), is one more: see coverage_plane_of.
+/// The first planes of a result, one float per pixel each; those of the layers follow
+/// (kernels/film_layers.h).
 enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
@@ -24,73 +24,45 @@ enum SampleBufferPlane : int {
   kDeviationG,
   kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2): its square may be more than a float
                 ///< holds
-  kAlbedoR,
-  kAlbedoG,
-  kAlbedoB,  ///< mean reflectance at the first hit, 0 where nothing is hit
-  kNormalX,
-  kNormalY,
-  kNormalZ,  ///< mean world-space shading normal at the first hit, 0 where nothing is hit
-  kDepth,    ///< mean distance from the camera to the first hit, 0 where nothing is hit
-  kAnalyticR,
-  kAnalyticG,
-  kAnalyticB,  ///< mean of the closed form: radiance by polygon lights without shadows
-  kDifferenceR,
-  kDifferenceG,
-  kDifferenceB,  ///< mean of what the estimate of their light differs from it by, shadows above all: at most
-                 ///< 0 in expectation
-  kSeen,         ///< mean of the samples of their light, all channels together
-  kWhole,        ///< likewise without shadows; the quotient of both is the visible share
-  kSampleBufferPlanes,
-  kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
-  kFeaturePlanes = kAnalyticR,  ///< ... without closed forms
+  kRadiancePlanes
 };
-/// Further planes, after all others, of the ratio estimator (FEATURE_RATIO): the ratio r is that of all
-/// passes in the end, so a result says how its samples depend on it. A sample is a + r b with b = G - W;
-/// kMean and the other planes are for the r of the result's own samples.
-enum RatioPlane : int {
-  kRatioMeanR = RATIO_MEAN_PLANE,                ///< mean of b
-  kRatioDeviationR = RATIO_DEVIATION_PLANE,      ///< its standard deviation
-  kRatioCorrelationR = RATIO_CORRELATION_PLANE,  ///< of a + r b and b, -1 to 1
-  kRatioR = RATIO_PLANE,                         ///< r, mean H / mean W
-  kRatioUnshadowedR = RATIO_UNSHADOWED_PLANE,    ///< mean of W
-  kRatioPlanes = RATIO_PLANES
+static_assert(kRadiancePlanes == RADIANCE_PLANES);
+
+/// The layers and mattes that results of a scene have, and films of them.
+class FilmLayers {
+ public:
+  constexpr FilmLayers() = default;  ///< none
+  /// Of a scene with these FEATURE_* bits, and so many mattes.
+  constexpr explicit FilmLayers(std::uint64_t features, int mattes = 0)
+      : features_(features), mattes_(mattes) {}
+
+  [[nodiscard]] constexpr bool has(int layer) const { return has_layer(features_, layer); }
+  [[nodiscard]] constexpr int mattes() const { return mattes_; }
+  /// The first plane of a layer that is there.
+  [[nodiscard]] constexpr int plane(int layer) const { return layer_plane(features_, layer); }
+  /// How many planes there are, those of radiance among them.
+  [[nodiscard]] constexpr int planes() const { return plane(FILM_LAYERS); }
+
+ private:
+  std::uint64_t features_ = 0;
+  int mattes_ = 0;
 };
-static_assert(LAYER_PLANES_END == kSampleBufferPlanes);
-static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
-              DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
 
-/// How many of SampleBufferPlane the results of a scene with these FEATURE_* bits have.
-constexpr int layer_planes_end(std::uint32_t features) {
-  if ((features & FEATURE_LAYERS) == 0u) return kRadiancePlanes;
-  return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
-}
+/// How a layer is called, and how many planes it has.
+struct FilmLayerInfo {
+  std::string_view name;      ///< of its channels in an image, before a dot; may be empty
+  std::string_view channels;  ///< a letter each; none where it is not shown by itself
+  int planes;
+};
+#define LAYER_INFO(NAME, planes, needs, samples, mean, layer, channels) \
+  FilmLayerInfo{layer, channels, planes},
+inline constexpr FilmLayerInfo kFilmLayers[] = {PENUMBRA_FILM_LAYERS(LAYER_INFO)};
+#undef LAYER_INFO
 
-/// The same with the coverage behind them.
-constexpr int image_plane_count(std::uint32_t features) {
-  return layer_planes_end(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
-}
-
-/// Of images of so many planes, the one that is the share of the samples which met something, or a sky that
-/// is seen: alpha. -1: there is none.
-constexpr int coverage_plane_of(int image_planes) {
-  for (const int end : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)})
-    if (image_planes == end + 1) return end;
-  return -1;
-}
-/// How many of SampleBufferPlane they have.
-constexpr int layer_planes_of(int image_planes) {
-  return coverage_plane_of(image_planes) < 0 ? image_planes : image_planes - 1;
-}
-
-/// How many planes the results of a scene with these FEATURE_* bits have.
-constexpr int plane_count(std::uint32_t features) {
-  return image_plane_count(features) + ((features & FEATURE_RATIO) != 0u ? kRatioPlanes : 0);
-}
-
-/// How many planes a device writes for so many samples of a pixel: those, and pairs of owners
-/// (FEATURE_OWNERS), which take_owners takes out of them.
-inline int device_plane_count(std::uint32_t features, std::uint32_t sample_count) {
-  return plane_count(features) + ((features & FEATURE_OWNERS) != 0u ? 2 * owner_pairs(int(sample_count)) : 0);
+/// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes
+/// (FEATURE_MATTES), which take_mattes takes out of them.
+inline int device_plane_count(std::uint64_t features, std::uint32_t sample_count) {
+  return plane_count(features) + ((features & FEATURE_MATTES) != 0 ? 2 * matte_pairs(int(sample_count)) : 0);
 }
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
@@ -104,9 +76,9 @@ struct SampleBuffer {
   std::uint32_t sample_count = 0;
   FlaggedKinds flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
   std::vector<float> values;
-  /// With FEATURE_OWNERS, of one pixel after the other: how many pairs, then those, an owner and how many of
-  /// the samples met it, at least one. Owners ascend, from NOBODY on; the counts are those of all samples.
-  std::vector<std::uint32_t> owners = {};
+  /// With FEATURE_MATTES, of one pixel after the other: how many pairs, then those, a matte and how many of
+  /// the samples met it, at least one. Mattes ascend, from NO_MATTE on; the counts are those of all samples.
+  std::vector<std::uint32_t> mattes = {};
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
   [[nodiscard]] std::span<const float> plane(int p) const {
@@ -121,16 +93,10 @@ struct SampleBuffer {
 /// from outside has been through this.
 Expected<void> check_statistics(const SampleBuffer& buffer);
 
-/// What results of a scene look like.
-struct ResultShape {
-  int planes = kRadiancePlanes;
-  int owner_count = 0;
-};
+/// Makes `mattes` of the planes that a device has written for them, behind the others, which remain.
+void take_mattes(SampleBuffer& buffer);
 
-/// Makes `owners` of the planes that a device has written for them, behind the others, which remain.
-void take_owners(SampleBuffer& buffer);
-
-/// Whether `owners` is what it should be, of a scene with so many of them; with 0, nothing.
-Expected<void> check_owners(const SampleBuffer& buffer, int owner_count);
+/// Whether `mattes` is what it should be, of a scene with so many of them; with 0, nothing.
+Expected<void> check_mattes(const SampleBuffer& buffer, int matte_count);
 
 }  // namespace penumbra

@@ -7,7 +7,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(WHITTED)
 /// The random numbers of another branch of a path of pixel sequence `hash`: a sequence of its own, whose
 /// points are spread over the same pixels' neighbours.
 FN int branch_sequence(int hash, int branch) {
@@ -33,13 +32,9 @@ FN Branch arriving_branch(const PRIVATE Scene* scene, const PRIVATE PathState* p
   b.depth = get_depth(paths, i);
   b.skip = get_ray_skip(paths, i);
   b.instance = -1;
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) b.instance = get_ray_skip_instance(paths, i);
-  #endif
   b.eta = 1.0f;
-  #if HAS(TRANSMISSION)
   if (NEEDS(scene, TRANSMISSION)) b.eta = get_eta(paths, i);
-  #endif
   b.pixel_hash = get_pixel_hash(paths, i);
   b.more = more;
   return b;
@@ -58,21 +53,15 @@ FN void follow_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   set_ray_direction(paths, i, b.direction);
   set_ray_tmax(paths, i, NO_LIMIT);
   set_ray_skip(paths, i, b.skip);
-  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) set_ray_skip_instance(paths, i, b.instance);
-  #endif
   set_direction_pdf(paths, i, DELTA_PDF);
   set_throughput(paths, i, b.throughput);
   set_depth(paths, i, b.depth);
   set_revisit(paths, i, b.more);
   set_pixel_hash(paths, i, b.more > 0 ? branch_sequence(b.pixel_hash, b.more) : b.pixel_hash);
   set_alive(paths, i, true);
-  #if HAS(TRANSMISSION)
   if (NEEDS(scene, TRANSMISSION)) set_eta(paths, i, b.eta);
-  #endif
-  #if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS)) set_left_controlled(paths, i, false);
-  #endif
 }
 
 /// Paths from lane i on that have ended take their last branch, if they have one. `count`: of the lanes that
@@ -90,7 +79,6 @@ STAGE void take_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       set_branch_count(paths, j, branches - 1);
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -24,22 +24,6 @@ FN float power_of_two_scale(float x) {
   return BITS_FLOAT((uint)(254 - exponent) << 23);
 }
 
-/// Alpha of the ratio estimator: sum H / sum W over `count` samples, each `stride` after the last, 0 where
-/// sum W is 0. The mean of the e_i is then mean G times mean H / mean W for equal G, and the e_i are its
-/// linearisation about the means, so that their spread is its error (Heitz, Hill and McGuire 2018). Biased by
-///   -E[(H - r W) C] / (n E[W]) + O(1/n^2), r = E[H] / E[W].
-FN float ratio_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* RESTRICT w, int stride, int count) {
-  float largest = 0.0f;
-  for (int i = 0; i < count; i++) largest = max_f(largest, w[i * stride]);
-  const float scaling = power_of_two_scale(largest);
-  float shadowed = 0.0f, unshadowed = 0.0f;
-  for (int i = 0; i < count; i++) {
-    shadowed += h[i * stride] * scaling;
-    unshadowed += w[i * stride] * scaling;
-  }
-  return unshadowed > 0.0f ? shadowed / unshadowed : 0.0f;
-}
-
 /// Alpha for those of a pixel's `count` samples, each `stride` after the last, whose absolute index has
 /// parity `wanted`; `parity` is that of the first one's absolute index. It depends on the samples of the
 /// other parity alone, which are independent of those that it is applied to, so the estimate has no bias

@@ -5,11 +5,9 @@
 #include "kernels/integrator/directions.h"
 #include "kernels/integrator/kept_surfaces.h"
 #include "kernels/integrator/light_request.h"
-#include "kernels/light/lit_cells.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(DIRECT)
 /// Random numbers for a step's light and direction samples.
 FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathState* paths, int i,
                        PRIVATE float* u) {
@@ -27,7 +25,6 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
-  #if HAS(UV)
 STAGE void keep_uvs(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) keep_uv(paths, i + j, load_surface(surfaces, j));
@@ -37,7 +34,6 @@ STAGE void load_kept_uvs(const PRIVATE PathState* paths, int i, PRIVATE Surfaces
     for (int j = 0; j < LANES; j++)
       store_surface_uv(surfaces, j, with_kept_uv(paths, i + j, load_surface(surfaces, j)));
 }
-  #endif
 
 /// Adds what the last rays found: at `first` the camera's, then those of the direction samples.
 STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
@@ -60,7 +56,6 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
-  #if HAS(NESTED)
 /// Adds the light of surfaces that the k-th rays pass, in the lanes with `passes`. The surfaces are as seen
 /// from where the rays started.
 FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
@@ -68,18 +63,14 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
   FoundLights found;
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
-    #if HAS(PROJECTED) || HAS(LIGHT_TREE)
   if ((NEEDS(scene, PROJECTED) || NEEDS_LIGHT_TREE(scene)) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
     Closures closures;
     for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
     resolve_closures(scene, &left, &closures);
-      #if HAS(PROJECTED)
     if (NEEDS(scene, PROJECTED))
       project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
-      #endif
-      #if HAS(LIGHT_TREE)
     if (NEEDS_LIGHT_TREE(scene)) {
       LitPlaces places;
       LightScales scales;
@@ -87,58 +78,10 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
       find_light_scales(scene, &places, &scales);
       find_tree_pmfs(scene, &places, &scales, &found);
     }
-      #endif
   }
-    #endif
   find_emissions(scene, &found, k > 0, &emissions);
   add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
 }
-  #endif
-
-  #if HAS(LIT_CELLS)
-/// Whether any of the surfaces sees every light whole; lit[j]: lane j's does, and its light has a closed
-/// form.
-STAGE int find_lit(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                   const PRIVATE Closures* RESTRICT closures, PRIVATE int* RESTRICT lit) {
-  int any = 0;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const bool whole = sees_lights_whole(scene, load_surface(surfaces, j));
-      lit[j] = (whole & has_closed_form(load_closure(closures, j))) ? 1 : 0;
-      any |= lit[j];
-    }
-  return any;
-}
-
-/// Those surfaces get the closed form, and nothing more is sampled there.
-STAGE void add_lit(const PRIVATE PathState* paths, int i, const PRIVATE int* RESTRICT lit,
-                   const PRIVATE double* RESTRICT light, PRIVATE Surfaces* RESTRICT surfaces,
-                   PRIVATE Closures* RESTRICT closures) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3 form = make_vec3((float)light[j], (float)light[LANES + j], (float)light[2 * LANES + j]);
-      const vec3 before = get_radiance(paths, i + j);
-      const vec3 after = add(before, mul(get_throughput(paths, i + j), form));
-      set_radiance(paths, i + j, select3(lit[j] != 0, after, before));
-      surfaces->primitive[j] = lit[j] != 0 ? NOTHING_HIT : surfaces->primitive[j];
-      closures->family[j] = lit[j] != 0 ? FAMILY_BLACK : closures->family[j];
-    }
-}
-
-/// Light of the surfaces that see all of it.
-FN void light_lit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                           PRIVATE StepLanes* step) {
-  int lit[LANES];
-  if (find_lit(scene, &step->surfaces, &step->closures, lit) == 0) return;
-  ShadingPoints points;
-  Reservoir none;
-  double light[3 * LANES];
-  store_shading_points(scene, &step->surfaces, &step->closures, &points);
-  unshadowed_lights(scene, &points, false, &none, light);
-  add_lit(paths, i, lit, light, &step->surfaces, &step->closures);
-  step->families = families_among(&step->closures);
-}
-  #endif
 
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
@@ -204,45 +147,26 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
     if (k == 0 && !is_last) keep_surfaces(paths, i, &step.surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
-  #if HAS(UV)
     if (NEEDS(scene, UV) && k == 0 && !is_last) keep_uvs(paths, i, &step.surfaces);
     if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
-  #endif
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &step.surfaces);
-  #endif
     resolve_step_closures(scene, &step);
-  #if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-  #endif
-  #if HAS(COVERAGE)
-    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-  #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && k == 0) record_owners(scene, &step.surfaces, paths, i, slots);
-  #endif
+    if (k == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
     direct_numbers(h, k, paths, i, step.u);
     request_lights(scene, request, finds, &step, paths, i);
     if (finds) {
       find_emissions(scene, &step.found, k > 0, &step.emissions);
       add_emissions_found(scene, k == 0, paths, i, &step.found, &step.emissions);
     }
-  #if HAS(LIT_CELLS)
-    if (NEEDS(scene, LIT_CELLS) && k == 0) light_lit_surfaces(scene, paths, i, &step);
-  #endif
     begin_steps(paths, i, &step.surfaces, is_last);
     if (step.families == 0u) continue;  // nothing scatters
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-  #if HAS(LTC)
-      if (has_other_control(scene)) admit_controls(scene, &step);
-  #endif
+      if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
       request_emitter_samples(scene, paths, i, &step);
-  #if HAS(LTC)
-      if (has_other_control(scene))
+      if (HAS(LTC) && has_other_control(scene))
         request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
-  #endif
     }
     if (scatters) {
       const uint by_themselves = families_by_themselves(h);
@@ -258,7 +182,6 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -13,7 +13,6 @@ FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
   return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
 }
 
-#if HAS(DIRECT) || HAS(WHITTED)
 /// Where directions of the hemisphere would miss light, the BSDFs' own are used.
 FN uint families_by_themselves(const PRIVATE SceneHeader* h) {
   return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
@@ -68,7 +67,6 @@ FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVA
   eval_bsdfs(scene, families, &step->closures, &step->surfaces, wi, &values);
   weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, samples);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -5,7 +5,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(DIRECT) || HAS(OCCLUSION)
 STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) keep_surface(paths, i + j, load_surface(surfaces, j));
@@ -25,7 +24,6 @@ STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surf
       set_alive(paths, i + j, (surfaces->primitive[j] >= 0) & !is_last);
     }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -35,7 +35,6 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   return request;
 }
 
-#if HAS_CLOSED_FORMS
 STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,
                                 PRIVATE ShadingPoints* RESTRICT points) {
@@ -43,10 +42,7 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
     for (int j = 0; j < LANES; j++)
       store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
-#endif
 
-#if HAS(POLYGONS)
-  #if HAS(LTC)
 STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,
                                 const PRIVATE ControlLanes* RESTRICT controls,
@@ -56,7 +52,6 @@ STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
       store_control_point(load_surface(surfaces, j), load_closure(closures, j),
                           load_control_lobes(controls, j), points, j);
 }
-  #endif
 
 /// Adds the closed form to the sums of the paths, times their throughput.
 STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
@@ -75,18 +70,13 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE dou
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
                             const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
-  #if HAS(LTC)
-                            const PRIVATE ControlLanes* RESTRICT controls,
-  #endif
-                            PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
-                            PRIVATE double* RESTRICT projected) {
+                            const PRIVATE ControlLanes* RESTRICT controls, PRIVATE float* RESTRICT u,
+                            PRIVATE LightSamplings* RESTRICT samplings, PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
   store_shading_points(scene, surfaces, closures, &points);
-  #if HAS(LTC)
   if (NEEDS_LTC(scene)) store_control_points(surfaces, closures, controls, &points);
-  #endif
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
   if (request.closed | !one_light)
@@ -100,9 +90,7 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
     choose_part(scene, &points, request.projected, &reservoir, samplings, projected, u + DIM_LIGHT_U * LANES);
   if (request.closed) add_analytic(paths, i, analytic);
 }
-#endif
 
-#if HAS(PROJECTED)
 // Projection is onto one side of a surface. Where light comes through, points on lights are sampled
 // otherwise.
 
@@ -172,7 +160,6 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVAT
                       projected_about(LOAD_LANE_vec3(surfaces->shading, j), load_closure(closures, j)));
 }
 
-  #if HAS(LTC)
 // The same three where closures have control lobes.
 STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                const PRIVATE Closures* RESTRICT closures,
@@ -234,34 +221,27 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
       set_left_specular(paths, i + j, lobes.specular);
     }
 }
-  #endif
 
 /// Densities for lights found, from the surfaces that the paths left; from these surfaces.
 FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE FoundLights* found) {
-  #if HAS(LTC)
   if (NEEDS_LTC(scene)) {
     project_found_lobes_of_paths(scene, paths, i, found);
     return;
   }
-  #endif
   project_found_of_paths(scene, paths, i, found);
 }
 FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
                               const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
-  #if HAS(LTC)
   if (NEEDS_LTC(scene)) {
     ControlLanes controls;
     find_controls(scene, families, closures, surfaces, &controls);
     project_found_lobes(scene, surfaces, closures, &controls, found);
     return;
   }
-  #endif
   project_found(scene, surfaces, closures, found);
 }
-#endif
 
-#if HAS(LIGHT_TREE)
 /// What the choice among lights depends on: where light comes through, no side counts.
 STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures, PRIVATE LitPlaces* RESTRICT places) {
@@ -332,9 +312,7 @@ FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool f
   if (finds_here) find_tree_pmfs(scene, &places, &scales, &step->found);
   if (request.tree_found & request.path) note_left_places(paths, i, &places, &scales);
 }
-#endif
 
-#if HAS(NESTED)
 /// The lights of surfaces that rays pass, in the lanes with `passes`.
 FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                            const PRIVATE int* passes, PRIVATE FoundLights* found) {
@@ -345,33 +323,21 @@ FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* s
     found->kind[j] = passed ? found->kind[j] : -1;
   }
 }
-#endif
 
 /// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
 /// start_step left it. With `finds` their last rays found lights.
 CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds,
                               PRIVATE StepLanes* step, const PRIVATE PathState* paths, int i) {
-#if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
   for (int j = 0; j < LANES; j++) projected[j] = 0.0;
-#endif
-#if HAS(LTC)
   if (NEEDS_LTC(scene))
     find_controls(scene, step->families, &step->closures, &step->surfaces, &step->controls);
-#endif
-#if HAS(POLYGONS)
-  if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i,
-  #if HAS(LTC)
-                     &step->controls,
-  #endif
-                     step->u, &step->samplings, projected);
-#endif
-#if HAS(LIGHT_TREE)
-  if (request.tree | request.tree_found) request_by_tree(scene, request, finds, step, paths, i);
-#endif
-#if HAS(PROJECTED)
-  #if HAS(LTC)
+  if (HAS(POLYGONS) && (request.choice | request.closed))
+    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i, &step->controls, step->u,
+                     &step->samplings, projected);
+  if (HAS(LIGHT_TREE) && (request.tree | request.tree_found))
+    request_by_tree(scene, request, finds, step, paths, i);
+  if (!HAS(PROJECTED)) return;
   if (NEEDS_LTC(scene)) {
     if (request.found & finds & request.path) project_found_lobes_of_paths(scene, paths, i, &step->found);
     if (request.found & finds & !request.path)
@@ -383,7 +349,6 @@ CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, 
                           &step->samplings);
     return;
   }
-  #endif
   if (request.found & finds & request.path) project_found_of_paths(scene, paths, i, &step->found);
   if (request.found & finds & !request.path)
     project_found(scene, &step->surfaces, &step->closures, &step->found);
@@ -392,7 +357,6 @@ CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, 
     project_by_power(scene, &step->surfaces, &step->closures, step->samplings.light, step->u, projected);
   if (request.projected)
     sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
-#endif
 }
 
 PENUMBRA_NAMESPACE_END

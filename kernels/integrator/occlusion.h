@@ -10,7 +10,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(OCCLUSION)
 /// A direction about the unit normal n by its DIRECTION_*; `mirror` is that of the viewer.
 FN vec3 occlusion_direction(int kind, float exponent, vec3 n, vec3 mirror, float u, float v) {
   const vec3 cosine = sample_cosine_hemisphere(n, u, v), hemisphere = sample_uniform_hemisphere(n, u, v);
@@ -83,30 +82,19 @@ CALLED_FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathStat
     }
     if (k == 0 && samples > 1) keep_surfaces(paths, i, &surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &surfaces);
-  #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &surfaces);
-  #endif
-  #if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && k == 0) {
+    if (k == 0) {
       Closures closures;
       for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
-      resolve_closures(scene, &surfaces, &closures);
-      record_layers(&surfaces, &closures, paths, i, slots);
+      if (NEEDS(scene, LAYERS)) resolve_closures(scene, &surfaces, &closures);
+      record_first_hits(scene, &surfaces, &closures, paths, i, slots);
     }
-  #endif
-  #if HAS(COVERAGE)
-    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &surfaces, paths, i, slots);
-  #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && k == 0) record_owners(scene, &surfaces, paths, i, slots);
-  #endif
     sample_pair(h->sampler.kind, sequence_length(h), nth_point(step_point(PAIR_BSDF), samples, k), paths, i,
                 u, v);
     begin_steps(paths, i, &surfaces, k + 1 >= samples);
     request_occlusion_rays(scene, paths, i, &surfaces, u, v);
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -24,12 +24,10 @@ typedef struct {
   Emissions emissions;               ///< what those add
   LightSamplings samplings;
   LightSamples lights;
-#if HAS(LTC)
   ControlLanes controls;  ///< of the closures, see request_lights
-#endif
-  BsdfValues values;    ///< towards the lights
-  BsdfSamples samples;  ///< of a next direction
-  float eta[LANES];     ///< refractive index where that leads over that at the camera
+  BsdfValues values;      ///< towards the lights
+  BsdfSamples samples;    ///< of a next direction
+  float eta[LANES];       ///< refractive index where that leads over that at the camera
 } StepLanes;
 
 FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
@@ -70,12 +68,8 @@ FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS_LTC(scene) 
 
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
-#if HAS(LTC)
-  const bool nearly = NEEDS_LTC(scene) & has_ltc_form(c);
+  const bool nearly = HAS(LTC) && (NEEDS_LTC(scene) & has_ltc_form(c));
   return has_control(scene) & (has_closed_form(c) | nearly) & of_polygon;
-#else
-  return has_control(scene) & has_closed_form(c) & of_polygon;
-#endif
 }
 
 /// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.
@@ -88,17 +82,12 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
   set_shadow_radiance(paths, i, arriving);
   set_shadow_tmax(paths, i, (lit & (controlled | !beneath)) ? light.tmax : -1.0f);
   set_shadow_skip(paths, i, s.primitive);
-#if HAS(BENT) && HAS(UV)
   if (NEEDS(scene, BENT)) set_shadow_share(paths, i, bump_shadow(s, light.wi));
-#endif
-#if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS))
     set_shadow_controlled(paths, i,
                           controlled ? (beneath ? CONTROLLED_BENEATH : CONTROLLED_SEEN) : CONTROLLED_NOT);
-#endif
 }
 
-#if HAS(LTC)
 /// Light samples whose control variate is not the closure's own value count wherever that variate is above 0,
 /// whatever the closure's value.
 STAGE void admit_controls(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
@@ -131,9 +120,7 @@ STAGE void request_controls(const PRIVATE Scene* scene, const PRIVATE PathState*
       set_shadow_control(paths, i + j, select3(own, arriving, get_shadow_radiance(paths, i + j)));
     }
 }
-#endif
 
-#if HAS(BENT) && HAS(UV)
 /// What bumps let through in the directions that are sampled.
 STAGE void shade_samples(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE BsdfSamples* RESTRICT samples) {
   LANE_LOOP
@@ -143,17 +130,13 @@ STAGE void shade_samples(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Bsdf
       STORE_LANE_vec3(samples->weight, j, scale(weight, share));
     }
 }
-#endif
 
 /// After directions are sampled.
 FN void shade_bumps(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                     PRIVATE BsdfSamples* samples) {
-#if HAS(BENT) && HAS(UV)
   if (NEEDS(scene, BENT)) shade_samples(surfaces, samples);
-#endif
 }
 
-#if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.
 STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE Closures* RESTRICT closures,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
@@ -166,9 +149,7 @@ STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVAT
     set_slot_distance(slots, slot, is_hit(s) ? s.distance : 0.0f);
   }
 }
-#endif
 
-#if HAS(COVERAGE)
 /// Whether camera rays met something.
 STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
@@ -176,27 +157,31 @@ STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* R
   for (int j = 0; j < LANES; j++)  // no lane loop: slots are anywhere
     set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] != NOTHING_HIT ? 1.0f : sky);
 }
-#endif
 
-#if HAS(OWNERS)
-/// Whose surfaces camera rays met: NOBODY where there is none. Kernels may be compiled for more than a scene
-/// has: without the tables nobody is there.
-STAGE void record_owners(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+/// The mattes that camera rays hit: NO_MATTE where there is none. Kernels may be compiled for more than a
+/// scene has: without the tables nobody is there.
+STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   for (int j = 0; j < LANES; j++) {  // no lane loop: slots are anywhere
     const int primitive = surfaces->primitive[j];
-    const bool known = (primitive >= 0) & (primitive < scene->header.tables.owners.count);
-    int owner = scene->owners[known ? primitive : 0];
-  #if HAS(INSTANCES)
+    const bool known = (primitive >= 0) & (primitive < scene->header.tables.mattes.count);
+    int matte = scene->mattes[known ? primitive : 0];
     const int instance = NEEDS(scene, INSTANCES) ? surfaces->instance[j] : -1;
-    const bool placed = (instance >= 0) & (instance < scene->header.tables.instance_owners.count);
-    const int first = scene->instance_owners[placed ? instance : 0];
-    owner += placed ? first : 0;
-  #endif
-    set_slot_owner(slots, get_slot(paths, i + j), known ? owner : NOBODY);
+    const bool placed = (instance >= 0) & (instance < scene->header.tables.instance_mattes.count);
+    const int first = scene->instance_mattes[placed ? instance : 0];
+    matte += placed ? first : 0;
+    set_slot_matte(slots, get_slot(paths, i + j), known ? matte : NO_MATTE);
   }
 }
-#endif
+
+/// What the film keeps of the surfaces that camera rays hit.
+FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                          const PRIVATE Closures* closures, const PRIVATE PathState* paths, int i,
+                          const PRIVATE SlotState* slots) {
+  if (NEEDS(scene, LAYERS)) record_layers(surfaces, closures, paths, i, slots);
+  if (NEEDS(scene, COVERAGE)) record_coverage(scene, surfaces, paths, i, slots);
+  if (NEEDS(scene, MATTES)) record_mattes(scene, surfaces, paths, i, slots);
+}
 
 PENUMBRA_NAMESPACE_END
 #endif

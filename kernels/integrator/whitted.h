@@ -6,13 +6,12 @@
 #define PENUMBRA_INTEGRATOR_WHITTED_H
 #include "kernels/integrator/branches.h"
 #include "kernels/integrator/directions.h"
-#include "kernels/integrator/path.h"
+#include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(WHITTED)
-  // A density that takes no weight from any other, where no direction is sampled.
-  #define NO_RIVAL 1e-37f
+// A density that takes no weight from any other, where no direction is sampled.
+#define NO_RIVAL 1e-37f
 
 /// How many directions a path samples at a surface that scatters in all of them. (Camera rays that look
 /// through emitters, and rays that pass surfaces by chance, would not find back to what they see.)
@@ -36,7 +35,6 @@ STAGE void drop_found_again(const PRIVATE PathState* paths, int i, PRIVATE Found
     for (int j = 0; j < LANES; j++) found->light[j] = get_revisit(paths, i + j) != 0 ? -1 : found->light[j];
 }
 
-  #if HAS(POLYGONS)
 /// While the surfaces' closed forms are added, paths that are back or end there carry nothing ...
 STAGE void hide_throughputs(int max_depth, const PRIVATE PathState* paths, int i,
                             PRIVATE float* RESTRICT hidden) {
@@ -53,22 +51,19 @@ STAGE void restore_throughputs(const PRIVATE PathState* paths, int i, const PRIV
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_throughput(paths, i + j, LOAD_LANE_vec3(hidden, j));
 }
-  #endif
 
 /// The lights that a step of the integrator asks for.
 FN void request_whitted_lights(const PRIVATE Scene* scene, bool scatters, bool finds, PRIVATE StepLanes* step,
                                const PRIVATE PathState* paths, int i) {
   const bool balances = scene->header.integrator.bsdf_samples > 0;
   const LightRequest request = light_request(scene, true, scatters, scatters, balances);
-  #if HAS(POLYGONS)
-  if (request.closed) {
+  if (HAS(POLYGONS) && request.closed) {
     float throughputs[3 * LANES];
     hide_throughputs(scene->header.integrator.max_depth, paths, i, throughputs);
     request_lights(scene, request, finds, step, paths, i);
     restore_throughputs(paths, i, throughputs);
     return;
   }
-  #endif
   request_lights(scene, request, finds, step, paths, i);
 }
 
@@ -248,46 +243,28 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (scatters) path_numbers(h, any_roulette(h, paths, i), paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
     resolve_step_closures(scene, &step);
-  #if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && steps == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-  #endif
-  #if HAS(COVERAGE)
-    if (NEEDS(scene, COVERAGE) && steps == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
-  #endif
-  #if HAS(OWNERS)
-    if (NEEDS(scene, OWNERS) && steps == 0) record_owners(scene, &step.surfaces, paths, i, slots);
-  #endif
+    if (steps == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_whitted_lights(scene, scatters, finds, &step, paths, i);
     if (finds) find_emissions(scene, &step.found, balances & (steps > 0), &step.emissions);
     if (finds & revisits) drop_found_again(paths, i, &step.found);
-  #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) {
       if (finds) drop_controlled(paths, i, &step.emissions, &step.found);
       note_controlled(scene, paths, i, &step.closures);
     }
-  #endif
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (scatters) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-  #if HAS(LTC)
-      if (has_other_control(scene)) admit_controls(scene, &step);
-  #endif
+      if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
       balance_values(scene, paths, i, &step);
       request_light(scene, paths, i, &step);
-  #if HAS(LTC)
-      if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
-  #endif
+      if (HAS(LTC) && has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
       sample_branches(scene, paths, i, count, &step);
-  #if HAS(TRANSMISSION)
       if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
-  #endif
       continue_paths(scene, paths, i, &step);
-  #if HAS(INSTANCES)
       if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
-  #endif
       if (revisits) end_revisits(paths, i);
     } else {
       end_paths(paths, i);
@@ -295,7 +272,6 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     take_branches(scene, paths, i, count);
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -9,11 +9,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // The scene's hierarchy, and within it that of one group.
-#if HAS(INSTANCES)
-  #define BVH_LEVELS 2
-#else
-  #define BVH_LEVELS 1
-#endif
+#define BVH_LEVELS (HAS(INSTANCES) ? 2 : 1)
 #define BVH_STACK (BVH_LEVELS * (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + BVH_WIDTH))
 // 1 + 2 gamma(3): a slab test that never misses a box through rounding (Ize 2013).
 #define SLAB_MARGIN 1.0000005f
@@ -21,9 +17,7 @@ PENUMBRA_NAMESPACE_BEGIN
 typedef struct {
   int primitive;  ///< -1: nothing before tmax
   float t;
-#if HAS(INSTANCES)
   int instance;  ///< that the primitive is a part of, or -1
-#endif
 } Hit;
 
 FN Hit closer_hit(Hit best, float t, int primitive) {
@@ -160,26 +154,21 @@ FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE Bv
   return closest_of(leaf, distances, triangle_leaf_hits(leaf, r, best.t, distances), r->skip, best);
 }
 
-#if HAS(QUADRICS)
 /// Distance in units of the direction's length; `any_length`: it may be another than 1.
 FN float quadric_distance(const PRIVATE Scene* scene, int primitive, const PRIVATE BvhRay* r,
                           bool any_length) {
   const Quadric q = scene->quadrics[primitive - scene->header.tables.triangles.count];
-  #if HAS(INSTANCES)
-  if (any_length) {
+  if (HAS(INSTANCES) && any_length) {
     const UnitDirection unit = unit_direction(r->d);
     return intersect_quadric(q, r->o, unit.d) / unit.length;
   }
-  #endif
   return intersect_quadric(q, r->o, r->d);
 }
-#endif
 
 /// The closest of the leaf's hits and `best`. `any_length`: see quadric_distance.
 FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best,
                       bool any_length) {
-#if HAS(QUADRICS)
-  if (leaf >= scene->header.tables.triangle_leaves.count) {
+  if (HAS(QUADRICS) && leaf >= scene->header.tables.triangle_leaves.count) {
     GLOBAL const QuadricLeaf* quadrics =
         scene->quadric_leaves + (leaf - scene->header.tables.triangle_leaves.count);
     for (int j = 0; j < BVH_WIDTH; j++) {
@@ -190,7 +179,6 @@ FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay
     }
     return best;
   }
-#endif
   return intersect_triangle_leaf(scene->triangle_leaves + leaf, r, best);
 }
 
@@ -198,38 +186,31 @@ FN Hit no_hit(float tmax) {
   Hit none;
   none.primitive = -1;
   none.t = tmax;
-#if HAS(INSTANCES)
   none.instance = -1;
-#endif
   return none;
 }
 
 /// Where a traversal is: in the scene, or in one of its instances.
 typedef struct {
   BvhRay ray;
-#if HAS(INSTANCES)
   BvhRay outside;  ///< the ray in the scene
   int instance;    ///< or -1
   int bottom;      ///< of the part of the stack that is the instance's
-#endif
 } Traversal;
 
 /// `instances`: whether the scene has some. Skipped is the primitive `skip` of `skip_instance`, or of none.
 FN Traversal start_traversal(vec3 o, vec3 d, int skip, int skip_instance, bool instances) {
   Traversal t;
   t.ray = make_bvh_ray(o, d, skip);
-#if HAS(INSTANCES)
-  if (instances) {
+  if (HAS(INSTANCES) && instances) {
     t.outside = t.ray;
     t.ray.skip = skip_instance < 0 ? skip : -1;
   }
   t.instance = -1;
   t.bottom = 0;
-#endif
   return t;
 }
 
-#if HAS(INSTANCES)
 /// Of a leaf, its instance, or negative.
 FN int instance_of_leaf(const PRIVATE Scene* scene, int leaf) {
   return leaf - scene->header.tables.triangle_leaves.count - scene->header.tables.quadric_leaves.count;
@@ -253,7 +234,6 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
   t->ray.skip = skip_instance < 0 ? t->outside.skip : -1;
   t->instance = -1;
 }
-#endif
 
 /// The closest hit in (0, tmax), but of primitive `skip` of `skip_instance`, which are -1 for none.
 /// `instances`: whether the scene has some; a constant, for code without where it has none.
@@ -293,28 +273,20 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
         continue;
       }
     } else {
-#if HAS(INSTANCES)
-      const int instance = instances ? instance_of_leaf(scene, ~entry) : -1;
-      if (instance >= 0) {
+      const int instance = HAS(INSTANCES) && instances ? instance_of_leaf(scene, ~entry) : -1;
+      if (HAS(INSTANCES) && instance >= 0) {
         entry = enter_instance(scene, &at, instance, skip_instance, top);
         continue;
       }
-#endif
       const Hit found = intersect_leaf(scene, ~entry, &at.ray, best, instances);
-#if HAS(INSTANCES)
       const bool other = (found.primitive != best.primitive) | (found.t != best.t);
       const int before = best.instance;
       best = found;
-      best.instance = other ? at.instance : before;
-#else
-      best = found;
-#endif
+      if (HAS(INSTANCES)) best.instance = other ? at.instance : before;
       end = key_of_end(best.t);
     }
     do {
-#if HAS(INSTANCES)
-      if (instances) leave_instance(&at, skip_instance, top);
-#endif
+      if (HAS(INSTANCES) && instances) leave_instance(&at, skip_instance, top);
       if (top == 0) return best;
       entry = stack[--top];
     } while (distances[top] > end);
@@ -335,10 +307,8 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
   stack[top++] = 0;
   while (top > 0) {
     int entry = stack[--top];
-#if HAS(INSTANCES)
-    const int instance = (instances && entry < 0) ? instance_of_leaf(scene, ~entry) : -1;
-    if (instance >= 0) entry = enter_instance(scene, &at, instance, skip_instance, top);
-#endif
+    const int instance = (HAS(INSTANCES) && instances && entry < 0) ? instance_of_leaf(scene, ~entry) : -1;
+    if (HAS(INSTANCES) && instance >= 0) entry = enter_instance(scene, &at, instance, skip_instance, top);
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
       for (uint hits = enter_children(node, &at.ray, end, entries); hits != 0u; hits &= hits - 1u)
@@ -347,9 +317,7 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
       const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), instances);
       if (some.primitive >= 0) return some;
     }
-#if HAS(INSTANCES)
-    if (instances) leave_instance(&at, skip_instance, top);
-#endif
+    if (HAS(INSTANCES) && instances) leave_instance(&at, skip_instance, top);
   }
   return no_hit(tmax);
 }

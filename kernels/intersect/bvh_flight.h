@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+#ifdef RAYS_IN_FLIGHT
   // pack_8 writes a whole register at the top of a stack, whose lowest entry stands for the end.
   #define FLIGHT_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + 2 * BVH_WIDTH + 2)
 
@@ -107,16 +107,13 @@ FN void find_some(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
 
 FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
   const int number = ~f->entry;
-  #if HAS(QUADRICS)
-  if (number >= scene->header.tables.triangle_leaves.count) {
+  if (HAS(QUADRICS) && number >= scene->header.tables.triangle_leaves.count) {
     Hit best = no_hit(f->t);
     best.primitive = f->primitive;
     best = intersect_leaf(scene, number, &f->ray, best, false);
     f->t = best.t;
     f->primitive = best.primitive;
-  } else
-  #endif
-      if (any)
+  } else if (any)
     find_some(scene->triangle_leaves + number, f);
   else
     find_closest(scene->triangle_leaves + number, f);

@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(BVH) && LANES > 1
+#if LANES > 1
 typedef struct {
   float ox[LANES], oy[LANES], oz[LANES];  ///< origins
   float ix[LANES], iy[LANES], iz[LANES];  ///< see BvhRay
@@ -114,8 +114,7 @@ FN int packet_end(const PRIVATE RayPacket* p) {
 STAGE void intersect_packet_leaf(const PRIVATE Scene* scene, int number, const PRIVATE BvhRay* lead,
                                  PRIVATE RayPacket* p, const PRIVATE float* dx, const PRIVATE float* dy,
                                  const PRIVATE float* dz) {
-  #if HAS(QUADRICS)
-  if (number >= scene->header.tables.triangle_leaves.count) {
+  if (HAS(QUADRICS) && number >= scene->header.tables.triangle_leaves.count) {
     for (int j = 0; j < LANES; j++) {
       if (p->t[j] <= 0.0f) continue;
       const BvhRay ray =
@@ -129,7 +128,6 @@ STAGE void intersect_packet_leaf(const PRIVATE Scene* scene, int number, const P
     }
     return;
   }
-  #endif
   GLOBAL const TriangleLeaf* leaf = scene->triangle_leaves + number;
   for (int k = 0; k < BVH_WIDTH && leaf->primitive[k] >= 0; k++) intersect_packet_triangle(leaf, k, lead, p);
 }

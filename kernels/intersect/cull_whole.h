@@ -1,5 +1,5 @@
 // Which triangles of a small scene a bundle of rays can meet: LANES rays that go nearly the same way, as a
-// camera's do, and those from what it sees to a lamp. What is left out has a margin far above the roundings
+// camera's do, and those from what it sees to a light. What is left out has a margin far above the roundings
 // by which a ray may seem to meet a triangle beside it, so the hits are those of a test of every triangle.
 #ifndef PENUMBRA_CULL_WHOLE_H
 #define PENUMBRA_CULL_WHOLE_H
@@ -18,7 +18,7 @@ typedef struct {
   int hit[LANES];
 } RayLanes;
 
-#if HAS_WHOLE && LANES > 1
+#if LANES > 1
   // The least cosine between rays of a bundle and its axis: others are wide, and meet most of a scene.
   #define BUNDLE_COSINE 0.9f
   // Of coordinates: 512 times what the test of a triangle rounds them by.

@@ -7,7 +7,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(INSTANCES)
 FN vec3 to_group_vector(GLOBAL const Instance* at, vec3 v) {
   return make_vec3(dot3(load3(&at->row_x), v), dot3(load3(&at->row_y), v), dot3(load3(&at->row_z), v));
 }
@@ -76,7 +75,6 @@ FN vec3 from_group_extent(GLOBAL const Instance* at, vec3 extent, vec3 p) {
                          scale(abs3(load3(&at->z)), e.z));
   return add(there, abs3(load3(&at->at)));
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -8,7 +8,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS_WHOLE
 /// A triangle of the scene against the ray of lane j. It waits for those before it with no more than a
 /// minimum.
 FN void meet_triangle(PRIVATE RayLanes* rays, int j, int k, bool skipped, vec3 a, vec3 b, vec3 c) {
@@ -78,43 +77,40 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
     }
   const int triangle_count = scene->header.tables.triangles.count;
   int count = -1;
-  #if LANES > 1
+#if LANES > 1
   int listed[MAX_WHOLE_TRIANGLES];
   count = cull_triangles(scene, rays, listed);
   if (count >= 0) meet_listed(scene, &shears, rays, listed, count);
-  #endif
+#endif
   if (count < 0) meet_all(scene, &shears, rays);
-  #if HAS(QUADRICS)
-  const int quadric_count = scene->header.tables.quadrics.count;
-  for (int k = 0; k < quadric_count; k++) {
-    const Quadric q = scene->quadrics[k];
-    const int primitive = triangle_count + k;
-    #if HAS(CYLINDERS)
-    if (q.kind == QUADRIC_CYLINDER) {
+  if (HAS(QUADRICS)) {
+    const int quadric_count = scene->header.tables.quadrics.count;
+    for (int k = 0; k < quadric_count; k++) {
+      const Quadric q = scene->quadrics[k];
+      const int primitive = triangle_count + k;
+      if (HAS(CYLINDERS) && q.kind == QUADRIC_CYLINDER) {
+        LANE_LOOP
+          for (int j = 0; j < LANES; j++) {
+            const float t = intersect_cylinder(make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
+                                               make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]), q.center,
+                                               q.normal, q.radius, q.length);
+            const bool closer = (t > 0.0f) & (t < rays->tmax[j]);
+            rays->tmax[j] = closer ? t : rays->tmax[j];
+            rays->hit[j] = closer ? primitive : rays->hit[j];
+          }
+        continue;
+      }
       LANE_LOOP
         for (int j = 0; j < LANES; j++) {
-          const float t = intersect_cylinder(make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
-                                             make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]), q.center,
-                                             q.normal, q.radius, q.length);
-          const bool closer = (t > 0.0f) & (t < rays->tmax[j]);
+          float t = intersect_sphere_or_disk(q, make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
+                                             make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]));
+          bool closer = (t > 0.0f) & (t < rays->tmax[j]);
           rays->tmax[j] = closer ? t : rays->tmax[j];
           rays->hit[j] = closer ? primitive : rays->hit[j];
         }
-      continue;
     }
-    #endif
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) {
-        float t = intersect_sphere_or_disk(q, make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
-                                           make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]));
-        bool closer = (t > 0.0f) & (t < rays->tmax[j]);
-        rays->tmax[j] = closer ? t : rays->tmax[j];
-        rays->hit[j] = closer ? primitive : rays->hit[j];
-      }
   }
-  #endif
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

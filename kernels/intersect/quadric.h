@@ -32,7 +32,6 @@ FN float intersect_disk(vec3 o, vec3 d, vec3 center, vec3 normal, float radius) 
   return dot3(offset, offset) <= sqr(radius) ? t : -1.0f;
 }
 
-#if HAS(CYLINDERS)
 /// Distance along the unit direction `d` to the nearest point in front of `o` of the cylinder, without caps,
 /// about the line from `center` along the unit `axis`, as far as `length`; or a negative number. As for
 /// spheres the discriminant is that of the ray's closest point to the axis.
@@ -55,7 +54,6 @@ FN float intersect_cylinder(vec3 o, vec3 d, vec3 center, vec3 axis, float radius
   const bool far_is_there = meets & (far_height >= 0.0f) & (far_height <= length);
   return near_is_there ? near : (far_is_there ? far : -1.0f);
 }
-#endif
 
 /// Not of cylinders.
 FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
@@ -65,9 +63,8 @@ FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
 }
 
 FN float intersect_quadric(Quadric q, vec3 o, vec3 d) {
-#if HAS(CYLINDERS)
-  if (q.kind == QUADRIC_CYLINDER) return intersect_cylinder(o, d, q.center, q.normal, q.radius, q.length);
-#endif
+  if (HAS(CYLINDERS) && q.kind == QUADRIC_CYLINDER)
+    return intersect_cylinder(o, d, q.center, q.normal, q.radius, q.length);
   return intersect_sphere_or_disk(q, o, d);
 }
 

@@ -30,13 +30,13 @@ FN SideMaterials side_materials(const PRIVATE Scene* scene, int primitive) {
   SideMaterials sides;
   sides.front = front;
   sides.back = back;
-#if HAS(QUADRICS)
-  const int index = primitive - scene->header.tables.triangles.count;
-  GLOBAL const Quadric* quadric = scene->quadrics + (index >= 0 ? index : 0);
-  const int quadric_front = quadric->front, quadric_back = quadric->back;
-  sides.front = index >= 0 ? quadric_front : front;
-  sides.back = index >= 0 ? quadric_back : back;
-#endif
+  if (HAS(QUADRICS)) {
+    const int index = primitive - scene->header.tables.triangles.count;
+    GLOBAL const Quadric* quadric = scene->quadrics + (index >= 0 ? index : 0);
+    const int quadric_front = quadric->front, quadric_back = quadric->back;
+    sides.front = index >= 0 ? quadric_front : front;
+    sides.back = index >= 0 ? quadric_back : back;
+  }
   return sides;
 }
 
@@ -63,7 +63,6 @@ FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, 
   return r;
 }
 
-#if HAS(SHADING_NORMALS)
 /// The interpolated normal of the triangle at the point, where it has one.
 FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoint r) {
   const int at = scene->triangles[index].normals;
@@ -73,13 +72,10 @@ FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoin
   blend = scale(blend, 1.0f / SQRT(max_f(length2, 1e-30f)));
   return select3((at >= 0) & (length2 > 1e-12f), blend, r.normal);
 }
-#endif
 
-#if HAS(QUADRICS)
 /// Whether a primitive's index, less the number of triangles, is that of a quadric.
 FN bool is_quadric(const PRIVATE Scene* scene, int quadric) { return quadric >= 0; }
 
-  #if HAS(CYLINDERS)
 FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
   const int kind = scene->quadrics[quadric >= 0 ? quadric : 0].kind;
   return (quadric >= 0) & (kind == QUADRIC_CYLINDER);
@@ -106,7 +102,6 @@ FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, 
   r.light = q->light;
   return r;
 }
-  #endif
 
 /// Where the ray from `o` along `d` meets the sphere or disk of that index.
 FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
@@ -132,36 +127,31 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
   r.light = q->light;
   return r;
 }
-#endif
 
-#if HAS(INSTANCES)
 /// Where the ray from `o` along `d` meets the primitive of the instance, in the scene.
 FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   GLOBAL const Instance* at = scene->instances + instance;
   const GroupRay ray = group_ray(at, o, d);
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, ray.o, ray.d);
-  #if HAS(SHADING_NORMALS)
-  r.shading = interpolated_normal(scene, triangle, r);
-  #endif
-  #if HAS(QUADRICS)
-  const int quadric = primitive - scene->header.tables.triangles.count;
-  const UnitDirection unit = unit_direction(ray.d);
-  PrimitivePoint q = quadric_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
-    #if HAS(CYLINDERS)
-  const PrimitivePoint c = cylinder_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
-  q = select_primitive_point(is_cylinder(scene, quadric), c, q);
-    #endif
-  q.distance /= unit.length;
-  r = select_primitive_point(quadric >= 0, q, r);
-  #endif
+  if (HAS(SHADING_NORMALS)) r.shading = interpolated_normal(scene, triangle, r);
+  if (HAS(QUADRICS)) {
+    const int quadric = primitive - scene->header.tables.triangles.count;
+    const UnitDirection unit = unit_direction(ray.d);
+    PrimitivePoint q = quadric_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
+    if (HAS(CYLINDERS)) {
+      const PrimitivePoint c = cylinder_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
+      q = select_primitive_point(is_cylinder(scene, quadric), c, q);
+    }
+    q.distance /= unit.length;
+    r = select_primitive_point(quadric >= 0, q, r);
+  }
   r.p = from_group_point(at, r.p);
   r.extent = from_group_extent(at, r.extent, r.p);
   r.normal = from_group_normal(at, r.normal);
   r.shading = from_group_normal(at, r.shading);
   return r;
 }
-#endif
 
 /// The surface of a ray that met the primitive, or nothing (-1), at that point, without texture coordinates.
 FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
@@ -185,41 +175,27 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   return without_uv(s);
 }
 
-#if HAS(INSTANCES)
 /// The same as surface_at of a primitive of an instance.
 FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   const PrimitivePoint r = instance_point(scene, primitive, instance, o, d);
   Surface s = seen_surface(primitive, o, d, r);
   s.instance = instance;
-  #if HAS(UV)
   if (NEEDS(scene, UV)) s = with_instance_uv(scene, primitive, instance, r, s);
-  #endif
   return s;
 }
-#endif
 
 /// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages
 /// that have LANES of them use surfaces_at.
 FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, o, d);
-#if HAS(SHADING_NORMALS)
   if (NEEDS(scene, SHADING_NORMALS)) r.shading = interpolated_normal(scene, triangle, r);
-#endif
-#if HAS(QUADRICS)
   const int quadric = primitive - scene->header.tables.triangles.count;
-  if (NEEDS(scene, QUADRICS) & (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
-  #if HAS(CYLINDERS)
-  if (NEEDS(scene, CYLINDERS) & is_cylinder(scene, quadric)) r = cylinder_point(scene, quadric, o, d);
-  #endif
-#endif
+  if (NEEDS(scene, QUADRICS) && (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
+  if (NEEDS(scene, CYLINDERS) && is_cylinder(scene, quadric)) r = cylinder_point(scene, quadric, o, d);
   Surface s = seen_surface(primitive, o, d, r);
-#if HAS(UV)
   if (NEEDS(scene, UV)) s = with_triangle_uv(scene, triangle, r, s);
-  #if HAS(QUADRICS)
-  if (NEEDS(scene, UV) & NEEDS(scene, QUADRICS) & (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);
-  #endif
-#endif
+  if (NEEDS(scene, UV) && NEEDS(scene, QUADRICS) && (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);
   return s;
 }
 

@@ -28,7 +28,6 @@ FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
   return barycentric_among(load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2), p);
 }
 
-#if HAS(UV)
 typedef struct {
   float u, v;
 } TexturePoint;
@@ -115,7 +114,6 @@ FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitiveP
   return s;
 }
 
-  #if HAS(QUADRICS)
 /// Texture coordinates of a quadric's point, and the direction in which u grows.
 typedef struct {
   TexturePoint at;
@@ -131,11 +129,11 @@ FN QuadricUv quadric_uv(GLOBAL const Quadric* q, vec3 p) {
   QuadricUv r;
   r.at.u = disk ? on_disk.u : on_sphere.u;
   r.at.v = disk ? on_disk.v : on_sphere.v;
-    #if HAS(CYLINDERS)
-  const TexturePoint on_cylinder = cylinder_uv(from_center, q->length);
-  r.at.u = kind == QUADRIC_CYLINDER ? on_cylinder.u : r.at.u;
-  r.at.v = kind == QUADRIC_CYLINDER ? on_cylinder.v : r.at.v;
-    #endif
+  if (HAS(CYLINDERS)) {
+    const TexturePoint on_cylinder = cylinder_uv(from_center, q->length);
+    r.at.u = kind == QUADRIC_CYLINDER ? on_cylinder.u : r.at.u;
+    r.at.v = kind == QUADRIC_CYLINDER ? on_cylinder.v : r.at.v;
+  }
   // Away from the centre on a disk, to the east on the others.
   const float x = disk ? from_center.x : -from_center.y, y = disk ? from_center.y : from_center.x;
   r.du = add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis));
@@ -151,9 +149,7 @@ FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint
   s.bumps = 0.0f;
   return s;
 }
-  #endif
 
-  #if HAS(INSTANCES)
 /// Of a primitive of an instance. `r` is in the scene.
 FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int instance, PrimitivePoint r,
                             Surface s) {
@@ -164,12 +160,12 @@ FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int insta
   GLOBAL const VertexUvs* corners = uvs_of(scene, triangle);
   TexturePoint t = triangle_uv(corners, r.b0, r.b1, r.b2);
   vec3 du = triangle_du(corners, scene->triangles + triangle);
-    #if HAS(QUADRICS)
-  const QuadricUv uv = quadric_uv(scene->quadrics + (quadric >= 0 ? quadric : 0), to_group_point(at, r.p));
-  t.u = quadric >= 0 ? uv.at.u : t.u;
-  t.v = quadric >= 0 ? uv.at.v : t.v;
-  du = select3(quadric >= 0, uv.du, du);
-    #endif
+  if (HAS(QUADRICS)) {
+    const QuadricUv uv = quadric_uv(scene->quadrics + (quadric >= 0 ? quadric : 0), to_group_point(at, r.p));
+    t.u = quadric >= 0 ? uv.at.u : t.u;
+    t.v = quadric >= 0 ? uv.at.v : t.v;
+    du = select3(quadric >= 0, uv.du, du);
+  }
   s.u = t.u;
   s.v = t.v;
   s.tangent = tangent_axis(r.normal, from_group_vector(at, du));
@@ -177,8 +173,6 @@ FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int insta
   s.bumps = 0.0f;
   return s;
 }
-  #endif
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

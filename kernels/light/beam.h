@@ -25,7 +25,7 @@ FN LightPoint beam_point(GLOBAL const Light* light, GLOBAL const Beam* beam, vec
 // sample_<name>_light of a light with a beam.
 #define SAMPLE_LIGHT_BY_BEAM(name)                                                                      \
   FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
-                                       float v, LightSampling sampling, uint ways) {                    \
+                                       float v, LightSampling sampling, ulong strategies) {             \
     GLOBAL const Light* light = scene->lights + index;                                                  \
     float inverse_d2;                                                                                   \
     LightSample s = toward_delta_point(light, r, &inverse_d2);                                          \

@@ -10,7 +10,7 @@ PENUMBRA_NAMESPACE_BEGIN
 LIGHT_SHINES_ALIKE(cylinder)
 
 FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, uint ways) {
+                                      float v, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0), axis = load3(&light->p1);
   const float radius = light->p2.x, orientation = light->p2.y, length = light->p2.z;
@@ -23,14 +23,12 @@ FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Lig
   const float reach = radius + length;
   s.spread = dot3(abs3(outward), add(abs3(center), make_vec3(reach, reach, reach)));
   s.pdf = 0.0f;
-#if HAS(UV)
-  if (BY(ways, UV)) {
+  if (BY(strategies, UV)) {
     const TexturePoint on =
         cylinder_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), length);
     s.at.u = on.u;
     s.at.v = on.v;
   }
-#endif
   return s;
 }
 

@@ -9,7 +9,7 @@ PENUMBRA_NAMESPACE_BEGIN
 LIGHT_SHINES_ALIKE(directional)
 
 FN LightSample sample_directional_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                        float v, LightSampling sampling, uint ways) {
+                                        float v, LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   LightSample s = toward_infinity(r, negate(load3(&light->p1)));
   s.pdf = 1.0f;

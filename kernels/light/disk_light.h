@@ -10,7 +10,7 @@ PENUMBRA_NAMESPACE_BEGIN
 LIGHT_SHINES_ALIKE(disk)
 
 FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                  uint ways) {
+                                  ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0), normal = load3(&light->p1);
   const float radius = light->p2.x, root = SQRT(u);
@@ -21,13 +21,11 @@ FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightRe
   s.at = light_point(add(center, from_center), normal);
   s.spread = dot3(abs3(normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = 0.0f;
-#if HAS(UV)
-  if (BY(ways, UV)) {
+  if (BY(strategies, UV)) {
     const TexturePoint on = disk_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), radius);
     s.at.u = on.u;
     s.at.v = on.v;
   }
-#endif
   return s;
 }
 

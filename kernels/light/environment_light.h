@@ -9,7 +9,7 @@ PENUMBRA_NAMESPACE_BEGIN
 LIGHT_SHINES_ALIKE(environment)
 
 FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                        float v, LightSampling sampling, uint ways) {
+                                        float v, LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   LightSample s = toward_infinity(r, sample_uniform_sphere(u, v));
   s.pdf = 0.25f * INV_PI_F;
@@ -18,7 +18,7 @@ FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, L
 }
 
 FN float environment_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                               uint ways) {
+                               ulong strategies) {
   return 0.25f * INV_PI_F;
 }
 

@@ -146,7 +146,7 @@ FN void choose_envmap_cells(const PRIVATE Scene* scene, const PRIVATE int* kinds
 }
 
 FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                   LightSampling sampling, uint ways) {
+                                   LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const EnvironmentMap map = scene->envmaps[0];
   const int x = sampling.column, y = sampling.row;
@@ -169,7 +169,7 @@ FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightR
 }
 
 FN float envmap_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                          uint ways) {
+                          ulong strategies) {
   const EnvironmentMap map = scene->envmaps[0];
   float sine;
   const EnvmapPoint p = envmap_at(light, map, found.wi, &sine);

@@ -1,4 +1,4 @@
-// What triangle, rectangle and outline lights share: points of a plane.
+// What triangle and rectangle lights share: points of a plane.
 #ifndef PENUMBRA_FLAT_LIGHT_H
 #define PENUMBRA_FLAT_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
@@ -43,7 +43,6 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
   return add_scaled(from, distance, w);
 }
 
-#if HAS(UV)
 FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
 
 /// The point of the light of that index with the texture coordinates of the triangle on which it lies.
@@ -60,7 +59,6 @@ FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, LightPoint at)
   at.v = on_first ? s.v : t.v;
   return at;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

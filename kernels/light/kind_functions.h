@@ -16,9 +16,9 @@ PENUMBRA_NAMESPACE_BEGIN
 // sample_<name>_light of a light that has a surface, by sample_<name>_point.
 #define SAMPLE_LIGHT_BY_POINT(name)                                                                     \
   FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
-                                       float v, LightSampling sampling, uint ways) {                    \
+                                       float v, LightSampling sampling, ulong strategies) {             \
     GLOBAL const Light* light = scene->lights + index;                                                  \
-    const SampledPoint point = sample_##name##_point(scene, index, r, u, v, ways);                      \
+    const SampledPoint point = sample_##name##_point(scene, index, r, u, v, strategies);                \
     LightSample s = toward_light(light, r, point);                                                      \
     s.radiance = name##_light_radiance(scene, light, point.at, s.wi);                                   \
     return s;                                                                                           \
@@ -27,14 +27,14 @@ PENUMBRA_NAMESPACE_BEGIN
 // <name>_light_pdf of a light whose points are uniform by area.
 #define FIND_LIGHT_BY_AREA(name)                                                                     \
   FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
-                            uint ways) {                                                             \
+                            ulong strategies) {                                                      \
     return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);                      \
   }
 
 // <name>_light_pdf of a light that no ray finds.
 #define NO_RAY_FINDS_LIGHT(name)                                                                     \
   FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
-                            uint ways) {                                                             \
+                            ulong strategies) {                                                      \
     return 0.0f;                                                                                     \
   }
 

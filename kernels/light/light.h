@@ -12,7 +12,6 @@
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/light_texture.h"
-#include "kernels/light/outline_light.h"
 #include "kernels/light/point_light.h"
 #include "kernels/light/projector_light.h"
 #include "kernels/light/rectangle_light.h"
@@ -76,7 +75,7 @@ STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RE
 
 /// Makes `s` lane j's sample if its light is of that kind; otherwise it stays, or becomes none if it is the
 /// first.
-FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, uint ways,
+FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, ulong strategies,
                           PRIVATE LightSamples* samples, int j) {
   s.pdf *= choice.pmf;
   s.tmax = (!choice.own & (s.pdf > 0.0f)) ? s.tmax : -1.0f;
@@ -85,7 +84,7 @@ FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first,
   const LightSample before = select_light_sample(first, no_light_sample(), load_light_sample(samples, j));
   const LightSample kept = select_light_sample(choice.kind == kind, s, before);
   store_light_sample_direction(samples, j, kept);
-  if (BY(ways, LIGHT_TEXTURES)) store_light_sample_place(samples, j, kept);
+  if (BY(strategies, LIGHT_TEXTURES)) store_light_sample_place(samples, j, kept);
 }
 
 /// Where there is no light.
@@ -94,60 +93,61 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
     for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
 }
 
-// For each kind loops over lanes: for the plain ways, by the numbers alone, and by solid angle, for scenes
-// that want nothing else, both also where the scene has no other light; and for all of the kind's features.
-// `light`: the lane's.
-#define SAMPLE_LANES(stage, name, NAME, light, ways)                                             \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,       \
-                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v, \
-                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                 \
-                   PRIVATE LightSamples* RESTRICT samples) {                                     \
-    LANE_LOOP                                                                                    \
-      for (int j = 0; j < LANES; j++) {                                                          \
-        const LaneLight choice = load_chosen_light(chosen, j);                                   \
-        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                  \
-        const LightSample s = sample_##name##_light(scene, light, receiver, choice.u, v[j],      \
-                                                    load_light_sampling(samplings, j), ways);    \
-        keep_light_sample(choice, LIGHT_##NAME, s, first, ways, samples, j);                     \
-      }                                                                                          \
+// For each kind loops over lanes: for the plain strategies, by the numbers alone, and by solid angle, for
+// scenes that want nothing else, both also where the scene has no other light; and for all of the kind's
+// features. `light`: the lane's.
+#define SAMPLE_LANES(stage, name, NAME, light, strategies)                                          \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,          \
+                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,    \
+                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                    \
+                   PRIVATE LightSamples* RESTRICT samples) {                                        \
+    LANE_LOOP                                                                                       \
+      for (int j = 0; j < LANES; j++) {                                                             \
+        const LaneLight choice = load_chosen_light(chosen, j);                                      \
+        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                     \
+        const LightSample s = sample_##name##_light(scene, light, receiver, choice.u, v[j],         \
+                                                    load_light_sampling(samplings, j), strategies); \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, strategies, samples, j);                  \
+      }                                                                                             \
   }
-#define FOUND_LANES(stage, name, NAME, compared, ways)                                    \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found, \
-                   PRIVATE Emissions* RESTRICT emissions) {                               \
-    LANE_LOOP                                                                             \
-      for (int j = 0; j < LANES; j++) {                                                   \
-        const FoundLight one = load_found_light(found, j);                                \
-        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);     \
-        LightPoint at = light_point(one.p, one.normal);                                   \
-        at.u = one.u;                                                                     \
-        at.v = one.v;                                                                     \
-        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);            \
-        const float pdf = compared ? name##_light_pdf(scene, light, one, ways) : 0.0f;    \
-        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                    \
-      }                                                                                   \
+#define FOUND_LANES(stage, name, NAME, compared, strategies)                                 \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,    \
+                   PRIVATE Emissions* RESTRICT emissions) {                                  \
+    LANE_LOOP                                                                                \
+      for (int j = 0; j < LANES; j++) {                                                      \
+        const FoundLight one = load_found_light(found, j);                                   \
+        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);        \
+        LightPoint at = light_point(one.p, one.normal);                                      \
+        at.u = one.u;                                                                        \
+        at.v = one.v;                                                                        \
+        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);               \
+        const float pdf = compared ? name##_light_pdf(scene, light, one, strategies) : 0.0f; \
+        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                       \
+      }                                                                                      \
   }
-#define KIND_LANES(name, NAME, number, ways, description)                                             \
-  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                  \
-  SAMPLE_LANES(sample_##name##_lights_by_ways, name, NAME, choice.light, (uint)((FEATURES) & (ways))) \
-  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                         \
-  SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                       \
-               (uint)((FEATURES) & (ways)&FEATURE_SOLID_ANGLE))                                       \
-  SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                              \
-               (uint)((FEATURES) & (ways)&FEATURE_SOLID_ANGLE))                                       \
-  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                 \
-  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                \
-  FOUND_LANES(find_##name##_lights_by_ways, name, NAME, 1, (uint)((FEATURES) & (ways)))
+#define KIND_LANES(name, NAME, number, strategies, description)                                              \
+  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                         \
+  SAMPLE_LANES(sample_##name##_lights_by_strategy, name, NAME, choice.light, COMPILED_FEATURES&(strategies)) \
+  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                                \
+  SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                              \
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+  SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                                     \
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                        \
+  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                       \
+  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies))
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
 #undef FOUND_LANES
 #undef SAMPLE_LANES
 
-/// Whether the scene is one whose lights of a kind are sampled by these ways.
-#define NEEDS_WAYS(scene, ways) \
-  (((FEATURES) & (ways)) != 0 && (SCENE_FEATURES(&(scene)->header) & (uint)(ways)) != 0u)
-/// Whether it is, and of its ways only those of `few` are wanted.
-#define NEEDS_FEW_WAYS(scene, ways, few) \
-  (((FEATURES) & (ways) & (few)) != 0 && (SCENE_FEATURES(&(scene)->header) & (uint)(ways)) == (uint)(few))
+/// Whether the scene is one whose lights of a kind are sampled by these strategies.
+#define NEEDS_STRATEGIES(scene, strategies) \
+  ((COMPILED_FEATURES & (strategies)) != 0 && (SCENE_FEATURES(&(scene)->header) & (strategies)) != 0)
+/// Whether it is, and of its strategies only those of `few` are wanted.
+#define NEEDS_FEW_STRATEGIES(scene, strategies, few)  \
+  ((COMPILED_FEATURES & (strategies) & (few)) != 0 && \
+   (SCENE_FEATURES(&(scene)->header) & (strategies)) == (few))
 
 /// The kinds, of those of the scene, among LANES; negative ones are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
@@ -173,25 +173,23 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
   const uint among = kinds_among(scene, chosen.kind);
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   float of_grid[LANES];
   if (NEEDS(scene, LIGHT_TEXTURES)) {
     for (int j = 0; j < LANES; j++) of_grid[j] = v[j];
     choose_by_light_grids(scene, chosen.light, chosen.u, of_grid, chosen.pmf);
     v = of_grid;
   }
-#endif
   if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
     choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
   bool first = true;
-#define SAMPLE_KIND(name, NAME, number, ways, description)                                                \
+#define SAMPLE_KIND(name, NAME, number, strategies, description)                                          \
   if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                             \
-    if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE) && one)                                          \
+    if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE) && one)                              \
       sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
-    else if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE))                                            \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                                \
       sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples);     \
-    else if (NEEDS_WAYS(scene, ways))                                                                     \
-      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples);            \
+    else if (NEEDS_STRATEGIES(scene, strategies))                                                         \
+      sample_##name##_lights_by_strategy(scene, receivers, &chosen, v, samplings, first, samples);        \
     else if (one)                                                                                         \
       sample_only_##name##_light(scene, receivers, &chosen, v, samplings, first, samples);                \
     else                                                                                                  \
@@ -201,9 +199,7 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
-#endif
 }
 
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
@@ -211,20 +207,18 @@ CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLig
                               PRIVATE Emissions* emissions) {
   const uint among = kinds_among(scene, found->kind);
   no_emissions(scene, found, emissions);
-#define FIND_KIND(name, NAME, number, ways, description)      \
-  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) { \
-    if (!compared)                                            \
-      see_##name##_lights(scene, found, emissions);           \
-    else if (NEEDS_WAYS(scene, ways))                         \
-      find_##name##_lights_by_ways(scene, found, emissions);  \
-    else                                                      \
-      find_##name##_lights(scene, found, emissions);          \
+#define FIND_KIND(name, NAME, number, strategies, description)   \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {    \
+    if (!compared)                                               \
+      see_##name##_lights(scene, found, emissions);              \
+    else if (NEEDS_STRATEGIES(scene, strategies))                \
+      find_##name##_lights_by_strategy(scene, found, emissions); \
+    else                                                         \
+      find_##name##_lights(scene, found, emissions);             \
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, emissions);
-#endif
 }
 
 PENUMBRA_NAMESPACE_END

@@ -25,7 +25,7 @@ FN ChosenLight take_light(const PRIVATE Scene* scene, int light, float u, float 
 
 /// By power, and u, a multiple of 2^-24: by its cell in a table of 2^k. A light's cells are neighbours, and
 /// neighbours in space are near each other in the table, so numbers that are well spread give points that are
-/// well spread on each light, and over lights that are parts of one lamp. `fine` in [0, 1) are the digits
+/// well spread on each light, and over lights that are parts of one light. `fine` in [0, 1) are the digits
 /// below, of which a light that is rarely chosen leaves few.
 FN ChosenLight choose_light(const PRIVATE Scene* scene, float u, float fine) {
   return take_light(scene, scene->light_cells[(int)(u * (float)scene->header.tables.light_cells.count)], u,

@@ -66,7 +66,6 @@ STAGE void store_found_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces
     }
 }
 
-#if HAS(UV)
 STAGE void store_found_uvs(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -74,15 +73,12 @@ STAGE void store_found_uvs(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Fo
       found->v[j] = surfaces->v[j];
     }
 }
-#endif
 
 /// What the rays that ended on these surfaces found of lights.
 FN void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                     PRIVATE FoundLights* found) {
   store_found_lights(scene, surfaces, found);
-#if HAS(UV)
   if (NEEDS(scene, UV)) store_found_uvs(surfaces, found);
-#endif
 }
 
 // Radiance that a ray brings when it ends on a light, or leaves the scene; `pdf` is the density with which

@@ -70,7 +70,6 @@ FN float light_grid_density(const PRIVATE Scene* scene, GLOBAL const Light* ligh
   return (share_u * cells) * (share_v * cells);
 }
 
-#if HAS(LIGHT_TEXTURES) && HAS(UV)
 /// The numbers of a point of a light, with which sample_triangle_light, sample_disk_light or
 /// sample_sphere_light would find it.
 FN TexturePoint numbers_of_light_point(GLOBAL const Light* light, vec3 p) {
@@ -89,7 +88,6 @@ FN TexturePoint numbers_of_light_point(GLOBAL const Light* light, vec3 p) {
   t.v = triangle ? b.b1 / (root > 0.0f ? root : 1.0f) : turns;
   return t;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -46,17 +46,17 @@ FN float sin_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
 /// they were at least as far off as the box about them is large: of intensity, cosines and distance. 0 only
 /// where no light arrives on the side that the place faces.
 ///
-/// `ways`, a constant: NODE_ANY, or what is known of the node.
-FN float light_importance_by(LightNode node, LitPlace place, int ways) {
+/// `known`, a constant: NODE_ANY, or what is known of the node.
+FN float light_importance_by(LightNode node, LitPlace place, int known) {
   const vec3 axis = node.axis, half_size = node.half_size;
   const int flags = node.flags;
-  const bool infinite = ways == NODE_INFINITE || (ways == NODE_ANY && (flags & LIGHTS_INFINITE) != 0);
+  const bool infinite = known == NODE_INFINITE || (known == NODE_ANY && (flags & LIGHTS_INFINITE) != 0);
   const bool two_sided = (flags & LIGHTS_TWO_SIDED) != 0;
   const float cos_o = node.cos_o, sin_o = node.sin_o, cos_e = node.cos_e, radius = node.radius;
   const bool all_around = dot3(place.facing, place.facing) == 0.0f;
   const vec3 way = sub(place.p, node.center);
   float inverse = 1.0f, ball_cos = 1.0f, ball_sin = 0.0f;
-  if (ways != NODE_INFINITE) {
+  if (known != NODE_INFINITE) {
     inverse = 1.0f / SQRT(max_f(dot3(way, way), 1e-30f));
     // Half the angle under which the ball about the box is seen; everything from inside of it.
     const float sine = radius * inverse;
@@ -68,7 +68,7 @@ FN float light_importance_by(LightNode node, LitPlace place, int ways) {
   // At the lights: the least angle between a way to the place and an axis, beyond the cone of axes.
   bool shines = true;
   float emitted = 1.0f;
-  if (ways == NODE_ANY) {
+  if (known == NODE_ANY) {
     const float along = dot3(way, axis), cos_along = clamp_f(along * inverse, -1.0f, 1.0f);
     const float cos_w = two_sided ? FABS(cos_along) : cos_along, sin_w = SQRT(1.0f - sqr(cos_w));
     const float cos_x = cos_of_excess(cos_w, sin_w, cos_o, sin_o);

@@ -6,9 +6,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// X(name, NAME, number, ways, what it is for people). What a kind is stands in <name>_light.h, which light.h
-// includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `ways`: the features of which
-// each scene has its own that change how the kind is sampled, or what is known of its points.
+// X(name, NAME, number, strategies, what it is for people). What a kind is stands in <name>_light.h, which
+// light.h includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `strategies`: the
+// features of which each scene has its own that change how the kind is sampled, or what is known of its
+// points.
 #define LIGHT_KINDS(X)                                                                                    \
   X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES, \
     "triangles that emit")                                                                                \
@@ -22,12 +23,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
   X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
-  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")                   \
-  X(outline, OUTLINE, 11, 0, "flat lamps of several triangles")
+  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way
-#define MOST_LIGHT_STRIPS 64      // of a lamp's outline, a power of two
 
 // Rows of SCENE_TABLES for what single kinds have many numbers of.
 #define LIGHT_TABLES(T, A)                                                            \
@@ -39,17 +38,15 @@ PENUMBRA_NAMESPACE_BEGIN
   /* See beam.h. */                                                                   \
   T(A, beams, Beam, 1, "beams of spot lights and projectors")                         \
   /* See light_grid.h. */                                                             \
-  T(A, light_grids, float, 3, "distributions over textured lights")                   \
-  /* See outline_light.h. */                                                          \
-  T(A, light_strips, LightStrip, 1, "strips of outlines of lights")
+  T(A, light_grids, float, 3, "distributions over textured lights")
 
-#define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
-#define COUNT_KIND(name, NAME, number, ways, description) +1
+#define ENUMERATE_KIND(name, NAME, number, strategies, description) LIGHT_##NAME = number,
+#define COUNT_KIND(name, NAME, number, strategies, description) +1
 enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) };
 #undef ENUMERATE_KIND
 #undef COUNT_KIND
 
-#define KIND_BIT(name, NAME, number, ways, description) | 1u << (number)
+#define KIND_BIT(name, NAME, number, strategies, description) | 1u << (number)
 #define ALL_LIGHT_KINDS (0u LIGHT_KINDS(KIND_BIT))
 // Bits 1 << LIGHT_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
 // that the scene lacks is not called.

@@ -46,10 +46,10 @@ FN bool is_own_light(const PRIVATE Scene* scene, LightReceiver r, int light) {
     const bool hollow = (kind == LIGHT_SPHERE) | (kind == LIGHT_CYLINDER);
     own = own & !(hollow & (orientation < 0.0f) & r.front);
   }
-#if HAS_CLOSED_FORMS
-  const int mine = own_polygon(scene, r.light), polygon = scene->lights[light].polygon;
-  own = own | ((mine >= 0) & (polygon == mine));
-#endif
+  if (HAS(POLYGONS)) {
+    const int mine = own_polygon(scene, r.light), polygon = scene->lights[light].polygon;
+    own = own | ((mine >= 0) & (polygon == mine));
+  }
   return own;
 }
 

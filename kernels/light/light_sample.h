@@ -67,8 +67,8 @@ typedef struct {
   float pdf;     ///< per solid angle; 0 for points that are uniform by area
 } SampledPoint;
 
-/// Whether a scene's lights are sampled in this way, of `ways`, a constant.
-#define BY(ways, name) (HAS(name) && ((ways)&FEATURE_##name) != 0u)
+/// Whether a scene's lights are sampled in this way, of `strategies`, a constant.
+#define BY(strategies, name) (HAS(name) && ((strategies)&FEATURE_##name) != 0)
 
 /// The sample of a light that is there, with the place on it.
 FN LightSample at_place(LightSample s, LightPoint at) {

@@ -8,8 +8,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
-
 /// Of lanes whose light has a grid: turns the numbers that choose a point into those of the grid, and
 /// multiplies the probability of the light by the density of those.
 STAGE void choose_by_light_grids(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT lights,
@@ -110,8 +108,6 @@ FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights*
   eval_textures(scene, &places, textures, &values);
   colour_emissions(scene, found, &values, emissions);
 }
-
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -3,9 +3,9 @@
 // Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
 // the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
 // taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
-// so with few lights one of those; from there on one of two children. A leaf may have several lights that are
-// as one from wherever they are seen: they keep their shares (scenes/device/light_groups.h). Infinite lights
-// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
+// so with few lights one of those; from there on one of two children. A leaf may hold a cluster of
+// lights, which have fixed probabilities within it (scenes/device/light_groups.h). Infinite lights
+// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/pilot_paths.h.
 //
 // Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
 // for multiple importance sampling repeat the same arithmetic along the way to the light.
@@ -65,37 +65,36 @@ FN LongNumber stretched(LongNumber x, int width) {
   return left;
 }
 
-#if HAS(LIGHT_TREE)
-  // A walk from a node of the cut: to a leaf by a number, or towards a light by its trail, whose lowest bit
-  // is the next turn.
-  #define LIGHT_WALK_FIELDS(F, a)                            \
-    F(a, int, node)                                          \
-    F(a, int, high) /* the number, or the rest of a trail */ \
-    F(a, float, low)                                         \
-    F(a, float, pmf) /* of the way so far */
+// A walk from a node of the cut: to a leaf by a number, or towards a light by its trail, whose lowest bit
+// is the next turn.
+#define LIGHT_WALK_FIELDS(F, a)                            \
+  F(a, int, node)                                          \
+  F(a, int, high) /* the number, or the rest of a trail */ \
+  F(a, float, low)                                         \
+  F(a, float, pmf) /* of the way so far */
 LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
 
-  /// By what importances of nodes of the cut are multiplied to be counts of numbers.
-  #define LIGHT_SCALES_FIELDS(F, a) \
-    F(a, float, finite)             \
-    F(a, float, infinite)
+/// By what importances of nodes of the cut are multiplied to be counts of numbers.
+#define LIGHT_SCALES_FIELDS(F, a) \
+  F(a, float, finite)             \
+  F(a, float, infinite)
 LANE_RECORD(LightScale, LightScales, light_scales, LIGHT_SCALES_FIELDS)
 
-  #define WEIGH_CUT_NODE(name, ways)                                                          \
-    STAGE void name(GLOBAL const LightNode* shared, const PRIVATE LitPlaces* RESTRICT places, \
-                    PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {       \
-      const LightNode node = read_light_node(shared);                                         \
-      LANE_LOOP                                                                               \
-        for (int j = 0; j < LANES; j++) {                                                     \
-          const float own = light_importance_by(node, load_lit_place(places, j), ways);       \
-          importance[j] = own;                                                                \
-          sums[j] += own;                                                                     \
-        }                                                                                     \
-    }
+#define WEIGH_CUT_NODE(name, known)                                                         \
+  STAGE void name(GLOBAL const LightNode* shared, const PRIVATE LitPlaces* RESTRICT places, \
+                  PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {       \
+    const LightNode node = read_light_node(shared);                                         \
+    LANE_LOOP                                                                               \
+      for (int j = 0; j < LANES; j++) {                                                     \
+        const float own = light_importance_by(node, load_lit_place(places, j), known);      \
+        importance[j] = own;                                                                \
+        sums[j] += own;                                                                     \
+      }                                                                                     \
+  }
 WEIGH_CUT_NODE(weigh_any_node, NODE_ANY)
 WEIGH_CUT_NODE(weigh_infinite_node, NODE_INFINITE)
 WEIGH_CUT_NODE(weigh_all_around_node, NODE_ALL_AROUND)
-  #undef WEIGH_CUT_NODE
+#undef WEIGH_CUT_NODE
 
 /// Makes sums scales. Rounding leaves some numbers over, 5e-6 of all, which take no light.
 STAGE void scale_cut(PRIVATE LightScales* RESTRICT scales) {
@@ -418,7 +417,6 @@ FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
   end_by_trails(scene, &walks, found);
   if (scene->header.light_leaf_turns > 0) end_at_members(scene, &walks, found);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

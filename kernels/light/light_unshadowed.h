@@ -12,8 +12,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS_CLOSED_FORMS
-
 /// Shading points and their reflectances, one a lane.
 typedef struct {
   Receivers receivers;
@@ -29,9 +27,7 @@ typedef struct {
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
                             int j) {
   bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
-  #if HAS(INSTANCES)
   on_triangle = on_triangle & (!NEEDS(scene, INSTANCES) | (s.instance < 0));
-  #endif
   const vec3 o = s.from, d = negate(s.wo);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
   const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
@@ -77,7 +73,6 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   points->specular[2 * LANES + j] = lit ? (double)c.specular.z : 0.0;
 }
 
-  #if HAS(LTC)
 /// Makes lane j, set by store_shading_point, that of a closure with control lobes, if it is one.
 FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE ShadingPoints* points,
                             int j) {
@@ -108,7 +103,6 @@ FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE 
   points->specular[LANES + j] = has ? (lit ? (double)specular.y : 0.0) : points->specular[LANES + j];
   points->specular[2 * LANES + j] = has ? (lit ? (double)specular.z : 0.0) : points->specular[2 * LANES + j];
 }
-  #endif
 
 /// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
 /// probability in proportion to its weight. One random number serves for all decisions. After each it is
@@ -217,10 +211,6 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   }
 }
 
-#endif
-
-#if HAS(POLYGONS)
-  #if HAS(LTC)
 FN double sum_of_channels(const PRIVATE double* values, int j) {
   return values[j] + values[LANES + j] + values[2 * LANES + j];
 }
@@ -245,7 +235,6 @@ STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoi
       weights[j] = by_lobes ? sum : weights[j];
     }
 }
-  #endif
 
 /// Chooses one of the parts of the chosen polygon, in proportion to projected solid angle if the light is
 /// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
@@ -263,9 +252,7 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     const int count = ((chosen >= 0) & (chosen < polygons)) ? scene->polygons[chosen].light_count : 0;
     parts = count > parts ? count : parts;
   }
-  #if HAS(LTC)
   const bool leans = NEEDS_LTC(scene) && by_projection && any_wants_ltc(&points->receivers);
-  #endif
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
     LANE_LOOP
@@ -281,9 +268,7 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
           weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
         }
     }
-  #if HAS(LTC)
-    if (leans) weigh_part_lobes(scene, points, reservoir, k, weights);
-  #endif
+    if (HAS(LTC) && leans) weigh_part_lobes(scene, points, reservoir, k, weights);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const int number = part_of(scene, reservoir->chosen[j], k);
@@ -305,8 +290,6 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
       u[j] = min_f(left, ONE_MINUS_EPSILON);
     }
 }
-
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -9,8 +9,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(LTC)
-  // clang-format off
+// clang-format off
 #define RECEIVER_LOBES_FIELDS(F, a)                                                    \
   F(a, vec3, normal)    /* unit, shading normal */                                     \
   F(a, vec3, wo)        /* unit, towards the viewer */                                 \
@@ -75,7 +74,6 @@ FN double light_lobe(GLOBAL const Light* light, double px, double py, double pz,
   return light->kind == LIGHT_TRIANGLE ? e : 0.0;
 }
 
-  #if HAS(PROJECTED)
 /// A light as both lobes see it.
 typedef struct {
   ProjectedPolygon diffuse, specular;  ///< the latter in the cosine's space
@@ -163,8 +161,6 @@ FN float lobes_density(const PRIVATE Scene* scene, FoundLight found, ReceiverLob
   const float cosine = max_f(dot3(lobes.normal, found.wi), 0.0f);
   return some ? cosine * lobes_density_over_cosine(l, lobes, found.wi) : -1.0f;
 }
-  #endif
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

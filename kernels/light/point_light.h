@@ -9,7 +9,7 @@ PENUMBRA_NAMESPACE_BEGIN
 LIGHT_SHINES_ALIKE(point)
 
 FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                  LightSampling sampling, uint ways) {
+                                  LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   float inverse_d2;
   LightSample s = toward_delta_point(light, r, &inverse_d2);

@@ -9,7 +9,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(PROJECTED) || HAS(POLYGONS)
 /// Irradiance from a triangle light per unit of its radiance, which is its projected solid angle, in double;
 /// 0 for other kinds.
 FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
@@ -18,9 +17,7 @@ FN double light_irradiance(GLOBAL const Light* light, double x, double y, double
                                        load3(&light->p2), light->two_sided != 0);
   return light->kind == LIGHT_TRIANGLE ? e : 0.0;
 }
-#endif
 
-#if HAS(PROJECTED)
 /// The light projected onto the hemisphere about `n` at `from`. It is sampled by projected solid angle if the
 /// `area` of the result is above 0; light_irradiance gives that area more precisely.
 FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) {
@@ -56,7 +53,6 @@ FN void sample_projected_light(const PRIVATE Scene* scene, LightReceiver r, int 
   STORE_LANE_vec3(samplings->wi, j, wi);
   samplings->scale[j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -20,28 +20,26 @@ FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
 LIGHT_SHINES_ALIKE(rectangle)
 
 FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                       float v, uint ways) {
+                                       float v, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
   SampledPoint s = flat_light_point(flat, r.p, (1.0f - u) - v, u, v);
-  if (BY(ways, SOLID_ANGLE)) {
+  if (BY(strategies, SOLID_ANGLE)) {
     const SphericalRectangle seen = seen_rectangle(light, r.p);
     const bool use = seen.solid_angle > 0.0f;
     s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), s.at.p);
     s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
   }
-#if HAS(UV)
-  if (BY(ways, UV)) s.at = with_flat_uv(scene, index, s.at);
-#endif
+  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
   return s;
 }
 
 SAMPLE_LIGHT_BY_POINT(rectangle)
 
 FN float rectangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                             uint ways) {
+                             ulong strategies) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
-  if (BY(ways, SOLID_ANGLE)) {
+  if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_rectangle(light, found.from).solid_angle;
     pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;
   }

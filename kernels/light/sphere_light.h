@@ -21,7 +21,7 @@ FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
 LIGHT_SHINES_ALIKE(sphere)
 
 FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                    uint ways) {
+                                    ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0);
   const float radius = light->p2.x, orientation = light->p2.y;
@@ -51,20 +51,18 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   s.at = light_point(add_scaled(center, radius, outward), scale(outward, orientation));
   s.spread = dot3(abs3(s.at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f;
-#if HAS(UV)
-  if (BY(ways, UV)) {
+  if (BY(strategies, UV)) {
     const TexturePoint on = sphere_uv(to_quadric_frame(quadric_of_light(scene, index), outward));
     s.at.u = on.u;
     s.at.v = on.v;
   }
-#endif
   return s;
 }
 
 SAMPLE_LIGHT_BY_POINT(sphere)
 
 FN float sphere_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                          uint ways) {
+                          ulong strategies) {
   const vec3 to_center = sub(load3(&light->p0), found.from);
   const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
   const bool cone = sphere_light_is_cone(light, d2, r2);

@@ -10,7 +10,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define SEARCH_WAYS 16
+#define SEARCH_BRANCHES 16
 #define SEARCH_LEVELS 4  // for 16^4 sums
 
 typedef struct {
@@ -20,7 +20,7 @@ typedef struct {
   int size;                  ///< words of all of them
 } SearchLevels;
 
-FN int search_padded(int count) { return (count + SEARCH_WAYS - 1) / SEARCH_WAYS * SEARCH_WAYS; }
+FN int search_padded(int count) { return (count + SEARCH_BRANCHES - 1) / SEARCH_BRANCHES * SEARCH_BRANCHES; }
 
 /// Of 1 to 16^4 sums.
 FN SearchLevels search_levels(int count) {
@@ -28,8 +28,8 @@ FN SearchLevels search_levels(int count) {
   of.levels = of.size = 0;
   UNROLL
   for (int k = 0; k < SEARCH_LEVELS; k++) {
-    const bool there = (k == 0) | (of.count[k > 0 ? k - 1 : 0] > SEARCH_WAYS);
-    of.count[k] = there ? (k == 0 ? count : search_padded(of.count[k > 0 ? k - 1 : 0]) / SEARCH_WAYS) : 0;
+    const bool there = (k == 0) | (of.count[k > 0 ? k - 1 : 0] > SEARCH_BRANCHES);
+    of.count[k] = there ? (k == 0 ? count : search_padded(of.count[k > 0 ? k - 1 : 0]) / SEARCH_BRANCHES) : 0;
     of.start[k] = of.size;
     of.levels += there ? 1 : 0;
     of.size += search_padded(of.count[k]);
@@ -43,8 +43,8 @@ FN int search_size(int count) { return search_levels(count).size; }
 /// How many of 16 numbers between those of two groups are at most `target`.
 FN int count_at_most(GLOBAL const float* first, GLOBAL const float* second, float t, float target) {
   int below = 0;
-  REGISTER_LOOP(SEARCH_WAYS)
-  for (int k = 0; k < SEARCH_WAYS; k++) below += mix_f(first[k], second[k], t) <= target ? 1 : 0;
+  REGISTER_LOOP(SEARCH_BRANCHES)
+  for (int k = 0; k < SEARCH_BRANCHES; k++) below += mix_f(first[k], second[k], t) <= target ? 1 : 0;
   return below;
 }
 
@@ -60,9 +60,9 @@ STAGE void search_sums(GLOBAL const float* table, SearchLevels levels, int next_
     const int greatest = levels.count[k] - 1;
     for (int j = 0; j < LANES; j++) {  // lanes do not wait for each other's cache lines
       if (wanted[j] == 0) continue;
-      GLOBAL const float* group = table + rows[j] + levels.start[k] + SEARCH_WAYS * found[j];
+      GLOBAL const float* group = table + rows[j] + levels.start[k] + SEARCH_BRANCHES * found[j];
       const int below = count_at_most(group, group + next_row, between[j], targets[j]);
-      found[j] = min_i(SEARCH_WAYS * found[j] + (below > 0 ? below - 1 : 0), greatest);
+      found[j] = min_i(SEARCH_BRANCHES * found[j] + (below > 0 ? below - 1 : 0), greatest);
     }
   }
   for (int j = 0; j < LANES; j++) found[j] = min_i(found[j], last);

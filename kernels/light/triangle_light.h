@@ -23,31 +23,29 @@ FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
 LIGHT_SHINES_ALIKE(triangle)
 
 FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, LightSampling sampling, uint ways) {
+                                      float v, LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
   const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
   SampledPoint s = flat_light_point(flat, r.p, b0, b1, (1.0f - b0) - b1);
-  if (BY(ways, SOLID_ANGLE)) {
+  if (BY(strategies, SOLID_ANGLE)) {
     const SphericalTriangle seen = seen_triangle(light, r.p);
     const bool use = seen.solid_angle > 0.0f;
     s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_triangle(seen, u, v)), s.at.p);
     s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
   }
-  if (BY(ways, PROJECTED))
+  if (BY(strategies, PROJECTED))
     s.at.p = select3(sampling.scale > 0.0f, flat_light_seen(flat, r.p, sampling.wi), s.at.p);
-#if HAS(UV)
-  if (BY(ways, UV)) s.at = with_flat_uv(scene, index, s.at);
-#endif
+  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
   return s;
 }
 
 FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     LightSampling sampling, uint ways) {
+                                     LightSampling sampling, ulong strategies) {
   GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_triangle_point(scene, index, r, u, v, sampling, ways);
+  const SampledPoint point = sample_triangle_point(scene, index, r, u, v, sampling, strategies);
   LightSample s = toward_light(light, r, point);
-  if (BY(ways, PROJECTED)) {
+  if (BY(strategies, PROJECTED)) {
     const bool is_directed = sampling.scale > 0.0f;
     // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
     s.wi = select3(is_directed, sampling.wi, s.wi);
@@ -58,13 +56,13 @@ FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Ligh
 }
 
 FN float triangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                            uint ways) {
+                            ulong strategies) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
-  if (BY(ways, SOLID_ANGLE)) {
+  if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_triangle(light, found.from).solid_angle;
     pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;
   }
-  if (BY(ways, PROJECTED)) pdf = found.projected_pdf >= 0.0f ? found.projected_pdf : pdf;
+  if (BY(strategies, PROJECTED)) pdf = found.projected_pdf >= 0.0f ? found.projected_pdf : pdf;
   return pdf;
 }
 

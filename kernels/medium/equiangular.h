@@ -10,15 +10,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
-  // A part of a ray as seen from a place: where it is nearest, from its start, on its line; how far it is
-  // from the place there, above 0; the square of the distance from its start to the place; the angle that it
-  // takes.
-  #define SIGHT_FIELDS(F, a) \
-    F(a, float, along)       \
-    F(a, float, away)        \
-    F(a, float, square)      \
-    F(a, float, angle)
+// A part of a ray as seen from a place: where it is nearest, from its start, on its line; how far it is
+// from the place there, above 0; the square of the distance from its start to the place; the angle that it
+// takes.
+#define SIGHT_FIELDS(F, a) \
+  F(a, float, along)       \
+  F(a, float, away)        \
+  F(a, float, square)      \
+  F(a, float, angle)
 LANE_RECORD(Sight, Sights, sight, SIGHT_FIELDS)
 
 /// Of a ray's `length` from the origin, from a place of that size. Where they coincide there is none: its
@@ -49,8 +48,8 @@ FN float sight_pdf(Sight s, float distance) {
   return s.away / (s.angle * (s.away * s.away + beyond * beyond));
 }
 
-  // Of shares that are less, nothing is gained.
-  #define LEAST_SIGHT_SHARE 0.05f
+// Of shares that are less, nothing is gained.
+#define LEAST_SIGHT_SHARE 0.05f
 
 /// Which share of the flights that scatter goes by the sight, of a channel: nearly all where the light and
 /// the ray's nearest point are close, in mean free paths, so that its light falls faster than what gets
@@ -86,7 +85,6 @@ FN FlightWeight weigh_by_sight(FlightWeight before, vec3 extinction, vec3 albedo
   densities.z = sight_density(extinction.z, more.z, share.z, length, by_sight, distance);
   return weigh_flight(before, mul(albedo, collides), densities);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -13,7 +13,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 FN float mean3(vec3 v) { return ((v.x + v.y) + v.z) * (1.0f / 3.0f); }
 
 FN float channel_of(vec3 v, int channel) { return channel == 0 ? v.x : (channel == 1 ? v.y : v.z); }
@@ -66,7 +65,6 @@ FN FlightWeight weigh_homogeneous(FlightWeight before, vec3 extinction, vec3 alb
   after.density *= exp_f(-least * length);
   return after;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

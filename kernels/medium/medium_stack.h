@@ -6,13 +6,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// The media of a place, from the innermost in the lowest byte of `low` outwards; 0 where there is nothing.
 typedef struct {
   uint low, high;
 } MediumStack;
 
-  #define MOST_NESTED_MEDIA 8
+#define MOST_NESTED_MEDIA 8
 
 FN int innermost(MediumStack media) { return (int)(media.low & 0xffu); }
 
@@ -78,7 +77,6 @@ FN Crossing cross_boundary(const PRIVATE Scene* scene, int boundary, bool inward
   crossing.unentered = !(inwards | was_inside | leaves_outer);
   return crossing;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

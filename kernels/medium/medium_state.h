@@ -6,59 +6,58 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
-  // get_media(paths, i), set_media(paths, i, media): from, and into, two numbers of path i.
-  #define MEDIA_ACCESSORS(name, part)                                              \
-    FN MediumStack get_##name(const PRIVATE PathState* paths, int i) {             \
-      MediumStack media;                                                           \
-      media.low = (uint)get_##part##_low(paths, i);                                \
-      media.high = (uint)get_##part##_high(paths, i);                              \
-      return media;                                                                \
-    }                                                                              \
-    FN void set_##name(const PRIVATE PathState* paths, int i, MediumStack media) { \
-      set_##part##_low(paths, i, (int)media.low);                                  \
-      set_##part##_high(paths, i, (int)media.high);                                \
-    }
+// get_media(paths, i), set_media(paths, i, media): from, and into, two numbers of path i.
+#define MEDIA_ACCESSORS(name, part)                                              \
+  FN MediumStack get_##name(const PRIVATE PathState* paths, int i) {             \
+    MediumStack media;                                                           \
+    media.low = (uint)get_##part##_low(paths, i);                                \
+    media.high = (uint)get_##part##_high(paths, i);                              \
+    return media;                                                                \
+  }                                                                              \
+  FN void set_##name(const PRIVATE PathState* paths, int i, MediumStack media) { \
+    set_##part##_low(paths, i, (int)media.low);                                  \
+    set_##part##_high(paths, i, (int)media.high);                                \
+  }
 MEDIA_ACCESSORS(media, media)
 MEDIA_ACCESSORS(beyond, beyond)
 MEDIA_ACCESSORS(shadow_media, shadow)
-  #undef MEDIA_ACCESSORS
+#undef MEDIA_ACCESSORS
 
 /// The surface near a path, in media.
 typedef struct {
   vec3 normal;      // unit, towards the path's side of it; 0: none is known
   float depth;      // how far the path is off it, 0: on it
-  float lift;       // how much farther the ray's origin is
+  float offset;     // how much farther the ray's origin is
   float clearance;  // how far off it origins of rays are to be
-} Wall;
+} NearBoundary;
 
-FN Wall no_wall(void) {
-  Wall wall;
-  wall.normal = make_vec3(0.0f, 0.0f, 0.0f);
-  wall.depth = wall.lift = wall.clearance = 0.0f;
-  return wall;
+FN NearBoundary no_boundary(void) {
+  NearBoundary near;
+  near.normal = make_vec3(0.0f, 0.0f, 0.0f);
+  near.depth = near.offset = near.clearance = 0.0f;
+  return near;
 }
-FN Wall select_wall(bool condition, Wall a, Wall b) {
-  Wall wall;
-  wall.normal = select3(condition, a.normal, b.normal);
-  wall.depth = condition ? a.depth : b.depth;
-  wall.lift = condition ? a.lift : b.lift;
-  wall.clearance = condition ? a.clearance : b.clearance;
-  return wall;
+FN NearBoundary select_boundary(bool condition, NearBoundary a, NearBoundary b) {
+  NearBoundary near;
+  near.normal = select3(condition, a.normal, b.normal);
+  near.depth = condition ? a.depth : b.depth;
+  near.offset = condition ? a.offset : b.offset;
+  near.clearance = condition ? a.clearance : b.clearance;
+  return near;
 }
-FN Wall get_wall(const PRIVATE PathState* paths, int i) {
-  Wall wall;
-  wall.normal = get_wall_normal(paths, i);
-  wall.depth = get_wall_depth(paths, i);
-  wall.lift = get_wall_lift(paths, i);
-  wall.clearance = get_wall_clearance(paths, i);
-  return wall;
+FN NearBoundary get_boundary(const PRIVATE PathState* paths, int i) {
+  NearBoundary near;
+  near.normal = get_boundary_normal(paths, i);
+  near.depth = get_boundary_depth(paths, i);
+  near.offset = get_boundary_offset(paths, i);
+  near.clearance = get_boundary_clearance(paths, i);
+  return near;
 }
-FN void set_wall(const PRIVATE PathState* paths, int i, Wall wall) {
-  set_wall_normal(paths, i, wall.normal);
-  set_wall_depth(paths, i, wall.depth);
-  set_wall_lift(paths, i, wall.lift);
-  set_wall_clearance(paths, i, wall.clearance);
+FN void set_boundary(const PRIVATE PathState* paths, int i, NearBoundary near) {
+  set_boundary_normal(paths, i, near.normal);
+  set_boundary_depth(paths, i, near.depth);
+  set_boundary_offset(paths, i, near.offset);
+  set_boundary_clearance(paths, i, near.clearance);
 }
 
 FN FlightWeight flight_weight(const PRIVATE PathState* paths, int i) {
@@ -73,7 +72,6 @@ FN void set_flight_weight(const PRIVATE PathState* paths, int i, FlightWeight w)
   set_channels(paths, i, w.channels);
   set_direction_pdf(paths, i, w.density);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

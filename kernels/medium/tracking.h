@@ -10,11 +10,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
-  // What gets through less is nothing: products of shares do not become 0, but stay the smallest number.
-  #define LEAST_PASSING 1e-37f
-  // Beyond so many null collisions a ray ends, and its sample is not finite, so that it is counted.
-  #define MOST_NULL_COLLISIONS 67108864
+// What gets through less is nothing: products of shares do not become 0, but stay the smallest number.
+#define LEAST_PASSING 1e-37f
+// Beyond so many null collisions a ray ends, and its sample is not finite, so that it is counted.
+#define MOST_NULL_COLLISIONS 67108864
 
 FN bool is_grid(GLOBAL const Medium* medium) { return medium->density >= 0; }
 
@@ -87,7 +86,6 @@ FN vec3 track_passing(const PRIVATE Scene* scene, GLOBAL const Medium* medium, v
   }
   return max_component(passes) > LEAST_PASSING ? no_numbers() : make_vec3(0.0f, 0.0f, 0.0f);
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -12,7 +12,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS(MEDIA)
 /// A direction, or a way, in the volume's cells.
 FN vec3 in_cells(GLOBAL const Volume* v, vec3 way) {
   return make_vec3(dot3(load3(&v->row_x), way), dot3(load3(&v->row_y), way), dot3(load3(&v->row_z), way));
@@ -110,9 +109,9 @@ FN float leaves_cell(float place, float step, int cell) {
   return step == 0.0f ? NO_LIMIT : (side - place) / step;
 }
 
-  // Of a piece of a ray, by its majorant: more null collisions than that are hardly to be expected within
-  // one.
-  #define MOST_PIECE_DEPTH 64.0f
+// Of a piece of a ray, by its majorant: more null collisions than that are hardly to be expected within
+// one.
+#define MOST_PIECE_DEPTH 64.0f
 
 /// The largest number between two places of the same cell: interpolated numbers are linear along each axis,
 /// so it is at a corner of the box between the places.
@@ -203,7 +202,6 @@ FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float
   }
   return false;
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

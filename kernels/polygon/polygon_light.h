@@ -187,7 +187,6 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
 }
 #endif
 
-#if HAS(LTC)
 /// A vector of world space in the space of lane j's cosine, whose normal is the z axis.
 FN vec3d lane_to_cosine_space(const PRIVATE Receivers* r, int j, vec3d v) {
   const vec3d n = receiver_normal(r, j), t = make_vec3d(r->tx[j], r->ty[j], r->tz[j]);
@@ -209,7 +208,6 @@ STAGE void add_ltc_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT
       add_lane_irradiance(sums, j, e, atan2_d(e.sine, e.cosine), up);
     }
 }
-#endif
 
 FN void start_irradiances(PRIVATE IrradianceSums* sums) {
   for (int j = 0; j < LANES; j++) {
@@ -230,7 +228,6 @@ STAGE void total_irradiances(const PRIVATE IrradianceSums* RESTRICT sums, bool t
     }
 }
 
-#if HAS(LTC)
 /// Replaces the lobes of the lanes that want a linearly transformed cosine by the integral of its density
 /// over the light: the irradiance in the cosine's space, over pi.
 STAGE void add_ltc_lobes(GLOBAL const PolygonCorner* corners, int count, bool two_sided,
@@ -251,7 +248,6 @@ FN bool any_wants_ltc(const PRIVATE Receivers* r) {
   for (int j = 0; j < LANES; j++) any |= r->inverse_x[j] > 0.0;
   return any;
 }
-#endif
 
 /// For polygon `index` of the scene and per unit of its radiance: `irradiance` is the integral of max(0, n.u)
 /// over the directions u of its visible part, 0 to pi; `lobe`, where the scene has Phong lobes,
@@ -288,9 +284,7 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
       add_edge_irradiances(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, &sums);
   }
   total_irradiances(&sums, two_sided, irradiance);
-#if HAS(LTC)
   if (NEEDS_LTC(scene) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
-#endif
 }
 
 PENUMBRA_NAMESPACE_END

@@ -12,12 +12,10 @@ typedef struct {
   double wx[LANES], wy[LANES], wz[LANES];  ///< unit mirror direction of wo about the normal, at most rounding
                                            ///< below the horizon
   double exponent[LANES];  ///< of the Phong lobe, any real number from 0; negative: no lobe is wanted
-#if HAS(LTC)
   // Instead of it, in scenes that need them, a linearly transformed cosine: of its frame the unit x axis, and
   // of its matrix (see Ltc) the inverse widths, 0 where none is wanted, and the shift.
   double tx[LANES], ty[LANES], tz[LANES];
   double inverse_x[LANES], inverse_y[LANES], shift[LANES];
-#endif
 } Receivers;
 
 PENUMBRA_NAMESPACE_END

@@ -143,7 +143,6 @@ FN void independent_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PR
   *v = unit_float(hash_uint(a ^ 0x2c1b3c6du));
 }
 
-#if HAS(SAMPLERS)
 /// The i-th element of a random permutation of 0..n-1, by cycle walking (Kensler 2013).
 FN uint permute(uint i, uint n, uint seed) {
   uint mask = n - 1u;
@@ -213,15 +212,15 @@ FN float radical_inverse(uint index, uint base) {
   return sum;
 }
 
-  // Two for each of the pairs that have Halton points.
-  #define HALTON_PAIRS 32
+// Two for each of the pairs that have Halton points.
+#define HALTON_PAIRS 32
 CONSTANT_TABLE uint halton_bases[2 * HALTON_PAIRS] = {
     2,   3,   5,   7,   11,  13,  17,  19,  23,  29,  31,  37,  41,  43,  47,  53,   // film, first depth ...
     59,  61,  67,  71,  73,  79,  83,  89,  97,  101, 103, 107, 109, 113, 127, 131,  //
     137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193, 197, 199, 211, 223,  //
     227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311};
-  // Up to here points of two bases are hardly correlated as they are.
-  #define PLAIN_HALTON_PAIRS 8u
+// Up to here points of two bases are hardly correlated as they are.
+#define PLAIN_HALTON_PAIRS 8u
 
 /// Which bases a pair has: the film's and the first depth's come first, then those of the camera, then the
 /// other depths'.
@@ -265,7 +264,6 @@ FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE
   *u = min_f(a >= 1.0f ? a - 1.0f : a, ONE_MINUS_EPSILON);
   *v = min_f(b >= 1.0f ? b - 1.0f : b, ONE_MINUS_EPSILON);
 }
-#endif
 
 /// The nth of the `times` points that each sample of a pixel takes of a dimension pair. All points of the
 /// pair are one sequence, so they are distributed as evenly as those of `times` as many samples.
@@ -322,31 +320,31 @@ FN uint index_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
 CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
                            PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
   const uint points = spp > 0xffffffffu / point.times ? 0xffffffffu : spp * point.times;
-#if HAS(SAMPLERS)
-  if (sampler == SAMPLER_STRATIFIED) {
-    for (int j = 0; j < LANES; j++)
-      stratified_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
-                      pair_of_path(point, paths, first + j), points, &u[j], &v[j]);
-    return;
+  if (HAS(SAMPLERS)) {
+    if (sampler == SAMPLER_STRATIFIED) {
+      for (int j = 0; j < LANES; j++)
+        stratified_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                        pair_of_path(point, paths, first + j), points, &u[j], &v[j]);
+      return;
+    }
+    if (sampler == SAMPLER_HALTON) {
+      for (int j = 0; j < LANES; j++)
+        halton_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                    pair_of_path(point, paths, first + j), &u[j], &v[j]);
+      return;
+    }
+    if (sampler == SAMPLER_INDEPENDENT) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          float a, b;
+          independent_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                           pair_of_path(point, paths, first + j), &a, &b);
+          u[j] = a;
+          v[j] = b;
+        }
+      return;
+    }
   }
-  if (sampler == SAMPLER_HALTON) {
-    for (int j = 0; j < LANES; j++)
-      halton_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
-                  pair_of_path(point, paths, first + j), &u[j], &v[j]);
-    return;
-  }
-  if (sampler == SAMPLER_INDEPENDENT) {
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) {
-        float a, b;
-        independent_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
-                         pair_of_path(point, paths, first + j), &a, &b);
-        u[j] = a;
-        v[j] = b;
-      }
-    return;
-  }
-#endif
   const uint bits = point_bits(points);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {

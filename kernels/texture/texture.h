@@ -16,25 +16,24 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, int, next)   /* index of the texture that it is to be multiplied by, or -1 */
 LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
 
-#if HAS(TEXTURES)
-  #define STEP_TEXTURES(name, NAME, number, description)                                                     \
-    STAGE void step_##name##_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces, \
-                                      PRIVATE TextureLanes* RESTRICT lanes) {                                \
-      LANE_LOOP                                                                                              \
-        for (int j = 0; j < LANES; j++) {                                                                    \
-          const TextureLane lane = load_texture_lane(lanes, j);                                              \
-          GLOBAL const TextureNode* texture = scene->textures + (lane.next >= 0 ? lane.next : 0);            \
-          const bool here = (lane.next >= 0) & (texture->kind == (number));                                  \
-          const TextureStep step =                                                                           \
-              name##_texture(scene, texture, texture_place(texture, load_surface(surfaces, j)));             \
-          TextureLane after;                                                                                 \
-          after.value = mul(lane.value, step.factor);                                                        \
-          after.next = step.next;                                                                            \
-          store_texture_lane(lanes, j, select_texture_lane(here, after, lane));                              \
-        }                                                                                                    \
-    }
+#define STEP_TEXTURES(name, NAME, number, description)                                                     \
+  STAGE void step_##name##_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces, \
+                                    PRIVATE TextureLanes* RESTRICT lanes) {                                \
+    LANE_LOOP                                                                                              \
+      for (int j = 0; j < LANES; j++) {                                                                    \
+        const TextureLane lane = load_texture_lane(lanes, j);                                              \
+        GLOBAL const TextureNode* texture = scene->textures + (lane.next >= 0 ? lane.next : 0);            \
+        const bool here = (lane.next >= 0) & (texture->kind == (number));                                  \
+        const TextureStep step =                                                                           \
+            name##_texture(scene, texture, texture_place(texture, load_surface(surfaces, j)));             \
+        TextureLane after;                                                                                 \
+        after.value = mul(lane.value, step.factor);                                                        \
+        after.next = step.next;                                                                            \
+        store_texture_lane(lanes, j, select_texture_lane(here, after, lane));                              \
+      }                                                                                                    \
+  }
 TEXTURE_KINDS(STEP_TEXTURES)
-  #undef STEP_TEXTURES
+#undef STEP_TEXTURES
 
 /// The kinds of the textures to which lanes go next.
 FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLanes* lanes) {
@@ -56,14 +55,13 @@ CALLED_FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   }
   for (uint among = texture_kinds_among(scene, lanes); among != 0u;
        among = texture_kinds_among(scene, lanes)) {
-  #define STEP_KIND(name, NAME, number, description)                                 \
-    if (((TEXTURE_KINDS_MASK) >> (number)&1u) != 0u && (among >> (number)&1u) != 0u) \
-      step_##name##_textures(scene, surfaces, lanes);
+#define STEP_KIND(name, NAME, number, description)                                 \
+  if (((TEXTURE_KINDS_MASK) >> (number)&1u) != 0u && (among >> (number)&1u) != 0u) \
+    step_##name##_textures(scene, surfaces, lanes);
     TEXTURE_KINDS(STEP_KIND)
-  #undef STEP_KIND
+#undef STEP_KIND
   }
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -31,7 +31,7 @@ Camera build_camera(const CameraSettings& camera, const Film& film, const vec3& 
   return result;
 }
 
-std::uint32_t camera_features(const CameraSettings& camera) {
+std::uint64_t camera_features(const CameraSettings& camera) {
   const bool plain = camera.projection == Projection::kPerspective && camera.aperture_radius == 0.0 &&
                      !camera.is_distorted() && camera.principal_point_offset_x == 0.0 &&
                      camera.principal_point_offset_y == 0.0 && camera.magnify() == glm::dvec3(0.0);

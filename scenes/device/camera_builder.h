@@ -12,6 +12,6 @@ namespace penumbra {
 Camera build_camera(const CameraSettings& camera, const Film& film, const vec3& origin);
 
 /// FEATURE_CAMERA for one that is more than a pinhole, or 0.
-std::uint32_t camera_features(const CameraSettings& camera);
+std::uint64_t camera_features(const CameraSettings& camera);
 
 }  // namespace penumbra

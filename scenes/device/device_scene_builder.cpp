@@ -21,10 +21,9 @@
 #include "scenes/device/light_choice.h"
 #include "scenes/device/light_edges.h"
 #include "scenes/device/light_textures.h"
-#include "scenes/device/lit_cells.h"
 #include "scenes/device/ltc/ltc_table.h"
+#include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
-#include "scenes/device/owner_book.h"
 #include "scenes/device/scene_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
@@ -52,8 +51,7 @@ class Builder {
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
       : scene_(scene),
         options_(options),
-        lights_(default_sampling(scene.integrator),
-                wants_polygons(scene.integrator) || wants_lit_cells(scene.integrator)),
+        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
         light_textures_(scene, records_, {}) {
     if (auto placed = place_groups(scene))
       placed_ = std::move(*placed);
@@ -62,7 +60,7 @@ class Builder {
     const SceneBounds bounds = bounds_of(scene, placed_);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
-    if (options.owners != nullptr) owners_.emplace(scene);
+    if (options.mattes != nullptr) mattes_.emplace(scene);
     media_.emplace(scene, placed_);
     lights_.set_textures(light_textures_);
     lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
@@ -74,7 +72,7 @@ class Builder {
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     reserve_triangles();
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
-      if (owners_) owner_ = owners_->of_shape(i);
+      if (mattes_) matte_ = mattes_->of_shape(i);
       boundary_ = media_->of_shape(i);
       add_shape(scene_.shapes[i]);
     }
@@ -83,7 +81,7 @@ class Builder {
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
-    need(lights_.features() & ~(wants_polygons(scene_.integrator) ? 0u : unsigned(FEATURE_POLYGONS)));
+    need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
     if (scene_.film.alpha) need(FEATURE_COVERAGE);
@@ -105,8 +103,8 @@ class Builder {
       return std::unexpected(done.error());
     records_.primitive_boundaries.insert(records_.primitive_boundaries.end(), quadric_boundaries_.begin(),
                                          quadric_boundaries_.end());
-    if (owners_)
-      if (Expected<void> done = store_owners(); !done) return std::unexpected(done.error());
+    if (mattes_)
+      if (Expected<void> done = store_mattes(); !done) return std::unexpected(done.error());
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
     if (Expected<void> done = look_at_scene(); !done) return std::unexpected(done.error());
@@ -117,7 +115,7 @@ class Builder {
   }
 
  private:
-  void need(std::uint32_t feature) { h_.features |= feature; }
+  void need(std::uint64_t feature) { h_.features |= feature; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
   /// `reach`: how far the shape extends about the position.
@@ -230,7 +228,7 @@ class Builder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
-      if (owners_) records_.owners.push_back(owner_);
+      if (mattes_) records_.mattes.push_back(matte_);
       if (!media_->empty()) records_.primitive_boundaries.push_back(boundary_);
       add_colours(mesh, corner, index);
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
@@ -277,7 +275,7 @@ class Builder {
       if (index[g] == 0) continue;
       check_reach(place, bounds[g]);
       records_.instances.push_back(instance(place, index[g], bounds[g].center()));
-      if (owners_) records_.instance_owners.push_back(owners_->first_of(place));
+      if (mattes_) records_.instance_mattes.push_back(mattes_->first_of(place));
     }
     if (!records_.instances.empty()) need(FEATURE_INSTANCES);
     if (records_.instances.empty()) records_.groups.clear();
@@ -294,7 +292,7 @@ class Builder {
       const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
       for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (!emits(shapes[i])) continue;
-        if (owners_) owner_ = owners_->of_placed(place, shapes[i]);
+        if (mattes_) matte_ = mattes_->of_placed(place, shapes[i]);
         boundary_ = media_->of_group(place.group, i);
         add_shape((*emitters)[next++]);
       }
@@ -308,12 +306,12 @@ class Builder {
     record.first_triangle = int(records_.triangles.size());
     record.first_quadric = int(records_.quadrics.size());
     in_group_ = center;
-    owner_ = 0;  // see OwnerBook::first_of
+    matte_ = 0;  // see MatteBook::first_of
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (emits(shapes[i])) continue;
       boundary_ = media_->of_group(number, i);
       add_shape(shapes[i]);
-      ++owner_;
+      ++matte_;
     }
     in_group_.reset();
     record.triangle_count = int(records_.triangles.size()) - record.first_triangle;
@@ -405,21 +403,21 @@ class Builder {
       q.light = lights_.add_quadric(light, shape, area, q);
     }
     records_.quadrics.push_back(q);
-    if (owners_) quadric_owners_.push_back(owner_);
+    if (mattes_) quadric_mattes_.push_back(matte_);
     if (!media_->empty()) quadric_boundaries_.push_back(boundary_);
   }
 
   /// Those of triangles are in their table already.
-  Expected<void> store_owners() {
-    records_.owners.insert(records_.owners.end(), quadric_owners_.begin(), quadric_owners_.end());
-    *options_.owners = std::move(*owners_).names();
-    if (options_.owners->owners.size() > std::size_t(MAX_OWNERS))
+  Expected<void> store_mattes() {
+    records_.mattes.insert(records_.mattes.end(), quadric_mattes_.begin(), quadric_mattes_.end());
+    *options_.mattes = std::move(*mattes_).names();
+    if (options_.mattes->mattes.size() > std::size_t(MAX_MATTES))
       return fail(
           fmt::format("{}: more than {} objects with their materials; Cryptomatte has no numbers "
                       "for them",
-                      scene_.source, MAX_OWNERS));
-    h_.owner_count = int(options_.owners->owners.size());
-    need(FEATURE_OWNERS);
+                      scene_.source, MAX_MATTES));
+    h_.matte_count = int(options_.mattes->mattes.size());
+    need(FEATURE_MATTES);
     return {};
   }
 
@@ -436,7 +434,6 @@ class Builder {
     lights_.finish();
     records_.lights = lights_.lights();
     records_.light_cells = lights_.cells();
-    records_.light_strips = lights_.strips();
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
@@ -444,8 +441,6 @@ class Builder {
 
   /// What is found by rays through the scene, which is whole otherwise.
   Expected<void> look_at_scene() {
-    if (wants_lit_cells(scene_.integrator)) add_lit_cells(h_, records_);
-    if ((h_.features & (FEATURE_POLYGONS | FEATURE_LIT_CELLS)) == 0u) forget_polygons();
     BorrowedHierarchy hierarchy(records_);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done =
@@ -453,12 +448,6 @@ class Builder {
           !done)
         return done;
     return scene_.film.closed_light_edges ? add_light_edges(h_, records_, hierarchy) : Expected<void>();
-  }
-
-  void forget_polygons() {
-    records_.polygons.clear();
-    records_.polygon_corners.clear();
-    for (Light& light : records_.lights) light.polygon = -1;
   }
 
   void set_camera() {
@@ -492,9 +481,9 @@ class Builder {
   SceneRecords records_;
   LightTextures light_textures_;
   std::vector<MeshAttribute> attributes_;  ///< that textures show, in the order of a triangle's colours
-  std::optional<OwnerBook> owners_;
-  int owner_ = 0;  ///< of the shape that is added
-  std::vector<int> quadric_owners_;
+  std::optional<MatteBook> mattes_;
+  int matte_ = 0;  ///< of the shape that is added
+  std::vector<int> quadric_mattes_;
   std::optional<MediaBook> media_;
   int boundary_ = -1;  ///< likewise
   std::vector<int> quadric_boundaries_;

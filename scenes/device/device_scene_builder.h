@@ -12,13 +12,13 @@
 
 namespace penumbra {
 
-struct OwnerNames;
+struct MatteNames;
 
 struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;    ///< albedo, normal and depth beside the radiance
   bool surface_uv = false;       ///< texture coordinates and tangents of surfaces, textures or not
-  OwnerNames* owners = nullptr;  ///< null, or results say whose surfaces were met: becomes who those are
+  MatteNames* mattes = nullptr;  ///< null, or where the mattes go, which results then count
 };
 
 /// The middle of the scene's bounding box, which the device scene's positions are relative to.

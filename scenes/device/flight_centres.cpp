@@ -8,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-// A group takes a multiplication and a comparison of each flight; with more than so many lamps the one that
+// A group takes a multiplication and a comparison of each flight; with more than so many lights the one that
 // is chosen is seldom that which a path finds.
 constexpr std::size_t kMostGroups = 16;
 

@@ -131,9 +131,6 @@ void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lig
   } else if (!variate) {
     // A choice by contribution evaluates the closed form, so the layers show it.
     if (h.integrator.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
-  } else if (variate->estimator == CvEstimator::kRatio) {
-    h.integrator.estimator = ESTIMATOR_RATIO;
-    h.features |= FEATURE_RATIO;
   } else if (variate->alpha) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
     h.adjustable.alpha = *variate->alpha;
@@ -155,9 +152,8 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
   if (const auto* direct = integrator.get<DirectIntegrator>(); direct && direct->emitter_samples == 0)
     return false;
   // Samples of lights that rays find count for nothing.
-  constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_OUTLINE |
-                                   1u << LIGHT_SPHERE | 1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT |
-                                   1u << LIGHT_ENVMAP;
+  constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
+                                   1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
   const bool finds_all =
       direct_sampling(integrator) == DirectSampling::kBsdfOnly && (lights.kinds() & ~kFound) == 0u;
   return lights.lights().size() > 1 && !finds_all;
@@ -168,10 +164,6 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
 bool wants_polygons(const IntegratorSettings& integrator) {
   return integrator.is<PolygonAnalyticIntegrator>() || control_variate(integrator) ||
          light_choice(integrator) == LightChoice::kAnalytic;
-}
-
-bool wants_lit_cells(const IntegratorSettings& integrator) {
-  return parameter_or(integrator, PENUMBRA_PARAMETER(closed_where_lit), false);
 }
 
 bool chooses_as_it_likes(const IntegratorSettings& integrator) {

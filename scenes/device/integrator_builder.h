@@ -11,9 +11,6 @@ namespace penumbra {
 /// Whether the settings need the closed form of polygon lights, if only to choose among lights.
 bool wants_polygons(const IntegratorSettings& integrator);
 
-/// Whether surfaces that see every light whole get the closed form of polygon lights.
-bool wants_lit_cells(const IntegratorSettings& integrator);
-
 /// Whether how lights are chosen is left open.
 bool chooses_as_it_likes(const IntegratorSettings& integrator);
 

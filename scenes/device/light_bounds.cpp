@@ -56,7 +56,6 @@ LightBounds bounds_of_light(const Light& light, double power) {
   const glm::dvec3 p0 = widened(light.p0), p1 = widened(light.p1), p2 = widened(light.p2);
   switch (light.kind) {
     case LIGHT_TRIANGLE:
-    case LIGHT_OUTLINE:
     case LIGHT_RECTANGLE: {
       const glm::dvec3 normal = glm::cross(p1 - p0, p2 - p0);
       const glm::dvec3 last = light.kind == LIGHT_TRIANGLE ? p2 : p1 + p2 - p0;

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <set>
 
-#include "scenes/device/light_strips.h"
 #include "scenes/device/light_table.h"
 #include "scenes/device/to_vec3.h"
 
@@ -67,6 +66,17 @@ Outlines separate(std::span<const LightTriangle> triangles) {
   return result;
 }
 
+/// Makes a light that has its sampling the rectangle that two triangles are, if they are one; returns whether
+/// they are. Points of it cost less than theirs, of which each lane chooses one, and are spread better.
+bool take_whole(const Outline& outline, Light& light) {
+  if (!outline.rectangle || light.sampling == EMITTER_PROJECTED) return false;
+  light.kind = LIGHT_RECTANGLE;
+  light.p0 = (*outline.rectangle)[0];
+  light.p1 = (*outline.rectangle)[1];
+  light.p2 = (*outline.rectangle)[2];
+  return true;
+}
+
 }  // namespace
 
 /// EMITTER_* of a shape's triangles.
@@ -95,30 +105,6 @@ double LightBuilder::show(const LightTexture& texture, Light& light) {
   light.grid_side = texture.grid_side;
   if (texture.grid >= 0) light.sampling = EMITTER_AREA;
   return texture.mean;
-}
-
-/// Makes a light that has its sampling the whole outline, where that can be one light; returns whether it is.
-/// Points of it cost less than those of its triangles, of which each lane chooses one, and are spread better.
-bool LightBuilder::take_whole(const Outline& outline, Light& light) {
-  if (light.sampling == EMITTER_PROJECTED || outline.triangles.size() == 1) return false;
-  const auto take = [&](int kind, const std::array<vec3, 3>& corners) {
-    light.kind = kind;
-    light.p0 = corners[0];
-    light.p1 = corners[1];
-    light.p2 = corners[2];
-  };
-  if (outline.rectangle) {
-    take(LIGHT_RECTANGLE, *outline.rectangle);
-    return true;
-  }
-  if (light.sampling != EMITTER_AREA || light.two_sided != 0) return false;
-  const std::optional<LampStrips> lamp = strips_of(outline);
-  if (!lamp) return false;
-  take(LIGHT_OUTLINE, lamp->rectangle);
-  light.strip = int(strips_.size());
-  light.strip_count = int(lamp->strips.size());
-  strips_.insert(strips_.end(), lamp->strips.begin(), lamp->strips.end());
-  return true;
 }
 
 std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape,
@@ -237,8 +223,8 @@ void LightBuilder::finish() {
   cells_ = set_light_probabilities(lights_, power_, bounds_);
 }
 
-std::uint32_t LightBuilder::features() const {
-  std::uint32_t features = polygons_wanted_ && !polygons_.empty() ? FEATURE_POLYGONS : 0;
+std::uint64_t LightBuilder::features() const {
+  std::uint64_t features = polygons_wanted_ && !polygons_.empty() ? FEATURE_POLYGONS : 0;
   for (const Light& light : lights_) {
     const bool flat = light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_RECTANGLE;
     if (flat && light.sampling == EMITTER_SOLID_ANGLE) features |= FEATURE_SOLID_ANGLE;

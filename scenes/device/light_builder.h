@@ -53,11 +53,10 @@ class LightBuilder {
   [[nodiscard]] const std::vector<int>& cells() const { return cells_; }
   [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
   [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
-  [[nodiscard]] const std::vector<LightStrip>& strips() const { return strips_; }
   [[nodiscard]] int duplicates() const { return duplicates_; }
 
   /// FEATURE_* bits that the sampling of the lights needs.
-  [[nodiscard]] std::uint32_t features() const;
+  [[nodiscard]] std::uint64_t features() const;
   /// Bits 1 << LIGHT_* of the lights there are.
   [[nodiscard]] std::uint32_t kinds() const;
   [[nodiscard]] bool only_polygons() const;
@@ -72,7 +71,6 @@ class LightBuilder {
 
   int add(Light light, const glm::vec3& radiance, double area, double power);
   int add(const EmitterLight& made);
-  bool take_whole(const Outline& outline, Light& light);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
   [[nodiscard]] bool is_textured(const Shape& shape) const;
@@ -91,7 +89,6 @@ class LightBuilder {
   std::vector<int> cells_;
   std::vector<Polygon> polygons_;
   std::vector<PolygonCorner> corners_;
-  std::vector<LightStrip> strips_;
   int duplicates_ = 0;
 };
 

@@ -9,9 +9,9 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/intersector.h"
 #include "scenes/device/light_groups.h"
-#include "scenes/device/light_survey.h"
 #include "scenes/device/light_table.h"
 #include "scenes/device/light_tree_builder.h"
+#include "scenes/device/pilot_paths.h"
 
 namespace penumbra {
 namespace {
@@ -49,7 +49,7 @@ class Chooser {
     if (!groups) return std::unexpected(groups.error());
     set_light_tree(build_light_tree(finite, unit, *groups));
     InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
-    Expected<void> done = survey([&] { found = survey_infinite_lights(h_, records_, infinite); });
+    Expected<void> done = with_pilot_scene([&] { found = weigh_infinite_lights(h_, records_, infinite); });
     if (!done) return done;
     if (infinite.size() == 1 && in_one_place(finite) && open_) {
       choose_alike(infinite[0], found.share);
@@ -67,7 +67,7 @@ class Chooser {
     if (tree.nodes.empty()) {
       h_.light_cut = h_.light_tree_depth = 0;
       h_.integrator.light_choice = CHOICE_POWER;
-      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      h_.features &= ~std::uint64_t(FEATURE_LIGHT_TREE);
       return;
     }
     records_.light_nodes = tree.nodes;
@@ -79,7 +79,7 @@ class Chooser {
     h_.light_leaf_turns = tree.leaf_turns;
   }
 
-  /// Whether these are as one, say the triangles of a lamp.
+  /// Whether these are as one, say the triangles of a light.
   static bool in_one_place(const std::vector<LightBounds>& lights) {
     constexpr int kMost = 4;
     const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
@@ -116,15 +116,15 @@ class Chooser {
   Expected<std::vector<LightGroup>> groups_of(const std::vector<LightBounds>& finite, double unit) {
     if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
       return std::vector<LightGroup>{};
-    std::vector<SurveyedPlace> places;
-    if (Expected<void> done = survey([&] { places = survey_places(h_, records_); }); !done)
+    std::vector<PilotVertex> places;
+    if (Expected<void> done = with_pilot_scene([&] { places = pilot_vertices(h_, records_); }); !done)
       return std::unexpected(done.error());
     return light_groups(finite, unit, places);
   }
 
   /// Looks at the scene, which has the portable hierarchy meanwhile; not at an empty one.
   template <typename Look>
-  Expected<void> survey(const Look& look) {
+  Expected<void> with_pilot_scene(const Look& look) {
     if (records_.triangles.empty() && records_.quadrics.empty()) return {};
     if (Expected<void> done = hierarchy_.need(); !done) return done;
     look();

@@ -10,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/host/view.h"
-#define FEATURES FEATURE_ALL
 #include "kernels/camera/camera.h"
+#include "kernels/host/view.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/math/frame.h"

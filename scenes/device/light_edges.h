@@ -1,5 +1,10 @@
 // Edges of lights that the camera sees, found once while the scene is built: see
-// kernels/camera/light_edges.h.
+// kernels/camera/light_edges.h. Lights are projected onto the film. Edges that two triangles of a light share
+// cancel. The others are cut at each pixel's filter, whose integral over the light is a sum over the pieces
+// (Green's theorem). Two rays beside each piece tell whether the edge is visible. Disks and spheres are
+// polygons within 1/500 of a pixel. Not covered, and sampled as before: lights with textures or masks,
+// cylinders, edges before an environment map, lenses, media, images with alpha, and scenes of more than a
+// million triangles that Embree traces.
 #pragma once
 
 #include "kernels/host/error.h"

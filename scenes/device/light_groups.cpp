@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#define FEATURES FEATURE_ALL
 #include "kernels/light/light_tree.h"
 
 namespace penumbra {
@@ -34,7 +33,7 @@ class Grouping {
     }
   }
 
-  void visit(const SurveyedPlace& place) {
+  void visit(const PilotVertex& place) {
     LitPlace lit;
     lit.p = place.p;
     lit.facing = place.facing;
@@ -126,7 +125,7 @@ class Grouping {
 }  // namespace
 
 std::vector<LightGroup> light_groups(std::span<const LightBounds> lights, double unit,
-                                     std::span<const SurveyedPlace> places) {
+                                     std::span<const PilotVertex> places) {
   std::vector<LightBounds> finite(lights.begin(), lights.end());
   for (LightBounds& light : finite)
     if (light.infinite) light.intensity = 0;

@@ -1,12 +1,12 @@
-// Which lights are as one from wherever they are seen, say the triangles of a lamp: a walk through the
-// hierarchy of lights need not tell them apart.
+// Clusters of lights that look alike from all vertices of the pilot paths, say the triangles of a mesh. A
+// walk through the hierarchy of lights ends at a cluster and takes its lights by fixed probabilities.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "scenes/device/light_survey.h"
 #include "scenes/device/light_tree_builder.h"
+#include "scenes/device/pilot_paths.h"
 
 namespace penumbra {
 
@@ -15,6 +15,6 @@ namespace penumbra {
 /// moment of the choice over these places: of the sum over lights of (what the light may contribute)^2 /
 /// probability, relative to the square of what all may contribute.
 std::vector<LightGroup> light_groups(std::span<const LightBounds> lights, double unit,
-                                     std::span<const SurveyedPlace> places);
+                                     std::span<const PilotVertex> places);
 
 }  // namespace penumbra

@@ -1,4 +1,3 @@
-#define FEATURES FEATURE_ALL
 #include "scenes/device/light_textures.h"
 
 #include <algorithm>

@@ -8,10 +8,10 @@ namespace penumbra {
 
 /// A bit of a scene's features, families or kinds of light, for people.
 struct NamedBit {
-  std::uint32_t bit;
+  std::uint64_t bit;
   const char *name, *description;
 };
-#define LIST_FEATURE(name, bit, description) {bit, #name, description},
+#define LIST_FEATURE(name, description) {FEATURE_##name, #name, description},
 inline constexpr NamedBit kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
 #undef LIST_FEATURE
 #define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},

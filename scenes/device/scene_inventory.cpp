@@ -97,7 +97,7 @@ TableSpans count_everything(const SceneDescription& description, const DeviceSce
   return all;
 }
 
-std::uint64_t path_bytes(std::uint32_t features) {
+std::uint64_t path_bytes(std::uint64_t features) {
   return 4 * std::uint64_t(path_words(features) + slot_words(features));
 }
 

@@ -42,7 +42,7 @@ struct CompileTimes {
 };
 
 struct SceneInventory {
-  std::uint32_t features = 0;  ///< FEATURE_* bits
+  std::uint64_t features = 0;  ///< FEATURE_* bits
   std::vector<FeatureUse> feature_uses;
   std::vector<TableCost> tables;     ///< of the device scene
   Cost device_scene;                 ///< bytes: header, tables and what aligns them

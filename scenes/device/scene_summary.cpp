@@ -41,8 +41,6 @@ std::string estimator_text(const SceneHeader& h) {
                                         : fmt::format("control variate, alpha {}", h.adjustable.alpha);
     case ESTIMATOR_AUTO:
       return "control variate, alpha fitted for each pixel";
-    case ESTIMATOR_RATIO:
-      return "ratio";
     default:
       return "samples alone";
   }

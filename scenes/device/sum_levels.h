@@ -19,7 +19,7 @@ inline void append_sum_levels(std::size_t first, std::vector<float>& table) {
   fill(0);
   for (int level = 1; level < levels.levels; ++level) {
     for (int k = 0; k < levels.count[level]; ++k)
-      table.push_back(table[first + std::size_t(levels.start[level - 1] + SEARCH_WAYS * k)]);
+      table.push_back(table[first + std::size_t(levels.start[level - 1] + SEARCH_BRANCHES * k)]);
     fill(level);
   }
 }

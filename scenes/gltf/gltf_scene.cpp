@@ -46,9 +46,9 @@ class SceneBuilder {
   }
 
  private:
-  /// Lamps that are there for what else there is; where all is unlit, nothing needs one.
+  /// Lights that are there for what else there is; where all is unlit, nothing needs one.
   [[nodiscard]] bool is_lit() const {
-    return !scene_.emitters.empty() || has_lamp_ || (has_unlit_ && !has_lit_);
+    return !scene_.emitters.empty() || has_area_light_ || (has_unlit_ && !has_lit_);
   }
 
   /// Of the scene that is to be shown; of a file without scenes all nodes that are nobody's children.
@@ -259,7 +259,7 @@ class SceneBuilder {
     shape.two_sided_emission = surface.two_sided_emission;
     has_unlit_ = has_unlit_ || surface.unlit;
     has_lit_ = has_lit_ || !surface.unlit;
-    has_lamp_ = has_lamp_ || (surface.radiance && !surface.unlit);
+    has_area_light_ = has_area_light_ || (surface.radiance && !surface.unlit);
     if (missing_for_textures(scene_, shape).coordinates)
       report_.warn(location,
                    fmt::format("'{}' has textures, but no texture coordinates {}; those of each triangle "
@@ -307,7 +307,7 @@ class SceneBuilder {
   std::vector<glm::dmat4> node_to_world_;
   std::vector<bool> visited_;
   int cameras_ = 0;
-  bool has_lamp_ = false, has_unlit_ = false, has_lit_ = false;
+  bool has_area_light_ = false, has_unlit_ = false, has_lit_ = false;
 };
 
 }  // namespace

@@ -274,7 +274,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
   if (extension_of(material, "KHR_materials_unlit") != nullptr) {
     report_.warn_counted(
         place(index, "extensions"),
-        "KHR_materials_unlit: such surfaces are lamps of their base colour, and light others");
+        "KHR_materials_unlit: such surfaces are area lights of their base colour, and light others");
     const Base base = base_of(material, index);
     result.radiance = base.colour;
     result.radiance_texture = base_colour({glm::vec3(1.0f), base.alpha, base.texture}, coloured).texture;

@@ -46,7 +46,7 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, Lights& lights) {
     return plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
   light.image = plugin.read_image(light.filename);
   if (light.image == nullptr) {
-    scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
+    scene.emitters.emplace_back(ConstantEnvironment{kPlaceholderColour});
     return;
   }
   if (light.image->width < 2 || light.image->height < 2 || light.image->width > (1 << 15) ||

@@ -11,7 +11,7 @@ namespace penumbra::mitsuba {
 void read_area_light(const Context& context, const Object& emitter, Shape& shape);
 
 /// Reads a light that is no shape into `scene.emitters`; what is wrong is reported. False for one that needs
-/// a stand-in.
+/// a placeholder.
 bool read_emitter(const Context& context, const Object& object, SceneDescription& scene, SkyReader& sky);
 
 }  // namespace penumbra::mitsuba

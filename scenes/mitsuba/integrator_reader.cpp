@@ -77,14 +77,14 @@ const Object* unwrap(const Context& context, const Object& object) {
 
 /// Mitsuba's ways to compute what `path` and `volpath` do, with the parameters of their own.
 constexpr std::string_view kThroughMedia = "";  // volpath where the scene has media, else path
-struct StandIn {
+struct Substitute {
   std::string_view type;
   bool same;  ///< it is what stands in where there are no media, sample by sample
   std::vector<std::string_view> parameters;
-  std::string_view stands_in = kThroughMedia;
+  std::string_view method = kThroughMedia;
 };
-const std::vector<StandIn>& stand_ins() {
-  static const std::vector<StandIn> all = {
+const std::vector<Substitute>& substitutes() {
+  static const std::vector<Substitute> all = {
       {"volpath_simple", true, {}, "volpath"},
       // Mitsuba 3's for gradients, which differ in those alone.
       {"prb", true, {}, "path"},
@@ -133,19 +133,20 @@ std::string_view path_tracer_of(const Context& context) {
   return media ? "volpath" : "path";
 }
 
-void read_stand_in(const Context& context, PluginReader& plugin, const StandIn& stand_in,
-                   SceneDescription& scene) {
+void read_substitute(const Context& context, PluginReader& plugin, const Substitute& substitute,
+                     SceneDescription& scene) {
   const std::string_view ours =
-      stand_in.stands_in != kThroughMedia ? stand_in.stands_in : path_tracer_of(context);
+      substitute.method != kThroughMedia ? substitute.method : path_tracer_of(context);
   if (const auto done = apply_setting(scene, "integrator.type", ours); !done)
     plugin.wrong(done.error().message);
   Names names{"hide_emitters", "hidden_emitters"};
   if (ours != "direct") names.insert(names.end(), {"max_depth", "rr_depth"});
   plugin.settings(scene, "integrator", names);
   accept_ways_of_working(plugin);
-  for (const std::string_view parameter : stand_in.parameters) plugin.accept({parameter});
+  for (const std::string_view parameter : substitute.parameters) plugin.accept({parameter});
   plugin.finish();
-  if (!stand_in.same) plugin.warn(fmt::format("{} stands in for the integrator '{}'", ours, stand_in.type));
+  if (!substitute.same)
+    plugin.warn(fmt::format("{} stands in for the integrator '{}'", ours, substitute.type));
 }
 
 /// The parameters of the scene's integrator. Those that its name has chosen have no others.
@@ -164,13 +165,13 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
   const Object* inner = unwrap(context, object);
   if (inner == nullptr) return;
   PluginReader plugin(context, *inner);
-  if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type))
-    return read_stand_in(context, plugin, *stand_in, scene);
+  if (const Substitute* substitute = find_plugin(substitutes(), inner->type))
+    return read_substitute(context, plugin, *substitute, scene);
   const Names& types = find_setting("integrator.type")->choices;
   if (std::ranges::find(types, inner->type) == types.end()) {
     Names names = plugin_types(kWrappers);
     names.insert(names.end(), types.begin(), types.end());
-    const Names others = plugin_types(stand_ins());
+    const Names others = plugin_types(substitutes());
     names.insert(names.end(), others.begin(), others.end());
     const std::string_view ours = path_tracer_of(context);
     context.unknown_plugin(*inner, names, fmt::format("{} stands in for it", ours));

@@ -95,14 +95,14 @@ SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
         bsdf.type_location,
         fmt::format("bsdf type '{}' is not one that Penumbra reads: {}", bsdf.type, unread->words),
         "a magenta diffuse stands in for it");
-    result.front = leaf(name_of(bsdf), DiffuseBsdf{kStandInColour});
+    result.front = leaf(name_of(bsdf), DiffuseBsdf{kPlaceholderColour});
     plugin.skip();
   } else {
     std::vector<std::string> types = plugin_types(kBsdfs);
     for (const Holder& each : holders())
       if (std::ranges::find(types, each.type) == types.end()) types.emplace_back(each.type);
     context_.unknown_plugin(bsdf, types, "a magenta diffuse stands in for it");
-    result.front = leaf(name_of(bsdf), DiffuseBsdf{kStandInColour});
+    result.front = leaf(name_of(bsdf), DiffuseBsdf{kPlaceholderColour});
     plugin.skip();
   }
   plugin.finish();

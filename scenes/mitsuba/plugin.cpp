@@ -230,7 +230,7 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
     } else if (const auto rgb = read_spectrum_plugin(context_, *plugin, role)) {
       return set_colour(name, *rgb, colour, role);
     }
-    colour = kStandInColour;
+    colour = kPlaceholderColour;
     return;
   }
   if (parameter == nullptr) return;

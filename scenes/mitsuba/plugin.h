@@ -233,6 +233,6 @@ std::string name_of(const Object& object);
 
 /// What stands in for a material, light colour or texture that is not read: nothing in nature has this
 /// colour.
-constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
+constexpr glm::vec3 kPlaceholderColour(0.8f, 0.2f, 0.8f);
 
 }  // namespace penumbra::mitsuba

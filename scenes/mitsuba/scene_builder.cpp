@@ -82,7 +82,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   // Light from everywhere, so that something can be seen: an unknown one may have been the scene's only
   // light.
   if (!all_known && std::ranges::none_of(scene.emitters, is_sky))
-    scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
+    scene.emitters.emplace_back(ConstantEnvironment{kPlaceholderColour});
   for (const Object* texture : root.nested("texture")) textures.read(*texture);
   // They count where others refer to them.
   for (const char* tag : {"film", "sampler", "rfilter", "volume", "phase"}) root.nested(tag);

@@ -102,8 +102,7 @@ class SceneWriter {
   /// Of an integrator that Mitsuba has too: what makes another noise alone, and has no name there.
   [[nodiscard]] bool is_own_way(std::string_view name) const {
     static constexpr std::string_view kWays[] = {
-        "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee",
-        "alpha",           "estimator",        "lit_surfaces"};
+        "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee", "alpha"};
     const bool shared =
         direct_sampling(scene_.integrator).has_value() || scene_.integrator.is<DirectIntegrator>();
     return shared && std::ranges::find(kWays, name) != std::end(kWays);

@@ -98,9 +98,9 @@ std::optional<SceneTexture> TextureReader::read_new(const Object& object, Textur
     context_.unknown_plugin(object, types, "a magenta checkerboard stands in for it");
     plugin.skip();
     if (!context_.lenient) return std::nullopt;
-    CheckerboardTexture stand_in;
-    stand_in.color0 = kStandInColour;
-    return SceneTexture{name_of(object), stand_in};
+    CheckerboardTexture placeholder;
+    placeholder.color0 = kPlaceholderColour;
+    return SceneTexture{name_of(object), placeholder};
   }
   const glm::dmat3 to_uv = read_to_uv(plugin);
   const TextureUse outer = std::exchange(use_, use);
@@ -159,9 +159,9 @@ std::optional<TextureModel> TextureReader::without_bitmap(PluginReader& plugin, 
     return std::nullopt;
   }
   plugin.warn(message + "; a magenta checkerboard stands in for it");
-  CheckerboardTexture stand_in;
-  stand_in.color0 = kStandInColour;
-  return stand_in;
+  CheckerboardTexture placeholder;
+  placeholder.color0 = kPlaceholderColour;
+  return placeholder;
 }
 
 void TextureReader::report(PluginReader& plugin, const BitmapTexture& model, const BitmapFindings& findings) {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <optional>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 
 namespace penumbra::mitsuba {
 namespace {

@@ -219,7 +219,7 @@ class TreeReader {
         child.name = "interior";
         has_medium = true;
       }
-    // A lamp's surface too is diffuse in Nori, where nothing is said; that of a medium lets light through.
+    // A light's surface too is diffuse in Nori, where nothing is said; that of a medium lets light through.
     if (find_child(object, "bsdf") == nullptr)
       add_child(object, t_.new_object("bsdf", has_medium ? "null" : "diffuse", object.location));
     bend_bsdf_of(t_, object);

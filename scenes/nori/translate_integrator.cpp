@@ -58,7 +58,7 @@ const std::vector<Integrator>& integrators() {
 
 /// What stands in for an integrator of a fork, told by its name: other ways to the image of a path tracer.
 /// Empty: none.
-std::string_view stand_in_for(std::string_view plain) {
+std::string_view substitute_for(std::string_view plain) {
   const auto has = [&](std::string_view word) { return plain.find(word) != plain.npos; };
   const bool by_bsdf = has("mats");
   if (has("vol") || has("medi")) return by_bsdf ? "volpath_mats" : "volpath";
@@ -94,7 +94,7 @@ void translate_integrator(const Translation& t, Object& integrator) {
     for (const auto& [name, value] : found->settings) set_default(integrator, name, value);
     return;
   }
-  std::string_view ours = stand_in_for(plain_name(integrator.type));
+  std::string_view ours = substitute_for(plain_name(integrator.type));
   if (!ours.empty()) {
     t.report.warn(integrator.type_location,
                   fmt::format("{} stands in for the integrator '{}'", ours, integrator.type));
@@ -137,21 +137,21 @@ void apply_simple(const Translation& t, Object& integrator, Object& scene) {
   add_child(scene, light);
 }
 
-/// What `material` shows of a diffuse BSDF, as a lamp.
+/// What `material` shows of a diffuse BSDF, as a light.
 Object& shown_material(const Translation& t, Object& diffuse) {
   constexpr float kInversePi = float(std::numbers::inv_pi);
-  Object& lamp = t.new_object("emitter", "area", diffuse.location);
+  Object& area_light = t.new_object("emitter", "area", diffuse.location);
   if (const Child* texture = find_child(diffuse, "texture", {"reflectance"})) {
     Object& scaled = t.new_object("texture", "scale", texture->location);
     set(scaled, "scale", double(kInversePi));
     add_child(scaled, *texture->object);
-    add_child(lamp, scaled, "radiance");
+    add_child(area_light, scaled, "radiance");
   } else {
     const Parameter* given = find(diffuse, "reflectance");
     const glm::vec3 albedo = given != nullptr ? colour_of(*given).value_or(glm::vec3(0.5f)) : glm::vec3(0.5f);
-    set(lamp, "radiance", RgbValue{albedo * kInversePi});
+    set(area_light, "radiance", RgbValue{albedo * kInversePi});
   }
-  return lamp;
+  return area_light;
 }
 
 /// `material` shows the values of BSDFs for light along the normal: of diffuse ones as if they shone, of

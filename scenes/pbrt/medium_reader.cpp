@@ -298,18 +298,18 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
     report.error(place, bytes.error().message);
     return std::nullopt;
   }
-  const auto stand_in = [&](const std::string& message) {
+  const auto placeholder = [&](const std::string& message) {
     report.unsupported(place, message, "a magenta fog stands in for it wherever the medium may be");
     medium.albedo = kUnreadColour;
     return medium;
   };
   if (is_nanovdb(*bytes))
-    return stand_in(
+    return placeholder(
         fmt::format("'{}' is a file of NanoVDB, which OpenVDB does not read; OpenVDB's program "
                     "nanovdb_convert makes a .vdb of it, which is read",
                     name));
   auto file = read_volume_file(path->string(), *bytes);
-  if (!file) return stand_in(file.error().message);
+  if (!file) return placeholder(file.error().message);
   for (const float value : file->grid.values)
     if (!(value >= 0.0f)) {
       report.error(place, fmt::format("'{}' holds {}; densities must be at least 0", name, value));

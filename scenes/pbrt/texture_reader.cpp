@@ -35,7 +35,7 @@ const TextureMapping* TextureReader::mapping_of(int texture) const {
   return found == mappings_.end() ? nullptr : &found->second;
 }
 
-TextureValue TextureReader::stand_in(SourceLocation location, const std::string& message) {
+TextureValue TextureReader::placeholder(SourceLocation location, const std::string& message) {
   context_.report.unsupported(location, message, "a magenta checkerboard stands in for it");
   CheckerboardTexture board;
   board.color0 = kUnreadColour;
@@ -81,8 +81,8 @@ void TextureReader::read(const std::string& name, const std::string& kind, const
   std::vector<std::string> known = {"constant"};
   for (const Reader& each : kReaders) known.emplace_back(each.type);
   textures_[{name, of_}] =
-      stand_in(location, fmt::format("the texture '{}' of type '{}' is not read; those that are: {}", name,
-                                     type, list_names(known)));
+      placeholder(location, fmt::format("the texture '{}' of type '{}' is not read; those that are: {}", name,
+                                        type, list_names(known)));
 }
 
 glm::dmat3 TextureReader::mapping(Parameters& parameters, SourceLocation location) {
@@ -119,7 +119,7 @@ std::optional<int> TextureReader::bitmap(const std::string& file, SourceLocation
   const auto path = context_.files.find(file, folders);
   const auto entry = path ? bitmaps_.read(*path, BitmapChannels::kAll) : std::unexpected(path.error());
   if (!entry) {
-    context_.report.unsupported(location, entry.error().message, "a stand-in is shown");
+    context_.report.unsupported(location, entry.error().message, "a placeholder is shown");
     return std::nullopt;
   }
   for (const std::string& finding : describe(entry->findings, file, false))
@@ -296,7 +296,7 @@ TextureValue TextureReader::fbm(Parameters& parameters, SourceLocation location)
 
 TextureValue TextureReader::checkerboard(Parameters& parameters, SourceLocation location) {
   if (parameters.integer("dimension", 2, context_.report) != 2)
-    return stand_in(location, "checkerboards in space are not read");
+    return placeholder(location, "checkerboards in space are not read");
   const TextureValue a = value(parameters, "tex1", 1.0), b = value(parameters, "tex2", 0.0);
   CheckerboardTexture board;
   board.color0 = TexturedColour(a.value);

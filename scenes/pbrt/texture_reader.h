@@ -72,7 +72,7 @@ class TextureReader {
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
   int add(std::string name, TextureModel model, const glm::dmat3& to_uv = glm::dmat3(1.0));
   int add_mapped(TextureModel model, const glm::dmat3& to_uv);
-  TextureValue stand_in(SourceLocation location, const std::string& message);
+  TextureValue placeholder(SourceLocation location, const std::string& message);
   std::optional<int> bitmap(const std::string& file, SourceLocation location);
   /// The alpha channel, which is what an image is as a texture of numbers; none where it is 1 throughout.
   std::optional<int> alpha_of(const std::string& file);

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMirror = 5, kDiffuse = 7;
 
 /// Of a material that is not read: nothing in nature has this colour.
-constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
+constexpr glm::vec3 kPlaceholderColour(0.8f, 0.2f, 0.8f);
 
 bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
 
@@ -109,7 +109,7 @@ class ModelReader {
     const auto found = materials_.find(group.material.name);
     if (found == materials_.end()) {
       missing_material(group);
-      return {install("stand-in", DiffuseBsdf{kStandInColour}), std::nullopt};
+      return {install("placeholder", DiffuseBsdf{kPlaceholderColour}), std::nullopt};
     }
     const MtlMaterial& material = found->second;
     Surface result;
@@ -174,9 +174,9 @@ class ModelReader {
       for (const std::string& finding : describe(entry->findings, map.name)) warn(map.location, finding);
     } else {
       context_.unknown(map.location, entry.error().message, "a magenta checkerboard stands in for it");
-      CheckerboardTexture stand_in;
-      stand_in.color0 = kStandInColour;
-      texture.model = stand_in;
+      CheckerboardTexture placeholder;
+      placeholder.color0 = kPlaceholderColour;
+      texture.model = placeholder;
     }
     scene_.textures.push_back(std::move(texture));
     return int(scene_.textures.size()) - 1;

@@ -79,7 +79,6 @@ void read_direct(Section& renderer, SceneDescription& scene, bool /*realtime*/) 
 
 void read_control_variates(Section& renderer, SceneDescription& scene) {
   renderer.imply(scene, "integrator.type", "polygon_cv");
-  renderer.imply(scene, "integrator.estimator", "cv");
   renderer.imply(scene, "integrator.emitter_sampling", "area");
   renderer.imply(scene, "integrator.alpha", "1");
   renderer.set(scene, "integrator.alpha", "alpha");

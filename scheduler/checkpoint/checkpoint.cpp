@@ -13,7 +13,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x746b'6863'7562'6e70;  // "pnbuchkt"
-constexpr std::uint64_t kFormat = 2;
+constexpr std::uint64_t kFormat = 3;
 constexpr std::size_t kChecksumBytes = 16;
 constexpr std::size_t kMostSettings = 4096;
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "kernels/host/plain_file.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/plan/adaptive_tile.h"
 

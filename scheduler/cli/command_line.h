@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/host/console.h"
-#include "kernels/host/suggestion.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/exit_code.h"
 
 namespace penumbra {

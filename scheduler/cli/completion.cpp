@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
 #include "scenes/names.h"
@@ -78,11 +78,11 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
-  OwnerNames owners;
-  if (options.cryptomatte) device_options.owners = &owners;
+  MatteNames mattes;
+  if (options.cryptomatte) device_options.mattes = &mattes;
   auto device = build_device_scene(*description, device_options);
   if (!device) return std::unexpected(device.error());
-  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(owners), {}, 0, {}};
+  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(mattes), {}, 0, {}};
   scene.boundary_names = boundary_names(scene.description);
   scene.summary = summarize(scene.device);
   scene.seconds = seconds_since(begin);

@@ -8,7 +8,7 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scenes/device/device_scene_builder.h"
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scenes/scene_description.h"
 #include "scheduler/cli/render_options.h"
 
@@ -18,7 +18,7 @@ struct LoadedScene {
   SceneDescription description;
   DeviceScene device;
   SceneSummary summary;
-  OwnerNames owners;                          ///< with --cryptomatte
+  MatteNames mattes;                          ///< with --cryptomatte
   std::map<int, std::string> boundary_names;  ///< see there
   double seconds = 0;                         ///< that it took
   glm::dvec3 center{0.0};                     ///< see scene_center; once it is reduced

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/record/film_image.h"
 
 namespace penumbra {
@@ -25,24 +25,14 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
   text += fmt::format("{:<16}{:>17a}{:>17a}{:>17a}\n", "  exactly", float(pixel.mean[0]),
                       float(pixel.mean[1]), float(pixel.mean[2]));
   text += decimal_row("standard error", standard_error);
-  const auto layer = [&](const char* name, int plane) {
-    text += decimal_row(name,
-                        {film.layer(x, y, plane), film.layer(x, y, plane + 1), film.layer(x, y, plane + 2)});
-  };
-  const auto value = [&](const char* name, double number) {
-    text += fmt::format("{:<16}{:>17.9g}\n", name, number);
-  };
-  const int coverage = coverage_plane_of(film.planes()), layers = layer_planes_of(film.planes());
-  if (coverage >= 0) value("alpha", film.layer(x, y, coverage));
-  if (layers >= kFeaturePlanes) {
-    layer("albedo", kAlbedoR);
-    layer("normal", kNormalX);
-    value("depth", film.layer(x, y, kDepth));
-  }
-  if (layers >= kSampleBufferPlanes) {
-    layer("analytic", kAnalyticR);
-    layer("difference", kDifferenceR);
-    value("visibility", film.visibility(x, y));
+  for (int layer = 0; layer < FILM_LAYERS; ++layer) {
+    const FilmLayerInfo& info = kFilmLayers[layer];
+    if (!film.layers().has(layer) || info.channels.empty()) continue;
+    text += fmt::format("{:<16}", layer == LAYER_COVERAGE ? "alpha" : info.name);
+    for (int plane = 0; plane < info.planes; ++plane)
+      text += fmt::format("{:>17.9g}",
+                          layer == LAYER_SHADOWED ? film.visibility(x, y) : film.layer(x, y, layer, plane));
+    text += '\n';
   }
   return text;
 }

@@ -39,7 +39,6 @@ std::function<void(SceneDescription&)> preview_adjustment(const SceneOptions& op
     cv.vis_samples = std::max(1, parameter_or(integrator, PENUMBRA_PARAMETER(vis_samples), samples));
     use_integrator(integrator, cv);
     auto& chosen = std::get<PolygonCvIntegrator>(integrator.method);
-    chosen.estimator = CvEstimator::kCv;
     if (!chosen.alpha) chosen.alpha = 1.0f;
   };
 }

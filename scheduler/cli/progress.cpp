@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "kernels/host/console.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

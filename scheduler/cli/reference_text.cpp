@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "kernels/host/suggestion.h"
+#include "kernels/host/text.h"
 #include "scenes/names.h"
 #include "scenes/plugin_reference.h"
 #include "scenes/settings.h"

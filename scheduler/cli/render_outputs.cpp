@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
-#include "kernels/host/stopwatch.h"
-#include "kernels/host/words.h"
+#include "kernels/host/process.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
@@ -86,7 +86,7 @@ void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared)
                            samples_per_second(outcome) * 1e-6));
 }
 
-// Measured: see "Samples" in kernels/README.md.
+// Measured: see "Samplers" in kernels/MEASUREMENTS.md.
 void print_sampler_advice() {
   print_remark("hint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
 }
@@ -153,11 +153,11 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     auto hash = std::async([&] { return outcome.film.hash(); });
-    const OwnerNames* owners = statistics.record.cryptomatte ? &prepared.scene.owners : nullptr;
-    image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height, owners);
+    const MatteNames* mattes = statistics.record.cryptomatte ? &prepared.scene.mattes : nullptr;
+    image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height, mattes);
     image.metadata = record_metadata(statistics.record, hash.get(), rendered);
-    if (owners != nullptr)
-      std::ranges::move(cryptomatte_metadata(*owners), std::back_inserter(image.metadata));
+    if (mattes != nullptr)
+      std::ranges::move(cryptomatte_metadata(*mattes), std::back_inserter(image.metadata));
     image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
     add_images(image, statistics.record.film, files, batch);
   }

@@ -189,10 +189,6 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
     return fail(
         "--target-error: the samples of this sampler depend on each other, so that their spread is not the "
         "error, and when to stop cannot be told without a bias; add --sampler independent");
-  if (options.target_error && (scene->device.header.features & FEATURE_RATIO) != 0u)
-    return fail(
-        "--target-error: the ratio estimator's image is no mean of samples; add --set "
-        "integrator.estimator=cv");
   PreparedRender prepared;
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/image/metrics/error_map.h"
 #include "scheduler/report/crops.h"
 #include "scheduler/report/curve_builder.h"

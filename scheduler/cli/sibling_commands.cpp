@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "kernels/host/child_signals.h"
+#include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "kernels/host/host_name.h"
+#include "kernels/host/process.h"
 #include "scheduler/protocol/token.h"
 
 namespace penumbra {

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <thread>
 
-#include "kernels/host/child_signals.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 namespace {

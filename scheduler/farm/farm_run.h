@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scheduler/farm/job_run.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/problem_text.h"

@@ -199,7 +199,7 @@ void FarmRun::obey(const Forget& order, arrivals::Result*) { server_->forget_job
 void FarmRun::obey(const Assign& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.unit_was_given(now_);
-  server_->send_unit(order.worker, order.unit, of.unit(order.unit), of.shape());
+  server_->send_unit(order.worker, order.unit, of.unit(order.unit), of.layers());
 }
 
 void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {

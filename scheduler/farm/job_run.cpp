@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kProgressShare = 0.02;
 JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool is_only)
     : id_(id),
       job_(std::move(job)),
-      shape_{plane_count(job_->scene.header.features), job_->scene.header.owner_count},
+      layers_(job_->scene.header.features, job_->scene.header.matte_count),
       grid_(job_->x, job_->y, job_->width, job_->height, job_->tile, job_->spp, job_->samples_per_pass),
       view_{0, view_of(job_->scene.header)},
       merge_(job_->before ? std::move(job_->before->merge) : merge_of_job(*job_)),
@@ -33,7 +33,7 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
 
 Merge merge_of_job(const RenderJob& job) {
   const SceneHeader& h = job.scene.header;
-  return Merge(FilmAccumulator::of_features(job.x, job.y, job.width, job.height, h.features, h.owner_count),
+  return Merge(FilmAccumulator(job.x, job.y, job.width, job.height, FilmLayers(h.features, h.matte_count)),
                TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
                job.target_error, job.adaptive);
 }

@@ -43,7 +43,7 @@ class JobRun {
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
   [[nodiscard]] const WatchView& view() const { return view_; }
   [[nodiscard]] std::uint64_t samples_done() const { return samples_done_; }
-  [[nodiscard]] const ResultShape& shape() const { return shape_; }
+  [[nodiscard]] const FilmLayers& layers() const { return layers_; }
   [[nodiscard]] std::vector<PhaseUnits> phases() const;
   /// Empty for a unit that the job does not have: a faulty worker may name any.
   [[nodiscard]] RenderUnit unit(const UnitId& id) const;
@@ -112,7 +112,7 @@ class JobRun {
 
   const JobId id_;
   const std::shared_ptr<const RenderJob> job_;
-  const ResultShape shape_;
+  const FilmLayers layers_;
   const TileGrid grid_;
 
   WatchView view_;

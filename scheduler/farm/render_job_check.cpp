@@ -15,10 +15,8 @@ namespace {
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
-  const std::uint32_t features = job.scene.header.features;
   const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
-  return pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u,
-                      (features & FEATURE_OWNERS) != 0u)
+  return pixel_memory(FilmLayers(job.scene.header.features, job.scene.header.matte_count))
       .peak(!job.interactive, films_beside);
 }
 

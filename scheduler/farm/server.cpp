@@ -195,8 +195,8 @@ void Server::forget_job(WorkerId worker, JobId job) {
   if (const auto connection = state_->farm.connection(worker)) connection->forget_job(job);
 }
 
-void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, const ResultShape& shape) {
-  if (const auto connection = state_->farm.connection(worker)) connection->send_unit(id, unit, shape);
+void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, const FilmLayers& layers) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_unit(id, unit, layers);
 }
 
 void Server::send_view(WorkerId worker, JobId job, const WatchView& view) {

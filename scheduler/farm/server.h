@@ -63,8 +63,8 @@ class Server {
 
   void send_job(WorkerId worker, JobId job, const std::string& scene_hash, const DeviceOptions& device);
   void forget_job(WorkerId worker, JobId job);
-  /// `shape`: that the result must have.
-  void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, const ResultShape& shape);
+  /// `layers`: that the result must have.
+  void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, const FilmLayers& layers);
   /// Another camera for the job's units that follow; those of older views are dropped by the worker, and
   /// their results here.
   void send_view(WorkerId worker, JobId job, const WatchView& view);

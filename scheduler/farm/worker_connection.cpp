@@ -57,11 +57,11 @@ void WorkerConnection::forget_job(JobId job) {
   send(std::move(message));
 }
 
-void WorkerConnection::send_unit(const UnitId& id, const RenderUnit& unit, const ResultShape& shape) {
+void WorkerConnection::send_unit(const UnitId& id, const RenderUnit& unit, const FilmLayers& layers) {
   wire::SchedulerMessage message;
   {
     const std::lock_guard lock(mutex_);
-    expected_[id] = {unit, shape};
+    expected_[id] = {unit, layers};
     encode(id, view_of(id.job), *message.mutable_unit()->mutable_id());
   }
   encode(unit, *message.mutable_unit());
@@ -189,7 +189,7 @@ Arrival WorkerConnection::decode_result(const wire::UnitResult& message) {
   const std::optional<Expectation> expected = fulfil(id);
   if (!expected)
     return arrivals::BadResult{worker_, id, message.id().view(), "the worker was not asked for this unit"};
-  Expected<SampleBuffer> buffer = decode(message, expected->unit, expected->shape);
+  Expected<SampleBuffer> buffer = decode(message, expected->unit, expected->layers);
   if (!buffer) return arrivals::BadResult{worker_, id, message.id().view(), buffer.error().message};
   return arrivals::Result{.worker = worker_,
                           .unit = id,

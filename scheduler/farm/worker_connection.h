@@ -43,7 +43,7 @@ class WorkerConnection {
   void send_job(JobId job, const std::string& scene_hash, const DeviceOptions& device);
   /// Units of the job are not expected to be answered any more.
   void forget_job(JobId job);
-  void send_unit(const UnitId& id, const RenderUnit& unit, const ResultShape& shape);
+  void send_unit(const UnitId& id, const RenderUnit& unit, const FilmLayers& layers);
   /// Units of the job's older views that have not left yet need not.
   void send_view(JobId job, const WatchView& view);
   /// `comes_back`: the scheduler does, and the worker may wait for it.
@@ -74,7 +74,7 @@ class WorkerConnection {
  private:
   struct Expectation {
     RenderUnit unit;
-    ResultShape shape = {};
+    FilmLayers layers = {};
   };
 
   void send(wire::SchedulerMessage message);

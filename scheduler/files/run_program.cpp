@@ -12,7 +12,7 @@
 #include <optional>
 #include <thread>
 
-#include "kernels/host/child_signals.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 namespace {

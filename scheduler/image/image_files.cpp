@@ -278,7 +278,7 @@ Expected<std::vector<std::uint8_t>> encode_png(const Image& image) {
   pixels.reserve(image.pixels() * (alpha ? 4 : 3));
   for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
     const float* values = &image.values[pixel * image.channels.size()];
-    // Light without a surface, as of a lamp that is seen through, is nothing to divide.
+    // Light without a surface, as of a light that is seen through, is nothing to divide.
     const float covered = alpha && values[*alpha] > 0 ? values[*alpha] : 1.0f;
     for (const std::size_t channel : *beauty) pixels.push_back(display_byte(values[channel] / covered));
     if (alpha) pixels.push_back(linear_byte(values[*alpha]));

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/host_name.h"
+#include "kernels/host/process.h"
 #include "scheduler/keys/certificate.h"
 
 namespace penumbra {

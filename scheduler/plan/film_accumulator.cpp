@@ -39,33 +39,26 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 }  // namespace
 
-FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features,
-                                             int owner_count) {
-  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u, owner_count};
-}
-
-FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio,
-                                 int owner_count)
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers)
     : x_(x),
       y_(y),
       width_(width),
       height_(height),
-      planes_(planes),
+      layers_(layers),
       pixels_(std::size_t(width) * std::size_t(height)),
-      layers_(pixels_.size() * layers()),
-      ratios_(with_ratio ? pixels_.size() : 0),
-      owners_(pixels_.size(), owner_count) {}
+      layer_means_(pixels_.size() * layer_planes()),
+      mattes_(pixels_.size(), layers.mattes()) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
-  const bool complete = result.planes == planes_ + (ratios_.empty() ? 0 : int(kRatioPlanes));
-  const std::size_t layer_count = complete ? layers() : 0;
-  std::span<const std::uint32_t> owners = result.owners;
+  const bool complete = result.planes == layers_.planes();
+  const std::size_t layer_count = complete ? layer_planes() : 0;
+  std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
-    if (owners_.is_kept() && !owners.empty())
-      owners = owners_.add(index(x, y + row), std::size_t(result.width), owners);
+    if (mattes_.is_kept() && !mattes.empty())
+      mattes = mattes_.add(index(x, y + row), std::size_t(result.width), mattes);
     PixelStatistics* pixel = &pixels_[index(x, y + row)];
-    double* layer = layers_.data() + index(x, y + row) * layers();
+    double* layer = layer_means_.data() + index(x, y + row) * layer_planes();
     const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
     for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
       const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
@@ -76,8 +69,6 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       }
       for (std::size_t k = 0; k < layer_count; ++k)
         merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
-      if (complete && !ratios_.empty())
-        add_ratio(std::size_t(pixel - pixels_.data()), value, plane, result.sample_count);
       pixel->count += result.sample_count;
     }
   }
@@ -85,37 +76,12 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
     penumbra::add(flagged_[{x, y}], result.flagged);
 }
 
-void FilmAccumulator::add_ratio(std::size_t pixel, const float* value, std::size_t plane,
-                                std::uint32_t count) {
-  PixelStatistics& merged = pixels_[pixel];
-  const float* of_ratio = value + std::size_t(planes_) * plane;
-  const bool has_difference = planes_ > kDifferenceR;
-  for (int c = 0; c < 3; ++c) {
-    RatioSums& sums = ratios_[pixel][std::size_t(c)];
-    sums.add({.count = count,
-              .mean = value[(kMeanR + c) * plane],
-              .deviation = value[(kDeviationR + c) * plane],
-              .b = of_ratio[(kRatioMeanR + c) * plane],
-              .deviation_b = of_ratio[(kRatioDeviationR + c) * plane],
-              .correlation = of_ratio[(kRatioCorrelationR + c) * plane],
-              .ratio = of_ratio[(kRatioR + c) * plane],
-              .w = of_ratio[(kRatioUnshadowedR + c) * plane],
-              .difference = has_difference ? value[(kDifferenceR + c) * plane] : 0.0f});
-    merged.mean[c] = sums.mean();
-    merged.m2[c] = sums.m2();
-    if (has_difference)
-      layers_[pixel * layers() + std::size_t(kDifferenceR + c - kRadiancePlanes)] = sums.difference();
-  }
-}
-
 void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
-    if (!ratios_.empty())
-      std::fill_n(ratios_.begin() + std::ptrdiff_t(first), width, std::array<RatioSums, 3>{});
-    std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
-    owners_.clear(first, std::size_t(width));
+    std::fill_n(layer_means_.begin() + std::ptrdiff_t(first * layer_planes()), std::size_t(width) * layer_planes(), 0.0);
+    mattes_.clear(first, std::size_t(width));
   }
   std::erase_if(flagged_, [&](const auto& noted) {
     const auto [corner_x, corner_y] = noted.first;
@@ -125,6 +91,7 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
 
 void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b) {
   clear(a.x_, a.y_, a.width_, a.height_);
+  const std::size_t planes = layer_planes();
   const auto variance = [](const PixelStatistics& pixel, int c) {
     return pixel.count < 2 ? 0 : pixel.m2[c] / (double(pixel.count) * double(pixel.count - 1));
   };
@@ -140,15 +107,15 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
         mean.m2[c] = (weight * weight * variance(of_a, c) + (1 - weight) * (1 - weight) * variance(of_b, c)) *
                      n * std::max(n - 1, 0.0);
       }
-      const double *layer_a = a.layers_.data() + a.index(x, y) * layers(),
-                   *layer_b = b.layers_.data() + b.index(x, y) * layers();
-      double* layer = layers_.data() + index(x, y) * layers();
-      for (std::size_t k = 0; k < layers(); ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
+      const double *layer_a = a.layer_means_.data() + a.index(x, y) * planes,
+                   *layer_b = b.layer_means_.data() + b.index(x, y) * planes;
+      double* layer = layer_means_.data() + index(x, y) * planes;
+      for (std::size_t k = 0; k < planes; ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
       const auto scale = [n](double share, const PixelStatistics& of) {
         return of.count == 0 ? 0 : share * (n / double(of.count));
       };
-      if (owners_.is_kept())
-        owners_.set_sum_of(index(x, y), a.owners(x, y), scale(weight, of_a), b.owners(x, y),
+      if (mattes_.is_kept())
+        mattes_.set_sum_of(index(x, y), a.mattes(x, y), scale(weight, of_a), b.mattes(x, y),
                            scale(1 - weight, of_b));
     }
   }
@@ -157,8 +124,8 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
 }
 
 double FilmAccumulator::visibility(int film_x, int film_y) const {
-  const double whole = layer(film_x, film_y, kWhole);
-  return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
+  const double unshadowed = layer(film_x, film_y, LAYER_UNSHADOWED);
+  return unshadowed > 0 ? layer(film_x, film_y, LAYER_SHADOWED) / unshadowed : 0;
 }
 
 FlaggedKinds FilmAccumulator::flagged() const {
@@ -171,8 +138,9 @@ const PixelStatistics& FilmAccumulator::at(int film_x, int film_y) const {
   return pixels_[index(film_x, film_y)];
 }
 
-double FilmAccumulator::layer(int film_x, int film_y, int plane) const {
-  return layers_[index(film_x, film_y) * layers() + std::size_t(plane - kRadiancePlanes)];
+double FilmAccumulator::layer(int film_x, int film_y, int layer, int plane) const {
+  const auto place = std::size_t(layers_.plane(layer) - kRadiancePlanes + plane);
+  return layer_means_[index(film_x, film_y) * layer_planes() + place];
 }
 
 double FilmAccumulator::relative_error() const {
@@ -190,11 +158,10 @@ double FilmAccumulator::relative_error() const {
 }
 
 void FilmAccumulator::write(ByteWriter& bytes) const {
-  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1}) bytes.i64(number);
+  for (const int number : {x_, y_, width_, height_, layers_.planes()}) bytes.i64(number);
   bytes.row(pixels_);
-  bytes.row(layers_);
-  bytes.row(ratios_);
-  owners_.write(bytes);
+  bytes.row(layer_means_);
+  mattes_.write(bytes);
   bytes.u64(flagged_.size());
   for (const auto& [corner, noted] : flagged_) {
     bytes.i64(corner.first);
@@ -210,10 +177,10 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
 }
 
 Expected<void> FilmAccumulator::read(ByteReader& bytes) {
-  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1})
+  for (const int number : {x_, y_, width_, height_, layers_.planes()})
     if (bytes.i64() != number) return fail("a film of another size or with other layers");
-  if (!bytes.row(pixels_) || !bytes.row(layers_) || !bytes.row(ratios_)) return fail("it ends in its film");
-  if (auto read = owners_.read(bytes); !read) return read;
+  if (!bytes.row(pixels_) || !bytes.row(layer_means_)) return fail("it ends in its film");
+  if (auto read = mattes_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
   if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
   const auto number = [&](int low, int high) {
@@ -250,18 +217,15 @@ Expected<void> FilmAccumulator::check() const {
     if (!std::ranges::all_of(pixel.mean, is_finite) ||
         !std::ranges::all_of(pixel.m2, [](double m2) { return std::isfinite(m2) && m2 >= 0; }))
       return fail("a pixel whose statistics are none");
-  if (!std::ranges::all_of(layers_, is_finite)) return fail("a layer with a value that is not finite");
-  for (std::size_t i = 0; i < ratios_.size(); ++i)
-    if (!std::ranges::all_of(ratios_[i], [&](const RatioSums& sums) { return sums.is_of(pixels_[i].count); }))
-      return fail("a pixel whose ratio is none");
-  for (std::size_t i = 0; owners_.is_kept() && i < pixels_.size(); ++i)
-    if (!owners_.are_of(i, pixels_[i].count)) return fail("a pixel with owners of more than its samples");
+  if (!std::ranges::all_of(layer_means_, is_finite)) return fail("a layer with a value that is not finite");
+  for (std::size_t i = 0; mattes_.is_kept() && i < pixels_.size(); ++i)
+    if (!mattes_.are_of(i, pixels_[i].count)) return fail("a pixel with mattes of more than its samples");
   return {};
 }
 
 std::uint64_t FilmAccumulator::hash() const {
   const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
-  return owners_.hash(XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance));
+  return mattes_.hash(XXH3_64bits_withSeed(layer_means_.data(), layer_means_.size() * sizeof(double), of_radiance));
 }
 
 }  // namespace penumbra

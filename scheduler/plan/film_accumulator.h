@@ -1,7 +1,6 @@
 // The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -11,8 +10,7 @@
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/byte_stream.h"
-#include "scheduler/plan/film_owners.h"
-#include "scheduler/plan/ratio_estimate.h"
+#include "scheduler/plan/film_mattes.h"
 
 namespace penumbra {
 
@@ -29,18 +27,17 @@ struct PixelStatistics {
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, after which
-  /// `with_ratio` RatioPlanes follow, and of a scene with so many owners.
-  FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio = false,
-                  int owner_count = 0);
-  /// The same for results of a scene with these FEATURE_* bits.
-  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features,
-                                     int owner_count = 0);
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results that have these layers.
+  FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers);
 
-  /// Of the memory that it takes, with the constructor's arguments.
-  static constexpr std::uint64_t bytes_per_pixel(int planes, bool with_ratio = false) {
-    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double) +
-           (with_ratio ? sizeof(std::array<RatioSums, 3>) : 0);
+  /// One of another rectangle without samples, whose pixels have the same layers.
+  [[nodiscard]] FilmAccumulator empty_like(int x, int y, int width, int height) const {
+    return {x, y, width, height, layers_};
+  }
+
+  /// Of the memory that one with these layers takes, but for mattes.
+  static constexpr std::uint64_t bytes_per_pixel(const FilmLayers& layers) {
+    return sizeof(PixelStatistics) + std::uint64_t(layers.planes() - kRadiancePlanes) * sizeof(double);
   }
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
@@ -50,7 +47,7 @@ class FilmAccumulator {
   void clear(int x, int y, int width, int height);
 
   /// Puts into its rectangle the mean of two independent estimates of it, equally weighed whatever their
-  /// samples; of one alone, where the other one has none. Of the same planes, none of them with ratios. The
+  /// samples; of one alone, where the other one has none. Of the same planes. The
   /// statistics are then those of as many samples whose mean has that mean's variance.
   void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
 
@@ -58,16 +55,15 @@ class FilmAccumulator {
   [[nodiscard]] int y() const { return y_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  [[nodiscard]] int planes() const { return planes_; }
+  [[nodiscard]] const FilmLayers& layers() const { return layers_; }
   /// Pixel at film coordinates.
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
-  /// Mean of a plane from kRadiancePlanes on, at film coordinates.
-  [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
-  /// Whom its samples met, in the order of their numbers; nobody of a film without owners.
-  [[nodiscard]] std::span<const OwnerWeight> owners(int film_x, int film_y) const {
-    return owners_.is_kept() ? owners_.at(index(film_x, film_y)) : std::span<const OwnerWeight>();
+  /// Mean of a plane of a layer that it has, LAYER_… of kernels/film_layers.h, at film coordinates.
+  [[nodiscard]] double layer(int film_x, int film_y, int layer, int plane = 0) const;
+  /// The mattes that its samples hit, in the order of their numbers; none of a film without mattes.
+  [[nodiscard]] std::span<const MatteWeight> mattes(int film_x, int film_y) const {
+    return mattes_.is_kept() ? mattes_.at(index(film_x, film_y)) : std::span<const MatteWeight>();
   }
-  [[nodiscard]] int owner_count() const { return owners_.owner_count(); }
   /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
@@ -77,36 +73,32 @@ class FilmAccumulator {
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
   [[nodiscard]] double relative_error() const;
-  /// XXH3-64 of all pixel statistics, layers and owners, for tests of reproducibility and for statistics.
+  /// XXH3-64 of all pixel statistics, layers and mattes, for tests of reproducibility and for statistics.
   [[nodiscard]] std::uint64_t hash() const;
 
   /// All of its state, to go on with it in another process; so many bytes, about, and at most.
   void write(ByteWriter& bytes) const;
-  [[nodiscard]] std::uint64_t written_size() const { return written_with(FilmOwners::kBytesPerPixel); }
-  [[nodiscard]] std::uint64_t most_written() const { return written_with(FilmOwners::kMostBytesPerPixel); }
+  [[nodiscard]] std::uint64_t written_size() const { return written_with(FilmMattes::kBytesPerPixel); }
+  [[nodiscard]] std::uint64_t most_written() const { return written_with(FilmMattes::kMostBytesPerPixel); }
   /// Takes the state of one of the same rectangle and planes. Error: that is not what the bytes are. It is
   /// to be thrown away then.
   Expected<void> read(ByteReader& bytes);
 
  private:
   [[nodiscard]] Expected<void> check() const;
-  [[nodiscard]] std::uint64_t written_with(std::uint64_t owner_bytes) const {
-    return (bytes_per_pixel(planes_, !ratios_.empty()) + (owners_.is_kept() ? owner_bytes : 0)) *
-           pixels_.size();
+  [[nodiscard]] std::uint64_t written_with(std::uint64_t matte_bytes) const {
+    return (bytes_per_pixel(layers_) + (mattes_.is_kept() ? matte_bytes : 0)) * pixels_.size();
   }
-  /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
-  void add_ratio(std::size_t pixel, const float* value, std::size_t plane, std::uint32_t count);
   [[nodiscard]] std::size_t index(int film_x, int film_y) const {
     return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
   }
-  [[nodiscard]] std::size_t layers() const { return std::size_t(planes_ - kRadiancePlanes); }
+  [[nodiscard]] std::size_t layer_planes() const { return std::size_t(layers_.planes() - kRadiancePlanes); }
 
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
-  int planes_ = kRadiancePlanes;
+  FilmLayers layers_;
   std::vector<PixelStatistics> pixels_;
-  std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
-  std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
-  FilmOwners owners_;
+  std::vector<double> layer_means_;  // of the layers' planes, of one pixel after the other
+  FilmMattes mattes_;
   std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
 };
 

@@ -5,23 +5,22 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
-#include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/film_accumulator.h"
-#include "scheduler/plan/sample_allocation.h"
 #include "scheduler/plan/tile_grid.h"
+#include "scheduler/plan/tile_sampling.h"
 
 namespace penumbra {
 
 /// The film of one image and, for each tile, the results that are waiting for an earlier pass. The merged
 /// film is a function of the results alone: the same bytes for every tile size and order of arrival.
 ///
-/// With a target error each tile stops by itself, see AdaptiveTile; passes of a tile after its last count for
-/// nothing. With adaptive sampling tiles get samples by the errors of a pilot, see SampleAllocation: the film
-/// shows the pilot where nothing else is there. With either the film is a function of the tile size as well.
+/// How many passes a tile has is up to make_tile_sampling; passes of a tile after its last are discarded. With a
+/// target error, or with adaptive sampling, the film is a function of the tile size as well.
 class Merge {
  public:
   Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error = {}, bool adaptive = false);
@@ -55,7 +54,7 @@ class Merge {
   /// What is to be rendered for a tile's pass; empty if it is not known, or never will be.
   [[nodiscard]] RenderUnit unit(std::uint32_t tile, std::uint32_t pass) const;
   /// Whether since the last call the results of one tile have told how many passes each needs.
-  [[nodiscard]] bool take_allocation() { return std::exchange(allocated_now_, false); }
+  [[nodiscard]] bool take_allocation() { return sampling_->take_allocation(); }
   /// Whether every tile has come to its last pass, as its results and the settings want it.
   [[nodiscard]] bool is_done() const;
   /// Whether shares of samples are those of an undisturbed render, see SampleAllocation.
@@ -87,30 +86,18 @@ class Merge {
     std::uint64_t samples = 0;                                     // over all pixels, merged or waiting
     std::map<std::uint32_t, std::optional<SampleBuffer>> waiting;  // by pass; no value: skipped
     std::vector<std::uint32_t> skipped;                            // passes, for redo()
-    std::unique_ptr<AdaptiveTile> adaptive;                        // while it is not done, with a target
-    bool is_done = false;                                          // likewise: it has come to its target
   };
 
   void merge_what_is_next(std::uint32_t tile);
-  void merge_pass(std::uint32_t tile, const std::optional<SampleBuffer>& result);
-  /// That a tile may have without a target error, as far as is known yet.
-  [[nodiscard]] std::uint32_t known_passes(std::uint32_t tile) const;
-  /// Of a pixel, also those of passes that were skipped: how many are in the film, and were rendered.
-  [[nodiscard]] std::uint64_t counted(std::uint32_t tile, std::uint32_t passes) const;
-  [[nodiscard]] std::uint64_t rendered(std::uint32_t tile, std::uint32_t passes) const;
-  [[nodiscard]] bool has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const;
-
-  void begin(std::uint32_t tile);
-  void end_pass(std::uint32_t tile);
-  void write_adaptive(ByteWriter& bytes) const;
-  [[nodiscard]] Expected<void> read_adaptive(ByteReader& bytes);
-  [[nodiscard]] bool has_equal_samples(const RenderUnit& area, std::uint64_t at_most) const;
+  void clear_film(std::uint32_t tile);
+  /// The passes of each tile that were skipped.
+  using Skipped = std::vector<std::set<std::uint64_t>>;
+  [[nodiscard]] Expected<Skipped> read_passes(ByteReader& bytes);
+  [[nodiscard]] Expected<void> check_samples(std::uint32_t tile, const std::set<std::uint64_t>& skipped) const;
 
   FilmAccumulator film_;
   TileGrid grid_;
-  std::optional<double> target_error_;
-  std::optional<SampleAllocation> allocation_;
-  bool allocated_now_ = false;
+  std::unique_ptr<TileSampling> sampling_;
   std::vector<Tile> tiles_;
 };
 

@@ -7,22 +7,24 @@
 
 namespace penumbra {
 
-int image_channels(int planes) {
-  // Radiance, its variance and the number of samples; of the polygon lights' two last planes the quotient.
-  return planes + 1 - (layer_planes_of(planes) > kSeen ? 1 : 0);
+int image_channels(const FilmLayers& layers) {
+  int channels = 3 + 3 + 1;  // radiance, its variance and the number of samples
+  for (int layer = 0; layer < FILM_LAYERS; ++layer)
+    channels += layers.has(layer) ? int(kFilmLayers[layer].channels.size()) : 0;
+  return channels;
 }
 
 std::uint64_t PixelMemory::peak(bool writes_files, int films_beside) const {
   return film + std::max(watch + std::uint64_t(films_beside) * film, writes_files ? output : 0);
 }
 
-PixelMemory pixel_memory(int planes, bool with_ratio, bool with_owners) {
+PixelMemory pixel_memory(const FilmLayers& layers) {
+  const bool with_mattes = layers.mattes() > 0;
   const std::uint64_t image =
-      std::uint64_t(image_channels(planes) + (with_owners ? kOwnerChannels : 0)) * sizeof(float);
+      std::uint64_t(image_channels(layers) + (with_mattes ? kMatteChannels : 0)) * sizeof(float);
   // What does not compress fills a file as large as the image, in a buffer that doubles as it grows.
-  return {.film = FilmAccumulator::bytes_per_pixel(planes, with_ratio) +
-                  (with_owners ? FilmOwners::kBytesPerPixel : 0),
-          .watch = TileSnapshot::bytes_per_pixel(planes > kDifferenceB),
+  return {.film = FilmAccumulator::bytes_per_pixel(layers) + (with_mattes ? FilmMattes::kBytesPerPixel : 0),
+          .watch = TileSnapshot::bytes_per_pixel(layers.has(LAYER_DIFFERENCE)),
           .output = image + 2 * image};
 }
 

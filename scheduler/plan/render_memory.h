@@ -4,16 +4,17 @@
 
 #include <cstdint>
 
+#include "kernels/host/sample_buffer.h"
+
 namespace penumbra {
 
-/// How many channels an image file of results with so many SampleBufferPlanes has, see image_of_film.
-int image_channels(int planes);
+/// How many channels an image file with these layers has, without mattes; see image_of_film.
+int image_channels(const FilmLayers& layers);
 
-/// Channels of the owners' layers in an image file, see cryptomatte.h.
-constexpr int kOwnerChannels = 24;
+/// Channels of the mattes' layers in an image file, see cryptomatte.h.
+constexpr int kMatteChannels = 24;
 
-/// Bytes for each pixel of a render whose results have so many SampleBufferPlanes, `with_ratio` those of
-/// RatioPlane, and `with_owners` owners, of which a few are assumed.
+/// Bytes for each pixel of a render whose results have these layers, and a few mattes each where there are some.
 struct PixelMemory {
   std::uint64_t film = 0;    ///< while it goes on and after
   std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
@@ -23,6 +24,6 @@ struct PixelMemory {
   /// halves of a render with a target error.
   [[nodiscard]] std::uint64_t peak(bool writes_files, int films_beside = 0) const;
 };
-PixelMemory pixel_memory(int planes, bool with_ratio = false, bool with_owners = false);
+PixelMemory pixel_memory(const FilmLayers& layers);
 
 }  // namespace penumbra

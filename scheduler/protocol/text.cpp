@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/utf8.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

@@ -20,9 +20,9 @@ bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
 std::uint64_t checksum_of(const wire::PixelResult& result) {
   const std::uint64_t of_values = XXH3_64bits(result.values().data(), result.values().size());
-  const auto& owners = result.owners();
-  if (owners.empty()) return of_values;
-  return XXH3_64bits_withSeed(owners.data(), std::size_t(owners.size()) * sizeof(std::uint32_t), of_values);
+  const auto& mattes = result.mattes();
+  if (mattes.empty()) return of_values;
+  return XXH3_64bits_withSeed(mattes.data(), std::size_t(mattes.size()) * sizeof(std::uint32_t), of_values);
 }
 
 template <typename T, std::size_t kSize>
@@ -242,13 +242,13 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
   message.set_sample_count(buffer.sample_count);
   for (const FlaggedSamples& samples : buffer.flagged) encode(samples, *message.add_flagged());
   message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
-  message.mutable_owners()->Add(buffer.owners.begin(), buffer.owners.end());
+  message.mutable_mattes()->Add(buffer.mattes.begin(), buffer.mattes.end());
   message.set_checksum(checksum_of(message));
 }
 
 Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit,
-                              const ResultShape& shape) {
-  const int planes = shape.planes;
+                              const FilmLayers& layers) {
+  const int planes = layers.planes();
   if (!result.has_pixels()) return fail("the result is of another kind than its unit");
   const wire::PixelResult& message = result.pixels();
   if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
@@ -264,7 +264,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
                       .sample_count = unit.sample_count,
                       .flagged = {},
                       .values = {},
-                      .owners = {}};
+                      .mattes = {}};
   const std::size_t count = buffer.pixels() * std::size_t(planes);
   if (message.values().size() != count * sizeof(float)) {
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
@@ -286,8 +286,8 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
   if (const Expected<void> checked = check_statistics(buffer); !checked)
     return fail("the result has " + checked.error().message);
-  buffer.owners.assign(message.owners().begin(), message.owners().end());
-  if (const Expected<void> checked = check_owners(buffer, shape.owner_count); !checked)
+  buffer.mattes.assign(message.mattes().begin(), message.mattes().end());
+  if (const Expected<void> checked = check_mattes(buffer, layers.mattes()); !checked)
     return fail("the result has " + checked.error().message);
   return buffer;
 }
@@ -335,14 +335,14 @@ Expected<View> decode(const wire::View& message) {
 std::uint64_t result_hash(const wire::UnitResult& message) {
   const wire::PixelResult& pixels = message.pixels();
   std::vector<std::uint64_t> flagged = {std::uint64_t(pixels.flagged_size()),
-                                        std::uint64_t(pixels.owners_size())};
+                                        std::uint64_t(pixels.mattes_size())};
   // Not the source, which workers may know or not.
   for (const wire::FlaggedSamples& kind : pixels.flagged())
     flagged.insert(flagged.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()),
                                    kind.sample(), std::uint64_t(kind.shape())});
-  const std::span owners(pixels.owners().data(), std::size_t(pixels.owners_size()));
+  const std::span mattes(pixels.mattes().data(), std::size_t(pixels.mattes_size()));
   const ContentDigest digest =
-      content_digest({bytes_of(std::span(flagged)), bytes_of(owners), bytes_of(std::span(pixels.values()))});
+      content_digest({bytes_of(std::span(flagged)), bytes_of(mattes), bytes_of(std::span(pixels.values()))});
   std::uint64_t hash = 0;
   std::memcpy(&hash, digest.data(), sizeof hash);
   return hash;

@@ -22,10 +22,10 @@ namespace wire = penumbra::v1;
 constexpr std::uint32_t kProtocolVersion = 12;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
-/// Bytes that a result's message takes for a pixel at most: all planes; how many pairs of owners, and those,
+/// Bytes that a result's message takes for a pixel at most: all planes; how many pairs of mattes, and those,
 /// as variable numbers of 7 bits a byte.
-constexpr int kMostPixelBytes = plane_count(FEATURE_ALL) * 4 + 1 + MAX_OWNER_PAIRS * (4 + 2);
-static_assert(MAX_OWNERS < 1 << 28 && kMaxSamplesPerUnit < 1 << 14 && MAX_OWNER_PAIRS < 1 << 7);
+constexpr int kMostPixelBytes = plane_count(FEATURE_ALL) * 4 + 1 + MAX_MATTE_PAIRS * (4 + 2);
+static_assert(MAX_MATTES < 1 << 28 && kMaxSamplesPerUnit < 1 << 14 && MAX_MATTE_PAIRS < 1 << 7);
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all of that, and some.
 constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kMostPixelBytes + (1 << 20);
@@ -57,10 +57,10 @@ Expected<RenderUnit> decode(const wire::Unit& message);
 /// The buffer, its counts and the checksum.
 void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// Fails, in words for people, if the checksum does not match, the buffer is not one of `unit` in that shape,
-/// its values are no statistics (see check_statistics), its owners none (see check_owners), or it took a time
+/// its values are no statistics (see check_statistics), its mattes none (see check_mattes), or it took a time
 /// that is not finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit,
-                              const ResultShape& shape);
+                              const FilmLayers& layers);
 
 void encode(const AssetManifest& manifest, wire::AssetManifest& message);
 /// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.

@@ -13,14 +13,14 @@
 namespace penumbra {
 namespace {
 
-static_assert(kCryptomatteChannels == kOwnerChannels);
+static_assert(kCryptomatteChannels == kMatteChannels);
 
 struct Layer {
   const char* name;
-  std::vector<std::string> OwnerNames::*names;
+  std::vector<std::string> MatteNames::*names;
 };
-constexpr std::array kLayers{Layer{"CryptoObject", &OwnerNames::objects},
-                             Layer{"CryptoMaterial", &OwnerNames::materials}};
+constexpr std::array kLayers{Layer{"CryptoObject", &MatteNames::objects},
+                             Layer{"CryptoMaterial", &MatteNames::materials}};
 
 std::uint32_t mixed(std::uint32_t block) { return std::rotl(block * 0xcc9e2d51u, 15) * 0x1b873593u; }
 
@@ -64,7 +64,7 @@ std::vector<std::string> cryptomatte_channels() {
   return channels;
 }
 
-std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const OwnerNames& names) {
+std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const MatteNames& names) {
   std::vector<std::pair<std::string, MetadataValue>> metadata;
   for (const Layer& layer : kLayers) {
     const std::string key =
@@ -80,20 +80,20 @@ std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const Ow
   return metadata;
 }
 
-CryptomattePixels::CryptomattePixels(const OwnerNames& names)
+CryptomattePixels::CryptomattePixels(const MatteNames& names)
     : names_(names), objects_(hashes_of(names.objects)), materials_(hashes_of(names.materials)) {}
 
 void CryptomattePixels::append(const FilmAccumulator& film, int x, int y, std::vector<float>& values) {
-  const std::span<const OwnerWeight> owners = film.owners(x, y);
+  const std::span<const MatteWeight> mattes = film.mattes(x, y);
   const double samples = double(film.at(x, y).count);
   const auto collect = [&](const std::vector<std::uint32_t>& hashes, auto name_of) {
     ranks_.clear();
-    for (const OwnerWeight& each : owners)
-      ranks_.push_back({hashes[name_of(names_.owners[std::size_t(each.owner) - 1])], each.weight});
+    for (const MatteWeight& each : mattes)
+      ranks_.push_back({hashes[name_of(names_.mattes[std::size_t(each.matte) - 1])], each.weight});
     append_layer(samples, values);
   };
-  collect(objects_, [](const OwnerNames::Owner& owner) { return owner.object; });
-  collect(materials_, [](const OwnerNames::Owner& owner) { return owner.material; });
+  collect(objects_, [](const MatteNames::Matte& matte) { return matte.object; });
+  collect(materials_, [](const MatteNames::Matte& matte) { return matte.material; });
 }
 
 /// Of ranks whose names may repeat.

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/film_accumulator.h"
 
@@ -31,23 +31,23 @@ std::vector<std::string> cryptomatte_channels();
 constexpr int kCryptomatteChannels = 2 * 2 * kCryptomatteRanks;
 
 /// `cryptomatte/…` of both layers. A manifest is JSON: of each name its hash as 8 hexadecimal digits.
-std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const OwnerNames& names);
+std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const MatteNames& names);
 
 /// The values of those channels, pixel by pixel.
 class CryptomattePixels {
  public:
-  explicit CryptomattePixels(const OwnerNames& names);
+  explicit CryptomattePixels(const MatteNames& names);
   /// Appends the pixel's.
   void append(const FilmAccumulator& film, int x, int y, std::vector<float>& values);
 
  private:
   struct Rank {
     std::uint32_t hash;
-    double weight;  // see OwnerWeight
+    double weight;  // see MatteWeight
   };
   void append_layer(double samples, std::vector<float>& values);
 
-  const OwnerNames& names_;
+  const MatteNames& names_;
   std::vector<std::uint32_t> objects_, materials_;  // hashes of the names
   std::vector<Rank> ranks_;                         // of one pixel, in memory that is used again
 };

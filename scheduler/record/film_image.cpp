@@ -1,42 +1,44 @@
 #include "scheduler/record/film_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "scheduler/record/cryptomatte.h"
 
 namespace penumbra {
 namespace {
 
-// Of the planes from kRadiancePlanes on; the last is the quotient of two.
-constexpr const char* kLayerChannels[] = {
-    "albedo.R",   "albedo.G",   "albedo.B",   "normal.X",     "normal.Y",     "normal.Z",     "depth.Z",
-    "analytic.R", "analytic.G", "analytic.B", "difference.R", "difference.G", "difference.B", "visibility.Y"};
-static_assert(std::size(kLayerChannels) == kSeen + 1 - kRadiancePlanes);
+/// The channels of a layer's planes, none where it is not shown by itself.
+void add_channels(const FilmLayerInfo& layer, std::vector<std::string>& channels) {
+  for (const char channel : layer.channels)
+    channels.push_back(layer.name.empty() ? std::string(1, channel) : fmt::format("{}.{}", layer.name, channel));
+}
 
 }  // namespace
 
-Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const OwnerNames* owners) {
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const MatteNames* mattes) {
   Image image;
   image.chromaticities = kRec709;
   image.data = {film.x(), film.y(), film.width(), film.height()};
   image.display = {0, 0, film_width, film_height};
   image.channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
-  const int coverage = coverage_plane_of(film.planes());
-  const bool visibility = layer_planes_of(film.planes()) > kSeen;
-  const int layers_end = visibility ? int(kSeen) : layer_planes_of(film.planes());
-  if (coverage >= 0) image.channels.insert(image.channels.begin() + 3, "A");
-  for (int plane = kRadiancePlanes; plane < layers_end + (visibility ? 1 : 0); ++plane)
-    image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
+  const FilmLayers& layers = film.layers();
+  const bool has_alpha = layers.has(LAYER_COVERAGE);
+  if (has_alpha) image.channels.insert(image.channels.begin() + 3, "A");
+  for (int layer = 0; layer < FILM_LAYERS; ++layer)
+    if (layers.has(layer) && layer != LAYER_COVERAGE) add_channels(kFilmLayers[layer], image.channels);
   image.channels.emplace_back("samples.Y");
   std::optional<CryptomattePixels> cryptomatte;
-  if (owners != nullptr) {
+  if (mattes != nullptr) {
     const std::vector<std::string> channels = cryptomatte_channels();
     image.channels.insert(image.channels.end(), channels.begin(), channels.end());
     image.exact_channels = channels.size();
-    cryptomatte.emplace(*owners);
+    cryptomatte.emplace(*mattes);
   }
   image.values.reserve(image.pixels() * image.channels.size());
   const auto append = [&](const double(&values)[3]) {
@@ -46,11 +48,14 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
     for (int x = film.x(); x < film.x() + film.width(); ++x) {
       const PixelStatistics& pixel = film.at(x, y);
       append(pixel.mean);
-      if (coverage >= 0) image.values.push_back(float(film.layer(x, y, coverage)));
+      if (has_alpha) image.values.push_back(float(film.layer(x, y, LAYER_COVERAGE)));
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
-      for (int plane = kRadiancePlanes; plane < layers_end; ++plane)
-        image.values.push_back(float(film.layer(x, y, plane)));
-      if (visibility) image.values.push_back(float(film.visibility(x, y)));
+      for (int layer = 0; layer < FILM_LAYERS; ++layer)
+        for (int plane = 0; layers.has(layer) && plane < int(kFilmLayers[layer].channels.size()); ++plane)
+          if (layer == LAYER_SHADOWED)
+            image.values.push_back(float(film.visibility(x, y)));
+          else if (layer != LAYER_COVERAGE)
+            image.values.push_back(float(film.layer(x, y, layer, plane)));
       image.values.push_back(float(pixel.count));
       if (cryptomatte) cryptomatte->append(film, x, y, image.values);
     }

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/film_accumulator.h"
 
@@ -26,14 +26,14 @@ std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 /// Layers, by OpenEXR's naming convention, the film's rectangle as data window in a film of `film_width` x
 /// `film_height`:
 ///   R G B             mean radiance, linear Rec. 709
-///   A                 coverage_plane_of, where the film has it; R, G, B are premultiplied by it
+///   A                 the coverage, where the film has it; R, G, B are premultiplied by it
 ///   variance.R/G/B    variance of that mean
 ///   albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
-///                     as in SampleBufferPlane, as many of them as the film has
+///                     those of kernels/film_layers.h that the film has
 ///   samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
 ///   CryptoObject00.R … CryptoMaterial02.A
-///                     with `owners`, of which the film has to be: see cryptomatte.h
+///                     with `mattes`, of which the film has to be: see cryptomatte.h
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height,
-                    const OwnerNames* owners = nullptr);
+                    const MatteNames* mattes = nullptr);
 
 }  // namespace penumbra

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "kernels/host/host_name.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 

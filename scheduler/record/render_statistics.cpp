@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "kernels/host/peak_memory.h"
+#include "kernels/host/process.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/flagged_text.h"
@@ -70,20 +70,18 @@ Json samples_json(const RenderStatistics& statistics) {
 /// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
 /// visible share; nothing where there is no closed form.
 Json polygon_light_json(const FilmAccumulator& film) {
-  if (film.planes() < kSampleBufferPlanes) return nullptr;
-  double mean[kSeen - kFeaturePlanes] = {}, visibility = 0;
+  if (!film.layers().has(LAYER_ANALYTIC)) return nullptr;
+  double analytic[3] = {}, difference[3] = {}, visibility = 0;
   const double pixels = double(film.width()) * film.height();
   for (int y = film.y(); y < film.y() + film.height(); ++y)
     for (int x = film.x(); x < film.x() + film.width(); ++x) {
-      for (int plane = kFeaturePlanes; plane < kSeen; ++plane)
-        mean[plane - kFeaturePlanes] += film.layer(x, y, plane) / pixels;
+      for (int c = 0; c < 3; ++c) {
+        analytic[c] += film.layer(x, y, LAYER_ANALYTIC, c) / pixels;
+        difference[c] += film.layer(x, y, LAYER_DIFFERENCE, c) / pixels;
+      }
       visibility += film.visibility(x, y) / pixels;
     }
-  const auto rgb = [&](int plane) {
-    const double* first = mean + (plane - kFeaturePlanes);
-    return Json{first[0], first[1], first[2]};
-  };
-  return {{"analytic", rgb(kAnalyticR)}, {"difference", rgb(kDifferenceR)}, {"visibility", visibility}};
+  return {{"analytic", analytic}, {"difference", difference}, {"visibility", visibility}};
 }
 
 /// How a worker came by its OpenCL kernels.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
 

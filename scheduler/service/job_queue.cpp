@@ -7,7 +7,7 @@
 #include <limits>
 #include <set>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
 
@@ -15,8 +15,8 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kMostJobs = 100'000;
-constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;   // but for the names of its owners
-constexpr std::size_t kLargestOwnerNames = std::size_t(16) << 20;  // kept until the job is over
+constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;   // but for the names of its mattes
+constexpr std::size_t kLargestMatteNames = std::size_t(16) << 20;  // kept until the job is over
 constexpr std::size_t kMostMessages = 20;
 constexpr int kMostProblems = 20;                 // of a job, the last ones
 constexpr std::chrono::hours kSceneIsAwaited{1};  // from its arrival to the job that needs it
@@ -95,12 +95,12 @@ void JobQueue::scene_came(const std::string& hash) {
 }
 
 JobExpected<JobId> JobQueue::submit(const wire::Submission& message) {
-  const std::size_t names = message.owners().ByteSizeLong();
-  if (names > kLargestOwnerNames)
+  const std::size_t names = message.mattes().ByteSizeLong();
+  if (names > kLargestMatteNames)
     return job_error(JobErrorKind::kNonsense,
                      fmt::format("names of objects and materials of more than {} bytes; submit it without "
                                  "--cryptomatte",
-                                 kLargestOwnerNames));
+                                 kLargestMatteNames));
   if (message.ByteSizeLong() - names > kLargestSubmission)
     return job_error(JobErrorKind::kNonsense, fmt::format("a job of more than {} bytes", kLargestSubmission));
   if (const auto decoded = decode(message); !decoded)
@@ -334,7 +334,7 @@ void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error)
   status.set_error(wire_text(error, kLongestText));
   status.set_ended(seconds_since_1970());
   status.set_workers(0);
-  entry.job.mutable_submission()->clear_owners();
+  entry.job.mutable_submission()->clear_mattes();
   status.clear_files();
   for (const std::string& name : entry.job.submission().files()) {
     std::error_code missing;

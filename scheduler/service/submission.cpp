@@ -94,26 +94,26 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   return record;
 }
 
-void encode(const OwnerNames& names, wire::OwnerNames& message) {
+void encode(const MatteNames& names, wire::MatteNames& message) {
   add_texts(names.objects, message.mutable_objects());
   add_texts(names.materials, message.mutable_materials());
-  for (const OwnerNames::Owner& owner : names.owners) {
-    message.add_owner_objects(owner.object);
-    message.add_owner_materials(owner.material);
+  for (const MatteNames::Matte& matte : names.mattes) {
+    message.add_matte_objects(matte.object);
+    message.add_matte_materials(matte.material);
   }
 }
 
-Expected<OwnerNames> decode(const wire::OwnerNames& message) {
-  OwnerNames names{.objects = {message.objects().begin(), message.objects().end()},
+Expected<MatteNames> decode(const wire::MatteNames& message) {
+  MatteNames names{.objects = {message.objects().begin(), message.objects().end()},
                    .materials = {message.materials().begin(), message.materials().end()},
-                   .owners = {}};
-  if (message.owner_objects_size() != message.owner_materials_size())
-    return fail("owners of which some have no object or no material");
-  for (int i = 0; i < message.owner_objects_size(); ++i) {
-    const OwnerNames::Owner owner{message.owner_objects(i), message.owner_materials(i)};
-    if (owner.object >= names.objects.size() || owner.material >= names.materials.size())
-      return fail("an owner whose object or material has no name");
-    names.owners.push_back(owner);
+                   .mattes = {}};
+  if (message.matte_objects_size() != message.matte_materials_size())
+    return fail("mattes of which some have no object or no material");
+  for (int i = 0; i < message.matte_objects_size(); ++i) {
+    const MatteNames::Matte matte{message.matte_objects(i), message.matte_materials(i)};
+    if (matte.object >= names.objects.size() || matte.material >= names.materials.size())
+      return fail("a matte whose object or material has no name");
+    names.mattes.push_back(matte);
   }
   return names;
 }
@@ -144,7 +144,7 @@ wire::Submission encode(const Submission& submission) {
   add_texts(submission.command_line, message.mutable_command_line());
   message.set_strict_numerics(submission.strict_numerics);
   add_texts(submission.files, message.mutable_files());
-  if (submission.record.cryptomatte) encode(submission.owners, *message.mutable_owners());
+  if (submission.record.cryptomatte) encode(submission.mattes, *message.mutable_mattes());
   return message;
 }
 
@@ -184,9 +184,9 @@ Expected<Submission> decode(const wire::Submission& message) {
       return fail("two results of one kind");
   }
   if (submission.files.empty()) return fail("there is no file to be written");
-  auto owners = decode(message.owners());
-  if (!owners) return std::unexpected(owners.error());
-  submission.owners = std::move(*owners);
+  auto mattes = decode(message.mattes());
+  if (!mattes) return std::unexpected(mattes.error());
+  submission.mattes = std::move(*mattes);
   return submission;
 }
 

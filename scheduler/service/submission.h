@@ -12,7 +12,7 @@
 
 #include "jobs.pb.h"
 #include "kernels/host/error.h"
-#include "scenes/owner_names.h"
+#include "scenes/matte_names.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/record/render_record.h"
 #include "worker/device.h"
@@ -34,7 +34,7 @@ struct Submission {
   std::vector<std::string> command_line = {};  ///< as typed
   bool strict_numerics = false;
   std::vector<std::string> files = {};  ///< names without folders
-  OwnerNames owners = {};               ///< of the scene, for Cryptomatte
+  MatteNames mattes = {};               ///< of the scene, for Cryptomatte
 };
 
 /// Whether a service may keep a file of that name in a job's folder, and a client write it into a folder of

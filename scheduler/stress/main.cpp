@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "kernels/host/console.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"

@@ -1,7 +1,6 @@
 // The quantities for one instruction set: compiled several times, see CMakeLists.txt. Includes nothing from
 // any standard library, so that no inline function of theirs is emitted for an instruction set the machine
 // lacks.
-#define FEATURES FEATURE_ALL
 #include "scheduler/stress/quantities.h"
 
 namespace penumbra {

@@ -22,7 +22,7 @@ float standard_error(const PixelStatistics& pixel) {
 
 bool is_hybrid(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
-  const std::uint32_t needed = FEATURE_POLYGONS | FEATURE_LAYERS;
+  const std::uint64_t needed = FEATURE_POLYGONS | FEATURE_LAYERS;
   if ((h.features & needed) != needed || (h.features & FEATURE_CAMERA) != 0u ||
       h.integrator.kind != INTEGRATOR_DIRECT || h.integrator.estimator != ESTIMATOR_ALPHA ||
       h.integrator.emitter_samples == 0)
@@ -49,9 +49,9 @@ TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bo
       tile.standard_error.push_back(standard_error(pixel));
       // The film's layer is the difference to the closed form itself, and stays to the bit what files hold.
       for (int c = 0; hybrid && c < 3; ++c) {
-        const double difference = film.layer(x, y, kDifferenceR + c);
+        const double difference = film.layer(x, y, LAYER_DIFFERENCE, c);
         const double less =
-            alpha == 1 ? difference : difference + (1 - double(alpha)) * film.layer(x, y, kAnalyticR + c);
+            alpha == 1 ? difference : difference + (1 - double(alpha)) * film.layer(x, y, LAYER_ANALYTIC, c);
         tile.difference.push_back(float(less));
       }
     }

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-/// A square of side 2 in the plane z = 0 that faces +z, u along x and v along y, under a lamp on one side.
+/// A square of side 2 in the plane z = 0 that faces +z, u along x and v along y, under a light on one side.
 /// Bent as real normals are, which cast no shadows on each other.
 SceneDescription square(SurfaceBend bend, glm::vec3 normal = {0, 0, 1}, bool behind = false) {
   SceneDescription scene = empty_scene(4, 4, 64, 5);
@@ -44,8 +44,8 @@ void expect_same(const SceneDescription& a, const SceneDescription& b, double to
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x) {
       EXPECT_NEAR(film_a.at(x, y).mean[1], film_b.at(x, y).mean[1], tolerance) << x << ' ' << y;
-      for (const auto plane : {kNormalX, kNormalY, kNormalZ})
-        EXPECT_NEAR(film_a.layer(x, y, plane), film_b.layer(x, y, plane), 1e-5) << x << ' ' << y;
+      for (const int c : {0, 1, 2})
+        EXPECT_NEAR(film_a.layer(x, y, LAYER_NORMAL, c), film_b.layer(x, y, LAYER_NORMAL, c), 1e-5) << x << ' ' << y;
       sum += film_b.at(x, y).mean[1];
     }
   EXPECT_GT(sum, 0.1);
@@ -86,11 +86,11 @@ TEST(BentNormals, NormalsThatLookAwayLeanTheOtherWay) {
   plain.camera = mapped.camera;
   set_texture(mapped, 0.5f * (away + 1.0f));
   const FilmAccumulator a = render_or_throw(mapped), b = render_or_throw(plain);
-  EXPECT_NEAR(a.layer(2, 2, kNormalX), b.layer(2, 2, kNormalX), 1e-5);
-  EXPECT_NEAR(a.layer(2, 2, kNormalX), -0.9945, 1e-3);
+  EXPECT_NEAR(a.layer(2, 2, LAYER_NORMAL), b.layer(2, 2, LAYER_NORMAL), 1e-5);
+  EXPECT_NEAR(a.layer(2, 2, LAYER_NORMAL), -0.9945, 1e-3);
   // And a normal that points into the surface counts for nothing.
   set_texture(mapped, {0.7f, 0.5f, 0.2f});
-  EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, kNormalZ), 1, 1e-6);
+  EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, LAYER_NORMAL, 2), 1, 1e-6);
 }
 
 TEST(BentNormals, BumpsAreSlopesOfHeights) {
@@ -118,8 +118,8 @@ TEST(BentNormals, BumpsAreSlopesOfHeights) {
     const glm::vec3 n = along_v ? glm::vec3(0, -slope, 1) : glm::vec3(-slope, 0, 1);
     SceneDescription plain = square({}, n);
     const FilmAccumulator a = render_or_throw(bumped), b = render_or_throw(plain);
-    for (const auto plane : {kNormalX, kNormalY, kNormalZ})
-      EXPECT_NEAR(a.layer(2, 2, plane), b.layer(2, 2, plane), 1e-4 * slope) << along_v;
+    for (const int c : {0, 1, 2})
+      EXPECT_NEAR(a.layer(2, 2, LAYER_NORMAL, c), b.layer(2, 2, LAYER_NORMAL, c), 1e-4 * slope) << along_v;
   }
 }
 

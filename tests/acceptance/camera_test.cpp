@@ -131,22 +131,22 @@ TEST(FeatureLayers, DepthNormalAndAlbedoOfASphere) {
   const PixelStatistics& middle = film.at(16, 16);
   // Within half a pixel of the axis, .5 / 33 * 2 tan 20 * 8 = .09 off it, a sphere falls back by .09^2 / (2 *
   // 2).
-  EXPECT_NEAR(film.layer(16, 16, kDepth), 8, 5e-3);
-  EXPECT_NEAR(film.layer(16, 16, kNormalZ), -1, 2e-3);
-  EXPECT_NEAR(film.layer(16, 16, kNormalX), 0, 0.03);
-  EXPECT_NEAR(film.layer(16, 16, kAlbedoG), 0.3, 1e-6);
+  EXPECT_NEAR(film.layer(16, 16, LAYER_DEPTH), 8, 5e-3);
+  EXPECT_NEAR(film.layer(16, 16, LAYER_NORMAL, 2), -1, 2e-3);
+  EXPECT_NEAR(film.layer(16, 16, LAYER_NORMAL), 0, 0.03);
+  EXPECT_NEAR(film.layer(16, 16, LAYER_ALBEDO, 1), 0.3, 1e-6);
   // An unshadowed convex body under a white sky shows its albedo.
   EXPECT_NEAR(middle.mean[1], 0.3, 1e-5);
 
   const PixelStatistics& corner = film.at(0, 0);
-  EXPECT_EQ(film.layer(0, 0, kDepth), 0);
-  EXPECT_EQ(film.layer(0, 0, kNormalZ), 0);
-  EXPECT_EQ(film.layer(0, 0, kAlbedoR), 0);
+  EXPECT_EQ(film.layer(0, 0, LAYER_DEPTH), 0);
+  EXPECT_EQ(film.layer(0, 0, LAYER_NORMAL, 2), 0);
+  EXPECT_EQ(film.layer(0, 0, LAYER_ALBEDO), 0);
   EXPECT_NEAR(corner.mean[0], 1, 1e-6);
 
   // The left of the image is the camera's +x, the top its +y.
-  EXPECT_GT(film.layer(16, 10, kNormalY), 0.2);
-  EXPECT_GT(film.layer(10, 16, kNormalX) * (scene.camera.to_world[0][0]), 0.2);
+  EXPECT_GT(film.layer(16, 10, LAYER_NORMAL, 1), 0.2);
+  EXPECT_GT(film.layer(10, 16, LAYER_NORMAL) * (scene.camera.to_world[0][0]), 0.2);
 }
 
 TEST(Clipping, NothingNearerOrFartherIsSeen) {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "tests/acceptance/stand_in_scenes.h"
+#include "tests/acceptance/extra_family_scenes.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
@@ -32,18 +32,15 @@ Method sampled(const std::string& name, DirectSampling sampling) {
   return {name, settings};
 }
 
-Method controlled(const std::string& name, CvEstimator estimator, std::optional<float> alpha) {
+Method controlled(const std::string& name, std::optional<float> alpha) {
   IntegratorSettings settings;
   param::next_event(settings) = NextEvent::kCv;
-  param::estimator(settings) = estimator;
   param::alpha(settings) = alpha;
   return {name, settings};
 }
 
 std::vector<Method> controlled_methods() {
-  return {controlled("AlphaOne", CvEstimator::kCv, 1.0f),
-          controlled("AlphaAuto", CvEstimator::kCv, std::nullopt),
-          controlled("Ratio", CvEstimator::kRatio, std::nullopt)};
+  return {controlled("AlphaOne", 1.0f), controlled("AlphaAuto", std::nullopt)};
 }
 
 std::vector<Method> all_methods() {
@@ -57,16 +54,16 @@ std::vector<Method> all_methods() {
 /// A z-test for each block of pixels, at a chance of 1 % of failing though both have one mean, for fixed
 /// seeds. The channels of a block go together: the mean of z^2 has the deviation of as many values as there
 /// are blocks.
-void expect_same_mean(const StandInScene& a, const StandInScene& b) {
+void expect_same_mean(const ExtraFamilyScene& a, const ExtraFamilyScene& b) {
   const statistics::ImageTestLimits limits{.accepted_fraction = 1,
                                            .mean_square = 1 + 4 * std::sqrt(2 / kBlocks)};
-  const auto result = statistics::z_test(stand_in_estimate(a, kBatches, 100, kBlock),
-                                         stand_in_estimate(b, kBatches, 200, kBlock), limits);
+  const auto result = statistics::z_test(extra_family_estimate(a, kBatches, 100, kBlock),
+                                         extra_family_estimate(b, kBatches, 200, kBlock), limits);
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
-StandInScene room_by(const Method& method, const RoomOptions& options = {}) {
-  StandInScene room = stand_in_room(options);
+ExtraFamilyScene room_by(const Method& method, const RoomOptions& options = {}) {
+  ExtraFamilyScene room = extra_family_room(options);
   room.description.integrator = method.integrator;
   return room;
 }
@@ -76,19 +73,19 @@ INSTANTIATE_TEST_SUITE_P(Methods, ClosedFormSurfaces, testing::ValuesIn(all_meth
                          [](const auto& tested) { return tested.param.name; });
 
 TEST_P(ClosedFormSurfaces, HaveTheMeanOfPathsBesideMirrors) {
-  expect_same_mean(stand_in_room(), room_by(GetParam()));
+  expect_same_mean(extra_family_room(), room_by(GetParam()));
 }
 
 // Also in the hierarchy.
 TEST_P(ClosedFormSurfaces, AreSeenThroughAWindow) {
-  expect_same_mean(stand_in_room({.mirror = false}),
+  expect_same_mean(extra_family_room({.mirror = false}),
                    room_by(GetParam(), {.mirror = false, .front_pane = true, .many_triangles = true}));
 }
 
 // A window blocks shadow rays: light behind it is found by directions that BSDFs sample alone. The window
 // scatters into one direction, which no light is sampled in, so what they find counts in full.
 TEST_P(ClosedFormSurfaces, AreLitThroughAWindow) {
-  expect_same_mean(stand_in_room({.mirror = false}),
+  expect_same_mean(extra_family_room({.mirror = false}),
                    room_by(GetParam(), {.mirror = false, .light_pane = true}));
 }
 

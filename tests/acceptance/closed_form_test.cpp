@@ -91,13 +91,13 @@ TEST_P(ClosedForm, CylinderLightAboveTheFloor) {
                                          std::pair(along({0.5, 0.8, 0.4}, {0.3, 1, -0.2}, 0.25, 1.5), false),
                                          std::pair(along({0.1, 0.05, 0}, {0, 1, 0}, 0.7, 1), true)}) {
     SceneDescription scene = diffuse_floor();
-    Shape lamp;
-    lamp.name = "cylinder";
-    lamp.geometry = cylinder;
-    lamp.front_bsdf = lamp.back_bsdf = kBlackBsdf;
-    lamp.radiance = glm::vec3(3.0f);
-    lamp.flip_normals = inside;
-    scene.shapes.push_back(lamp);
+    Shape area_light;
+    area_light.name = "cylinder";
+    area_light.geometry = cylinder;
+    area_light.front_bsdf = area_light.back_bsdf = kBlackBsdf;
+    area_light.radiance = glm::vec3(3.0f);
+    area_light.flip_normals = inside;
+    scene.shapes.push_back(area_light);
     const double expected = cylinder_irradiance(cylinder, inside ? -1 : 1);
     EXPECT_GT(expected, 0.05);
     expect_radiance(scene, GetParam().integrator, kAlbedo / std::numbers::pi * 3 * expected);

@@ -39,7 +39,7 @@ double edge() { return 0.5 * kWidth * (1 - kEdge / kDepth / std::tan(std::number
 double covered(int x) { return std::clamp(edge() - x, 0.0, 1.0); }
 
 double alpha(const FilmAccumulator& film, int x, int y = 0) {
-  return film.layer(x, y, coverage_plane_of(film.planes()));
+  return film.layer(x, y, LAYER_COVERAGE);
 }
 
 /// Five standard deviations of the share of the samples, and the rounding of a ray.
@@ -133,7 +133,7 @@ TEST(Coverage, IsNotThereUnlessAskedFor) {
   SceneDescription scene = half_plane();
   scene.film.alpha = false;
   EXPECT_EQ(build_or_throw(scene).header.features & FEATURE_COVERAGE, 0u);
-  EXPECT_EQ(coverage_plane_of(render_or_throw(scene).planes()), -1);
+  EXPECT_FALSE(render_or_throw(scene).layers().has(LAYER_COVERAGE));
 }
 
 /// A film without its last plane is that of the same render without alpha, which samples edges of lights.
@@ -143,15 +143,16 @@ void expect_rest_unchanged(SceneDescription scene) {
   const FilmAccumulator with = render_or_throw(scene);
   scene.film.alpha = false;
   const FilmAccumulator without = render_or_throw(scene);
-  ASSERT_EQ(with.planes(), without.planes() + 1);
+  ASSERT_EQ(with.layers().planes(), without.layers().planes() + 1);
   for (int y = 0; y < with.height(); ++y)
     for (int x = 0; x < with.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
         ASSERT_EQ(with.at(x, y).mean[c], without.at(x, y).mean[c]);
         ASSERT_EQ(with.at(x, y).m2[c], without.at(x, y).m2[c]);
       }
-      for (int plane = kRadiancePlanes; plane < without.planes(); ++plane)
-        ASSERT_EQ(with.layer(x, y, plane), without.layer(x, y, plane)) << plane;
+      for (int layer = 0; layer < FILM_LAYERS; ++layer)
+        for (int plane = 0; without.layers().has(layer) && plane < kFilmLayers[layer].planes; ++plane)
+          ASSERT_EQ(with.layer(x, y, layer, plane), without.layer(x, y, layer, plane)) << layer;
     }
 }
 
@@ -160,11 +161,8 @@ TEST(Coverage, LeavesEverythingElseAsItIs) {
   SceneDescription scene = half_plane(0);
   add_diffuse(scene, 0.5f);
   scene.shapes.push_back(parallelogram({-1, -1, 3}, {0, 2, 0}, {1, 0, 0}, 0));
-  for (const auto& cv :
-       {polygon_cv(1.0f, EmitterSampling::kSolidAngle, 2), polygon_ratio(EmitterSampling::kSolidAngle, 2)}) {
-    scene.integrator = cv;  // the ratio's planes come after alpha
-    expect_rest_unchanged(scene);
-  }
+  scene.integrator = polygon_cv(1.0f, EmitterSampling::kSolidAngle, 2);
+  expect_rest_unchanged(scene);
 }
 
 TEST(Coverage, IsTheSameFromEveryBackend) {
@@ -172,7 +170,7 @@ TEST(Coverage, IsTheSameFromEveryBackend) {
   add_diffuse(scene, 0.5f);
   scene.film.filter = FilterKind::kGaussian;
   for (const auto& integrator :
-       {path_integrator(DirectSampling::kMis), polygon_ratio(EmitterSampling::kSolidAngle, 1)}) {
+       {path_integrator(DirectSampling::kMis), polygon_cv(std::nullopt, EmitterSampling::kSolidAngle, 1)}) {
     scene.integrator = integrator;
     const DeviceScene built = build_or_throw(scene);
     TestDevice device = native_device();

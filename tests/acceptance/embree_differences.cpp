@@ -8,7 +8,6 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/native_kernels.h"
-#define FEATURES FEATURE_ALL
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"
 #include "scheduler/stress/truth/quad.h"

@@ -139,7 +139,7 @@ std::vector<LightKind> kinds() {
          scene.shapes.push_back(triangles(facing(kA, kB, kC), kBlackBsdf, 1.0f));
        },
        [](const BsdfModel& bsdf) { return reflected_of_triangle(bsdf, facing(kA, kB, kC)); }},
-      {"outline",
+      {"triangles",
        [](SceneDescription& scene) {
          const auto& [s, t] = kOutline;
          scene.shapes.push_back(triangles(std::array{s[0], s[1], s[2], t[0], t[1], t[2]}, kBlackBsdf, 1.0f));

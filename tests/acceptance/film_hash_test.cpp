@@ -43,7 +43,6 @@ const std::vector<Settings> kIntegrators{
     {"integrator.type=polygon_analytic"},
     {"integrator.type=polygon_area", "integrator.emitter_samples=2"},
     {"integrator.type=polygon_cv"},
-    {"integrator.type=polygon_cv", "integrator.estimator=ratio", "integrator.vis_samples=2"},
     {"integrator.type=whitted"},
     {"integrator.type=whitted", "integrator.indirect_samples=2", "integrator.branch_depth=2",
      "integrator.indirect_sampling=uniform", "integrator.nee=cv"},
@@ -145,7 +144,7 @@ FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   if (!result) throw std::runtime_error(result.error().message);
   result->planes = plane_count(h.features);
   result->values.resize(std::size_t(result->planes) * result->pixels());
-  FilmAccumulator film = FilmAccumulator::of_features(0, 0, h.film.width, h.film.height, h.features);
+  FilmAccumulator film(0, 0, h.film.width, h.film.height, FilmLayers(h.features));
   film.add(0, 0, *result);
   return film;
 }

@@ -1,4 +1,5 @@
 // The message about an image that differs from the record.
+#include "tests/support/film_layers.h"
 #include "tests/acceptance/film_record.h"
 
 #include <gmock/gmock.h>
@@ -14,13 +15,13 @@ FilmAccumulator film_with(int x, int y, float radiance) {
   SampleBuffer samples;
   samples.width = samples.height = 6;
   samples.sample_count = 4;
-  samples.planes = kRadiancePlanes;
+  samples.planes = kNoLayers.planes();
   samples.values.assign(std::size_t(samples.planes) * samples.pixels(), 0);
   for (const int plane : {kMeanR, kMeanG, kMeanB}) {
     for (float& value : samples.plane(plane)) value = 1;
     samples.plane(plane)[std::size_t(y * 6 + x)] = radiance;
   }
-  FilmAccumulator film(0, 0, 6, 6, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 6, 6, kNoLayers);
   film.add(0, 0, samples);
   return film;
 }

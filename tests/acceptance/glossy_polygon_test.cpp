@@ -165,19 +165,6 @@ TEST_P(GlossyPolygonSamples, HaveTheMeanOfPaths) {
   EXPECT_TRUE(balanced.passed) << balanced.summary();
 }
 
-// G <H> / <W> with W of the control lobes is G times a ratio that is not the visibility, and still tends to
-// the mean: at 4096 samples its bias, of O(1 / spp), is below the noise.
-TEST(GlossyPolygonRatio, TendsToTheMean) {
-  SceneDescription scene = room_of(rough_conductor(0.3f, DISTRIBUTION_GGX));
-  scene.integrator = direct_integrator(1, 1);
-  const statistics::Estimate direct = block_estimate(scene, 8, 300, kBlock);
-  use(scene.integrator, IntegratorKind::kPolygonCv);
-  param::estimator(scene.integrator) = CvEstimator::kRatio;
-  scene.sampler.spp = 1024;
-  const auto result = statistics::z_test(direct, block_estimate(scene, 4, 400, kBlock), limits(8, 4));
-  EXPECT_TRUE(result.passed) << result.summary();
-}
-
 /// Of single samples of two rays each.
 double variance_of(SceneDescription scene, const IntegratorSettings& integrator) {
   scene.sampler.kind = SamplerKind::kIndependent;
@@ -186,7 +173,7 @@ double variance_of(SceneDescription scene, const IntegratorSettings& integrator)
   return mean_variance(render_or_throw(scene));
 }
 
-// See the table in kernels/polygon/README.md: here about 18, 45 and 45 times.
+// See the table in kernels/MEASUREMENTS.md: here about 18, 45 and 45 times.
 TEST(GlossyPolygonVariance, IsAFractionWithTheLobes) {
   const SceneDescription scene = room_of(rough_conductor(0.1f, DISTRIBUTION_GGX));
   IntegratorSettings lights = direct_integrator(2, 0);

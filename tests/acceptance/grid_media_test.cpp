@@ -176,7 +176,7 @@ TEST(GridMedia, WithoutAbsorptionChangeNoFurnace) {
   }
 }
 
-/// A cloud in a room with a lamp; `even`: the same numbers everywhere, by a grid or not.
+/// A cloud in a room with a light; `even`: the same numbers everywhere, by a grid or not.
 SceneDescription cloud(DirectSampling sampling, bool even, bool by_grid, std::uint32_t spp = 3000) {
   SceneDescription scene = empty_scene(8, 8, spp, 3);
   scene.camera = look_at(glm::dvec3(0, 0, -3), glm::dvec3(0), glm::dvec3(0, 1, 0), 40);

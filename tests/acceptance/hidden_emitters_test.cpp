@@ -17,7 +17,7 @@ using glm::dvec3;
 constexpr double kSignificance = 0.01;
 constexpr double kRounding = 32.0 / (1 << 24);  ///< see furnace_test.cpp
 constexpr float kAlbedo = 0.5f, kRadiance = 3;
-/// The lamps' distance from the floor, and half their side.
+/// The lights' distance from the floor, and half their side.
 constexpr double kHeight = 2, kHalf = 1;
 
 IntegratorSettings hiding(IntegratorSettings integrator, HiddenEmitters how) {
@@ -27,13 +27,13 @@ IntegratorSettings hiding(IntegratorSettings integrator, HiddenEmitters how) {
 }
 
 /// A square that shines down on the floor y = 0 from a height, or with `up` away from it.
-Shape lamp(double height, double half, int bsdf, bool up = false) {
+Shape area_light(double height, double half, int bsdf, bool up = false) {
   const dvec3 along_x(2 * half, 0, 0), along_z(0, 0, 2 * half);
   return parallelogram({-half, height, -half}, up ? along_z : along_x, up ? along_x : along_z, bsdf,
                        kRadiance);
 }
 
-/// One pixel that sees the middle of the floor from above all lamps.
+/// One pixel that sees the middle of the floor from above all lights.
 SceneDescription floor_from_above(std::uint32_t spp) {
   SceneDescription scene = empty_scene(1, 1, spp, 1);
   scene.camera = look_at(dvec3(0, 9, 0), dvec3(0), dvec3(0, 0, 1), 1e-5);
@@ -71,7 +71,7 @@ void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 
 std::vector<Method> methods() {
   IntegratorSettings short_path = path_integrator(DirectSampling::kMis);
-  param::max_depth(short_path) = 2;  // going through lamps counts for nothing
+  param::max_depth(short_path) = 2;  // going through lights counts for nothing
   IntegratorSettings analytic, cv;
   use(analytic, IntegratorKind::kPolygonAnalytic);
   use(cv, IntegratorKind::kPolygonCv);
@@ -87,9 +87,9 @@ std::vector<Method> methods() {
 
 class HiddenEmitter : public testing::TestWithParam<Method> {};
 
-TEST_P(HiddenEmitter, TheFloorBehindALampIsSeenLitByIt) {
+TEST_P(HiddenEmitter, TheFloorBehindAnAreaLightIsSeenLitByIt) {
   SceneDescription scene = floor_from_above(50'000);
-  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
+  scene.shapes.push_back(area_light(kHeight, kHalf, kBlackBsdf));
   expect_radiance(scene, hiding(GetParam().integrator, HiddenEmitters::kLookedThrough),
                   kAlbedo * kRadiance * square_above(kHeight, kHalf));
   EXPECT_EQ(pixel(scene, hiding(GetParam().integrator, HiddenEmitters::kUnlit)).mean(), 0);
@@ -99,12 +99,12 @@ INSTANTIATE_TEST_SUITE_P(Methods, HiddenEmitter, testing::ValuesIn(methods()),
                          [](const auto& tested) { return tested.param.name; });
 
 TEST(HiddenEmitters, AllOfARowAreLookedThroughAndStillCastShadows) {
-  // From above: one that shines up, a sphere and a disk that reflect, and the lamp, which alone lights the
+  // From above: one that shines up, a sphere and a disk that reflect, and the light, which alone lights the
   // floor.
   SceneDescription scene = floor_from_above(50'000);
   const int white = add_diffuse(scene, 1);
-  scene.shapes.push_back(lamp(kHeight, kHalf, white));
-  scene.shapes.push_back(lamp(3, 2, white, true));
+  scene.shapes.push_back(area_light(kHeight, kHalf, white));
+  scene.shapes.push_back(area_light(3, 2, white, true));
   Shape sphere;
   sphere.geometry = Sphere{{0, 5, 0}, 0.5};
   sphere.radiance = glm::vec3(kRadiance);
@@ -114,16 +114,16 @@ TEST(HiddenEmitters, AllOfARowAreLookedThroughAndStillCastShadows) {
   disk.radiance = glm::vec3(kRadiance);
   disk.front_bsdf = disk.back_bsdf = white;
   scene.shapes.push_back(disk);
-  // Seen from the middle of the floor the sphere and the disk are behind the lamp.
+  // Seen from the middle of the floor the sphere and the disk are behind the light.
   expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),
                   kAlbedo * kRadiance * square_above(kHeight, kHalf));
 }
 
 TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
-  // The lamp shades the floor from its share of the sky, and the sky itself is black.
+  // The light shades the floor from its share of the sky, and the sky itself is black.
   SceneDescription scene = floor_from_above(50'000);
   scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
-  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
+  scene.shapes.push_back(area_light(kHeight, kHalf, kBlackBsdf));
   const double share = square_above(kHeight, kHalf);
   expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),
                   kAlbedo * (kRadiance * share + (1 - share)));
@@ -136,30 +136,30 @@ TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
 
 TEST(HiddenEmitters, LayersAndClippingPlanesAreThoseOfWhatIsSeen) {
   SceneDescription scene = floor_from_above(4);
-  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
-  scene.shapes.push_back(lamp(4, kHalf, kBlackBsdf, true));
+  scene.shapes.push_back(area_light(kHeight, kHalf, kBlackBsdf));
+  scene.shapes.push_back(area_light(4, kHalf, kBlackBsdf, true));
   scene.integrator = hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough);
   const FilmAccumulator film = render_or_throw(scene);
-  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kDepth)), float(9 - scene.camera.near_clip));
-  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kNormalY)), 1);
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, LAYER_DEPTH)), float(9 - scene.camera.near_clip));
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, LAYER_NORMAL, 1)), 1);
   scene.camera.far_clip = 8.9;
-  EXPECT_EQ(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_EQ(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
   scene.camera.far_clip = 9.1;
-  EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
 }
 
 /// One above the other and in one place, tested whole and by the hierarchy.
 TEST(HiddenEmitters, ManyAtOnce) {
   for (const int count : {40, 1500}) {
     SceneDescription scene = floor_from_above(1);
-    for (int i = 0; i < count; ++i) scene.shapes.push_back(lamp(kHeight + i * 1e-3, kHalf, kBlackBsdf));
+    for (int i = 0; i < count; ++i) scene.shapes.push_back(area_light(kHeight + i * 1e-3, kHalf, kBlackBsdf));
     scene.integrator = hiding(direct_integrator(1, 0), HiddenEmitters::kLookedThrough);
-    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count;
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 8) << count;
     for (Shape& shape : scene.shapes) {
       if (!shape.radiance) continue;
       for (dvec3& p : std::get<Mesh>(shape.geometry).positions) p.y = kHeight;
     }
-    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count << " in one place";
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 8) << count << " in one place";
   }
 }
 

@@ -120,8 +120,8 @@ TEST_P(InstancedScenes, ByEveryIntegrator) {
 /// Those that emit are in the scene where they are placed, each a light.
 TEST_P(InstancedScenes, OfEmitters) {
   SceneDescription scene = similar_instances(3);
-  Shape lamp = parallelogram(dvec3(-0.2, 0.8, 0), dvec3(0.4, 0, 0), dvec3(0, 0, 0.4), kBlackBsdf, 4.0f);
-  scene.groups[0].shapes.push_back(lamp);
+  Shape area_light = parallelogram(dvec3(-0.2, 0.8, 0), dvec3(0.4, 0, 0), dvec3(0, 0, 0.4), kBlackBsdf, 4.0f);
+  scene.groups[0].shapes.push_back(area_light);
   expect_same_image(scene, device(), 0.05);
   each_shape(scene, [](Shape& shape) { shape.sampling = EmitterSampling::kArea; });
   const DeviceScene built = build_or_throw(scene);

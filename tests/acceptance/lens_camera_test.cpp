@@ -208,10 +208,10 @@ TEST(Orthographic, DepthIsTheDistanceAlongTheView) {
     const FilmAccumulator film = render_or_throw(scene);
     for (const int x : {0, 4, 7}) {
       // Slanted rays through a lens of radius R are longer by at most sqrt(1 + (R / F)^2).
-      const double depth = film.layer(x, 7 - x, kDepth);
+      const double depth = film.layer(x, 7 - x, LAYER_DEPTH);
       EXPECT_GE(depth, 3.75 * (1 - 1e-6));
       EXPECT_LE(depth, 3.75 * std::hypot(1, aperture / 4) * (1 + 1e-6));
-      EXPECT_NEAR(film.layer(x, x, kAlbedoG), 0.4, 1e-6);
+      EXPECT_NEAR(film.layer(x, x, LAYER_ALBEDO, 1), 0.4, 1e-6);
     }
   }
 }

@@ -97,7 +97,7 @@ float sky_share(const std::string& name) { return sky_share(scene_named(name)); 
 
 // What cannot be seen gets little, whatever its radiance, and how far the scene reaches makes no difference.
 TEST(SkyShare, IsByWhatArrives) {
-  EXPECT_NEAR(sky_share("lamp in a closed room under a bright sky"), 0.125, 1e-6);
+  EXPECT_NEAR(sky_share("area light in a closed room under a bright sky"), 0.125, 1e-6);
   EXPECT_LE(sky_share("torch in a field at night"), 0.25f + 1e-6f);
   EXPECT_NEAR(sky_share("room with a window"), 0.5, 1e-6);
   EXPECT_GE(sky_share("torch in a wide field by day"), 0.5f - 1e-6f);
@@ -106,16 +106,16 @@ TEST(SkyShare, IsByWhatArrives) {
 // Walls of an instance keep the sky out as those of the scene itself do, whichever intersector traces the
 // image.
 TEST(SkyShare, IsByWhatArrivesPastInstances) {
-  SceneDescription scene = scene_named("lamp in a closed room under a bright sky");
+  SceneDescription scene = scene_named("area light in a closed room under a bright sky");
   ShapeGroup room{"room", {}, {}};
-  std::vector<Shape> lamps;
+  std::vector<Shape> area_lights;
   for (const Shape& shape : scene.shapes) {
     if (shape.radiance)
-      lamps.push_back(shape);
+      area_lights.push_back(shape);
     else
       room.shapes.push_back(placed_shape(shape, scaling(glm::dvec3(0.5))).value());
   }
-  scene.shapes = std::move(lamps);
+  scene.shapes = std::move(area_lights);
   scene.groups.push_back(std::move(room));
   scene.instances.push_back({"room", 0, scaling(glm::dvec3(2))});
   for (const bool embree : {false, true}) EXPECT_NEAR(sky_share(scene, embree), 0.125, 1e-6) << embree;
@@ -150,18 +150,18 @@ TEST(LightChoice, CostsNothingWhereThereIsNone) {
   SceneDescription scene = many_lights()[2].scene;
   scene.emitters.clear();
   std::erase_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
-  PointLight lamp;
-  lamp.position = {0, 2, 0};
-  scene.emitters.emplace_back(lamp);
+  PointLight area_light;
+  area_light.position = {0, 2, 0};
+  scene.emitters.emplace_back(area_light);
   const DeviceScene one = build_or_throw(scene);
   EXPECT_EQ(one.header.features & FEATURE_LIGHT_TREE, 0u);
   EXPECT_EQ(one.header.integrator.light_choice, CHOICE_POWER);
   EXPECT_EQ(one.header.tables.light_nodes.count, 0);
   EXPECT_EQ(one.header.tables.light_trails.count, 0);
-  scene.emitters.emplace_back(lamp);
+  scene.emitters.emplace_back(area_light);
   EXPECT_EQ(build_or_throw(scene).header.features & FEATURE_LIGHT_TREE, 0u) << "two in one place";
-  lamp.position.x = 1;
-  scene.emitters.back() = lamp;
+  area_light.position.x = 1;
+  scene.emitters.back() = area_light;
   const DeviceScene two = build_or_throw(scene);
   EXPECT_NE(two.header.features & FEATURE_LIGHT_TREE, 0u);
   EXPECT_EQ(two.header.tables.light_nodes.count, 2);

@@ -34,9 +34,9 @@ SceneDescription seen_from_origin(std::uint32_t spp, std::uint32_t seed = 1) {
   return scene;
 }
 
-/// A lamp that shines at the camera, its corners in the plane at distance 1: (x, y) there times `distance`.
-Shape lamp(const std::array<dvec2, 4>& corners, double distance, float radiance = kRadiance,
-           int bsdf = kBlackBsdf) {
+/// A light that shines at the camera, its corners in the plane at distance 1: (x, y) there times `distance`.
+Shape area_light(const std::array<dvec2, 4>& corners, double distance, float radiance = kRadiance,
+                 int bsdf = kBlackBsdf) {
   const auto at = [&](int k) { return distance * dvec3(corners[std::size_t(k)], 1); };
   return triangles(std::array{at(0), at(2), at(1), at(0), at(3), at(2)}, bsdf, radiance);
 }
@@ -86,7 +86,7 @@ TEST(LightEdges, OfALightAloneAreItsSharesOfPixels) {
   for (const Integrated& one : integrators()) {
     SceneDescription scene = seen_from_origin(3);
     scene.integrator = one.integrator;
-    scene.shapes.push_back(lamp(kOblique, 5));
+    scene.shapes.push_back(area_light(kOblique, 5));
     const FilmAccumulator film = render_or_throw(scene);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -114,13 +114,13 @@ std::vector<Place> places() {
     all.push_back({name, scene});
     return all.back().scene;
   };
-  const Shape whole = lamp(kOblique, 5);
-  // Black, across the lamp's middle, so that its edges end in pixels.
+  const Shape whole = area_light(kOblique, 5);
+  // Black, across the light's middle, so that its edges end in pixels.
   const Shape bar = parallelogram({-3, -0.31, 3}, {0, 0.5, 0}, {6, 0.4, 0}, kBlackBsdf);
   add("Bare", whole);
   add("BehindABar", whole, bar);
-  add("BehindItsLike", whole, lamp({{{-0.9, -0.13}, {0.17, -0.3}, {0.2, 0.3}, {-0.8, 0.21}}}, 3));
-  add("BehindADimmerOne", whole, lamp({{{-0.9, -0.13}, {0.17, -0.3}, {0.2, 0.3}, {-0.8, 0.21}}}, 3, 1));
+  add("BehindItsLike", whole, area_light({{{-0.9, -0.13}, {0.17, -0.3}, {0.2, 0.3}, {-0.8, 0.21}}}, 3));
+  add("BehindADimmerOne", whole, area_light({{{-0.9, -0.13}, {0.17, -0.3}, {0.2, 0.3}, {-0.8, 0.21}}}, 3, 1));
   add("BeforeASky", whole).emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
   // Beyond the far plane on one side, and nearer than the near one on the other.
   SceneDescription& clipped =
@@ -140,7 +140,7 @@ std::vector<Place> places() {
         std::tuple(low + v, w, u), std::tuple(low + u, v, w)})
     box.shapes.push_back(parallelogram(corner, a, b, kBlackBsdf, kRadiance));
   SceneDescription& two_sided =
-      add("OfBothSides", lamp({{kOblique[3], kOblique[2], kOblique[1], kOblique[0]}}, 5));
+      add("OfBothSides", area_light({{kOblique[3], kOblique[2], kOblique[1], kOblique[0]}}, 5));
   two_sided.shapes[0].two_sided_emission = true;
   const auto round = [](const auto& geometry) {
     Shape shape;
@@ -167,7 +167,7 @@ std::vector<Place> places() {
   filtered("ByATent", FilterKind::kTent, 1);
   filtered("ByAGaussian", FilterKind::kGaussian, 2);
   filtered("ByLobesBelowZero", FilterKind::kMitchell, 2);
-  add("FromBehind", lamp({{kOblique[3], kOblique[2], kOblique[1], kOblique[0]}}, 5));
+  add("FromBehind", area_light({{kOblique[3], kOblique[2], kOblique[1], kOblique[0]}}, 5));
   all.back().edges = false;
   add("BehindAWall", whole, parallelogram({-9, -9, 2}, {0, 18, 0}, {18, 0, 0}, kBlackBsdf));
   all.back().edges = false;
@@ -212,7 +212,7 @@ TEST_P(LightEdgePlace, HasTheMeanOfSamples) {
 
 TEST(LightEdges, AreLeftToSamplesWhereOtherThingsCount) {
   SceneDescription scene = seen_from_origin(1);
-  scene.shapes.push_back(lamp(kOblique, 5));
+  scene.shapes.push_back(area_light(kOblique, 5));
   ASSERT_TRUE(has_light_edges(scene));
   const auto without = [&](auto change) {
     SceneDescription changed = scene;
@@ -233,7 +233,7 @@ TEST(LightEdges, AreLeftToSamplesWhereOtherThingsCount) {
 
 TEST(LightEdges, AreNotThoseOfAnotherCamera) {
   SceneDescription scene = seen_from_origin(64);
-  scene.shapes.push_back(lamp(kOblique, 5));
+  scene.shapes.push_back(area_light(kOblique, 5));
   DeviceScene seen = build_or_throw(scene);
   const View at_first = view_of(seen.header);
   View moved = at_first;
@@ -253,7 +253,7 @@ TEST(LightEdges, AreNotThoseOfAnotherCamera) {
 
 TEST(LightEdges, AreTheSameWithEitherIntersector) {
   SceneDescription scene = seen_from_origin(2);
-  scene.shapes.push_back(lamp(kOblique, 5));
+  scene.shapes.push_back(area_light(kOblique, 5));
   const DeviceScene portable = build_or_throw(scene), embree = build_or_throw(scene, true);
   EXPECT_EQ(embree.header.tables.light_edges.count, portable.header.tables.light_edges.count);
   EXPECT_GT(embree.header.tables.light_edges.count, 0);

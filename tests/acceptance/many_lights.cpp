@@ -36,7 +36,7 @@ void add_block(SceneDescription& scene, glm::dvec3 low, glm::dvec3 high, int bsd
   for (std::size_t i = first; i < scene.shapes.size(); ++i) scene.shapes[i].flip_normals = true;
 }
 
-void add_lamp(SceneDescription& scene, glm::dvec3 middle, double size, float radiance) {
+void add_area_light(SceneDescription& scene, glm::dvec3 middle, double size, float radiance) {
   scene.shapes.push_back(parallelogram(middle - glm::dvec3(size / 2, 0, size / 2), {size, 0, 0}, {0, 0, size},
                                        kBlackBsdf, radiance));
 }
@@ -116,7 +116,7 @@ SceneDescription spot_lights(int count) {
   return scene;
 }
 
-/// A lamp in a room without a window under a sky a thousand times as bright.
+/// A light in a room without a window under a sky a thousand times as bright.
 SceneDescription closed_room(double window, float sky) {
   SceneDescription scene = scene_of_paths();
   const int grey = add_diffuse(scene, 0.6f);
@@ -134,7 +134,7 @@ SceneDescription closed_room(double window, float sky) {
     wall(0, -4 + side, low, window);
     wall(3 - low, -4 + side, low, window);
   }
-  add_lamp(scene, {0, 2.99, -1}, 0.6, 10);
+  add_area_light(scene, {0, 2.99, -1}, 0.6, 10);
   add_sky(scene, sky);
   scene.camera = look_at({0, 1.6, 3.8}, {0, 1.2, -2}, {0, 1, 0}, 70);
   return scene;
@@ -156,7 +156,7 @@ SceneDescription field(double size, float sky) {
   return scene;
 }
 
-/// Rooms in a row, lamps in each, seen through doors.
+/// Rooms in a row, lights in each, seen through doors.
 SceneDescription rooms(int count) {
   SceneDescription scene = scene_of_paths();
   const int grey = add_diffuse(scene, 0.6f);
@@ -168,13 +168,14 @@ SceneDescription rooms(int count) {
       scene.shapes.back().back_bsdf = grey;
     }
     for (int j = 0; j < 4; ++j)
-      add_lamp(scene, {j % 2 == 0 ? -1.5 : 1.5, 2.98, z - (j < 2 ? 1 : 3)}, 0.3, float(2 << (j + k) % 5));
+      add_area_light(scene, {j % 2 == 0 ? -1.5 : 1.5, 2.98, z - (j < 2 ? 1 : 3)}, 0.3,
+                     float(2 << (j + k) % 5));
   }
   scene.camera = look_at({0, 1.6, 3.5}, {0, 1.3, -6}, {0, 1, 0}, 70);
   return scene;
 }
 
-/// A plate of plastic under lamps of very different size and distance.
+/// A plate of plastic under lights of very different size and distance.
 SceneDescription plate() {
   SceneDescription scene = scene_of_paths();
   RoughPlasticBsdf plastic;
@@ -183,7 +184,8 @@ SceneDescription plate() {
   const int shiny = int(scene.bsdfs.size()) - 1;
   scene.shapes.push_back(parallelogram({-6, 0, -8}, {0, 0, 12}, {12, 0, 0}, shiny));
   for (int k = 0; k < 7; ++k)
-    add_lamp(scene, {-4.5 + 1.5 * k, 0.4 + 0.5 * k, -3}, 0.1 + 0.2 * k, 40.0f / float((k + 1) * (k + 1)));
+    add_area_light(scene, {-4.5 + 1.5 * k, 0.4 + 0.5 * k, -3}, 0.1 + 0.2 * k,
+                   40.0f / float((k + 1) * (k + 1)));
   scene.camera = look_at({0, 3, 4}, {0, 0.5, -3}, {0, 1, 0}, 60);
   return scene;
 }
@@ -193,13 +195,13 @@ SceneDescription plate() {
 std::vector<ManyLights> many_lights() {
   return {{"10000 emissive triangles", emissive_triangles(10'000)},
           {"1000 point lights", point_lights(1000)},
-          {"lamp in a closed room under a bright sky", closed_room(0, 1000)},
+          {"area light in a closed room under a bright sky", closed_room(0, 1000)},
           {"room with a window", closed_room(1.5, 3)},
           {"room with a small window, bright sky", closed_room(0.6, 10)},
           {"torch in a field at night", field(100, 0.01f)},
           {"torch in a wide field by day", field(10'000, 1)},
           {"rooms in a row", rooms(6)},
-          {"plastic under lamps", plate()},
+          {"plastic under area lights", plate()},
           {"1000 spots", spot_lights(1000)}};
 }
 

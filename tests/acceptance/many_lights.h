@@ -13,8 +13,8 @@ struct ManyLights {
   SceneDescription scene;
 };
 
-/// 48 x 32 pixels each, path tracing of up to 4 edges: many small emitters and spots, lamps in rooms that do
-/// not see each other, skies beside lamps, indoors and out.
+/// 48 x 32 pixels each, path tracing of up to 4 edges: many small emitters and spots, lights in rooms that do
+/// not see each other, skies beside lights, indoors and out.
 std::vector<ManyLights> many_lights();
 
 }  // namespace penumbra

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/acceptance/extra_family_scenes.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
-#include "tests/acceptance/stand_in_scenes.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra::nearly_closed_form_test {
@@ -27,14 +27,12 @@ struct Variant {
   std::string name;
   std::optional<float> alpha;
   EmitterSampling sampling = EmitterSampling::kSolidAngle;
-  CvEstimator estimator = CvEstimator::kCv;
 };
 void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name; }
 
 void use_variant(IntegratorSettings& integrator, const Variant& variant) {
   param::alpha(integrator) = variant.alpha;
   param::emitter_sampling(integrator) = variant.sampling;
-  param::estimator(integrator) = variant.estimator;
 }
 
 class NearlyClosedForm : public testing::TestWithParam<Variant> {};
@@ -47,72 +45,69 @@ INSTANTIATE_TEST_SUITE_P(Variants, NearlyClosedForm,
                          [](const auto& tested) { return tested.param.name; });
 
 TEST_P(NearlyClosedForm, PathsHaveTheMeanOfPaths) {
-  StandInScene room = stand_in_room({.crude = true});
+  ExtraFamilyScene room = extra_family_room({.crude = true});
   param::max_depth(room.description.integrator) = 4;
-  const statistics::Estimate paths = stand_in_estimate(room, 8, 100, kBlock);
+  const statistics::Estimate paths = extra_family_estimate(room, 8, 100, kBlock);
   param::next_event(room.description.integrator) = NextEvent::kCv;
   use_variant(room.description.integrator, GetParam());
   EXPECT_NE(room.build().header.features & FEATURE_LTC, 0u);
-  const auto result = statistics::z_test(paths, stand_in_estimate(room, 8, 200, kBlock), kLimits);
+  const auto result = statistics::z_test(paths, extra_family_estimate(room, 8, 200, kBlock), kLimits);
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
 TEST_P(NearlyClosedForm, DirectLightHasTheMeanOfDirectLight) {
-  StandInScene room = stand_in_room({.mirror = false, .crude = true});
+  ExtraFamilyScene room = extra_family_room({.mirror = false, .crude = true});
   room.description.integrator = direct_integrator(1, 1);
-  const statistics::Estimate direct = stand_in_estimate(room, 8, 300, kBlock);
+  const statistics::Estimate direct = extra_family_estimate(room, 8, 300, kBlock);
   use(room.description.integrator, IntegratorKind::kPolygonCv);
   use_variant(room.description.integrator, GetParam());
-  const auto result = statistics::z_test(direct, stand_in_estimate(room, 8, 400, kBlock), kLimits);
+  const auto result = statistics::z_test(direct, extra_family_estimate(room, 8, 400, kBlock), kLimits);
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
 // Points on lights by the lobes' own distributions, alone and balanced with the closures' directions.
 TEST(NearlyClosedFormSamples, HaveTheMeanOfPaths) {
-  StandInScene room = stand_in_room({.crude = true});
+  ExtraFamilyScene room = extra_family_room({.crude = true});
   param::max_depth(room.description.integrator) = 4;
-  const statistics::Estimate paths = stand_in_estimate(room, 8, 500, kBlock);
+  const statistics::Estimate paths = extra_family_estimate(room, 8, 500, kBlock);
   EXPECT_EQ(room.build().header.features & FEATURE_LTC, 0u);
   param::emitter_sampling(room.description.integrator) = EmitterSampling::kProjected;
   EXPECT_NE(room.build().header.features & FEATURE_LTC, 0u);
-  const auto balanced = statistics::z_test(paths, stand_in_estimate(room, 8, 600, kBlock), kLimits);
+  const auto balanced = statistics::z_test(paths, extra_family_estimate(room, 8, 600, kBlock), kLimits);
   EXPECT_TRUE(balanced.passed) << balanced.summary();
 
-  StandInScene direct = stand_in_room({.mirror = false, .crude = true});
+  ExtraFamilyScene direct = extra_family_room({.mirror = false, .crude = true});
   direct.description.integrator = direct_integrator(1, 1);
-  const statistics::Estimate both = stand_in_estimate(direct, 32, 700, kBlock);
+  const statistics::Estimate both = extra_family_estimate(direct, 32, 700, kBlock);
   param::emitter_sampling(direct.description.integrator) = EmitterSampling::kProjected;
-  const auto mis = statistics::z_test(both, stand_in_estimate(direct, 8, 800, kBlock), kLimits);
+  const auto mis = statistics::z_test(both, extra_family_estimate(direct, 8, 800, kBlock), kLimits);
   EXPECT_TRUE(mis.passed) << mis.summary();
   for (const LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
     direct.description.integrator = emitter_only(EmitterSampling::kProjected, 1, choice);
-    const auto alone = statistics::z_test(both, stand_in_estimate(direct, 32, 900, kBlock), kLimits);
+    const auto alone = statistics::z_test(both, extra_family_estimate(direct, 32, 900, kBlock), kLimits);
     EXPECT_TRUE(alone.passed) << alone.summary();
   }
 }
 
 // A wrong G would show: its lobes are far from the closure.
 TEST(NearlyClosedFormImages, TheClosedFormAloneIsAnother) {
-  StandInScene room = stand_in_room({.mirror = false, .crude = true});
+  ExtraFamilyScene room = extra_family_room({.mirror = false, .crude = true});
   room.description.integrator = direct_integrator(1, 1);
-  const statistics::Estimate direct = stand_in_estimate(room, 8, 300, kBlock);
+  const statistics::Estimate direct = extra_family_estimate(room, 8, 300, kBlock);
   use(room.description.integrator, IntegratorKind::kPolygonAnalytic);
-  EXPECT_FALSE(statistics::z_test(direct, stand_in_estimate(room, 2, 400, kBlock), kLimits).passed);
+  EXPECT_FALSE(statistics::z_test(direct, extra_family_estimate(room, 2, 400, kBlock), kLimits).passed);
 }
 
 TEST(NearlyClosedFormImages, DoNotDependOnLanes) {
   for (const bool many_triangles : {false, true}) {
-    StandInScene room = stand_in_room({.many_triangles = many_triangles, .crude = true});
+    ExtraFamilyScene room = extra_family_room({.many_triangles = many_triangles, .crude = true});
     param::next_event(room.description.integrator) = NextEvent::kCv;
     room.description.sampler.spp = 8;
-    for (const CvEstimator estimator : {CvEstimator::kCv, CvEstimator::kRatio}) {
-      param::estimator(room.description.integrator) = estimator;
-      const DeviceScene built = room.build();
-      const std::vector<float> one_lane = render_stand_ins(stand_in_kernel(true), built);
-      const std::vector<float> many = render_stand_ins(stand_in_kernel(), built);
-      ASSERT_EQ(many.size(), one_lane.size());
-      EXPECT_EQ(std::memcmp(many.data(), one_lane.data(), many.size() * sizeof(float)), 0);
-    }
+    const DeviceScene built = room.build();
+    const std::vector<float> one_lane = render_extra_families(extra_family_kernel(true), built);
+    const std::vector<float> many = render_extra_families(extra_family_kernel(), built);
+    ASSERT_EQ(many.size(), one_lane.size());
+    EXPECT_EQ(std::memcmp(many.data(), one_lane.data(), many.size() * sizeof(float)), 0);
   }
 }
 

@@ -1,4 +1,4 @@
-// Every command of the README does what it says: its blocks are run as they are, in a folder with scenes/.
+// Every command of the main README does what it says: its blocks are run as they are, beside scenes/.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,8 +16,6 @@ namespace penumbra {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr int kMostLines = 150;  // short enough for a reader in a hurry
 
 struct Block {
   std::string heading;
@@ -88,23 +86,6 @@ INSTANTIATE_TEST_SUITE_P(Blocks, ReadmeCommands, testing::ValuesIn(command_block
       name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 });
-
-TEST(Readme, CanBeReadInAHurry) {
-  const std::string text = readme();
-  EXPECT_LE(std::ranges::count(text, '\n'), kMostLines);
-}
-
-TEST(Readme, LinksToFilesThatExist) {
-  const std::string text = readme();
-  int links = 0;
-  for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 1)) {
-    const std::string target = text.substr(at + 2, text.find_first_of("#)", at) - at - 2);
-    if (target.starts_with("http")) continue;
-    ++links;
-    EXPECT_TRUE(std::filesystem::exists(source_path(target))) << target;
-  }
-  EXPECT_GE(links, 10);
-}
 
 }  // namespace
 }  // namespace penumbra

@@ -65,7 +65,6 @@ IntegratorSettings direct_integrator(int emitter_samples, int bsdf_samples, MisH
   param::emitter_samples(settings) = emitter_samples;
   param::bsdf_samples(settings) = bsdf_samples;
   param::heuristic(settings) = heuristic;
-  std::get<DirectIntegrator>(settings.method).closed_where_lit = false;
   return settings;
 }
 

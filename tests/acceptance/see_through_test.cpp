@@ -18,7 +18,7 @@ using glm::dvec3;
 constexpr double kSignificance = 0.01;
 constexpr double kRounding = 64.0 / (1 << 24);  ///< see furnace_test.cpp; twice as many surfaces on the way
 constexpr float kAlbedo = 0.5f, kRadiance = 3;
-constexpr double kHeight = 2, kHalf = 1;  ///< of the lamp, and half its side
+constexpr double kHeight = 2, kHalf = 1;  ///< of the light, and half its side
 
 int add(SceneDescription& scene, BsdfModel model) {
   scene.bsdfs.push_back({"test", std::move(model)});
@@ -40,7 +40,7 @@ Shape sheet(double height, int bsdf) {
 }
 
 /// What shines down on the floor.
-Shape lamp(int bsdf = kBlackBsdf) {
+Shape area_light(int bsdf = kBlackBsdf) {
   return parallelogram({-kHalf, kHeight, -kHalf}, {2 * kHalf, 0, 0}, {0, 0, 2 * kHalf}, bsdf, kRadiance);
 }
 
@@ -51,8 +51,8 @@ double square_above(double h, double a) {
   return 4 / std::numbers::pi * (a / r) * std::atan(a / r);
 }
 
-/// One pixel that sees the middle of the floor from between it and the lamp.
-SceneDescription floor_below_lamp(std::uint32_t spp) {
+/// One pixel that sees the middle of the floor from between it and the light.
+SceneDescription floor_below_area_light(std::uint32_t spp) {
   SceneDescription scene = empty_scene(1, 1, spp, 1);
   scene.camera = look_at(dvec3(0, 1, 0), dvec3(0), dvec3(0, 0, 1), 1e-5);
   scene.shapes.push_back(
@@ -92,8 +92,8 @@ std::vector<Strategy> strategies() {
 class SeeThrough : public testing::TestWithParam<Strategy> {};
 
 TEST_P(SeeThrough, LayersLetThroughWhatTheirMasksLeave) {
-  SceneDescription scene = floor_below_lamp(40'000);
-  scene.shapes.push_back(lamp());
+  SceneDescription scene = floor_below_area_light(40'000);
+  scene.shapes.push_back(area_light());
   const int white = kBlackBsdf;
   double lit = 1, seen = 1;
   const auto layer = [&](double height, int bsdf, double share) {
@@ -114,11 +114,11 @@ TEST_P(SeeThrough, LayersLetThroughWhatTheirMasksLeave) {
 }
 
 TEST_P(SeeThrough, NullSurfacesOfLightsShineAndDoNotBlock) {
-  // From above: the lamp, a ball that shines and a disk that does, both of nothing. The light of each is the
+  // From above: the light, a ball that shines and a disk that does, both of nothing. The light of each is the
   // same as without the others.
-  SceneDescription scene = floor_below_lamp(40'000);
+  SceneDescription scene = floor_below_area_light(40'000);
   const int nothing = add_null(scene);
-  scene.shapes.push_back(lamp());
+  scene.shapes.push_back(area_light());
   Shape ball, disk;
   ball.geometry = Sphere{{0, 1.5, 0}, 0.25};
   disk.geometry = Disk{{0, 1.1, 0}, {0, -1, 0}, 0.2};
@@ -136,8 +136,8 @@ TEST_P(SeeThrough, NullSurfacesOfLightsShineAndDoNotBlock) {
 }
 
 TEST_P(SeeThrough, ABlendIsTheWeighedSumOfBoth) {
-  SceneDescription scene = floor_below_lamp(40'000);
-  scene.shapes.push_back(lamp());
+  SceneDescription scene = floor_below_area_light(40'000);
+  scene.shapes.push_back(area_light());
   const int dark = add_diffuse(scene, 0.1f), bright = add_diffuse(scene, 0.9f);
   scene.shapes[0].front_bsdf = add(scene, BlendBsdf{0.3f, dark, bright});
   expect_radiance(scene, GetParam().integrator,
@@ -168,8 +168,8 @@ TEST(SeeThroughTest, NothingIsLostAmongWhiteMasks) {
 }
 
 TEST(SeeThroughTest, PassedSurfacesAreNoDepth) {
-  SceneDescription scene = floor_below_lamp(20'000);
-  scene.shapes.push_back(lamp());
+  SceneDescription scene = floor_below_area_light(20'000);
+  scene.shapes.push_back(area_light());
   for (int k = 1; k < 10; ++k) scene.shapes.push_back(sheet(0.1 * k, add_null(scene)));
   IntegratorSettings integrator = path_integrator(DirectSampling::kMis);
   param::max_depth(integrator) = 2;
@@ -204,8 +204,8 @@ TEST(SeeThroughTest, TexturesAreOpacities) {
 }
 
 TEST(SeeThroughTest, LayersAreOfWhatIsSeenBehind) {
-  SceneDescription scene = floor_below_lamp(1);
-  scene.shapes.push_back(lamp());
+  SceneDescription scene = floor_below_area_light(1);
+  scene.shapes.push_back(area_light());
   const FilmAccumulator without = render_or_throw(scene);
   for (int k = 1; k < 9; ++k) scene.shapes.push_back(sheet(0.1 * k, add_null(scene)));
   Shape ball;
@@ -213,17 +213,17 @@ TEST(SeeThroughTest, LayersAreOfWhatIsSeenBehind) {
   ball.front_bsdf = ball.back_bsdf = add_mask(scene, 0, add_diffuse(scene, 1));
   scene.shapes.push_back(ball);
   const FilmAccumulator film = render_or_throw(scene);
-  for (const auto plane : {kDepth, kNormalY})
-    EXPECT_NEAR(film.layer(0, 0, plane), without.layer(0, 0, plane), 1e-6);
+  EXPECT_NEAR(film.layer(0, 0, LAYER_DEPTH), without.layer(0, 0, LAYER_DEPTH), 1e-6);
+  EXPECT_NEAR(film.layer(0, 0, LAYER_NORMAL, 1), without.layer(0, 0, LAYER_NORMAL, 1), 1e-6);
   scene.camera.far_clip = 0.9;
-  EXPECT_EQ(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  EXPECT_EQ(render_or_throw(scene).layer(0, 0, LAYER_DEPTH), 0);
 }
 
 /// Tested whole and by the hierarchy, ours and Embree's.
 TEST(SeeThroughTest, ManyInARowAndInOnePlace) {
   for (const int count : {20, 1500}) {
     for (const bool embree : {false, true}) {
-      SceneDescription scene = floor_below_lamp(1);
+      SceneDescription scene = floor_below_area_light(1);
       const int nothing = add_null(scene);
       for (int i = 0; i < count; ++i) scene.shapes.push_back(sheet(0.1 + i * 0.8 / count, nothing));
       scene.emitters.emplace_back(PointLight{.position = {0, 2, 0}, .intensity = glm::vec3(4)});
@@ -240,10 +240,10 @@ TEST(SeeThroughTest, ManyInARowAndInOnePlace) {
   }
 }
 
-TEST(SeeThroughTest, HiddenLampsAndMasksTogether) {
-  SceneDescription scene = floor_below_lamp(40'000);
+TEST(SeeThroughTest, HiddenAreaLightsAndMasksTogether) {
+  SceneDescription scene = floor_below_area_light(40'000);
   scene.camera = look_at(dvec3(0, 9, 0), dvec3(0), dvec3(0, 0, 1), 1e-5);
-  scene.shapes.push_back(lamp(add_diffuse(scene, 1)));
+  scene.shapes.push_back(area_light(add_diffuse(scene, 1)));
   scene.shapes.push_back(sheet(5, add_mask(scene, 0.25f, kBlackBsdf)));
   scene.shapes.push_back(sheet(1, add_mask(scene, 0.5f, kBlackBsdf)));
   for (IntegratorSettings integrator : {path_integrator(DirectSampling::kMis), direct_integrator(1, 1)}) {

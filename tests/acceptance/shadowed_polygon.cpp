@@ -170,12 +170,6 @@ IntegratorSettings polygon_cv(std::optional<float> alpha, EmitterSampling sampli
   return settings;
 }
 
-IntegratorSettings polygon_ratio(EmitterSampling sampling, int vis_samples) {
-  IntegratorSettings settings = polygon_cv(std::nullopt, sampling, vis_samples);
-  param::estimator(settings) = CvEstimator::kRatio;
-  return settings;
-}
-
 IntegratorSettings emitter_only(EmitterSampling sampling, int samples, LightChoice choice) {
   IntegratorSettings settings = direct_integrator(samples, 0);
   param::emitter_sampling(settings) = sampling;

@@ -70,7 +70,6 @@ class ManyTests {
 };
 
 IntegratorSettings polygon_cv(std::optional<float> alpha, EmitterSampling sampling, int vis_samples);
-IntegratorSettings polygon_ratio(EmitterSampling sampling, int vis_samples);
 /// Direct light by emitter samples alone.
 IntegratorSettings emitter_only(EmitterSampling sampling, int samples,
                                 LightChoice choice = LightChoice::kAuto);

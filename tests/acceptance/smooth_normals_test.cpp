@@ -72,7 +72,7 @@ TEST(SmoothNormals, RimsShowTheOutsideAsBrightAsTheRest) {
         for (int x = 0; x < kPixels; ++x) {
           const PixelStatistics& pixel = film.at(x, y);
           ASSERT_NEAR(pixel.mean[0], pixel.mean[1], 1e-6) << strategy.name << " " << x << ", " << y;
-          if (film.layer(x, y, kAlbedoG) < 0.7999) continue;  // it sees the sky too
+          if (film.layer(x, y, LAYER_ALBEDO, 1) < 0.7999) continue;  // it sees the sky too
           const double error = std::sqrt(pixel.m2[1]) / double(pixel.count);
           ASSERT_GE(pixel.mean[1], least - 5 * error) << strategy.name << " " << x << ", " << y;
         }

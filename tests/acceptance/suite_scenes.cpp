@@ -41,11 +41,6 @@ void control_variate(SceneDescription& scene) {
   param::vis_samples(scene.integrator) = 3;
 }
 
-void ratio(SceneDescription& scene) {
-  control_variate(scene);
-  param::estimator(scene.integrator) = CvEstimator::kRatio;
-}
-
 void path_with_control_variate(SceneDescription& scene) {
   use(scene.integrator, IntegratorKind::kPath);
   param::next_event(scene.integrator) = NextEvent::kCv;
@@ -327,7 +322,6 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellSolidAngle", "cornell/cornell.xml", false, by_solid_angle},
       {"CornellAnalytic", "cornell/cornell.xml", false, closed_form},
       {"CornellControlVariate", "cornell/cornell.xml", false, control_variate},
-      {"CornellRatio", "cornell/cornell.xml", false, ratio},
       {"CornellPathControlVariate", "cornell/cornell.xml", false, path_with_control_variate},
       {"VeachMisPart", "veach-mis/veach-mis.xml", false, part_of_paths},
       {"CornellGlossyAnalytic", "cornell/cornell.xml", false, glossy_closed_form},
@@ -368,7 +362,7 @@ SceneDescription small_scene(const SuiteScene& scene) {
 }
 
 std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b) {
-  if (a.width() != b.width() || a.height() != b.height() || a.planes() != b.planes()) return "in size";
+  if (a.width() != b.width() || a.height() != b.height() || a.layers().planes() != b.layers().planes()) return "in size";
   for (int y = 0; y < a.height(); ++y) {
     for (int x = 0; x < a.width(); ++x) {
       const PixelStatistics &p = a.at(x, y), &q = b.at(x, y);

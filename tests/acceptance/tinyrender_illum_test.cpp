@@ -1,4 +1,4 @@
-// What a TinyRender material reflects for each number of `illum`, against a sum over the lamp in double.
+// What a TinyRender material reflects for each number of `illum`, against a sum over the light in double.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace penumbra {
 namespace {
 
 constexpr double kRadiance = 10, kDiffuse = 0.5, kSpecular = 0.4, kExponent = 20;
-/// The lamp: x and z from -half to half at this height, shining down.
+/// The light: x and z from -half to half at this height, shining down.
 constexpr double kHeight = 1.5, kHalf = 0.5;
 
 /// Kd / pi + Ks (n + 2) / 2 pi cos^n, towards the eye from a point of the floor y = 0; either may be 0.
@@ -24,9 +24,9 @@ double reflected(const glm::dvec3& point, const glm::dvec3& eye, double diffuse,
   double sum = 0;
   for (int i = 0; i < kCells; ++i)
     for (int j = 0; j < kCells; ++j) {
-      const glm::dvec3 lamp(kHalf * ((2 * i + 1.0) / kCells - 1), kHeight,
-                            kHalf * ((2 * j + 1.0) / kCells - 1));
-      const glm::dvec3 d = lamp - point, w = glm::normalize(d);
+      const glm::dvec3 area_light(kHalf * ((2 * i + 1.0) / kCells - 1), kHeight,
+                                  kHalf * ((2 * j + 1.0) / kCells - 1));
+      const glm::dvec3 d = area_light - point, w = glm::normalize(d);
       const double lobe = std::pow(std::max(glm::dot(w, mirrored), 0.0), kExponent);
       const double value =
           diffuse / std::numbers::pi + specular * (kExponent + 2) / (2 * std::numbers::pi) * lobe;
@@ -38,11 +38,11 @@ double reflected(const glm::dvec3& point, const glm::dvec3& eye, double diffuse,
 class TinyRenderIllum : public TinyRenderText {
  protected:
   static std::string floor_of(const std::string& illum) {
-    return "newmtl white\nKd .5 .5 .5\nKs .4 .4 .4\nNs 20\n" + illum + "newmtl lamp\nKe 10 10 10\n";
+    return "newmtl white\nKd .5 .5 .5\nKs .4 .4 .4\nNs 20\n" + illum + "newmtl area_light\nKe 10 10 10\n";
   }
   static constexpr const char* kRoom =
       "mtllib m.mtl\nv -90 0 -90\nv -90 0 90\nv 90 0 90\nv 90 0 -90\nusemtl white\nf 1 2 3 4\n"
-      "v -.5 1.5 -.5\nv .5 1.5 -.5\nv .5 1.5 .5\nv -.5 1.5 .5\nusemtl lamp\nf 5 6 7 8\n";
+      "v -.5 1.5 -.5\nv .5 1.5 -.5\nv .5 1.5 .5\nv -.5 1.5 .5\nusemtl area_light\nf 5 6 7 8\n";
 
   void expect_floor(const std::string& illum, double diffuse, double specular) {
     SCOPED_TRACE(illum);
@@ -75,7 +75,7 @@ TEST_F(TinyRenderIllum, AllOthersButTheMirrorArePhongWhichIsBothToo) {
     expect_floor("illum " + std::to_string(illum) + "\n", kDiffuse, kSpecular);
 }
 
-// A ray from the eye goes on from the floor to the lamp, of which it shows Ks, or beside it.
+// A ray from the eye goes on from the floor to the light, of which it shows Ks, or beside it.
 TEST_F(TinyRenderIllum, FiveIsAMirror) {
   use(kRoom, floor_of("illum 5\n"));
   SceneDescription scene = good_toml(scene_with(kDirect, "eye = [0.5, 1, 3]\nat = [0, 0, 0.8]\nfov = 50"));
@@ -101,7 +101,7 @@ TEST_F(TinyRenderIllum, FiveIsAMirror) {
 }
 
 TEST_F(TinyRenderIllum, AMirrorWithoutKsReflectsAll) {
-  use(kRoom, "newmtl white\nillum 5\nnewmtl lamp\nKe 10 10 10\n");
+  use(kRoom, "newmtl white\nillum 5\nnewmtl area_light\nKe 10 10 10\n");
   const SceneDescription scene = good_toml(scene_with(kDirect));
   EXPECT_EQ(std::get<ConductorBsdf>(scene.bsdfs.at(0).model).specular_reflectance.value, glm::vec3(1.0f));
 }

@@ -49,7 +49,7 @@ IntegratorSettings polygonal(IntegratorKind kind) {
   return settings;
 }
 
-/// With shadows. The ratio has a bias, of the order of 1 / samples, that is far below the noise of a block.
+/// With shadows.
 std::vector<Strategy> shadowed_methods() {
   using enum EmitterSampling;
   IntegratorSettings both = direct_integrator(1, 1);
@@ -58,7 +58,6 @@ std::vector<Strategy> shadowed_methods() {
           {"alpha_1", polygon_cv(1.0f, kArea, 1)},
           {"alpha_auto", polygon_cv(std::nullopt, kArea, 2)},
           {"alpha_auto_projected", polygon_cv(std::nullopt, kProjected, 1)},
-          {"ratio", polygon_ratio(kArea, 2)},
           {"direct_area", emitter_only(kArea, 1)},
           {"direct_solid_angle", emitter_only(kSolidAngle, 1)},
           {"direct_projected", emitter_only(kProjected, 1)},

@@ -167,8 +167,8 @@ Mask emitter_pixels(const FilmAccumulator& film) {
   for (int y = 0; y < film.height(); ++y)
     for (int x = 0; x < film.width(); ++x) {
       const double albedo =
-          film.layer(x, y, kAlbedoR) + film.layer(x, y, kAlbedoG) + film.layer(x, y, kAlbedoB);
-      result.push_back(film.layer(x, y, kDepth) > 0 && albedo == 0);
+          film.layer(x, y, LAYER_ALBEDO) + film.layer(x, y, LAYER_ALBEDO, 1) + film.layer(x, y, LAYER_ALBEDO, 2);
+      result.push_back(film.layer(x, y, LAYER_DEPTH) > 0 && albedo == 0);
     }
   return result;
 }
@@ -176,9 +176,10 @@ Mask emitter_pixels(const FilmAccumulator& film) {
 Mask smooth_pixels(const FilmAccumulator& film, const Mask& shines) {
   const int width = film.width(), height = film.height();
   const auto differ = [&](int x, int y, int other_x, int other_y) {
-    for (int plane = kAlbedoR; plane <= kNormalZ; ++plane)
-      if (std::abs(film.layer(x, y, plane) - film.layer(other_x, other_y, plane)) > 1e-3) return true;
-    return (film.layer(x, y, kDepth) > 0) != (film.layer(other_x, other_y, kDepth) > 0) ||
+    for (const int layer : {LAYER_ALBEDO, LAYER_NORMAL})
+      for (int c = 0; c < 3; ++c)
+        if (std::abs(film.layer(x, y, layer, c) - film.layer(other_x, other_y, layer, c)) > 1e-3) return true;
+    return (film.layer(x, y, LAYER_DEPTH) > 0) != (film.layer(other_x, other_y, LAYER_DEPTH) > 0) ||
            shines[std::size_t(y * width + x)] != shines[std::size_t(other_y * width + other_x)];
   };
   Mask result(std::size_t(width) * std::size_t(height), 1);

@@ -60,10 +60,10 @@ struct Seen {
     smooth = smooth_pixels(film, emitters);
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x) {
-        const bool reflects = film.layer(x, y, kDepth) > 0 && !emitters[lit.size()];
+        const bool reflects = film.layer(x, y, LAYER_DEPTH) > 0 && !emitters[lit.size()];
         const bool inside = smooth[lit.size()] != 0 && reflects;
         lit.push_back(inside);
-        floor.push_back(inside && film.layer(x, y, kNormalY) > 0.999);
+        floor.push_back(inside && film.layer(x, y, LAYER_NORMAL, 1) > 0.999);
       }
   }
 };

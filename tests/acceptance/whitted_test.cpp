@@ -6,8 +6,8 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/acceptance/extra_family_scenes.h"
 #include "tests/acceptance/scene_pieces.h"
-#include "tests/acceptance/stand_in_scenes.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
@@ -45,7 +45,7 @@ const WhittedCase kCases[] = {
 class Whitted : public testing::TestWithParam<WhittedCase> {
  protected:
   /// Both integrators' images of the scene are equal.
-  static void expect_light_of_path(StandInScene scene) {
+  static void expect_light_of_path(ExtraFamilyScene scene) {
     const WhittedCase& c = GetParam();
     scene.description.sampler.spp = 128;
     IntegratorSettings& integrator = scene.description.integrator;
@@ -54,7 +54,7 @@ class Whitted : public testing::TestWithParam<WhittedCase> {
       integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
     }
     param::max_depth(integrator) = c.max_depth;
-    const statistics::Estimate by_path = stand_in_estimate(scene, 8, 1000, 4);
+    const statistics::Estimate by_path = extra_family_estimate(scene, 8, 1000, 4);
     use(integrator, IntegratorKind::kWhitted);
     param::branch_depth(integrator) = c.branch_depth;
     param::indirect_samples(integrator) = c.indirect_samples;
@@ -62,7 +62,7 @@ class Whitted : public testing::TestWithParam<WhittedCase> {
     param::next_event(integrator) = c.next_event;
     param::heuristic(integrator) = c.heuristic;
     if (c.next_event == NextEvent::kCv) param::alpha(integrator) = 0.8f;
-    const auto result = statistics::z_test(by_path, stand_in_estimate(scene, 8, 2000, 4),
+    const auto result = statistics::z_test(by_path, extra_family_estimate(scene, 8, 2000, 4),
                                            {.accepted_fraction = 1, .mean_square = 2.2});
     EXPECT_TRUE(result.passed) << result.summary();
   }
@@ -71,15 +71,15 @@ INSTANTIATE_TEST_SUITE_P(Cases, Whitted, testing::ValuesIn(kCases),
                          [](const auto& tested) { return tested.param.name; });
 
 TEST_P(Whitted, IsPathInARoomWithAMirrorAndAWindow) {
-  expect_light_of_path(stand_in_room({.front_pane = true, .light_pane = GetParam().name == "SixEdges"}));
+  expect_light_of_path(extra_family_room({.front_pane = true, .light_pane = GetParam().name == "SixEdges"}));
 }
 
 TEST_P(Whitted, IsPathInARoomWithAGlassBall) { expect_light_of_path(room_with_glass()); }
 
 /// A ball of glass of index 4, seen along its axis, in an environment of radiance 1.
-StandInScene ball_of_glass() {
-  StandInScene ball = glass_ball(4);
-  ball.stand_ins.clear();
+ExtraFamilyScene ball_of_glass() {
+  ExtraFamilyScene ball = glass_ball(4);
+  ball.extra_families.clear();
   Shape& sphere = ball.description.shapes.at(0);
   std::tie(sphere.front_bsdf, sphere.back_bsdf) = add_glass(ball.description, 4);
   SceneDescription& scene = ball.description;
@@ -93,16 +93,16 @@ StandInScene ball_of_glass() {
 // is the reflectance at each of its surfaces. Both branches are followed at all D - 1 of them.
 TEST(Whitted, FollowsBothBranchesWithTheirExactWeights) {
   for (const int edges : {2, 3, 4, 5, 8}) {
-    StandInScene ball = ball_of_glass();
+    ExtraFamilyScene ball = ball_of_glass();
     param::max_depth(ball.description.integrator) = edges;
     param::rr_depth(ball.description.integrator) = 100;
     param::branch_depth(ball.description.integrator) = edges - 1;
-    const statistics::Sample sample = stand_in_sample(ball, 1);
+    const statistics::Sample sample = extra_family_sample(ball, 1);
     const double expected = 1 - 0.64 * std::pow(0.36, edges - 2);
     EXPECT_NEAR(sample.mean(), expected, 1e-5) << edges;
     EXPECT_LT(sample.variance(), 1e-10) << edges;
     use(ball.description.integrator, IntegratorKind::kPath);
-    const statistics::Sample by_path = stand_in_sample(ball, 1);
+    const statistics::Sample by_path = extra_family_sample(ball, 1);
     EXPECT_GT(statistics::t_test(by_path, expected, 1e-5).p, .01) << edges;
     EXPECT_GT(by_path.variance(), 1e-3) << "path chooses";
   }
@@ -112,11 +112,11 @@ TEST(Whitted, FollowsBothBranchesWithTheirExactWeights) {
 TEST(Whitted, ChoosesBeyondItsBranches) {
   for (const int branches : {0, 1, 3}) {
     for (const int rr_depth : {1, 100}) {
-      StandInScene ball = ball_of_glass();
+      ExtraFamilyScene ball = ball_of_glass();
       param::max_depth(ball.description.integrator) = 6;
       param::rr_depth(ball.description.integrator) = rr_depth;
       param::branch_depth(ball.description.integrator) = branches;
-      const statistics::Sample sample = stand_in_sample(ball, 0);
+      const statistics::Sample sample = extra_family_sample(ball, 0);
       EXPECT_GT(statistics::t_test(sample, 1 - 0.64 * std::pow(0.36, 4), 1e-5).p, .01)
           << branches << " " << rr_depth;
       EXPECT_GT(sample.variance(), 1e-6);
@@ -124,7 +124,7 @@ TEST(Whitted, ChoosesBeyondItsBranches) {
   }
 }
 
-/// A closed room with a ball of glass, a bubble, a mirror and a lamp.
+/// A closed room with a ball of glass, a bubble, a mirror and a light.
 SceneDescription room_of_the_renderers_own() {
   SceneDescription scene = empty_scene(24, 16, 128, 0);
   scene.sampler.kind = SamplerKind::kSobol;
@@ -175,25 +175,25 @@ TEST(Whitted, IsPathInARoomOfTheRenderersOwnMirrorsAndGlass) {
 
 // Light that is reflected by a diffuse surface and found by no mirror.
 TEST(Whitted, WithoutDirectionsDiffuseSurfacesHaveDirectLightAlone) {
-  StandInScene room = stand_in_room({.mirror = false});
+  ExtraFamilyScene room = extra_family_room({.mirror = false});
   room.description.sampler.spp = 128;
   param::max_depth(room.description.integrator) = 2;
-  const statistics::Estimate direct = stand_in_estimate(room, 8, 100, 4);
+  const statistics::Estimate direct = extra_family_estimate(room, 8, 100, 4);
   param::max_depth(room.description.integrator) = 7;
   use(room.description.integrator, IntegratorKind::kWhitted);
   param::indirect_samples(room.description.integrator) = 0;
-  const auto result = statistics::z_test(direct, stand_in_estimate(room, 8, 200, 4),
+  const auto result = statistics::z_test(direct, extra_family_estimate(room, 8, 200, 4),
                                          {.accepted_fraction = 1, .mean_square = 2.2});
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
 TEST(Whitted, SeveralDirectionsHaveLessNoise) {
-  StandInScene room = stand_in_room({.mirror = false});
+  ExtraFamilyScene room = extra_family_room({.mirror = false});
   use(room.description.integrator, IntegratorKind::kWhitted);
   param::max_depth(room.description.integrator) = 3;
-  const double one = stand_in_sample(room, 1).variance();
+  const double one = extra_family_sample(room, 1).variance();
   param::indirect_samples(room.description.integrator) = 8;
-  EXPECT_LT(stand_in_sample(room, 1).variance(), one);
+  EXPECT_LT(extra_family_sample(room, 1).variance(), one);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "scenes/device/device_scene_builder.h"
+#include "tests/support/extra_families/extra_family_kernels.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/native_blocks.h"
-#include "tests/support/stand_in_families/stand_in_kernels.h"
 
 namespace penumbra {
 namespace {
@@ -96,10 +96,10 @@ SceneDescription room_of_boxes(int boxes, int cells) {
 /// The same scene with `count` families.
 DeviceScene with_families(const DeviceScene& scene, int count) {
   DeviceScene changed = scene;
-  std::vector<StandIn> stand_ins;
+  std::vector<ExtraFamily> extra_families;
   for (int k = 0; k < kFamilies; ++k)
-    stand_ins.push_back({.material = k + 1, .family = FAMILY_PHONG_A + k % count});
-  stand_in(changed, stand_ins);
+    extra_families.push_back({.material = k + 1, .family = FAMILY_PHONG_A + k % count});
+  put_extra_families(changed, extra_families);
   return changed;
 }
 
@@ -123,7 +123,7 @@ double median(std::vector<double> values) {
 
 /// Its paths are not sorted by family.
 DeviceScene unsorted(DeviceScene scene) {
-  scene.header.features &= ~std::uint32_t(FEATURE_MIXED_FAMILIES);
+  scene.header.features &= ~std::uint64_t(FEATURE_MIXED_FAMILIES);
   return scene;
 }
 
@@ -154,7 +154,7 @@ bool register_room(const char* name, const SceneDescription& description) {
   }
   const DeviceScene one = with_families(*built, 1), several = with_families(*built, kFamilies);
   benchmark::RegisterBenchmark(
-      name, [=](benchmark::State& state) { compare(state, stand_in_kernel(), one, several); })
+      name, [=](benchmark::State& state) { compare(state, extra_family_kernel(), one, several); })
       ->Unit(benchmark::kMillisecond)
       ->MinTime(8);
   return true;

@@ -12,8 +12,7 @@
 #include <utility>
 
 #include "kernels/host/error.h"
-#include "kernels/host/peak_memory.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 
 namespace penumbra {
 

@@ -14,7 +14,7 @@ constexpr int kPaths = 4096, kLanes = 16;
 
 struct Recorder {
   Tracer inner;
-  std::uint32_t features;
+  std::uint64_t features;
   RecordedRays* out;
   mutable RayKind next = RayKind::kCamera;  ///< of the next intersect stage
 

@@ -78,9 +78,9 @@ class TexturedRoom {
     }
     Shape light;
     light.name = "light";
-    Mesh lamp;
-    add_quad(lamp, {-0.4, 0.98, -0.4}, {0.8, 0, 0}, {0, 0, 0.8});
-    light.geometry = std::move(lamp);
+    Mesh area_light;
+    add_quad(area_light, {-0.4, 0.98, -0.4}, {0.8, 0, 0}, {0, 0, 0.8});
+    light.geometry = std::move(area_light);
     light.radiance = glm::vec3(4.0f);
     scene_.shapes.push_back(light);
     scene_.camera.to_world[3] = glm::dvec4(0, 0, -0.95, 1);

@@ -53,7 +53,7 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
                   PortableStage* stage, bool whole) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     SceneHeader header = scene->portable.header;
-    if (whole) header.features &= ~std::uint32_t(FEATURE_BVH);
+    if (whole) header.features &= ~std::uint64_t(FEATURE_BVH);
     time_rays(state, *scene, kind, [&](RecordedStage& recorded) {
       const PathState paths = recorded.paths();
       stage(header, scene->portable.words.data(), kind == RayKind::kShadow, kind == RayKind::kCamera, &paths,

@@ -26,7 +26,7 @@ std::vector<std::pair<std::string, std::string>> scenes() {
   const std::string spot =
       plugin("emitter", "point",
              "<point name=\"position\" x=\"2\" y=\"3\" z=\"3\"/>\n" + rgb("intensity", glm::dvec3(20)));
-  const std::string lamp = ball(area(3));
+  const std::string area_light = ball(area(3));
   return {{"a ball", path + ball(kWhite) + spot},
           {"glass", path + ball(glass) + spot},
           {"a mask", path + ball(mask) + spot},
@@ -35,8 +35,8 @@ std::vector<std::pair<std::string, std::string>> scenes() {
           {"a hidden sky", hides + ball(kWhite) + kSky},
           {"a mask before a hidden sky", hides + ball(mask) + kSky},
           {"glass before a hidden sky", hides + ball(glass) + kSky},
-          {"a lamp", path + lamp + floor_at(-1)},
-          {"a hidden lamp", hides + lamp + floor_at(-1, 1)},
+          {"an area light", path + area_light + floor_at(-1)},
+          {"a hidden area light", hides + area_light + floor_at(-1, 1)},
           {"direct light", hiding("direct") + ball(kWhite) + kSky}};
 }
 
@@ -69,12 +69,11 @@ TEST(DifferentialTest, AlphaIsMitsubas) {
     const FilmAccumulator film_of_ours = render_or_throw(read_or_throw(folder / "s.xml"));
     const auto theirs = mitsuba.finish(job);
     ASSERT_TRUE(theirs) << theirs.error().message;
-    const int plane = coverage_plane_of(film_of_ours.planes());
-    ASSERT_GE(plane, 0);
+    ASSERT_TRUE(film_of_ours.layers().has(LAYER_COVERAGE));
     double difference = 0, variance = 0;
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
-        const double a = film_of_ours.layer(x, y, plane), b = (*theirs)[0].at(x, y, 0);
+        const double a = film_of_ours.layer(x, y, LAYER_COVERAGE), b = (*theirs)[0].at(x, y, 0);
         const double both = std::clamp((a + b) / 2, 0.0, 1.0), of_pixel = both * (1 - both);
         EXPECT_LE(kSamples * std::abs(a - b), bound(kSamples, of_pixel, significance))
             << x << ',' << y << ": " << a << ", Mitsuba's " << b;

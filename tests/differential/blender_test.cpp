@@ -72,7 +72,7 @@ double ratio_of_means(const SceneDescription& scene, const std::vector<Image>& t
   return channel_mean(mean_image(render_or_throw(scene)), channel) / mean;
 }
 
-/// A plane under one lamp, in direct light alone, so that what differs is the material.
+/// A plane under one light, in direct light alone, so that what differs is the material.
 double ratio_of_plane(const char* name) {
   const TemporaryFolder folder;
   if (!make_scene(folder.path(), name).empty()) return 0;
@@ -83,7 +83,7 @@ double ratio_of_plane(const char* name) {
 }
 
 /// What is between Cycles' plastics and ours, at a roughness of 0.6:
-///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: under this lamp it
+///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: under this light it
 ///  loses 0.2 %, at grazing angles more;
 ///  - the diffuse lobe is Disney's (Burley 2012), which is not lessened by what the boundary reflects, and
 ///  gives more back towards the light. Cycles' is Lambert's, lessened by the boundary's albedo as seen by the

@@ -5,9 +5,9 @@
 namespace penumbra::differential {
 namespace {
 
-/// A floor at y = 0, 4 wide, that looks up, and a lamp above it, 1 wide, that looks down.
+/// A floor at y = 0, 4 wide, that looks up, and a light above it, 1 wide, that looks down.
 constexpr const char* kFloor = "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n";
-constexpr const char* kLamp = "v -.5 2 -.5\nv .5 2 -.5\nv .5 2 .5\nv -.5 2 .5\nf 1 2 3 4\n";
+constexpr const char* kAreaLight = "v -.5 2 -.5\nv .5 2 -.5\nv .5 2 .5\nv -.5 2 .5\nf 1 2 3 4\n";
 
 SceneText converted(std::string name, std::string file, std::string text, std::vector<MeshFile> files) {
   SceneText scene;
@@ -31,13 +31,13 @@ SceneText nori() {
 </camera>
 <mesh type="obj"><string name="filename" value="floor.obj"/>
   <bsdf type="diffuse"><color name="albedo" value=".6,.5,.3"/></bsdf></mesh>
-<mesh type="obj"><string name="filename" value="lamp.obj"/>
+<mesh type="obj"><string name="filename" value="area_light.obj"/>
   <bsdf type="diffuse"/><emitter type="area"><color name="radiance" value="6,5,4"/></emitter></mesh>
 <mesh type="obj"><string name="filename" value="plate.obj"/><bsdf type="mirror"/></mesh>
 </scene>
 )",
                    {{"floor.obj", kFloor},
-                    {"lamp.obj", kLamp},
+                    {"area_light.obj", kAreaLight},
                     {"plate.obj", "v -1 0 -1\nv 1 0 -1\nv 1 1.5 -1.4\nv -1 1.5 -1.4\nf 1 2 3 4\n"}});
 }
 
@@ -88,9 +88,9 @@ rrProb = 0.95
 )",
       {{"m.obj",
         "mtllib m.mtl\no floor\nv -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nusemtl white\nf 1 2 3 4\n"
-        "o lamp\nv -.5 2 -.5\nv .5 2 -.5\nv .5 2 .5\nusemtl lamp\nf 5 6 7\n"
+        "o area_light\nv -.5 2 -.5\nv .5 2 -.5\nv .5 2 .5\nusemtl area_light\nf 5 6 7\n"
         "o wall\nv -1 0 -1\nv 1 0 -1\nv 1 1.5 -1.4\nv -1 1.5 -1.4\nusemtl red\nf 8 9 10 11\n"},
-       {"m.mtl", "newmtl white\nKd .5 .6 .7\nnewmtl red\nKd .7 .2 .1\nnewmtl lamp\nKe 9 8 7\n"}});
+       {"m.mtl", "newmtl white\nKd .5 .6 .7\nnewmtl red\nKd .7 .2 .1\nnewmtl area_light\nKe 9 8 7\n"}});
 }
 
 std::string base64(const std::string& bytes) {
@@ -106,7 +106,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// A square [-1, 1]² that faces z, three times: a floor of metal, a wall, a lamp; and a point light.
+/// A square [-1, 1]² that faces z, three times: a floor of metal, a wall, a light; and a point light.
 SceneText gltf() {
   const float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
   std::string bytes(sizeof corners, '\0');
@@ -156,7 +156,7 @@ constexpr const char* kView =
     "angle='-90'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='.6, .5, "
     ".3'/></bsdf></shape>\n";
 
-/// Groups within groups, turned, stretched and mirrored, of cylinders, meshes and a lamp.
+/// Groups within groups, turned, stretched and mirrored, of cylinders, meshes and a light.
 SceneText groups() {
   return converted("converted_groups", "scene.xml",
                    std::string("<scene version='0.6.0'>\n") + kView +
@@ -178,7 +178,7 @@ SceneText groups() {
                    {});
 }
 
-/// Lamps with pictures: a rectangle, a cylinder, a spot and a projector.
+/// Lights with pictures: a rectangle, a cylinder, a spot and a projector.
 SceneText textured_lights() {
   SceneText scene = converted(
       "converted_textured_lights", "scene.xml",

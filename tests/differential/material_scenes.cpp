@@ -56,7 +56,7 @@ SceneText polarizers() {
                     plastic("ggx", 0.3, {0.8, 0.3, 0.1})));
   scene.both(placed("sphere", "<scale value=\"0.5\"/>" + translate({0.8, -0.3, -0.5}),
                     plastic("beckmann", 0.12, {0.1, 0.5, 0.9})));
-  scene.both(floor_at(-0.8) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-0.8) + ceiling_area_light() + kSky);
   return scene;
 }
 
@@ -79,7 +79,7 @@ SceneText plastics(std::string_view name, const std::string& integrator, bool no
   scene.both(placed("rectangle",
                     "<scale value=\"2\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"-0.8\"/>\n",
                     plugin("bsdf", "twosided", plastic("roughplastic", {0.4, 0.4, 0.4}, ""))));
-  scene.both(ceiling_lamp() + kSky);
+  scene.both(ceiling_area_light() + kSky);
   return scene;
 }
 
@@ -90,7 +90,7 @@ SceneText principled(std::string_view name, std::string_view type,
   std::string bsdf = rgb("base_color", {0.8, 0.35, 0.1});
   for (const auto& [parameter, value] : numbers) bsdf += real(parameter, value);
   scene.both(placed("sphere", "<scale value=\"0.8\"/>", plugin("bsdf", type, bsdf)) + floor_at(-1) + kSky +
-             ceiling_lamp());
+             ceiling_area_light());
   return scene;
 }
 
@@ -106,7 +106,7 @@ std::string board(std::string_view name) {
 std::string diffuse(glm::dvec3 colour) { return plugin("bsdf", "diffuse", rgb("reflectance", colour)); }
 std::string two_sided(const std::string& bsdf) { return plugin("bsdf", "twosided", bsdf); }
 
-/// Masks in a row, one of squares and one in a blend, before a lamp and the sky. Passed surfaces are bounces
+/// Masks in a row, one of squares and one in a blend, before a light and the sky. Passed surfaces are bounces
 /// to Mitsuba, so depth has no limit; its shadow rays do not pass, which is only noise.
 SceneText masks() {
   SceneText scene = begin("masks", path(-1));
@@ -116,7 +116,7 @@ SceneText masks() {
   const std::string one_sided = plugin("bsdf", "mask", real("opacity", 0.6) + diffuse({0.2, 0.5, 0.7}));
   const std::string blend =
       plugin("bsdf", "blendbsdf", real("weight", 0.3) + holes + plugin("bsdf", "null", ""));
-  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-1) + ceiling_area_light() + kSky);
   scene.both(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
   scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"0.9\"/>\n", one_sided));
   scene.both(placed("sphere", "<scale value=\"0.4\"/>\n", holes));
@@ -125,12 +125,12 @@ SceneText masks() {
   return scene;
 }
 
-/// A lamp of nothing, through which another is seen.
-SceneText null_lamps() {
-  SceneText scene = begin("null-lamps", path(-1));
+/// A light of nothing, through which another is seen.
+SceneText null_area_lights() {
+  SceneText scene = begin("null-area_lights", path(-1));
   const std::string nothing = plugin("bsdf", "null", "");
   // With a sky: rays that end on nothing are black in Mitsuba, whatever they passed.
-  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-1) + ceiling_area_light() + kSky);
   scene.both(placed("sphere", "<scale value=\"0.5\"/><translate y=\"-0.2\"/>\n", nothing + area(0.7)));
   scene.both(
       placed("rectangle", "<scale value=\"0.5\"/><translate x=\"0.6\" z=\"0.8\"/>\n", nothing + area(0.4)));
@@ -141,7 +141,7 @@ SceneText null_lamps() {
 SceneText blends() {
   SceneText scene = begin("blends", path(4));
   const std::string pair = diffuse({0.9, 0.2, 0.1}) + diffuse({0.1, 0.3, 0.9});
-  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-1) + ceiling_area_light() + kSky);
   const std::string ball = placed("sphere", "<scale value=\"0.5\"/><translate x=\"-0.7\"/>\n",
                                   plugin("bsdf", "blendbsdf", board("weight") + pair));
   scene.both(ball);
@@ -215,7 +215,7 @@ std::vector<SceneText> material_scenes() {
                                    plastics("plastics-direct", direct, false),
                                    polarizers(),
                                    masks(),
-                                   null_lamps(),
+                                   null_area_lights(),
                                    blends(),
                                    bent("normalmap"),
                                    bent("bumpmap")};

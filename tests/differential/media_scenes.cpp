@@ -30,7 +30,7 @@ std::string ball(glm::dvec3 center, double radius, const std::string& inside) {
   return placed("sphere", fmt::format("<scale value=\"{}\"/>", radius) + translate(center), inside);
 }
 
-/// A floor under a lamp, and media before all else.
+/// A floor under a light, and media before all else.
 SceneText room(std::string_view name, const std::string& integrator, const std::string& media,
                const std::string& camera_medium = "") {
   SceneText scene;
@@ -40,7 +40,7 @@ SceneText room(std::string_view name, const std::string& integrator, const std::
                     real("fov", 40) + look_at({0, 1, 5}, {0, 0, 0}) + camera_medium +
                         plugin("film", "hdrfilm",
                                integer("width", 24) + integer("height", 24) + plugin("rfilter", "box", ""))));
-  scene.both(floor_at(-1) + ceiling_lamp());
+  scene.both(floor_at(-1) + ceiling_area_light());
   return scene;
 }
 
@@ -69,8 +69,8 @@ SceneText nested() {
   return scene;
 }
 
-SceneText lamp_within() {
-  SceneText scene = room("medium-lamp-within", volpath("volpath", 12),
+SceneText area_light_within() {
+  SceneText scene = room("medium-area-light-within", volpath("volpath", 12),
                          medium("m", {0.5, 0.7, 1}, 2, {0.9, 0.9, 0.6}, hg(0.5)));
   scene.both(ball({0, 0, 0}, 0.9, kNull + reference("m", "interior")));
   scene.both(ball({0.1, 0.1, 0}, 0.2, kGrey + reference("m", "exterior") + area(6)));
@@ -165,7 +165,7 @@ std::vector<SceneText> media_scenes() {
           one_ball("medium-in-rough-glass", "volpath", grey, 2, {0.8, 0.9, 0.99}, hg(0.3),
                    plugin("bsdf", "roughdielectric", real("int_ior", 1.3) + real("alpha", 0.3))),
           nested(),
-          lamp_within(),
+          area_light_within(),
           from_within(),
           cloud(false, false),
           panes(false),

@@ -12,10 +12,10 @@
 namespace penumbra::differential {
 namespace {
 
-/// A lamp that says nothing of its BSDF reflects nothing.
-SceneText lamp_without_bsdf() {
-  SceneText scene = begin("lamp-without-bsdf", path(3));
-  scene.both(placed("sphere", "<scale value=\"0.8\"/>", area(0.3)) + floor_at(-1) + ceiling_lamp());
+/// A light that says nothing of its BSDF reflects nothing.
+SceneText area_light_without_bsdf() {
+  SceneText scene = begin("area-light-without-bsdf", path(3));
+  scene.both(placed("sphere", "<scale value=\"0.8\"/>", area(0.3)) + floor_at(-1) + ceiling_area_light());
   return scene;
 }
 
@@ -62,7 +62,7 @@ SceneText curves(std::string_view name, std::string_view type) {
                         to_world("<scale x=\"1.1\" y=\"0.9\"/><rotate z=\"1\" "
                                  "angle=\"8\"/>\n") +
                         kWhite));
-  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-1.2) + ceiling_area_light() + kSky);
   return scene;
 }
 
@@ -79,7 +79,7 @@ SceneText distances() {
   scene.both("<shape type=\"shapegroup\" id=\"grid\">" + shape + "</shape>\n" +
              placed("instance", "<translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"3\"/>\n",
                     "<ref id=\"grid\"/>"));
-  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
+  scene.both(floor_at(-1.2) + ceiling_area_light() + kSky);
   return scene;
 }
 
@@ -87,7 +87,7 @@ SceneText projected_beside_sky() {
   SceneText scene;
   scene.name = "projected-beside-sky";
   scene.each(path(3, text("emitter_sampling", "projected")), path(3));
-  scene.both(sensor({0, 1, 5}, {0, 0, 0}, 40) + floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(sensor({0, 1, 5}, {0, 0, 0}, 40) + floor_at(-1) + ceiling_area_light() + kSky);
   return scene;
 }
 
@@ -125,8 +125,8 @@ SceneText floor_through_centre(bool embree) {
   return scene;
 }
 
-/// Lamps that are looked through: to the wall behind, and to a lamp behind another.
-SceneText hidden_lamps(std::string_view name, const std::string& integrator) {
+/// Lights that are looked through: to the wall behind, and to a light behind another.
+SceneText hidden_area_lights(std::string_view name, const std::string& integrator) {
   SceneText scene = begin(name, integrator);
   scene.both(floor_at(-1) + placed("rectangle", "<scale value=\"3\"/><translate z=\"-2\"/>\n", kWhite));
   scene.both(placed("sphere", "<scale value=\"0.4\"/><translate x=\"-0.8\"/>\n", kGrey + area(2)));
@@ -137,24 +137,24 @@ SceneText hidden_lamps(std::string_view name, const std::string& integrator) {
   return scene;
 }
 
-/// A star in one face, as an object and as a lamp.
+/// A star in one face, as an object and as a light.
 SceneText concave_ply() {
   SceneText scene = begin("concave-ply", path(2), {0, 0, 5}, 30);
   Random random(3);
   scene.meshes.push_back({"star.ply", ply_text(star(5), false, random)});
   scene.meshes.push_back({"star-triangles.ply", ply_text(star(5), true, random)});
   const std::string inside = to_world("<translate x=\"-0.4\"/>") + kWhite;
-  const std::string lamp =
+  const std::string area_light =
       to_world("<scale value=\"0.7\"/><rotate y=\"1\" angle=\"160\"/><translate x=\"0.8\" z=\"1.5\"/>") +
       kWhite + area(5);
-  for (const std::string& with : {inside, lamp})
+  for (const std::string& with : {inside, area_light})
     scene.each(plugin("shape", "ply", text("filename", "star.ply") + with),
                plugin("shape", "ply", text("filename", "star-triangles.ply") + with));
   scene.both(kSky);
   return scene;
 }
 
-/// A mirror image of each shape, as lamp and as one-sided object, whose sides must not change places by
+/// A mirror image of each shape, as light and as one-sided object, whose sides must not change places by
 /// mistake.
 SceneText mirrored(std::string_view shape, bool flipped) {
   SceneText scene = begin(fmt::format("mirrored-{}{}", shape, flipped ? "-flipped" : ""), path(2));
@@ -197,7 +197,7 @@ SceneText view_angle(std::string_view axis, bool wide) {
   scene.both(path(2) + plugin("sensor", "perspective",
                               real("fov", 45) + text("fov_axis", axis) + look_at({0, 1, 5}, {0, 0, 0}) +
                                   plugin("film", "hdrfilm", film)));
-  scene.both(floor_at(-1) + ceiling_lamp() +
+  scene.both(floor_at(-1) + ceiling_area_light() +
              placed("cube", "<scale value=\"0.5\"/><rotate y=\"1\" angle=\"20\"/>", kGrey));
   return scene;
 }
@@ -212,7 +212,7 @@ SceneText clipping_planes() {
                         look_at({0, 1, 5}, {0, 0, 0}) +
                         plugin("film", "hdrfilm",
                                integer("width", 24) + integer("height", 24) + plugin("rfilter", "box", ""))));
-  scene.both(floor_at(-1, 4) + ceiling_lamp() + placed("sphere", "", kGrey) + kSky);
+  scene.both(floor_at(-1, 4) + ceiling_area_light() + placed("sphere", "", kGrey) + kSky);
   return scene;
 }
 
@@ -284,10 +284,12 @@ SceneText references() {
   scene.both(
       "<bsdf type=\"diffuse\" id=\"red\"><rgb name=\"reflectance\" value=\"0.7, 0.1, 0.1\"/></bsdf>\n<alias "
       "id=\"red\" as=\"rosy\"/>\n"
-      "<bsdf type=\"twosided\" id=\"both\"><ref id=\"red\"/></bsdf>\n<emitter type=\"area\" id=\"lamp\"><rgb "
+      "<bsdf type=\"twosided\" id=\"both\"><ref id=\"red\"/></bsdf>\n<emitter type=\"area\" "
+      "id=\"area_light\"><rgb "
       "name=\"radiance\" value=\"3\"/></emitter>\n");
   scene.both(placed("sphere", "<scale value=\"0.5\"/>", "<ref id=\"rosy\"/>") +
-             placed("disk", "<translate z=\"-1\"/>", "<ref id=\"both\"/>") + floor_at(-1) + ceiling_lamp());
+             placed("disk", "<translate z=\"-1\"/>", "<ref id=\"both\"/>") + floor_at(-1) +
+             ceiling_area_light());
   return scene;
 }
 
@@ -298,7 +300,7 @@ SceneText long_axis() {
   const std::string cube = "<scale value=\"0.6\"/><rotate value=\"{}\" angle=\"50\"/>\n";
   scene.each(placed("cube", fmt::format(fmt::runtime(cube), "4, 4, 4"), kGrey),
              placed("cube", fmt::format(fmt::runtime(cube), vector_text(glm::dvec3(part))), kGrey));
-  scene.both(floor_at(-1.2) + ceiling_lamp());
+  scene.both(floor_at(-1.2) + ceiling_area_light());
   return scene;
 }
 
@@ -306,26 +308,27 @@ SceneText long_axis() {
 
 std::vector<SceneText> named_scenes() {
   const std::string hide = boolean("hide_emitters", true);
-  std::vector<SceneText> scenes = {lamp_without_bsdf(),
-                                   smooth_rim(),
-                                   distances(),
-                                   curves("spline-curves", "bsplinecurve"),
-                                   curves("linear-curves", "linearcurve"),
-                                   smooth_rim_one_sided(),
-                                   projected_beside_sky(),
-                                   inside_sphere_light(),
-                                   inside_flipped_sphere_light(),
-                                   floor_through_centre(false),
-                                   floor_through_centre(true),
-                                   hidden_lamps("hidden-lamps-path", path(3, hide)),
-                                   hidden_lamps("hidden-lamps-direct", plugin("integrator", "direct", hide)),
-                                   concave_ply(),
-                                   clipping_planes(),
-                                   old_spelling(),
-                                   colours(),
-                                   box_light(),
-                                   long_axis(),
-                                   references()};
+  std::vector<SceneText> scenes = {
+      area_light_without_bsdf(),
+      smooth_rim(),
+      distances(),
+      curves("spline-curves", "bsplinecurve"),
+      curves("linear-curves", "linearcurve"),
+      smooth_rim_one_sided(),
+      projected_beside_sky(),
+      inside_sphere_light(),
+      inside_flipped_sphere_light(),
+      floor_through_centre(false),
+      floor_through_centre(true),
+      hidden_area_lights("hidden-area_lights-path", path(3, hide)),
+      hidden_area_lights("hidden-area_lights-direct", plugin("integrator", "direct", hide)),
+      concave_ply(),
+      clipping_planes(),
+      old_spelling(),
+      colours(),
+      box_light(),
+      long_axis(),
+      references()};
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
   for (const char* axis : {"x", "y", "diagonal", "smaller", "larger"})

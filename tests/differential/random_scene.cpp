@@ -34,7 +34,7 @@ class Generator {
     scene_.each(plan_.ours, plan_.mitsubas);
     choose_lights();
     const CameraLimits limits{
-        .unit = unit_, .far_clip = !plan_.hides, .wide_filter = lamps_ == 0 || plan_.hides};
+        .unit = unit_, .far_clip = !plan_.hides, .wide_filter = area_lights_ == 0 || plan_.hides};
     const std::string camera = random_camera(limits, random_);
     const char* sampler = random_.one_of({"independent", "stratified", "halton", "sobol", "ldsampler"});
     scene_.each(plugin("sensor", "perspective", camera + plugin("sampler", sampler, "")),
@@ -184,7 +184,7 @@ class Generator {
 
   void add_object(const Ball& place) {
     const double sqrt2 = std::sqrt(2.0), sqrt3 = std::sqrt(3.0);
-    // What Mitsuba sees of disks and spheres through hidden lamps is unlit.
+    // What Mitsuba sees of disks and spheres through hidden lights is unlit.
     const int kind = plan_.hides ? random_.one_of({0, 1, 4, 5, 6, 7}) : random_.below(8);
     // Flat and open shapes are seen from both sides.
     if (kind == 0)
@@ -253,14 +253,14 @@ class Generator {
   void choose_lights() {
     sky_ = plan_.sky && random_.chance(0.3);
     point_ = plan_.point_lights && random_.chance(0.3);
-    lamps_ = plan_.open ? 1 : random_.below(3);
-    if (!sky_ && !point_) lamps_ = std::max(lamps_, 1);
+    area_lights_ = plan_.open ? 1 : random_.below(3);
+    if (!sky_ && !point_) area_lights_ = std::max(area_lights_, 1);
   }
 
   void add_lights() {
-    for (int k = 0; k < lamps_; ++k) {
-      const double radius = random_.between(plan_.lamp_radius, plan_.lamp_radius + 0.25);
-      if (const auto place = free_place(radius)) add_lamp(*place);
+    for (int k = 0; k < area_lights_; ++k) {
+      const double radius = random_.between(plan_.area_light_radius, plan_.area_light_radius + 0.25);
+      if (const auto place = free_place(radius)) add_area_light(*place);
     }
     if (sky_) scene_.both(plugin("emitter", "constant", colour("radiance", 0.2, 0.8)));
     if (point_) add_point();
@@ -297,7 +297,7 @@ class Generator {
       scene_.both(plugin("emitter", "directional", rgb("irradiance", beams_.vector(0.1, 1)) + place));
   }
 
-  void add_lamp(const Ball& place) {
+  void add_area_light(const Ball& place) {
     const std::string radiance = colour("radiance", 1, 5);
     std::string sampling;
     if (random_.chance(0.3))
@@ -318,11 +318,11 @@ class Generator {
     const double reach = kind == 0 ? std::sqrt(2.0) : kind == 2 ? std::sqrt(3.0) : 1;
     const Freedom freedom = kind == 5 ? Freedom::kDisk : kind == 6 ? Freedom::kSphere : Freedom::kAny;
     const std::string steps = placement(place, reach, freedom, !two_sided && !closed);
-    if (kind == 3) return add_lamp_mesh(tetrahedron(), steps, ours, theirs);
+    if (kind == 3) return add_area_light_mesh(tetrahedron(), steps, ours, theirs);
     if (kind == 1 || kind == 4) {
       const Polyhedron flat =
           kind == 1 || plan_.open ? plate(3 + random_.below(5)) : star(3 + random_.below(3));
-      if (!two_sided) return add_lamp_mesh(flat, steps, ours, theirs);
+      if (!two_sided) return add_area_light_mesh(flat, steps, ours, theirs);
       const std::string name = fmt::format("mesh-{}.obj", scene_.meshes.size());
       scene_.meshes.push_back({name, obj_text(flat, true)});
       return add_two_sided("obj", text("filename", name) + boolean("face_normals", true), steps, ours,
@@ -334,8 +334,8 @@ class Generator {
                 plugin("shape", kTypes[kind], to_world(steps) + theirs));
   }
 
-  void add_lamp_mesh(const Polyhedron& mesh, const std::string& steps, const std::string& ours,
-                     const std::string& theirs) {
+  void add_area_light_mesh(const Polyhedron& mesh, const std::string& steps, const std::string& ours,
+                           const std::string& theirs) {
     // No vertex normals: Mitsuba takes the cosine at a light from them, so that its samples of lights and of
     // BSDFs mean different lights.
     const std::string name = fmt::format("mesh-{}.ply", scene_.meshes.size());
@@ -361,7 +361,7 @@ class Generator {
   double unit_;  ///< of length
   IntegratorPlan plan_;
   bool sky_ = false, point_ = false;
-  int lamps_ = 0;
+  int area_lights_ = 0;
   SceneText scene_;
   std::vector<Ball> taken_;
 };

@@ -65,7 +65,7 @@ class Integrators {
     const std::string theirs = integer("emitter_samples", std::min(emitter_samples, 1)) +
                                integer("bsdf_samples", std::min(bsdf_samples, 1));
     plan_.mitsubas = plugin("integrator", "direct", theirs + hidden);
-    if (emitter_samples == 0) plan_.lamp_radius = 0.4, plan_.samples = 2;
+    if (emitter_samples == 0) plan_.area_light_radius = 0.4, plan_.samples = 2;
   }
 
   /// Direct light of polygon lights.
@@ -89,14 +89,13 @@ class Integrators {
       case 4:
         // Point lights are found by samples of emitters alone, which Mitsuba's path always takes.
         plan_.point_lights = false;
-        plan_.lamp_radius = 0.4;
+        plan_.area_light_radius = 0.4;
         plan_.samples = 4;
         if (random_.chance(0.5)) return path("path_mats", "");
         return path("path", text("direct_sampling", "mats"));
       case 5:
         return path("path_ems", emitter_sampling() + light_choice(true));
       case 6: {
-        // The ratio estimator is biased for few samples.
         const std::string alpha =
             random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
         return path("path", text("nee", "cv") + alpha + emitter_sampling() + light_choice(false));

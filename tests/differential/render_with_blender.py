@@ -64,7 +64,7 @@ if not plane:
     bpy.ops.object.shade_smooth()
     give(material("sphere", (0.9, 0.8, 0.3), rough))
     bpy.ops.mesh.primitive_plane_add(size=1.5, location=(-1, 0, 2.5), rotation=(math.pi, 0.3, 0))
-    give(material("lamp", (1, 0.8, 0.6), rough, 5.0))
+    give(material("area_light", (1, 0.8, 0.6), rough, 5.0))
 bpy.ops.object.light_add(type="POINT", location=(2, -2, 3))
 bpy.context.object.data.energy = 200
 bpy.context.object.data.shadow_soft_size = 0

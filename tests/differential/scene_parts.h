@@ -43,8 +43,8 @@ inline std::string floor_at(double y, double size = 2) {
       kWhite);
 }
 
-/// A lamp under the ceiling that looks down.
-inline std::string ceiling_lamp(const std::string& settings = "") {
+/// A light under the ceiling that looks down.
+inline std::string ceiling_area_light(const std::string& settings = "") {
   return placed("rectangle", "<scale value=\"0.6\"/><rotate x=\"1\" angle=\"90\"/><translate y=\"1.2\"/>\n",
                 kGrey + area(4, settings));
 }

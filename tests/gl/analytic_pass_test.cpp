@@ -51,8 +51,8 @@ Offline offline_image(const DeviceScene& scene) {
   for (int y = 0; y < film.height(); ++y)
     for (int x = 0; x < film.width(); ++x)
       for (int c = 0; c < 3; ++c) {
-        made.closed_form.at(x, y, c) = film.layer(x, y, kAnalyticR + c);
-        made.emission.at(x, y, c) = film.at(x, y).mean[c] - film.layer(x, y, kAnalyticR + c);
+        made.closed_form.at(x, y, c) = film.layer(x, y, LAYER_ANALYTIC, c);
+        made.emission.at(x, y, c) = film.at(x, y).mean[c] - film.layer(x, y, LAYER_ANALYTIC, c);
       }
   return made;
 }

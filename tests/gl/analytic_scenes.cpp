@@ -45,8 +45,8 @@ SceneDescription round_things() {
       add(quadrilateral({-0.7, 2.6, -0.6}, {0.9, 2.9, -0.5}, {0.8, 2.8, 0.6}, {-0.8, 2.5, 0.5}), 0, 0);
   light.radiance = glm::vec3(5, 4, 3);
   light.two_sided_emission = true;
-  Shape& lamp = add(Disk{{-2.5, 1, 1}, glm::normalize(glm::dvec3(1, 0, 0.2)), 0.4}, 0, 0);
-  lamp.radiance = glm::vec3(2, 1, 1);
+  Shape& area_light = add(Disk{{-2.5, 1, 1}, glm::normalize(glm::dvec3(1, 0, 0.2)), 0.4}, 0, 0);
+  area_light.radiance = glm::vec3(2, 1, 1);
   scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.1f, 0.2f, 0.3f)});
   scene.camera.to_world = look_at({0.4, 2.2, 6}, {0.1, 1, 0}, {0, 1, 0});
   scene.camera.fov = 55;

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "kernels/features.h"
-#define FEATURES FEATURE_ALL
 #include "kernels/camera/camera.h"
+#include "kernels/features.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"
 

@@ -1,7 +1,6 @@
 // The portable kernels as the tests compile them: with every feature, on LANES lanes.
 #pragma once
 
-#define FEATURES FEATURE_ALL
 #include "kernels/block/block_compact.h"
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_surface.h"
@@ -15,7 +14,6 @@
 #include "kernels/intersect/triangle.h"
 #include "kernels/light/light.h"
 #include "kernels/light/light_tree.h"
-#include "kernels/light/lit_cells.h"
 #include "kernels/light/mis.h"
 #include "kernels/light/projected_light.h"
 #include "kernels/light/spherical_triangle.h"

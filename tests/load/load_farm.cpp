@@ -12,8 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "kernels/host/peak_memory.h"
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scheduler/farm/render_farm.h"
 #include "scheduler/farm/render_job_check.h"
 #include "tests/load/load_board.h"
@@ -121,9 +120,11 @@ void for_each_unit(const RenderJob& job, Do act) {
       for (int x = 0; x < job.width; x += job.tile) act(RenderUnit{x, y, job.tile, job.tile, pass, 1});
 }
 
-std::uint64_t expected_hash(const RenderJob& job, int planes) {
-  FilmAccumulator film(0, 0, job.width, job.height, planes);
-  for_each_unit(job, [&](const RenderUnit& unit) { film.add(unit.x, unit.y, load_samples(unit, planes)); });
+std::uint64_t expected_hash(const RenderJob& job) {
+  const FilmLayers layers(job.scene.header.features);
+  FilmAccumulator film(0, 0, job.width, job.height, layers);
+  for_each_unit(
+      job, [&](const RenderUnit& unit) { film.add(unit.x, unit.y, load_samples(unit, layers.planes())); });
   return film.hash();
 }
 
@@ -157,7 +158,7 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   if (!outcome.complete || outcome.units_done != units)
     return fail(fmt::format("{} of {} units were done{}", outcome.units_done, units,
                             outcome.problems.empty() ? "" : ": " + outcome.problems.back()));
-  if (outcome.film.hash() != expected_hash(*job, board.planes)) return fail("the film has other pixels");
+  if (outcome.film.hash() != expected_hash(*job)) return fail("the film has other pixels");
   if (settings.deaths == 0 && !outcome.problems.empty())
     return fail("there was a problem: " + outcome.problems.front());
 

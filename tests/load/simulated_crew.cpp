@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "tests/load/simulated_worker.h"
 
 namespace penumbra {

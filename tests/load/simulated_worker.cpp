@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "tests/load/load_samples.h"
 
 namespace penumbra {

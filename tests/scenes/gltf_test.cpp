@@ -144,7 +144,7 @@ TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
 {"attributes": {"POSITION": 0}, "material": 2}, {"attributes": {"POSITION": 0}, "material": 3})",
       R"(, "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_ior",
 "KHR_materials_volume", "KHR_materials_unlit"],
-"materials": [{"name": "lamp", "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 1], "roughnessFactor": 0.4,
+"materials": [{"name": "area_light", "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 1], "roughnessFactor": 0.4,
 "metallicFactor": 0.6}, "emissiveFactor": [1, 0.5, 0.25], "doubleSided": true,
 "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}},
 {"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {"KHR_materials_transmission":
@@ -157,11 +157,11 @@ TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
   const auto bsdf = [&](std::size_t shape) -> const BsdfModel& {
     return scene.bsdfs.at(std::size_t(scene.shapes[shape].front_bsdf)).model;
   };
-  const auto& lamp = std::get<PrincipledBsdf>(bsdf(0));
-  EXPECT_EQ(lamp.base_color.value, glm::vec3(0.1f, 0.2f, 0.3f));
-  EXPECT_EQ(lamp.roughness.value, 0.4f);
-  EXPECT_EQ(lamp.metallic.value, 0.6f);
-  EXPECT_NEAR(lamp.eta, 1.5f, 1e-6f);
+  const auto& area_light = std::get<PrincipledBsdf>(bsdf(0));
+  EXPECT_EQ(area_light.base_color.value, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(area_light.roughness.value, 0.4f);
+  EXPECT_EQ(area_light.metallic.value, 0.6f);
+  EXPECT_NEAR(area_light.eta, 1.5f, 1e-6f);
   EXPECT_EQ(scene.shapes[0].radiance, glm::vec3(8, 4, 2));
   EXPECT_TRUE(scene.shapes[0].two_sided_emission);
   const auto& pane = std::get<PrincipledThinBsdf>(bsdf(1));
@@ -273,7 +273,7 @@ TEST_F(GltfTextures, NormalsAreLinearAndTheirScaleFlattensThem) {
               glm::normalize(glm::dvec3(0.5 * stored.x, 0.5 * stored.y, stored.z)), 1e-6);
 }
 
-TEST_F(GltfTextures, ALampShowsItsTexture) {
+TEST_F(GltfTextures, AnAreaLightShowsItsTexture) {
   const SceneDescription scene =
       with_material(R"({"emissiveFactor": [1, 1, 0.5], "emissiveTexture": {"index": 0}})");
   EXPECT_EQ(scene.shapes.at(0).radiance.value(), glm::vec3(1, 1, 0.5f));

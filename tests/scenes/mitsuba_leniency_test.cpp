@@ -5,7 +5,7 @@
 namespace penumbra {
 namespace {
 
-TEST_F(MitsubaPlugins, LenientStandIns) {
+TEST_F(MitsubaPlugins, LenientPlaceholders) {
   const std::string text =
       in("integrator", "vcm", "<integer name='max_depth' value='4'/>") +
       in("sensor", "spherical",

@@ -17,7 +17,7 @@ TEST_F(MitsubaPlugins, DiffuseIsOneSidedAndTheDefault) {
   for (const Shape& shape : s.shapes) EXPECT_EQ(shape.back_bsdf, kBlackBsdf);
 }
 
-TEST_F(MitsubaPlugins, ALampWithoutABsdfIsBlack) {
+TEST_F(MitsubaPlugins, AnAreaLightWithoutABsdfIsBlack) {
   for (const std::string version : {"0.5.0", "0.6.0", "2.0.0", "3.0.0"}) {
     const std::string content =
         in("shape", "cube", in("emitter", "area")) + in("shape", "cube") +
@@ -27,9 +27,9 @@ TEST_F(MitsubaPlugins, ALampWithoutABsdfIsBlack) {
         read("<scene version='" + version + "'>" + content + "<sensor type='perspective'/></scene>");
     ASSERT_TRUE(s) << s.error().message;
     ASSERT_THAT(s->shapes, SizeIs(4));
-    for (const std::size_t lamp : {0u, 2u}) {
-      EXPECT_EQ(s->shapes[lamp].front_bsdf, kBlackBsdf);
-      EXPECT_EQ(s->shapes[lamp].back_bsdf, kBlackBsdf);
+    for (const std::size_t area_light : {0u, 2u}) {
+      EXPECT_EQ(s->shapes[area_light].front_bsdf, kBlackBsdf);
+      EXPECT_EQ(s->shapes[area_light].back_bsdf, kBlackBsdf);
     }
     EXPECT_NE(s->shapes[1].front_bsdf, kBlackBsdf);
     EXPECT_NE(s->shapes[3].front_bsdf, kBlackBsdf);

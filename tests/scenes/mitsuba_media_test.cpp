@@ -309,7 +309,7 @@ TEST_F(MitsubaMedia, TablesThatAreWrongAreRefused) {
               HasSubstr("implausible lobes"));
   EXPECT_THAT(refused([&](DeviceScene& d) { d.header.tables.phase_lobes.count--; }),
               HasSubstr("lobes that are not there"));
-  EXPECT_THAT(refused([&](DeviceScene& d) { d.header.features &= ~std::uint32_t(FEATURE_MEDIA); }),
+  EXPECT_THAT(refused([&](DeviceScene& d) { d.header.features &= ~std::uint64_t(FEATURE_MEDIA); }),
               HasSubstr("media without their feature bit"));
 }
 

@@ -80,22 +80,18 @@ TEST_F(MitsubaPolygonLights, EveryParameterArrives) {
 
   const IntegratorSettings cv = integrator(
       "polygon_cv", parameter("float", "alpha", "0.75") + parameter("integer", "vis_samples", "9") +
-                        parameter("string", "estimator", "ratio") +
                         parameter("string", "emitter_sampling", "solid_angle") +
                         parameter("string", "light_choice", "power"));
   EXPECT_EQ(kind_of(cv), kPolygonCv);
   EXPECT_EQ(param::alpha(cv), 0.75f);
   EXPECT_EQ(param::vis_samples(cv), 9);
-  EXPECT_EQ(param::estimator(cv), CvEstimator::kRatio);
   EXPECT_EQ(param::emitter_sampling(cv), EmitterSampling::kSolidAngle);
   EXPECT_EQ(param::light_choice(cv), LightChoice::kPower);
-  EXPECT_EQ(param::estimator(integrator("polygon_cv", parameter("string", "estimator", "cv"))),
-            CvEstimator::kCv);
 
   for (const char* type : {"path", "path_ems", "path_mis"}) {
-    const IntegratorSettings path = integrator(
-        type, parameter("string", "nee", "cv") + parameter("float", "alpha", "-0.5") +
-                  parameter("string", "estimator", "cv") + parameter("string", "light_choice", "auto"));
+    const IntegratorSettings path =
+        integrator(type, parameter("string", "nee", "cv") + parameter("float", "alpha", "-0.5") +
+                             parameter("string", "light_choice", "auto"));
     EXPECT_EQ(kind_of(path), kPath);
     EXPECT_EQ(param::next_event(path), NextEvent::kCv) << type;
     EXPECT_EQ(param::alpha(path), -0.5f);
@@ -152,8 +148,6 @@ TEST_F(MitsubaPolygonLights, WrongValuesSayWhereAndWhatWouldBeRight) {
       {"polygon_cv", "integer", "vis_samples", "0", "vis_samples: '0' is not in the range from 1 to 65536"},
       {"polygon_cv", "integer", "vis_samples", "65537", "from 1 to 65536"},
       {"polygon_cv", "float", "vis_samples", "2", "must be a <integer>, not a <float>"},
-      {"polygon_cv", "string", "estimator", "ratoi",
-       "estimator: 'ratoi' is not one of: cv, ratio; did you mean 'ratio'?"},
       {"polygon_cv", "string", "light_choice", "analytical",
        "light_choice: 'analytical' is not one of: auto, power, analytic, tree; did you mean 'analytic'?"},
       {"polygon_cv", "string", "emitter_sampling", "cosine",
@@ -170,8 +164,8 @@ TEST_F(MitsubaPolygonLights, WrongValuesSayWhereAndWhatWouldBeRight) {
     EXPECT_THAT(message, AllOf(StartsWith("scene.xml:"), HasSubstr("error: "), HasSubstr(tested.message)));
   }
   // The place is that of the value.
-  EXPECT_THAT(wrong("polygon_cv", "\n  " + parameter("string", "estimator", "x")),
-              StartsWith("scene.xml:4:35: error: estimator: 'x' is not one of"));
+  EXPECT_THAT(wrong("polygon_cv", "\n  " + parameter("string", "light_choice", "x")),
+              StartsWith("scene.xml:4:38: error: light_choice: 'x' is not one of"));
 }
 
 TEST_F(MitsubaPolygonLights, ParametersOfOthersAreErrors) {

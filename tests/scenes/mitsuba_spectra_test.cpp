@@ -19,13 +19,13 @@ class MitsubaSpectra : public SceneText {
   static std::string diffuse(const std::string& inside) {
     return sphere("<bsdf type='diffuse'>" + inside + "</bsdf>");
   }
-  static std::string lamp(const std::string& inside) {
+  static std::string area_light(const std::string& inside) {
     return sphere("<emitter type='area'>" + inside + "</emitter>");
   }
   glm::vec3 reflectance(const std::string& inside) {
     return std::get<DiffuseBsdf>(good(diffuse(inside)).bsdfs.at(0).model).reflectance.value;
   }
-  glm::vec3 radiance(const std::string& inside) { return *good(lamp(inside)).shapes.at(0).radiance; }
+  glm::vec3 radiance(const std::string& inside) { return *good(area_light(inside)).shapes.at(0).radiance; }
   void expect_near(glm::vec3 found, glm::vec3 wanted, float relative) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(found[i], wanted[i], relative * wanted[i]) << "channel " << i;
   }
@@ -119,7 +119,7 @@ TEST_F(MitsubaSpectra, BlackBodies) {
       sun);
   EXPECT_EQ(radiance("<blackbody name='radiance' temperature='5000' scale='0.5'/>"), 0.5f * sun);
   const auto message = [&](const std::string& attributes) {
-    return error(scene(lamp("<blackbody name='radiance' " + attributes + "/>")));
+    return error(scene(area_light("<blackbody name='radiance' " + attributes + "/>")));
   };
   EXPECT_THAT(message("temperature='hot'"),
               AllOf(HasSubstr("scene.xml:2:"), HasSubstr("'hot' is not a temperature")));

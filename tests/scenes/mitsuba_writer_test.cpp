@@ -49,7 +49,7 @@ class MitsubaWriter : public SceneText {
     EXPECT_EQ(std::size_t(differ), before.words.size());
   }
 
-  /// A scene of one ball of that BSDF, and a lamp.
+  /// A scene of one ball of that BSDF, and a light.
   void expect_same_bsdf(const std::string& bsdf) {
     SCOPED_TRACE(bsdf);
     expect_same(good("<shape type='sphere'><point name='center' x='1' y='2' z='3'/>" + bsdf +
@@ -163,14 +163,14 @@ TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
   const std::string light = "<emitter type='area'><rgb name='radiance' value='1, 2, 3'/></emitter>";
   const std::string small = "<transform name='to_world'><scale value='0.25'/></transform>";
   // Within the others of its group, which so stay where they are.
-  const SceneDescription scene =
-      good("<shape type='shapegroup' id='lamp'><shape type='cube'>" + diffuse("0.7, 0.2, 0.1") +
-           "</shape><shape type='rectangle'>" + small + light + diffuse("0.2, 0.2, 0.2") +
-           "</shape><shape type='disk'>" + small + light +
-           "</shape></shape><shape type='shapegroup' id='bulb'><shape type='sphere'>" + small + light +
-           "</shape></shape><shape type='shapegroup' id='street'>" + instance("lamp", "<translate x='2'/>") +
-           instance("bulb", "<translate z='-2'/>") + "</shape>" + instance("street", "<translate y='4'/>") +
-           instance("lamp", "<scale x='-2' y='2' z='2'/>"));
+  const SceneDescription scene = good(
+      "<shape type='shapegroup' id='area_light'><shape type='cube'>" + diffuse("0.7, 0.2, 0.1") +
+      "</shape><shape type='rectangle'>" + small + light + diffuse("0.2, 0.2, 0.2") +
+      "</shape><shape type='disk'>" + small + light +
+      "</shape></shape><shape type='shapegroup' id='bulb'><shape type='sphere'>" + small + light +
+      "</shape></shape><shape type='shapegroup' id='street'>" + instance("area_light", "<translate x='2'/>") +
+      instance("bulb", "<translate z='-2'/>") + "</shape>" + instance("street", "<translate y='4'/>") +
+      instance("area_light", "<scale x='-2' y='2' z='2'/>"));
   expect_same(scene);
   const SceneDescription written = again(scene);
   EXPECT_EQ(written.shapes.size(), 5u);

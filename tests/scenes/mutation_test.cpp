@@ -318,15 +318,15 @@ TEST_P(MutatedTinyRender, AreReadOrRefused) {
   write_text(
       folder / "m.obj",
       "mtllib m.mtl\no star\nv -3 .69 0\nv -3 .04 -.88\nv -3 1.08 -.53\nv -3 1.71 -1.43\nv -3 1.7 -.33\n"
-      "v -3 2.75 0\nv -3 1.7 .33\nv -3 1.71 1.43\nv -3 1.08 .53\nv -3 .04 .88\nvn 1 0 0\nusemtl lamp\n"
+      "v -3 2.75 0\nv -3 1.7 .33\nv -3 1.71 1.43\nv -3 1.08 .53\nv -3 .04 .88\nvn 1 0 0\nusemtl area_light\n"
       "s off\nf 1//1 2//1 3//1 4//1 5//1 6//1 7//1 8//1 9//1 10//1\no floor\nv -4 0 4\nv 4 0 4\nv 4 0 -4\n"
       "v -4 0 -4\nv -1 0 1\nv 1 0 1\nv 1 .2 -1\nv -1 0 -1\nvn 0 1 0\nvn .1 1 0\nusemtl white\n"
       "f 11//2 12//2 13//2 14//2 11//2 15//2 18//2 17//2 16//2 15//2\nusemtl shiny\nf 15//2 16//3 17//2 18\n"
       "f -1//2 -2//3 -3//-1\n");
-  write_text(
-      folder / "m.mtl",
-      "# three\nnewmtl lamp\nKe 12 8.5 4\n\nnewmtl white\nKd 0.5 0.5 0.5\nillum 7\nnewmtl shiny\nNs 100.0\n"
-      "Kd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nKa 0 0 0\nNi 1.0\nd 1.0\nmap_Kd wood.png\nillum 2\n");
+  write_text(folder / "m.mtl",
+             "# three\nnewmtl area_light\nKe 12 8.5 4\n\nnewmtl white\nKd 0.5 0.5 0.5\nillum 7\nnewmtl "
+             "shiny\nNs 100.0\n"
+             "Kd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nKa 0 0 0\nNi 1.0\nd 1.0\nmap_Kd wood.png\nillum 2\n");
   expect_survival(folder.path(), "scene.toml", mutated, seed);
 }
 

@@ -188,7 +188,7 @@ TEST_F(NoriForks, LightsByTheirManyNames) {
   EXPECT_EQ(only<PointLight>(scene).intensity, glm::vec3(12, 3, 3));
 }
 
-TEST_F(NoriForks, EnvironmentsAndTexturedLamps) {
+TEST_F(NoriForks, EnvironmentsAndTexturedAreaLights) {
   const SceneDescription map =
       good_nori(mesh("") +
                 "<emitter type='environment'><string name='path2map' value='image.pfm'/><float "
@@ -211,12 +211,12 @@ TEST_F(NoriForks, EnvironmentsAndTexturedLamps) {
                 "name='filename' value='image.pfm'/></emitter></mesh>");
   EXPECT_EQ(ball.shapes.size(), 1u);
   only<EnvironmentMapLight>(ball);
-  const SceneDescription lamp = good_nori(
+  const SceneDescription area_light = good_nori(
       mesh("<emitter type='area'><texture type='image_texture' name='albedo'><string name='filename' "
            "value='image.pfm'/></texture></emitter>"));
-  ASSERT_EQ(lamp.shapes.size(), 1u);
-  EXPECT_TRUE(lamp.shapes[0].radiance.has_value());
-  EXPECT_GE(lamp.shapes[0].radiance_texture, 0);
+  ASSERT_EQ(area_light.shapes.size(), 1u);
+  EXPECT_TRUE(area_light.shapes[0].radiance.has_value());
+  EXPECT_GE(area_light.shapes[0].radiance_texture, 0);
 }
 
 TEST_F(NoriForks, Lenses) {

@@ -98,12 +98,7 @@ TEST(Settings, PolygonLights) {
     set("integrator.alpha", text);
     EXPECT_EQ(param::alpha(settings), alpha) << text;
   }
-  set("integrator.estimator", "ratio");
-  EXPECT_EQ(param::estimator(settings), CvEstimator::kRatio);
-  set("integrator.estimator", "cv");
-  EXPECT_EQ(param::estimator(settings), CvEstimator::kCv);
   set("integrator.type", "path");
-  EXPECT_EQ(param::estimator(settings), CvEstimator::kCv) << "both have it";
   set("integrator.nee", "cv");
   EXPECT_EQ(param::next_event(settings), NextEvent::kCv);
   set("integrator.nee", "sample");
@@ -127,7 +122,6 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
               AllOf(HasSubstr("setting integrator.alpha: "), HasSubstr("nor is it 'auto'")));
   EXPECT_THAT(error("integrator.alpha", "nan"), HasSubstr("nor is it 'auto'"));
   EXPECT_THAT(error("integrator.alpha", "-1000001"), HasSubstr("not between -1000000 and 1000000"));
-  EXPECT_THAT(error("integrator.estimator", "auto"), HasSubstr("'auto' is not one of: cv, ratio"));
   EXPECT_THAT(error("integrator.light_choice", "all"),
               HasSubstr("'all' is not one of: auto, power, analytic, tree"));
   EXPECT_THAT(error("integrator.nee", "none"), HasSubstr("'none' is not one of: sample, cv"));

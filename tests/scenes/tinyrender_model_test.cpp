@@ -49,12 +49,12 @@ TEST_F(TinyRenderModel, ShapesAreObjectsAndTheirMaterials) {
   const SceneDescription scene = model(
       "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\no box\nusemtl white\nf 1 2 3\nusemtl shiny\nf 1 2 "
       "4\n"
-      "usemtl white\nf 2 3 4\no other\nf 1 3 4\ng third thing # of them\nusemtl lamp\nf 1 2 3\n");
+      "usemtl white\nf 2 3 4\no other\nf 1 3 4\ng third thing # of them\nusemtl area_light\nf 1 2 3\n");
   ASSERT_THAT(scene.shapes, SizeIs(4));
   EXPECT_EQ(scene.shapes[0].name, "box (white)");
   EXPECT_EQ(scene.shapes[1].name, "box (shiny)");
   EXPECT_EQ(scene.shapes[2].name, "other (white)");
-  EXPECT_EQ(scene.shapes[3].name, "third thing (lamp)");
+  EXPECT_EQ(scene.shapes[3].name, "third thing (area_light)");
   EXPECT_THAT(mesh(scene, 0).triangles, SizeIs(2));
   EXPECT_THAT(mesh(scene, 0).positions, SizeIs(4));
   EXPECT_THAT(mesh(scene, 1).positions, SizeIs(3)) << "only its own";
@@ -215,7 +215,7 @@ TEST_F(TinyRenderModel, MissingMaterials) {
   const std::string undefined = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl whit\nf 1 2 3\n";
   EXPECT_EQ(model_error(undefined),
             "m.obj:5:8: error: the material 'whit' is not defined; did you mean 'white'? The "
-            "MTL files define: lamp, shiny, white\n  usemtl whit\n         ^");
+            "MTL files define: area_light, shiny, white\n  usemtl whit\n         ^");
   EXPECT_THAT(model_error("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
               HasSubstr("m.obj:4:1: error: this face has no material: there is no usemtl before it"));
   const std::string no_file = "mtllib n.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl white\nf 1 2 3\n";
@@ -252,7 +252,7 @@ TEST_F(TinyRenderModel, FileNames) {
 }
 
 TEST_F(TinyRenderModel, BadObjStatementsAndIndices) {
-  EXPECT_THAT(model_error("mtllib m.mtl\nv 0 0 0\nusemtl lamp\nf 1 2 3\n"),
+  EXPECT_THAT(model_error("mtllib m.mtl\nv 0 0 0\nusemtl area_light\nf 1 2 3\n"),
               AllOf(HasSubstr("m.obj:4:5: error: vertex index 2 is out of range"),
                     HasSubstr("(which is named at "), HasSubstr("scene.toml:2:11)")));
   EXPECT_THAT(model_error("v 0 0 inf\n"), HasSubstr("m.obj:1:7: error: 'inf' is not a finite number"));
@@ -264,7 +264,7 @@ TEST_F(TinyRenderModel, VertexNormals) {
   // Written with four decimals, which are not the face's exactly; the light of grid.obj.
   const std::string light =
       "mtllib m.mtl\nv -2.657980 2.939692 1.0\nv -3.342020 1.060307 1.0\n"
-      "v -2.657980 2.939692 -1.0\nvn 0.9397 -0.3420 0.0000\nusemtl lamp\n";
+      "v -2.657980 2.939692 -1.0\nvn 0.9397 -0.3420 0.0000\nusemtl area_light\n";
   const SceneDescription faceted = model(light + "f 2//1 3//1 1//1\n");
   EXPECT_THAT(mesh(faceted).normals, IsEmpty());
   EXPECT_GT(face_normal(mesh(faceted)).x, 0.9);
@@ -292,7 +292,7 @@ TEST_F(TinyRenderModel, VertexNormals) {
 TEST_F(TinyRenderModel, ConcaveFacesAreCutInside) {
   // An arrow: a fan about its first corner would cover the notch.
   const SceneDescription scene =
-      model("mtllib m.mtl\nv 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\nusemtl lamp\nf 1 2 3 4\n");
+      model("mtllib m.mtl\nv 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\nusemtl area_light\nf 1 2 3 4\n");
   const Mesh& arrow = mesh(scene);
   ASSERT_THAT(arrow.triangles, SizeIs(2));
   double area = 0.0;
@@ -337,18 +337,19 @@ TEST_F(TinyRenderModel, OddFacesOfSurfacesAreRepairedAndCounted) {
 TEST_F(TinyRenderModel, OddFacesOfLights) {
   const std::string head =
       "mtllib m.mtl\nv 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nv 1 0 .2\nv 3 3 3\nv 6 6 6\n"
-      "o sign\nusemtl lamp\n";
+      "o sign\nusemtl area_light\n";
   for (const bool lenient : {false, true}) {
     EXPECT_THAT(
         model_error(head + "f 1 2 3\nf 1 2 3 4\n", kMaterials, {.lenient = lenient}),
-        HasSubstr("m.obj:12:1: error: 'sign (lamp)': this face of a light crosses itself or folds back on "
-                  "itself, so that its light is not defined\n  f 1 2 3 4\n  ^"));
+        HasSubstr(
+            "m.obj:12:1: error: 'sign (area_light)': this face of a light crosses itself or folds back on "
+            "itself, so that its light is not defined\n  f 1 2 3 4\n  ^"));
   }
-  EXPECT_THAT(warnings(model(head + "f 1 5 2 4\n")), HasSubstr("'sign (lamp)': 1 face is not flat"));
+  EXPECT_THAT(warnings(model(head + "f 1 5 2 4\n")), HasSubstr("'sign (area_light)': 1 face is not flat"));
   const SceneDescription gone = model(head + "f 1 6 7\n");
   EXPECT_THAT(gone.shapes, IsEmpty());
   EXPECT_THAT(warnings(gone),
-              HasSubstr("'sign (lamp)' has no triangles; it is left out, and its light with it"));
+              HasSubstr("'sign (area_light)' has no triangles; it is left out, and its light with it"));
 }
 
 }  // namespace

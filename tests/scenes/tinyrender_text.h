@@ -11,12 +11,12 @@ namespace penumbra {
 class TinyRenderText : public SceneText {
  protected:
   static constexpr const char* kMaterials =
-      "newmtl white\nKd .5 .6 .7\nnewmtl lamp\nKe 3 2 1\n"
+      "newmtl white\nKd .5 .6 .7\nnewmtl area_light\nKe 3 2 1\n"
       "newmtl shiny\nKd .1 .2 .3\nKs .4 .5 .6\nNs 100\n";
-  /// A floor that looks up and a lamp that shines down.
+  /// A floor that looks up and a light that shines down.
   static constexpr const char* kModel =
       "mtllib m.mtl\no floor\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nusemtl white\nf 1 2 3 4\n"
-      "o lamp\nv 0 1 0\nv 1 1 0\nv 0 1 1\nusemtl lamp\nf 5 6 7\n";
+      "o area_light\nv 0 1 0\nv 1 1 0\nv 0 1 1\nusemtl area_light\nf 5 6 7\n";
 
   static std::string scene_with(std::string_view renderer,
                                 std::string_view camera = "eye = [0, 1, 5]\nat = [0, 1, 0]\nfov = 40") {

@@ -55,7 +55,7 @@ class FakeDevice final : public Device {
       : scene_(scene),
         behaviour_(std::move(behaviour)),
         shift_(scene.header.camera.origin.x),
-        planes_(plane_count(scene.header.features)),
+        layers_(scene.header.features),
         hangs_(claim(behaviour_.hang_claim)),
         lies_(claim(behaviour_.lie_claim)),
         damages_(claim(behaviour_.damage_claim)),
@@ -75,7 +75,7 @@ class FakeDevice final : public Device {
       return fail("the fake device was told to fail");
     ++units_;
     while (hangs_ && units_ == 2) pause();
-    SampleBuffer buffer = fake_samples(unit, planes_, shift_);
+    SampleBuffer buffer = fake_samples(unit, layers_, shift_);
     if (lies_) buffer.values[unit.sample_count % buffer.values.size()] += 0.25f;
     if (spoils_) buffer.values[buffer.values.size() / 2] = std::numeric_limits<float>::quiet_NaN();
     if (damages_) buffer.values.pop_back();
@@ -91,7 +91,7 @@ class FakeDevice final : public Device {
   const DeviceScene& scene_;
   FakeBehaviour behaviour_;
   float shift_;
-  int planes_;
+  FilmLayers layers_;
   bool hangs_, lies_, damages_, spoils_;
   int units_ = 0;
 };

@@ -62,7 +62,7 @@ FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& test
   const int width = scene.header.film.width, height = scene.header.film.height;
   const std::uint32_t spp = scene.header.sampler.spp, per_pass = std::min(spp, test_device.samples_per_pass);
   FilmAccumulator film =
-      FilmAccumulator::of_features(0, 0, width, height, scene.header.features, scene.header.owner_count);
+      FilmAccumulator(0, 0, width, height, FilmLayers(scene.header.features, scene.header.matte_count));
   for (std::uint32_t first = 0; first < spp; first += per_pass) {
     const RenderUnit unit{.x = 0,
                           .y = 0,

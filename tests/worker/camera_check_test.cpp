@@ -81,7 +81,7 @@ TEST(CameraCheck, NumbersThatNoLensHasAreRefused) {
 
 TEST(CameraCheck, ALensNeedsItsFeature) {
   DeviceScene scene = lens_scene();
-  scene.header.features &= ~std::uint32_t(FEATURE_CAMERA);
+  scene.header.features &= ~std::uint64_t(FEATURE_CAMERA);
   const auto checked = check_device_scene(scene);
   ASSERT_FALSE(checked);
   EXPECT_NE(checked.error().message.find("without its feature bit"), std::string::npos);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -29,29 +30,29 @@ TEST(LightKinds, AreThoseOfTheLights) {
     change(scene);
     return build(scene).header.light_kinds;
   };
-  // The box has a lamp of two triangles: one rectangle, but two triangles by projected solid angle.
-  constexpr std::uint32_t kLamp = 1u << LIGHT_RECTANGLE, kPoints = 1u << LIGHT_POINT;
-  EXPECT_EQ(with([](auto&) {}), kLamp);
+  // The box has a light of two triangles: one rectangle, but two triangles by projected solid angle.
+  constexpr std::uint32_t kAreaLight = 1u << LIGHT_RECTANGLE, kPoints = 1u << LIGHT_POINT;
+  EXPECT_EQ(with([](auto&) {}), kAreaLight);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             1u << LIGHT_TRIANGLE);
   EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kLamp | kPoints);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kAreaLight | kPoints);
   // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kLamp);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kLamp);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kAreaLight);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kAreaLight);
 }
 
 TEST(Features, AreJustTheNeeded) {
   // The ceiling of the box is of two triangles, which are as one; the camera sees its edges.
-  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS | FEATURE_LIGHT_EDGES;
+  const std::uint64_t box = FEATURE_PATH | FEATURE_LAYERS | FEATURE_LIGHT_EDGES;
   EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
-  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, box & ~std::uint32_t(FEATURE_LAYERS));
+  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, box & ~std::uint64_t(FEATURE_LAYERS));
   EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
-  EXPECT_EQ(build(environment_alone()).header.features, std::uint32_t(FEATURE_PATH | FEATURE_LAYERS));
+  EXPECT_EQ(build(environment_alone()).header.features, std::uint64_t(FEATURE_PATH | FEATURE_LAYERS));
   EXPECT_EQ(
       build(everything()).header.features,
-      std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
+      std::uint64_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
                     FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE | FEATURE_LIGHT_EDGES));
 
   const auto with = [](auto change) {
@@ -60,9 +61,9 @@ TEST(Features, AreJustTheNeeded) {
     return build(scene).header.features;
   };
   EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_EDGES | FEATURE_LIT_CELLS));
+            std::uint64_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_EDGES));
   EXPECT_EQ(with([](auto& s) { s.film.closed_light_edges = false; }),
-            std::uint32_t(FEATURE_PATH | FEATURE_LAYERS));
+            std::uint64_t(FEATURE_PATH | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
             box | FEATURE_SOLID_ANGLE);
@@ -92,14 +93,15 @@ TEST(Families, AreThoseOfTheMaterials) {
 }
 
 TEST(Features, AllAreThoseOfTheList) {
-  std::uint32_t listed = 0;
-#define CHECK_FEATURE(name, bit, description) \
-  EXPECT_EQ(bit, FEATURE_##name);             \
-  EXPECT_EQ(listed&(bit), 0u) << #name;       \
-  listed |= (bit);
+  std::uint64_t listed = 0;
+#define CHECK_FEATURE(name, description)                           \
+  EXPECT_TRUE(std::has_single_bit(std::uint64_t(FEATURE_##name))); \
+  EXPECT_EQ(listed& FEATURE_##name, 0u) << #name;                  \
+  listed |= FEATURE_##name;
   PENUMBRA_FEATURES(CHECK_FEATURE)
 #undef CHECK_FEATURE
-  EXPECT_EQ(listed, std::uint32_t(FEATURE_ALL));
+  EXPECT_EQ(listed, std::uint64_t(FEATURE_ALL));
+  EXPECT_LT(FEATURE_COUNT, 64) << "the highest bit is that of ALL_OF";
 }
 
 TEST(Families, HaveTheNumbersOfTheList) {

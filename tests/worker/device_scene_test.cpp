@@ -192,7 +192,7 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
   expect_refused(with_header([](SceneHeader& c) { c.environment = c.tables.lights.count; }),
                  "the environment names no light");
   expect_refused(with_header([](SceneHeader& c) { --c.tables.corners.count; }), "corners do not match");
-  expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_QUADRICS); }),
+  expect_refused(with_header([](SceneHeader& c) { c.features &= ~std::uint64_t(FEATURE_QUADRICS); }),
                  "quadrics without their feature bit");
   expect_refused(with_record<Triangle>(scene, h.tables.triangles, 3, [](Triangle& t) { t.back = 1000; }),
                  "a triangle names a material");
@@ -241,7 +241,7 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
     change(changed.header);
     return changed;
   };
-  expect_refused(with_uvs([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_UV); }),
+  expect_refused(with_uvs([](SceneHeader& c) { c.features &= ~std::uint64_t(FEATURE_UV); }),
                  "texture coordinates without their feature bit");
   expect_refused(with_uvs([](SceneHeader& c) { --c.tables.vertex_uvs.count; }),
                  "texture coordinates do not match the triangles");
@@ -336,7 +336,7 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   };
   expect_refused(with_header([](SceneHeader& c) { c.integrator.light_choice = CHOICE_POWER; }),
                  "the choice of lights by their hierarchy and its feature bit go together");
-  expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_LIGHT_TREE); }),
+  expect_refused(with_header([](SceneHeader& c) { c.features &= ~std::uint64_t(FEATURE_LIGHT_TREE); }),
                  "the choice of lights by their hierarchy and its feature bit go together");
   expect_refused(with_header([](SceneHeader& c) { c.tables.light_nodes.count = 0; }), "without a root");
   for (const int cut : {0, -1, LIGHT_CUT + 1, h.tables.light_nodes.count + 1})
@@ -365,14 +365,15 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
 }
 
-// A lamp of many lights, which are as one, and another one.
+// A light of many lights, which are as one, and another one.
 TEST(DeviceSceneCheck, FollowsLeavesOfLights) {
-  SceneDescription lamps = lights_in_a_hierarchy();
-  lamps.emitters.clear();
+  SceneDescription area_lights = lights_in_a_hierarchy();
+  area_lights.emitters.clear();
   for (int k = 0; k < 20; ++k)
-    lamps.emitters.emplace_back(PointLight{glm::dvec3(1e-6 * k, 0.2, 0), glm::vec3(0.01f * float(k + 1))});
-  lamps.emitters.emplace_back(PointLight{glm::dvec3(0.3, -0.4, 0.2), glm::vec3(0.1f)});
-  const DeviceScene scene = build_or_throw(lamps);
+    area_lights.emitters.emplace_back(
+        PointLight{glm::dvec3(1e-6 * k, 0.2, 0), glm::vec3(0.01f * float(k + 1))});
+  area_lights.emitters.emplace_back(PointLight{glm::dvec3(0.3, -0.4, 0.2), glm::vec3(0.1f)});
+  const DeviceScene scene = build_or_throw(area_lights);
   const SceneHeader& h = scene.header;
   EXPECT_TRUE(check_device_scene(scene));
   ASSERT_GE(h.light_leaf_turns, 1);
@@ -438,7 +439,7 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithLights) {
   DeviceScene fewer = scene;
   --fewer.header.tables.light_grids.count;
   expect_refused(fewer, "a light's distribution is not there");
-  for (const unsigned feature : {FEATURE_LIGHT_TEXTURES, FEATURE_TEXTURES}) {
+  for (const std::uint64_t feature : {FEATURE_LIGHT_TEXTURES, FEATURE_TEXTURES}) {
     DeviceScene without = scene;
     without.header.features &= ~feature;
     expect_refused(without, "feature bit");

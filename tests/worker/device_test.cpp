@@ -20,6 +20,7 @@
 #include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/host/view.h"
+#include "tests/support/film_layers.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
@@ -326,7 +327,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   SampleBuffer buffer;
   buffer.width = unit.width;
   buffer.height = unit.height;
-  buffer.planes = kSampleBufferPlanes;
+  buffer.planes = kPolygonLayers.planes();
   buffer.sample_count = unit.sample_count;
   buffer.values.resize(std::size_t(buffer.planes) * buffer.pixels());
   const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count) + kernel.lanes - 1;
@@ -362,7 +363,7 @@ TEST(NativeSearches, GiveTheSameBytes) {
     use(description.integrator, kind);
     const DeviceScene scene = build_or_throw(description);
     DeviceScene whole = scene;
-    whole.header.features &= ~std::uint32_t(FEATURE_BVH);
+    whole.header.features &= ~std::uint64_t(FEATURE_BVH);
     ASSERT_NE(whole.header.features, scene.header.features);
     ASSERT_GT(scene.header.tables.corners.count, 64);
     ASSERT_GT(scene.header.tables.nodes.count, 0);

@@ -1,5 +1,5 @@
-// Tables of lights as they come off the wire: what a worker refuses of the choice among them, of their edges,
-// of their strips and of cells that see them whole.
+// Tables of lights as they come off the wire: what a worker refuses of the choice among them and of their
+// edges.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,13 +17,14 @@
 namespace penumbra::light_tables_check_test {
 namespace {
 
-/// A lamp of several triangles that the camera sees, and another one above it.
-DeviceScene scene_of_lamps() {
+/// A light of several triangles that the camera sees, and another one above it.
+DeviceScene scene_of_area_lights() {
   SceneDescription scene = read_or_throw(project_file("scenes/star-light/star-light.xml"));
   use(scene.integrator, IntegratorKind::kDirect);
-  Shape& lamp = *std::ranges::find_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
-  lamp.sampling = EmitterSampling::kArea;
-  Shape above = lamp;
+  Shape& area_light =
+      *std::ranges::find_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
+  area_light.sampling = EmitterSampling::kArea;
+  Shape above = area_light;
   for (auto& p : std::get<Mesh>(above.geometry).positions) p.y += 3;
   scene.shapes.push_back(std::move(above));
   return build_or_throw(scene);
@@ -40,11 +41,9 @@ struct Broken {
 };
 
 TEST(LightTablesCheck, TablesAsTheyAreBuiltAreAccepted) {
-  const DeviceScene scene = scene_of_lamps();
+  const DeviceScene scene = scene_of_area_lights();
   ASSERT_GT(scene.header.tables.lights.count, 1);
   ASSERT_GT(scene.header.tables.light_edge_pixels.count, 0);
-  ASSERT_GT(scene.header.tables.lit_cells.count, 1);
-  ASSERT_GT(scene.header.tables.light_strips.count, 1);
   const auto checked = check_device_scene(scene);
   EXPECT_TRUE(checked) << checked.error().message;
 }
@@ -54,18 +53,6 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
   const auto rows = [](DeviceScene& s) { return records<int>(s, s.header.tables.light_edge_rows); };
   const auto pixels = [](DeviceScene& s) {
     return records<LightEdgePixel>(s, s.header.tables.light_edge_pixels);
-  };
-  const auto face = [](DeviceScene& s) -> LitFace& {
-    return *std::ranges::find_if(records<LitFace>(s, s.header.tables.lit_faces),
-                                 [](const LitFace& f) { return f.level >= 0; });
-  };
-  const auto light = [](DeviceScene& s) -> Light& {
-    return records<Light>(s, s.header.tables.lights).back();
-  };
-  const auto as_triangle = [&](DeviceScene& s) -> Light& {
-    s.header.light_kinds |= 1u << LIGHT_TRIANGLE;
-    light(s).kind = LIGHT_TRIANGLE;
-    return light(s);
   };
   const std::vector<Broken> broken = {
       {"no power of two", [](DeviceScene& s) { --s.header.tables.light_cells.count; }},
@@ -82,25 +69,10 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"edges of lights that are not there", [&](DeviceScene& s) { pixels(s)[0].edge_count = 0x7fffffff; }},
       {"edges of lights that are not there",
        [&](DeviceScene& s) { pixels(s).back().first_edge = s.header.tables.light_edges.count; }},
-      {"strips are not there", [](DeviceScene& s) { --s.header.tables.light_strips.count; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip = -1; }},
-      {"strips are not there", [&](DeviceScene& s) { ++light(s).strip; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip = 0x7fffffff; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0; }},
-      {"strips are not there", [&](DeviceScene& s) { ++light(s).strip_count; }},
-      {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0x7fffffff; }},
-      // Lanes of lights of other kinds look at them, too.
-      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip = 0x7fffffff; }},
-      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip_count = 0x7fffffff; }},
-      {"do not match the triangles", [](DeviceScene& s) { --s.header.tables.lit_faces.count; }},
-      {"too many cells", [&](DeviceScene& s) { face(s).level = LIT_CELL_LEVELS + 1; }},
-      {"too many cells", [&](DeviceScene& s) { face(s).level = -2; }},
-      {"cells that are not there", [&](DeviceScene& s) { face(s).first = -1; }},
-      {"cells that are not there", [&](DeviceScene& s) { face(s).first = s.header.tables.lit_cells.count; }},
       {"a polygon that is not there",
        [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
   for (const Broken& one : broken) {
-    DeviceScene scene = scene_of_lamps();
+    DeviceScene scene = scene_of_area_lights();
     one.change(scene);
     const auto checked = check_device_scene(scene);
     ASSERT_FALSE(checked) << one.what;

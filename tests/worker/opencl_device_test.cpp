@@ -146,6 +146,11 @@ TEST_F(OpenClDevices, CompileOnceForAFolder) {
   }
 }
 
+TEST_F(OpenClDevices, GiveTheSameBytesByKernelsOfOneFunction) {
+  prepare_and_check(opencl_options(
+      {.path_per_item = true, .kernel_cache = folder_.path(), .build_options = "-DINLINE_STAGES"}));
+}
+
 TEST_F(OpenClDevices, KeepNothingWhereThereIsNoFolder) {
   const DeviceOptions off = opencl_options({.kernel_cache = std::filesystem::path()});
   const DevicePreparation prepared = prepare_and_check(off);

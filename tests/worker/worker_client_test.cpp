@@ -178,9 +178,9 @@ TEST_F(WorkerClientTest, RendersUnitsInTheirOrder) {
     const wire::UnitResult& result = results[std::size_t(i)].result();
     EXPECT_EQ(decode(result.id()), (UnitId{5, 0, 0, tile}));
     const RenderUnit unit = decode(unit_message(tile).unit()).value();
-    const Expected<SampleBuffer> buffer = decode(result, unit, ResultShape{kRadiancePlanes});
+    const Expected<SampleBuffer> buffer = decode(result, unit, kNoLayers);
     ASSERT_TRUE(buffer) << buffer.error().message;
-    EXPECT_EQ(buffer->values, fake_samples(unit, kRadiancePlanes).values);
+    EXPECT_EQ(buffer->values, fake_samples(unit, kNoLayers).values);
     EXPECT_GT(result.peak_memory_bytes(), 1u << 20);
   }
 }

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/bsdf/control_lanes.h"
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/material_closure.h"
-#define FEATURES FEATURE_ALL
-#include "kernels/bsdf/control_lanes.h"
 
 namespace penumbra {
 namespace {

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "kernels/host/user_folder.h"
+#include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"

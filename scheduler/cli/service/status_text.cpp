@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/files/json_number.h"
 

@@ -22,7 +22,7 @@ std::string fitted_line(std::string_view text, int columns);
 /// ended last come first.
 std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows);
 
-/// Documented in the README of this folder.
+/// Documented in scheduler/service/README.md.
 nlohmann::ordered_json status_json(const wire::StatusReply& status);
 
 }  // namespace penumbra

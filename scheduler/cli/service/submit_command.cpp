@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/render_preparation.h"

@@ -32,7 +32,7 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .build_seconds = prepared.scene.seconds,
                         .command_line = command_line,
                         .strict_numerics = member.options.strict_numerics,
-                        .owners = prepared.scene.owners};
+                        .mattes = prepared.scene.mattes};
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;
   if (files.exr) submission.files.push_back(stored_name(*files.exr, ".exr"));
@@ -50,9 +50,9 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
                             header.film.width, header.film.height, record.film.width, record.film.height));
   if (record.embree != (header.intersector == INTERSECTOR_EMBREE))
     return fail("the scene's intersector is not that of the settings");
-  const bool has_owners = (header.features & FEATURE_OWNERS) != 0u;
-  if (record.cryptomatte != has_owners || submission.owners.owners.size() != std::size_t(header.owner_count))
-    return fail("the scene's owners are not those of the settings");
+  const bool has_mattes = (header.features & FEATURE_MATTES) != 0u;
+  if (record.cryptomatte != has_mattes || submission.mattes.mattes.size() != std::size_t(header.matte_count))
+    return fail("the scene's mattes are not those of the settings");
   PreparedRender prepared;
   for (const std::string& name : submission.files) {
     const std::filesystem::path path = folder / name;
@@ -67,7 +67,7 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
   prepared.scene.summary.needs = submission.needs;
   prepared.scene.summary.left_out = submission.left_out;
   prepared.scene.seconds = submission.build_seconds;
-  prepared.scene.owners = submission.owners;
+  prepared.scene.mattes = submission.mattes;
   prepared.job = job_of_record(record, device, std::move(stored.scene), std::move(stored.manifest));
   prepared.job.time_budget = submission.time_budget;
   prepared.job.verify = submission.verify;

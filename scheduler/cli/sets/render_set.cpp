@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "kernels/host/console.h"
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "kernels/host/stopwatch.h"
+#include "kernels/host/process.h"
 #include "scenes/settings.h"
 
 namespace penumbra {
@@ -19,9 +19,9 @@ SceneOptions key_of(SceneOptions options) {
 /// Of what is large in it.
 std::uint64_t bytes_of_scene(const LoadedScene& scene) {
   std::uint64_t bytes = scene.device.words.size() * sizeof(std::uint32_t);
-  for (const auto* names : {&scene.owners.objects, &scene.owners.materials})
+  for (const auto* names : {&scene.mattes.objects, &scene.mattes.materials})
     for (const std::string& name : *names) bytes += sizeof name + name.size();
-  return bytes + scene.owners.owners.size() * sizeof(OwnerNames::Owner);
+  return bytes + scene.mattes.mattes.size() * sizeof(MatteNames::Matte);
 }
 
 /// The scene with another number of samples and another seed, where the options say so.

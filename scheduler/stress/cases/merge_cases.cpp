@@ -38,7 +38,7 @@ std::vector<Block> exponential_blocks(double offset) {
 }
 
 PixelStatistics merged(const std::vector<Block>& blocks) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 1, 1, FilmLayers());
   SampleBuffer result;
   result.width = result.height = 1;
   result.values.resize(kRadiancePlanes);

@@ -50,8 +50,8 @@ SceneDescription under_sky(std::uint32_t spp, const IntegratorSettings& integrat
 
 // --- What shadow rays are dimmed by: one sample, no chance.
 
-constexpr Point kLamp{1.5, 0, .5}, kLit{0, 0, 4};
-const double kSlope = std::hypot(kLit.x - kLamp.x, kLit.z - kLamp.z) / (kLit.z - kLamp.z);
+constexpr Point kAreaLight{1.5, 0, .5}, kLit{0, 0, 4};
+const double kSlope = std::hypot(kLit.x - kAreaLight.x, kLit.z - kAreaLight.z) / (kLit.z - kAreaLight.z);
 
 /// A grey wall that a point light shines on, and beside the camera's way, across that of the light, `slabs`
 /// of a medium from z = 1 on, each as thick as the space behind it.
@@ -59,7 +59,7 @@ SceneDescription lit_wall(double extinction, int slabs, double thickness) {
   SceneDescription scene = empty_scene(1, 1, 1, {}, {0, 0, 1}, 1e-9);
   scene.shapes.push_back(quad_shape({2, -2, 4}, {-4, 0, 0}, {0, 4, 0}, add_diffuse(scene, .5f), {}));
   PointLight light;
-  light.position = {kLamp.x, kLamp.y, kLamp.z};
+  light.position = {kAreaLight.x, kAreaLight.y, kAreaLight.z};
   scene.emitters.emplace_back(light);
   const int medium = add_medium(scene, glm::vec3(float(extinction)), .5f);
   for (int i = 0; i < slabs; ++i) {
@@ -96,7 +96,8 @@ void add_dimmed(std::vector<Case>& cases) {
          "radiance of a wall that is lit through it",
          RenderMeasurement{[e] { return lit_wall(e.extinction, e.slabs, e.thickness); }, first_pixel},
          {[depth] {
-            const Quad x = Quad(kLit.x) - kLamp.x, z = Quad(kLit.z) - kLamp.z, square = x * x + z * z;
+            const Quad x = Quad(kLit.x) - kAreaLight.x, z = Quad(kLit.z) - kAreaLight.z,
+                       square = x * x + z * z;
             return Quads{exp_q(-Quad(depth)) * z / sqrt_q(square) / square / (2 * kQuadPi)};
           },
           "closed form"},
@@ -202,8 +203,8 @@ std::function<Numbers(const FilmAccumulator&)> errors_from(double truth) {
   };
 }
 
-// Flights go by where lamps are, so weights are not 1.
-void add_lamps(std::vector<Case>& cases) {
+// Flights go by where lights are, so weights are not 1.
+void add_area_lights(std::vector<Case>& cases) {
   constexpr std::uint32_t kSamples = 1 << 12;
   const auto add = [&](const std::string& name, const char* stiff, double truth,
                        std::function<SceneDescription()> scene) {
@@ -212,15 +213,15 @@ void add_lamps(std::vector<Case>& cases) {
                      absolute(5, "5 standard errors")});
   };
   for (const DirectSampling sampling : {DirectSampling::kBsdfOnly, DirectSampling::kMis})
-    add(sampling == DirectSampling::kMis ? "lamp-inside-light-samples" : "lamp-inside",
-        "a lamp in the middle of a dense medium", 1, [sampling] {
+    add(sampling == DirectSampling::kMis ? "area-light-inside-light-samples" : "area-light-inside",
+        "an area light in the middle of a dense medium", 1, [sampling] {
           SceneDescription scene = under_sky(kSamples, volpath(sampling));
           add_ball(scene, glm::vec3(15));
-          Shape lamp;
-          lamp.name = "lamp";
-          lamp.geometry = Sphere{.center = {0, 0, 3}, .radius = .1};
-          lamp.radiance = glm::vec3(1);
-          scene.shapes.push_back(lamp);
+          Shape area_light;
+          area_light.name = "area_light";
+          area_light.geometry = Sphere{.center = {0, 0, 3}, .radius = .1};
+          area_light.radiance = glm::vec3(1);
+          scene.shapes.push_back(area_light);
           return scene;
         });
   add("walls", "a boundary in the place of walls that shine, of albedo .5", 2, [] {
@@ -276,7 +277,7 @@ void add_render_medium_cases(std::vector<Case>& cases) {
   add_dimmed(cases);
   add_dense(cases);
   add_furnaces(cases);
-  add_lamps(cases);
+  add_area_lights(cases);
   add_grids(cases);
 }
 

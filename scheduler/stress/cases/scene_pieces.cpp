@@ -50,14 +50,14 @@ int add_phong(SceneDescription& scene, float specular, float exponent) {
 IntegratorSettings analytic() { return {.method = PolygonAnalyticIntegrator{}}; }
 
 IntegratorSettings emitter_samples(EmitterSampling sampling) {
-  DirectIntegrator direct{.bsdf_samples = 0, .emitter_sampling = sampling, .closed_where_lit = false};
+  DirectIntegrator direct{.bsdf_samples = 0, .emitter_sampling = sampling};
   // Parts of a light by what they contribute: then samples by projected solid angle are all the same.
   if (sampling == EmitterSampling::kProjected) direct.light_choice = LightChoice::kAnalytic;
   return {.method = direct};
 }
 
 IntegratorSettings both_samples() {
-  return {.method = DirectIntegrator{.emitter_sampling = EmitterSampling::kArea, .closed_where_lit = false}};
+  return {.method = DirectIntegrator{.emitter_sampling = EmitterSampling::kArea}};
 }
 
 IntegratorSettings path(int max_depth) {

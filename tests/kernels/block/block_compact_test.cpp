@@ -55,7 +55,7 @@ struct Compacted {
     ASSERT_EQ(get_slot(&paths, lane), slot_of[std::size_t(from)]);
   }
 
-  std::uint32_t features;
+  std::uint64_t features;
   int count;
   SceneTables tables;
   BlockMemory memory;
@@ -65,7 +65,7 @@ struct Compacted {
   int left = 0;
 };
 
-constexpr std::uint32_t kMasks[] = {FEATURE_PATH,
+constexpr std::uint64_t kMasks[] = {FEATURE_PATH,
                                     FEATURE_PATH | FEATURE_PROJECTED | FEATURE_LAYERS,
                                     FEATURE_DIRECT,
                                     FEATURE_DIRECT | FEATURE_UV,
@@ -77,7 +77,7 @@ constexpr std::uint32_t kMasks[] = {FEATURE_PATH,
 template <typename Check>
 void for_random_blocks(Check check) {
   RandomNumbers random(1);
-  for (const std::uint32_t features : kMasks)
+  for (const std::uint64_t features : kMasks)
     for (const double probability : {0.0, 0.1, 0.5, 0.9, 1.0})
       for (int k = 0; k < 20 && !testing::Test::HasFatalFailure(); ++k)
         check(Compacted(features, 1 + int(random.below(kCapacity)), probability, random));

@@ -16,7 +16,7 @@ namespace {
 constexpr int kCapacity = 5 * LANES;
 
 /// Triangles and spheres whose sides are black, diffuse or Phong.
-SceneTables families_scene(RandomNumbers& random, std::uint32_t features) {
+SceneTables families_scene(RandomNumbers& random, std::uint64_t features) {
   SceneTables tables;
   tables.header.features = features;
   for (const int family : {FAMILY_BLACK, FAMILY_DIFFUSE, FAMILY_PHONG, FAMILY_DIFFUSE}) {
@@ -50,7 +50,7 @@ int family_of(const SceneTables& tables, int primitive) {
   return tables.materials[std::size_t(material)].family;
 }
 
-void expect_sorted(std::uint32_t features, RandomNumbers& random) {
+void expect_sorted(std::uint64_t features, RandomNumbers& random) {
   SceneTables tables = families_scene(random, features);
   const Scene scene = tables.scene();
   const int primitives = int(tables.triangles.size() + tables.quadrics.size());

@@ -18,7 +18,7 @@ constexpr int kCapacity = 3 * LANES, kSlots = 77;
 
 struct NamedMask {
   std::string name;
-  std::uint32_t features;
+  std::uint64_t features;
 };
 void PrintTo(const NamedMask& mask, std::ostream* out) { *out << mask.name; }
 
@@ -29,7 +29,7 @@ const NamedMask kMasks[] = {
     {"Direct", FEATURE_DIRECT},
     {"DirectWithUv", FEATURE_DIRECT | FEATURE_UV},
     {"PathWithUv", FEATURE_PATH | FEATURE_UV},
-    {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_RATIO},
+    {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS},
     {"PathWithPolygonsAndLayers", FEATURE_PATH | FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LAYERS},
     {"Whitted", FEATURE_WHITTED},
     {"Occlusion", FEATURE_OCCLUSION | FEATURE_LAYERS},
@@ -46,7 +46,7 @@ struct Field {
   int words;
 };
 
-std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
+std::vector<Field> path_fields(std::uint64_t features, const PathState& paths) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
   fields.push_back({#name, is_stored(features, needs), paths.name, kWords<type>});
@@ -58,7 +58,7 @@ std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
 #undef LIST_FIELD
   return fields;
 }
-std::vector<Field> slot_fields(std::uint32_t features, const SlotState& slots) {
+std::vector<Field> slot_fields(std::uint64_t features, const SlotState& slots) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
   fields.push_back({#name, is_stored(features, needs), slots.name, kWords<type>});
@@ -69,7 +69,7 @@ std::vector<Field> slot_fields(std::uint32_t features, const SlotState& slots) {
 
 class PathStates : public testing::TestWithParam<NamedMask> {
  protected:
-  std::uint32_t features_ = GetParam().features;
+  std::uint64_t features_ = GetParam().features;
 };
 INSTANTIATE_TEST_SUITE_P(All, PathStates, testing::ValuesIn(kMasks),
                          [](const auto& tested) { return tested.param.name; });
@@ -196,10 +196,10 @@ TEST(PathState, FieldsAreStoredForAnyOfTheirFeaturesOrForAll) {
   EXPECT_FALSE(is_stored(4, 3));
   EXPECT_TRUE(is_stored(7, ALL_OF(3)));
   EXPECT_FALSE(is_stored(6, ALL_OF(3)));
-  EXPECT_TRUE(is_stored(FEATURE_LIT_CELLS, FEATURE_LIT_CELLS));
-  EXPECT_FALSE(is_stored(FEATURE_PATH, FEATURE_LIT_CELLS));
-  EXPECT_TRUE(is_stored(FEATURE_LIT_CELLS | FEATURE_MEDIA, ALL_OF(FEATURE_LIT_CELLS | FEATURE_MEDIA)));
-  EXPECT_FALSE(is_stored(FEATURE_MEDIA, ALL_OF(FEATURE_LIT_CELLS | FEATURE_MEDIA)));
+  EXPECT_TRUE(is_stored(FEATURE_LIGHT_EDGES, FEATURE_LIGHT_EDGES));
+  EXPECT_FALSE(is_stored(FEATURE_PATH, FEATURE_LIGHT_EDGES));
+  EXPECT_TRUE(is_stored(FEATURE_LIGHT_EDGES | FEATURE_MEDIA, ALL_OF(FEATURE_LIGHT_EDGES | FEATURE_MEDIA)));
+  EXPECT_FALSE(is_stored(FEATURE_MEDIA, ALL_OF(FEATURE_LIGHT_EDGES | FEATURE_MEDIA)));
   EXPECT_TRUE(is_stored(FEATURE_PATH, EVERY_SCENE));
   EXPECT_FALSE(is_stored(FEATURE_ALL, NEVER));
   EXPECT_TRUE(is_moved(3, ALL_OF(3), 1));
@@ -212,7 +212,7 @@ INSTANTIATE_TEST_SUITE_P(Uv, KeptSurface, testing::Bool());
 
 TEST_P(KeptSurface, IsTheOneThatWasKept) {
   const bool with_uv = GetParam();
-  const std::uint32_t features = FEATURE_DIRECT | (with_uv ? FEATURE_UV : 0);
+  const std::uint64_t features = FEATURE_DIRECT | (with_uv ? FEATURE_UV : 0);
   BlockMemory memory(features, kCapacity, 0);
   const PathState paths = memory.block().paths;
   std::vector<Surface> surfaces;

@@ -31,7 +31,7 @@ inline vec3 value_of<vec3>(int field, int lane) {
 }
 
 /// Sets all fields of a path that a scene with these features stores.
-inline void fill_path(std::uint32_t features, const PathState& paths, int lane) {
+inline void fill_path(std::uint64_t features, const PathState& paths, int lane) {
   int field = 0;
 #define FILL_FIELD(type, name, needs, travels)                                           \
   if (is_stored(features, needs)) set_##name(&paths, lane, value_of<type>(field, lane)); \
@@ -41,7 +41,7 @@ inline void fill_path(std::uint32_t features, const PathState& paths, int lane) 
 }
 
 /// The same of a sample; its fields are numbered after those of paths.
-inline void fill_slot(std::uint32_t features, const SlotState& slots, int slot) {
+inline void fill_slot(std::uint64_t features, const SlotState& slots, int slot) {
   int field = 100;
 #define FILL_FIELD(type, name, needs, travels)                                                \
   if (is_stored(features, needs)) set_slot_##name(&slots, slot, value_of<type>(field, slot)); \

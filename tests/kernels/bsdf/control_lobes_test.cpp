@@ -1,8 +1,5 @@
 // The control lobes of glossy closures against the fit's own formulas in double, and against the closures:
 // the table is near them between its knots too.
-#ifndef FEATURES
-  #define FEATURES FEATURE_ALL
-#endif
 #include "kernels/bsdf/control_lanes.h"
 
 #include <gtest/gtest.h>

@@ -13,8 +13,6 @@
 
 namespace penumbra {
 
-enum class Fit { kAcross, kRatio };
-
 struct Pixel {
   std::vector<float> h, w, g;
 
@@ -29,15 +27,13 @@ struct Pixel {
   [[nodiscard]] float auto_alpha(int half, int parity = 0) const {
     return cross_fitted_alpha(h.data(), w.data(), g.data(), 1, count(), parity, half);
   }
-  [[nodiscard]] float ratio() const { return ratio_alpha(h.data(), w.data(), 1, count()); }
   [[nodiscard]] float estimate(int i, float alpha) const {
     const auto s = std::size_t(i);
     return (h[s] - alpha * w[s]) + alpha * g[s];
   }
   /// Count, mean and squared deviations of the samples' estimates.
-  [[nodiscard]] statistics::Sample estimates(Fit fit) const {
-    const std::array<float, 2> alpha =
-        fit == Fit::kRatio ? std::array{ratio(), ratio()} : std::array{auto_alpha(0), auto_alpha(1)};
+  [[nodiscard]] statistics::Sample estimates() const {
+    const std::array alpha{auto_alpha(0), auto_alpha(1)};
     statistics::Sample sample;
     for (int i = 0; i < count(); ++i) sample.add(estimate(i, alpha[std::size_t(i & 1)]));
     return sample;
@@ -66,14 +62,6 @@ struct Model {
   [[nodiscard]] double mean_g_squared() const { return varying ? 1 + 0.9 * 0.9 / 3 : 1; }
   /// E[H]: for a moving edge, the mean of (.1 + 1.8 u) u over u in [0, 1]
   [[nodiscard]] double mean() const { return !moving ? visible : varying ? 0.05 + 0.6 : 0.5; }
-  /// E[(H - visible W) C]
-  [[nodiscard]] double residual_product() const {
-    return mean_g_squared() / rays * (visible_square() - visible * square());
-  }
-  /// Var(W) / E[W]^2
-  [[nodiscard]] double relative_variance() const {
-    return mean_g_squared() * (1 + (square() - 1) / rays) - 1;
-  }
   /// Variance of one sample's estimate with a fixed alpha. The edge must not move.
   [[nodiscard]] double variance(double alpha) const {
     const double q = visible_square(), f = visible;

@@ -23,7 +23,7 @@ TEST(ControlVariate, FullyLitLeavesTheClosedForm) {
       Pixel pixel(n);
       Model{.power = power, .varying = true}.draw(random, pixel);
       pixel.h = pixel.w;
-      for (float alpha : {pixel.auto_alpha(0), pixel.auto_alpha(1), pixel.ratio()}) {
+      for (float alpha : {pixel.auto_alpha(0), pixel.auto_alpha(1)}) {
         EXPECT_EQ(alpha, 1.0f);
         for (int i = 0; i < n; ++i) EXPECT_EQ(pixel.estimate(i, alpha), pixel.g[std::size_t(i)]);
       }
@@ -36,7 +36,7 @@ TEST(ControlVariate, UmbraIsLeftAlone) {
     Pixel pixel(n);
     Model{}.draw(random, pixel);
     std::ranges::fill(pixel.h, 0.0f);
-    for (float alpha : {pixel.auto_alpha(0), pixel.auto_alpha(1), pixel.ratio()}) EXPECT_EQ(alpha, 0.0f);
+    for (float alpha : {pixel.auto_alpha(0), pixel.auto_alpha(1)}) EXPECT_EQ(alpha, 0.0f);
   }
 }
 
@@ -50,10 +50,8 @@ TEST(ControlVariate, NothingKnownIsZero) {
   EXPECT_EQ(one.auto_alpha(1), 0.5f / (1 + 0.25f)) << "of the 1 that is missed, (1 / 2)^2 is dark";
   Pixel none(8);
   EXPECT_EQ(none.auto_alpha(0), 0.0f);
-  EXPECT_EQ(none.ratio(), 0.0f);
   std::ranges::fill(none.g, 1.0f);
   EXPECT_EQ(none.auto_alpha(0), 0.0f) << "no ray with any light";
-  EXPECT_EQ(none.ratio(), 0.0f);
 }
 
 TEST(ControlVariate, DependsOnTheOtherHalfAlone) {
@@ -97,7 +95,6 @@ TEST(ControlVariate, ScaleIsFree) {
           for (float& value : *values) value *= float(std::exp2(exponent));
         EXPECT_EQ(scaled.auto_alpha(0), pixel.auto_alpha(0));
         EXPECT_EQ(scaled.auto_alpha(1), pixel.auto_alpha(1));
-        EXPECT_EQ(scaled.ratio(), pixel.ratio());
       }
   for (float scale : {std::numeric_limits<float>::min(), 1e-30f, 1e30f, std::numeric_limits<float>::max()}) {
     Pixel pixel(4);
@@ -105,7 +102,6 @@ TEST(ControlVariate, ScaleIsFree) {
     pixel.w = {0.5f * scale, 0.25f * scale, scale, 0.25f * scale};
     pixel.g = {0.5f * scale, scale, 0.75f * scale, 0.25f * scale};
     EXPECT_TRUE(std::isfinite(pixel.auto_alpha(0)) && std::isfinite(pixel.auto_alpha(1)));
-    EXPECT_EQ(pixel.ratio(), 0.4375f);
   }
 }
 
@@ -120,19 +116,6 @@ TEST(ControlVariate, WideRangesStayFinite) {
       pixel.h[s] = random.below(2) == 0 ? 0.0f : float(random.uniform()) * pixel.w[s];
     }
     for (float alpha : {pixel.auto_alpha(0), pixel.auto_alpha(1)}) EXPECT_TRUE(std::isfinite(alpha));
-    EXPECT_TRUE(pixel.ratio() >= 0 && pixel.ratio() <= 1);
-  }
-}
-
-TEST(ControlVariate, RatioOfEqualClosedForms) {
-  RandomNumbers random(6);
-  for (int i = 0; i < 1000; ++i) {
-    Pixel pixel(16);
-    Model{}.draw(random, pixel);  // G = 1
-    double h = 0, w = 0;
-    for (std::size_t s = 0; s < 16; ++s) h += pixel.h[s], w += pixel.w[s];
-    // Sums of 16, a quotient, and estimates whose parts are below 4.
-    EXPECT_NEAR(pixel.estimates(Fit::kRatio).mean(), h / w, 48 * kRounding);
   }
 }
 

@@ -1,7 +1,6 @@
 // The rays of a block in turn through the hierarchy, whatever the instruction set that the tests are compiled
 // for. Few, and no multiple of anything, so that lists fill, end and start anew within a test.
 #define RAYS_IN_FLIGHT 7
-#define FEATURES FEATURE_ALL
 #include "kernels/block/block_trace.h"
 #include "kernels/host/block_memory.h"
 #include "tests/kernels/scene_tables.h"

@@ -24,14 +24,14 @@ LightBounds small_light(const Exact3& at, double intensity) {
 }
 
 /// That many about a point, within `size` of it.
-void add_lamp(std::vector<LightBounds>& lights, const Exact3& at, double size, int count,
-              RandomNumbers& random) {
+void add_area_light(std::vector<LightBounds>& lights, const Exact3& at, double size, int count,
+                    RandomNumbers& random) {
   for (int k = 0; k < count; ++k)
     lights.push_back(small_light(at + random.point(size), random.between(0.5, 2)));
 }
 
-std::vector<SurveyedPlace> places_in_cube(double size, int count, RandomNumbers& random) {
-  std::vector<SurveyedPlace> places;
+std::vector<PilotVertex> places_in_cube(double size, int count, RandomNumbers& random) {
+  std::vector<PilotVertex> places;
   for (int k = 0; k < count; ++k)
     places.push_back({rounded(random.point(size)), rounded(random.direction()), random.between(0.25, 1)});
   return places;
@@ -48,16 +48,16 @@ std::vector<std::size_t> sizes(std::vector<LightGroup> groups) {
   return all;
 }
 
-TEST(LightGroups, AreLampsThatAreSmallFromAfar) {
+TEST(LightGroups, AreAreaLightsThatAreSmallFromAfar) {
   RandomNumbers random(71);
   std::vector<LightBounds> lights;
-  add_lamp(lights, {0, 0, 30}, 0.05, 40, random);
-  add_lamp(lights, {0, 30, 0}, 0.05, 60, random);
-  const std::vector<SurveyedPlace> places = places_in_cube(20, 100, random);
+  add_area_light(lights, {0, 0, 30}, 0.05, 40, random);
+  add_area_light(lights, {0, 30, 0}, 0.05, 60, random);
+  const std::vector<PilotVertex> places = places_in_cube(20, 100, random);
   EXPECT_EQ(sizes(light_groups(lights, 1, places)), (std::vector<std::size_t>{40, 60}));
   // From one side of both, far away, both are one.
-  std::vector<SurveyedPlace> far = places;
-  for (SurveyedPlace& place : far) {
+  std::vector<PilotVertex> far = places;
+  for (PilotVertex& place : far) {
     place.p.x += 3000;
     place.facing = make_vec3(-1, 0, 0);
   }
@@ -76,7 +76,7 @@ TEST(LightGroups, AreNoneWithoutPlacesOrLights) {
   RandomNumbers random(73);
   std::vector<LightBounds> lights;
   EXPECT_TRUE(light_groups(lights, 1, places_in_cube(1, 10, random)).empty());
-  add_lamp(lights, {0, 0, 3}, 0.01, 20, random);
+  add_area_light(lights, {0, 0, 3}, 0.01, 20, random);
   EXPECT_TRUE(light_groups(lights, 1, {}).empty());
   // Infinite lights, and those without intensity, are in none.
   lights.push_back(LightBounds{});
@@ -91,7 +91,7 @@ TEST(LightGroups, AreNoneWithoutPlacesOrLights) {
 /// Mean over places of the sum of (what a light may contribute)^2 / probability, relative to the square of
 /// what all may contribute.
 double second_moment(const std::vector<LightBounds>& lights, const LightTree& tree,
-                     const std::vector<SurveyedPlace>& places) {
+                     const std::vector<PilotVertex>& places) {
   const LightTree single = build_light_tree(lights, 1);
   SceneTables tables;
   tables.lights.resize(lights.size());
@@ -107,7 +107,7 @@ double second_moment(const std::vector<LightBounds>& lights, const LightTree& tr
   for (const LightNode& node : single.nodes)
     if (node.child < 0) leaf_of[std::size_t(~node.child)] = &node;
   double sum = 0, weights = 0;
-  for (const SurveyedPlace& place : places) {
+  for (const PilotVertex& place : places) {
     LitPlace lit;
     lit.p = place.p;
     lit.facing = place.facing;
@@ -140,9 +140,9 @@ TEST(LightGroups, AddLittleToTheSecondMoment) {
   RandomNumbers random(74);
   for (const double size : {0.3, 3.0, 30.0}) {
     std::vector<LightBounds> lights;
-    for (int lamp = 0; lamp < 12; ++lamp)
-      add_lamp(lights, random.point(5), std::pow(10.0, random.between(-2, 0)), 30, random);
-    const std::vector<SurveyedPlace> places = places_in_cube(size, 200, random);
+    for (int area_light = 0; area_light < 12; ++area_light)
+      add_area_light(lights, random.point(5), std::pow(10.0, random.between(-2, 0)), 30, random);
+    const std::vector<PilotVertex> places = places_in_cube(size, 200, random);
     const std::vector<LightGroup> groups = light_groups(lights, 1, places);
     const double each = second_moment(lights, build_light_tree(lights, 1, {}, 1), places);
     const double together = second_moment(lights, build_light_tree(lights, 1, groups, 1), places);

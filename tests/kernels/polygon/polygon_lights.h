@@ -7,9 +7,6 @@
 #include <span>
 #include <vector>
 
-#ifndef FEATURES
-  #define FEATURES FEATURE_ALL
-#endif
 #include "kernels/polygon/polygon_light.h"
 #include "tests/kernels/polygon/polygon_oracle.h"
 #include "tests/kernels/random_numbers.h"

@@ -8,14 +8,14 @@
 namespace penumbra {
 namespace {
 
-LightBounds lamp(const glm::dvec3& place, double size, double intensity) {
+LightBounds area_light(const glm::dvec3& place, double size, double intensity) {
   return {.low = place - size, .high = place + size, .intensity = intensity, .infinite = false};
 }
 
 TEST(FlightCentres, AreOfLightsThatAreSomewhereAndShine) {
   const LightBounds sky{.intensity = 5};
-  EXPECT_TRUE(flight_centres(std::vector{sky, lamp({1, 2, 3}, 0, 0)}).empty());
-  const std::vector<FlightCentre> one = flight_centres(std::vector{sky, lamp({1, 2, 3}, 0, 7)});
+  EXPECT_TRUE(flight_centres(std::vector{sky, area_light({1, 2, 3}, 0, 0)}).empty());
+  const std::vector<FlightCentre> one = flight_centres(std::vector{sky, area_light({1, 2, 3}, 0, 7)});
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].place.y, 2.0f);
   EXPECT_EQ(one[0].size, 0.0f);
@@ -27,7 +27,7 @@ TEST(FlightCentres, OfManyLightsAreOfGroupsOfNeighbours) {
   std::vector<LightBounds> lights;
   for (int i = 0; i < 300; ++i) {
     const int cluster = i % 3;
-    lights.push_back(lamp({100.0 * cluster, 0.01 * i, 0}, 0.001, cluster == 0 ? 2 : 1));
+    lights.push_back(area_light({100.0 * cluster, 0.01 * i, 0}, 0.001, cluster == 0 ? 2 : 1));
   }
   const std::vector<FlightCentre> centres = flight_centres(lights);
   ASSERT_EQ(centres.size(), 16u);

@@ -84,7 +84,6 @@ void by_power(S& scene) { param::light_choice(scene.integrator) = LightChoice::k
 void by_tree(S& scene) { param::light_choice(scene.integrator) = LightChoice::kTree; }
 void by_contribution(S& scene) { param::light_choice(scene.integrator) = LightChoice::kAnalytic; }
 void with_cv(S& scene) { param::next_event(scene.integrator) = NextEvent::kCv; }
-void ratio(S& scene) { param::estimator(scene.integrator) = CvEstimator::kRatio; }
 void ems(S& scene) { param::direct_sampling(scene.integrator) = DirectSampling::kEmitterOnly; }
 void mats(S& scene) { param::direct_sampling(scene.integrator) = DirectSampling::kBsdfOnly; }
 void no_bsdf_samples(S& scene) { param::bsdf_samples(scene.integrator) = 0; }
@@ -125,7 +124,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path", kPath, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"path, emitters alone", kPath, ems, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"alpha without a control variate", kPath, with_alpha(0.5f), ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
-      {"ratio without a control variate", kPath, ratio, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"direct, two lights", kDirect, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
       {"path, two lights", kPath, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
       {"whitted, two lights", kWhitted, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
@@ -143,9 +141,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"cv, alpha below 0", kPolygonCv, with_alpha(-2), ESTIMATOR_ALPHA, -2, CHOICE_ANALYTIC},
       {"cv, alpha 1", kPolygonCv, with_alpha(1), ESTIMATOR_ALPHA, 1, CHOICE_ANALYTIC},
       {"cv, by power", kPolygonCv, all({with_alpha(1), by_power}), ESTIMATOR_ALPHA, 1, CHOICE_POWER},
-      {"cv, ratio", kPolygonCv, ratio, ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
-      {"cv, ratio, whatever alpha", kPolygonCv, all({ratio, with_alpha(0.25f)}), ESTIMATOR_RATIO, 1,
-       CHOICE_ANALYTIC},
       {"cv, fitted", kPolygonCv, {}, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"cv, nothing to fit", kPolygonCv, by_projection, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
       {"cv, Phong", kPolygonCv, all({by_projection, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
@@ -156,7 +151,6 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path cv", kPath, all({with_cv, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"path cv, alpha given", kPath, all({with_cv, with_alpha(0.5f)}), ESTIMATOR_ALPHA, 0.5f,
        CHOICE_ANALYTIC},
-      {"path cv, ratio", kPath, all({with_cv, ratio}), ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
       // The BSDF's samples find the sphere: multiple importance sampling needs the density of its choice.
       {"path cv, other lights", kPath, all({with_cv, with_sphere}), ESTIMATOR_AUTO, 1, CHOICE_POWER},
       {"path cv, other lights, emitters alone", kPath, all({with_cv, with_sphere, ems}), ESTIMATOR_AUTO, 1,
@@ -218,13 +212,13 @@ TEST(IntegratorBuilder, NumbersOfSamples) {
 }
 
 TEST(IntegratorBuilder, HowLightsAreSampled) {
-  const std::uint32_t both = FEATURE_SOLID_ANGLE | FEATURE_PROJECTED;
+  const std::uint64_t both = FEATURE_SOLID_ANGLE | FEATURE_PROJECTED;
   const auto sampling = [&](IntegratorKind kind, const Change& change = {}) {
     return header(kind, change).features & both;
   };
   // By what pays: the square is as large as the floor under it.
-  EXPECT_EQ(sampling(kDirect), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPath), unsigned(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kDirect), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPath), std::uint64_t(FEATURE_SOLID_ANGLE));
   const Change tiny = [](S& s) {
     for (dvec3& p : std::get<Mesh>(s.shapes[1].geometry).positions) p = dvec3(0.01 * p.x, p.y, 0.01 * p.z);
   };
@@ -233,17 +227,17 @@ TEST(IntegratorBuilder, HowLightsAreSampled) {
   EXPECT_EQ(sampling(kDirect, by_area), 0u);
   EXPECT_EQ(sampling(kPolygonArea), 0u);
   EXPECT_EQ(sampling(kPolygonAnalytic), 0u);
-  EXPECT_EQ(sampling(kPolygonCv), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPath, with_cv), unsigned(FEATURE_SOLID_ANGLE));
-  EXPECT_EQ(sampling(kPolygonCv, by_projection), unsigned(FEATURE_PROJECTED));
+  EXPECT_EQ(sampling(kPolygonCv), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPath, with_cv), std::uint64_t(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPolygonCv, by_projection), std::uint64_t(FEATURE_PROJECTED));
   EXPECT_EQ(sampling(kPolygonCv, by_area), 0u);
   EXPECT_EQ(sampling(kPolygonArea,
                      [](S& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
-            unsigned(FEATURE_SOLID_ANGLE));
+            std::uint64_t(FEATURE_SOLID_ANGLE));
   // A shape knows better.
   EXPECT_EQ(sampling(kPolygonCv, [](S& s) { s.shapes[1].sampling = EmitterSampling::kArea; }), 0u);
   EXPECT_EQ(sampling(kPolygonArea, [](S& s) { s.shapes[1].sampling = EmitterSampling::kProjected; }),
-            unsigned(FEATURE_PROJECTED));
+            std::uint64_t(FEATURE_PROJECTED));
 }
 
 TEST(IntegratorBuilder, ShadowsAreLeftOutOnlyWhereThatIsASetting) {
@@ -272,7 +266,7 @@ TEST(IntegratorBuilder, DepthsAndFlags) {
     EXPECT_EQ(header(kind, [](S& s) { s.integrator.hide_emitters = true; }).integrator.hide_emitters, 1);
     EXPECT_EQ(header(kind).integrator.kind, kind == kPath ? INTEGRATOR_PATH : INTEGRATOR_DIRECT);
     EXPECT_EQ(header(kind).features & (FEATURE_PATH | FEATURE_DIRECT),
-              unsigned(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
+              std::uint64_t(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
   }
 }
 
@@ -355,7 +349,7 @@ TEST(IntegratorBuilder, WithoutPolygonLightsNothingOfThemIsLeft) {
                                                     {"a black one", black},
                                                     {"one without area", without_area}};
   for (const auto& [what, change] : changes)
-    for (const Change& more : {Change([](S&) {}), Change(ratio), Change(by_contribution), with_alpha(0.5f)})
+    for (const Change& more : {Change([](S&) {}), Change(by_contribution), with_alpha(0.5f)})
       for (const IntegratorKind kind : {kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
         const SceneHeader h = header(kind, all({change, where_there(more)}));
         EXPECT_EQ(h.integrator.estimator, ESTIMATOR_SAMPLES) << what;
@@ -390,7 +384,7 @@ TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
 
 TEST(IntegratorBuilder, LayersAreAFeatureOfTheirOwn) {
   for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
-    const std::uint32_t with = header(kind).features, without = header(kind, {}, false).features;
+    const std::uint64_t with = header(kind).features, without = header(kind, {}, false).features;
     EXPECT_EQ(with, without | FEATURE_LAYERS);
     EXPECT_EQ(without & FEATURE_LAYERS, 0u);
   }

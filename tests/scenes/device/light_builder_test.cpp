@@ -32,8 +32,8 @@ TEST(LightBuilder, SamplingIsTheShapesElseTheDefaultElseTheKinds) {
                                               : EMITTER_AREA;
       EXPECT_EQ(builder.lights().front().sampling, code) << int(by_default) << " " << int(own);
       EXPECT_EQ(builder.lights().back().sampling, wanted == kAuto ? EMITTER_SOLID_ANGLE : code);
-      EXPECT_EQ(builder.features(), code == EMITTER_SOLID_ANGLE ? unsigned(FEATURE_SOLID_ANGLE)
-                                    : code == EMITTER_PROJECTED ? unsigned(FEATURE_PROJECTED)
+      EXPECT_EQ(builder.features(), code == EMITTER_SOLID_ANGLE ? std::uint64_t(FEATURE_SOLID_ANGLE)
+                                    : code == EMITTER_PROJECTED ? std::uint64_t(FEATURE_PROJECTED)
                                                                 : 0u);
     }
 }
@@ -100,32 +100,6 @@ TEST(LightBuilder, WhatIsNoRectangleStaysTriangles) {
     EXPECT_THAT(builder.polygons(), SizeIs(1));
     for (const Light& light : builder.lights()) EXPECT_EQ(light.kind, LIGHT_TRIANGLE);
   }
-}
-
-TEST(LightBuilder, FlatLampsOfSeveralTrianglesAreOneLightByArea) {
-  const Triangles trapezoid{{flat(0, 0), flat(3, 0), flat(2, 1)}, {flat(0, 0), flat(2, 1), flat(0, 1)}},
-      ell = cells({"x.", "xx"}, tilted), apart = together(trapezoid, turned(trapezoid));
-  for (const bool polygons : {false, true})
-    for (const bool two_sided : {false, true})
-      for (const EmitterSampling sampling : kSamplings) {
-        const Shape shape = emitter(glm::vec3(1), sampling, two_sided);
-        const bool one = (sampling == kAuto || sampling == kArea) && !two_sided;
-        LightBuilder builder(kAuto, polygons);
-        check(builder, ell, builder.add_triangles(ell, shape));
-        EXPECT_THAT(builder.lights(), SizeIs(one ? 1 : ell.size()));
-        EXPECT_EQ(builder.lights()[0].kind, one ? LIGHT_OUTLINE : LIGHT_TRIANGLE);
-        EXPECT_EQ(builder.strips().empty(), !one);
-        LightBuilder both(kAuto, polygons);
-        check(both, apart, both.add_triangles(apart, shape));
-        EXPECT_THAT(both.lights(), SizeIs(one ? 2 : apart.size()));
-        // One after the other in the table.
-        int next = 0;
-        for (const Light& light : both.lights()) {
-          EXPECT_EQ(light.strip, next);
-          next += light.strip_count;
-        }
-        EXPECT_THAT(both.strips(), SizeIs(next));
-      }
 }
 
 TEST(LightBuilder, TwoSidesAreForFlatLights) {
@@ -238,7 +212,7 @@ TEST(LightBuilder, OtherEmittersAreNoPolygons) {
   std::vector<int> polygon_of;
   for (const Light& light : builder.lights()) polygon_of.push_back(light.polygon);
   EXPECT_THAT(polygon_of, ElementsAre(0, 0, -1, -1, -1, -1));
-  EXPECT_EQ(builder.features(), unsigned(FEATURE_POLYGONS | FEATURE_PROJECTED));
+  EXPECT_EQ(builder.features(), std::uint64_t(FEATURE_POLYGONS | FEATURE_PROJECTED));
   EXPECT_EQ(builder.kinds(), 1u << LIGHT_TRIANGLE | 1u << LIGHT_SPHERE | 1u << LIGHT_DISK |
                                  1u << LIGHT_POINT | 1u << LIGHT_ENVIRONMENT);
 }

@@ -43,7 +43,7 @@ TEST(LightBuilder, LaterShapesGetLaterPolygons) {
   EXPECT_EQ(builder.polygons()[1].light_count, 1);
   EXPECT_EQ(builder.polygons()[1].first_corner, 5);
   EXPECT_EQ(builder.lights()[2].polygon, 1);
-  EXPECT_EQ(builder.features(), unsigned(FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(builder.features(), std::uint64_t(FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_SOLID_ANGLE));
 }
 
 struct Figure {

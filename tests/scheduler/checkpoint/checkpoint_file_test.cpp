@@ -11,6 +11,7 @@
 #include <csignal>
 #include <thread>
 
+#include "tests/support/film_layers.h"
 #include "tests/scheduler/checkpoint/merged_work.h"
 #include "tests/support/temporary_folder.h"
 
@@ -74,7 +75,7 @@ TEST_F(CheckpointFileTest, TheLastOneIsThereAtOnceAndNeverMeansNever) {
 
 TEST_F(CheckpointFileTest, ItTakesAtMostItsShareOfTheTime) {
   // A film whose copy takes a while: 2 million pixels, 112 MB.
-  const Merge large(FilmAccumulator(0, 0, 2000, 500, kFeaturePlanes), TileGrid(0, 0, 2000, 500, 500, 1, 1));
+  const Merge large(FilmAccumulator(0, 0, 2000, 500, kFeatureLayers), TileGrid(0, 0, 2000, 500, 500, 1, 1));
   CheckpointFile file(path_, small_identity(), kOften);
   EXPECT_FALSE(file.is_due(large)) << "nothing is measured yet, but its size is known";
   const auto begin = std::chrono::steady_clock::now();

@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "tests/support/film_layers.h"
 #include "tests/scheduler/checkpoint/merged_work.h"
 
 namespace penumbra {
@@ -30,17 +31,15 @@ std::string error_of(std::span<const std::uint8_t> bytes, const RenderIdentity& 
 
 struct Layout {
   const char* name;
-  int planes;
-  bool with_ratio;
+  FilmLayers layers;
 };
 
 class CheckpointLayouts : public testing::TestWithParam<Layout> {};
 
 TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
-  const auto& [name, planes, with_ratio] = GetParam();
-  const int of_results = planes + (with_ratio ? int(kRatioPlanes) : 0);
-  Merge undisturbed = half_merged(planes, with_ratio);
-  auto before = decode_checkpoint(encoded(undisturbed), small_identity(), empty_merge(planes, with_ratio));
+  const auto& [name, layers] = GetParam();
+  Merge undisturbed = half_merged(layers);
+  auto before = decode_checkpoint(encoded(undisturbed), small_identity(), empty_merge(layers));
   ASSERT_TRUE(before) << before.error().message;
   EXPECT_EQ(before->rendered, 12.5);
   EXPECT_EQ(before->merge.film().hash(), undisturbed.film().hash());
@@ -51,7 +50,7 @@ TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
   for (Merge* merge : {&undisturbed, &before->merge}) {
     for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
       for (std::uint32_t pass = 0; pass < small_grid().passes(); ++pass)
-        if (!is_merged_first(tile, pass)) merge->add(tile, pass, result(tile, pass, of_results));
+        if (!is_merged_first(tile, pass)) merge->add(tile, pass, result(tile, pass, layers));
     EXPECT_EQ(merge->finished_passes(), small_grid().passes());
   }
   EXPECT_EQ(before->merge.film().hash(), undisturbed.film().hash());
@@ -60,11 +59,9 @@ TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Films, CheckpointLayouts,
-                         testing::Values(Layout{"radiance", kRadiancePlanes, false},
-                                         Layout{"layers", kFeaturePlanes, false},
-                                         Layout{"polygons", kSampleBufferPlanes, false},
-                                         Layout{"ratio", kSampleBufferPlanes, true},
-                                         Layout{"ratio_of_radiance", kRadiancePlanes, true}),
+                         testing::Values(Layout{"radiance", kNoLayers},
+                                         Layout{"layers", kFeatureLayers},
+                                         Layout{"polygons", kPolygonLayers}),
                          [](const auto& parameter) { return parameter.param.name; });
 
 TEST(Checkpoint, WhatWaitsIsNotKeptAndATileWithAGapBeginsAnew) {
@@ -111,11 +108,11 @@ TEST(Checkpoint, OfAnotherFilmOrGridIsRefused) {
   const auto refuses = [](const Merge& there, Merge asked) {
     return !decode_checkpoint(encoded(there), small_identity(), std::move(asked));
   };
-  EXPECT_TRUE(refuses(half_merged(), empty_merge(kRadiancePlanes)));
-  EXPECT_TRUE(refuses(half_merged(), empty_merge(kFeaturePlanes, true)));
-  EXPECT_TRUE(refuses(half_merged(), {FilmAccumulator(kX, kY, kWidth, kHeight, kFeaturePlanes),
+  EXPECT_TRUE(refuses(half_merged(), empty_merge(kNoLayers)));
+  EXPECT_TRUE(refuses(half_merged(), empty_merge(kPolygonLayers)));
+  EXPECT_TRUE(refuses(half_merged(), {FilmAccumulator(kX, kY, kWidth, kHeight, kFeatureLayers),
                                       TileGrid(kX, kY, kWidth, kHeight, 7, kSpp, kSamplesPerPass)}));
-  EXPECT_TRUE(refuses(half_merged(), {FilmAccumulator(kX, kY, kWidth, kHeight, kFeaturePlanes),
+  EXPECT_TRUE(refuses(half_merged(), {FilmAccumulator(kX, kY, kWidth, kHeight, kFeatureLayers),
                                       TileGrid(kX, kY, kWidth, kHeight, 8, kSpp, 5)}))
       << "its pixels would have other samples";
 }

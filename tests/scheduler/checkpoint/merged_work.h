@@ -11,13 +11,13 @@ constexpr std::uint32_t kSpp = 22, kSamplesPerPass = 4;
 
 inline TileGrid small_grid() { return {kX, kY, kWidth, kHeight, 8, kSpp, kSamplesPerPass}; }
 
-inline Merge empty_merge(int planes = kFeaturePlanes, bool with_ratio = false) {
-  return {FilmAccumulator(kX, kY, kWidth, kHeight, planes, with_ratio), small_grid()};
+inline Merge empty_merge(FilmLayers layers = kFeatureLayers) {
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, layers), small_grid()};
 }
 
 /// What a worker would send.
-inline SampleBuffer result(std::uint32_t tile, std::uint32_t pass, int planes = kFeaturePlanes) {
-  return fake_samples(small_grid().unit(tile, pass), planes);
+inline SampleBuffer result(std::uint32_t tile, std::uint32_t pass, FilmLayers layers = kFeatureLayers) {
+  return fake_samples(small_grid().unit(tile, pass), layers);
 }
 
 inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
@@ -25,12 +25,11 @@ inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
 }
 
 /// Every tile has another number of passes, none and all among them.
-inline Merge half_merged(int planes = kFeaturePlanes, bool with_ratio = false) {
-  Merge merge = empty_merge(planes, with_ratio);
-  const int of_results = planes + (with_ratio ? int(kRatioPlanes) : 0);
+inline Merge half_merged(FilmLayers layers = kFeatureLayers) {
+  Merge merge = empty_merge(layers);
   for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
     for (std::uint32_t pass = 0; is_merged_first(tile, pass); ++pass)
-      merge.add(tile, pass, result(tile, pass, of_results));
+      merge.add(tile, pass, result(tile, pass, layers));
   return merge;
 }
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kernels/host/words.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {

@@ -73,7 +73,7 @@ std::map<std::uint32_t, float> mattes(const Image& image, const std::string& lay
 TEST_F(CryptomatteCommand, SaysWhoCoversThePixels) {
   render_well("a.exr", {"--set", "film.pixel_format=rgba"});
   const Image a = image("a.exr");
-  const std::uint32_t floor = cryptomatte_hash("the floor"), lamp = cryptomatte_hash("shape-2"),
+  const std::uint32_t floor = cryptomatte_hash("the floor"), area_light = cryptomatte_hash("shape-2"),
                       grey = cryptomatte_hash("grey");
   int partly = 0, whole = 0;
   for (int y = 0; y < 20; ++y)
@@ -81,7 +81,7 @@ TEST_F(CryptomatteCommand, SaysWhoCoversThePixels) {
       auto objects = mattes(a, "CryptoObject", x, y), materials = mattes(a, "CryptoMaterial", x, y);
       double sum = 0;
       for (const auto& [id, coverage] : objects) {
-        EXPECT_TRUE(id == floor || id == lamp);
+        EXPECT_TRUE(id == floor || id == area_light);
         sum += double(coverage);
       }
       EXPECT_NEAR(sum, a.at(x, y, a.channel("A").value()), 1e-6) << "all that alpha counts is somebody's";

@@ -100,7 +100,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   for (const auto& feature : costs["left_out"]) left_out.insert(feature["name"]);
   EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_RECTANGLE"}));
   EXPECT_TRUE(left_out.contains("BSDF_PHONG"));
-  EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(unsigned(FEATURE_ALL)) +
+  EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(std::uint64_t(FEATURE_ALL)) +
                                                        std::popcount(EVERY_FAMILY) + LIGHT_KIND_COUNT));
 
   const auto& bytes = costs["bytes"];
@@ -118,7 +118,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
     more += table["everything"].get<std::int64_t>() - table["own"].get<std::int64_t>();
   EXPECT_EQ(bytes["device_scene"]["everything"].get<std::int64_t>(),
             bytes["device_scene"]["own"].get<std::int64_t>() + more);
-  // 13 planes instead of 21 and 15: those of the closed form and of the ratio estimator are not there.
+  // 13 planes instead of 21: those of the closed form are not there.
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
   EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * (22 + 15));
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);

@@ -1,4 +1,5 @@
 #include "scheduler/cli/pixel_text.h"
+#include "tests/support/film_layers.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +10,9 @@ TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
   SampleBuffer buffer;
   buffer.width = buffer.height = 1;
   buffer.sample_count = 5;
-  buffer.planes = kFeaturePlanes;
+  buffer.planes = kFeatureLayers.planes();
   buffer.values = {0.1f, 0.5f, 2, 0, 2, 4, 0.25f, 0.5f, 0.75f, 0, 0, -1, 3};
-  FilmAccumulator film(5, 6, 1, 1, kFeaturePlanes);
+  FilmAccumulator film(5, 6, 1, 1, kFeatureLayers);
   film.add(5, 6, buffer);
   EXPECT_EQ(pixel_text(film, 5, 6),
             "pixel 5,6  5 samples\n"
@@ -24,16 +25,18 @@ TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
 }
 
 TEST(PixelText, ShowsAlphaWhereThereIsOne) {
-  for (const int layers : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
-    FilmAccumulator film(0, 0, 1, 1, layers + 1);
-    SampleBuffer buffer{.width = 1, .height = 1, .planes = layers + 1, .sample_count = 2, .values = {}};
-    buffer.values.resize(std::size_t(layers + 1));
+  for (const std::uint64_t features :
+       {std::uint64_t(0), std::uint64_t(FEATURE_LAYERS), std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS)}) {
+    const FilmLayers layers(features | FEATURE_COVERAGE);
+    FilmAccumulator film(0, 0, 1, 1, layers);
+    SampleBuffer buffer{.width = 1, .height = 1, .planes = layers.planes(), .sample_count = 2, .values = {}};
+    buffer.values.resize(std::size_t(layers.planes()));
     buffer.values.back() = 0.75f;
     film.add(0, 0, buffer);
     const std::string text = pixel_text(film, 0, 0);
     EXPECT_NE(text.find("alpha                        0.75\n"), std::string::npos) << text;
-    EXPECT_EQ(text.find("albedo") != std::string::npos, layers >= kFeaturePlanes);
-    EXPECT_EQ(text.find("visibility") != std::string::npos, layers >= kSampleBufferPlanes);
+    EXPECT_EQ(text.find("albedo") != std::string::npos, layers.has(LAYER_ALBEDO));
+    EXPECT_EQ(text.find("visibility") != std::string::npos, layers.has(LAYER_ANALYTIC));
   }
 }
 

@@ -43,7 +43,6 @@ TEST(PolygonSettings, OverridesReachTheDeviceScene) {
   };
   EXPECT_THAT(estimator({"--set", "integrator.alpha=0.25"}), HasSubstr("alpha 0.25"));
   EXPECT_THAT(estimator({"--set", "integrator.alpha=-2"}), HasSubstr("alpha -2"));
-  EXPECT_THAT(estimator({"--set", "integrator.estimator=ratio"}), HasSubstr("ratio"));
   EXPECT_THAT(estimator({"--set", "integrator.alpha=auto"}), HasSubstr("fitted"));
   EXPECT_EQ(estimator({"--set", "integrator.emitter_sampling=projected"}), "samples alone")
       << "nothing to fit";
@@ -58,7 +57,6 @@ TEST(PolygonSettings, OverridesReachTheDeviceScene) {
 TEST(PolygonSettings, WrongValuesAreBadInput) {
   const std::pair<const char*, const char*> cases[] = {
       {"integrator.alpha=much", "nor is it 'auto'"},
-      {"integrator.estimator=mean", "'mean' is not one of: cv, ratio"},
       {"integrator.light_choice=random", "'random' is not one of: auto, power, analytic, tree"},
       {"integrator.nee=on", "'on' is not one of: sample, cv"},
       {"integrator.trace_shadows=0", "neither true nor false"},

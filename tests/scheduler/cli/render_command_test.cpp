@@ -11,6 +11,7 @@
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/render_memory.h"
+#include "tests/support/film_layers.h"
 #include "tests/scheduler/cli/small_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -190,7 +191,7 @@ TEST_F(RenderCommand, TheMemoryOfAPixelIsWhatIsCountedForIt) {
         layers ? std::vector<std::string>{} : std::vector<std::string>{"--no-features"};
     const double measured = peak("large.xml", more) - peak("s.xml", more);
     const double counted =
-        1400.0 * 1000 * double(pixel_memory(layers ? kFeaturePlanes : kRadiancePlanes).peak(true));
+        1400.0 * 1000 * double(pixel_memory(layers ? kFeatureLayers : kNoLayers).peak(true));
     // Less where a file compresses well; more for results on their way.
     EXPECT_GT(measured, 0.5 * counted) << layers;
     EXPECT_LT(measured, 1.2 * counted) << layers;

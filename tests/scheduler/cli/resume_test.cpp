@@ -112,9 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{"target_error", {"--sampler", "independent", "--target-error", "0.0015", "--spp", "200000"}},
         Kind{"adaptive", {"--adaptive", "--sampler", "sobol"}},
         Kind{"without_layers", {"--no-features", "--integrator", "path_ems"}},
-        Kind{"embree", {"--intersector", "embree"}},
-        Kind{"ratio",
-             {"--integrator", "polygon_cv", "--set", "integrator.estimator=ratio", "--spp", "30000"}}),
+        Kind{"embree", {"--intersector", "embree"}}),
     [](const auto& parameter) { return parameter.param.name; });
 
 TEST_F(Resume, AfterCtrlCItGoesOnFromTheEnd) {

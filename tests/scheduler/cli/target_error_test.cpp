@@ -112,11 +112,6 @@ TEST(TargetErrorOptions, WhatHasNoErrorOfItsSamplesIsRefused) {
       run_penumbra(folder.path(), {"render", "s.xml", "--sampler", "sobol", "--target-error", "0.1"});
   EXPECT_EQ(sobol.exit_code, 2);
   EXPECT_THAT(sobol.err, HasSubstr("--sampler independent"));
-  const auto ratio = run_penumbra(
-      folder.path(), {"render", "s.xml", "--sampler", "independent", "--integrator", "polygon_cv", "--set",
-                      "integrator.estimator=ratio", "--target-error", "0.1"});
-  EXPECT_EQ(ratio.exit_code, 2);
-  EXPECT_THAT(ratio.err, HasSubstr("integrator.estimator=cv"));
 }
 
 TEST(TargetErrorOptions, ATimeBudgetEndsIt) {

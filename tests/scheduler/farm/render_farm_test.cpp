@@ -40,9 +40,9 @@ std::shared_ptr<RenderJob> job(float shift) {
 }
 
 std::uint64_t expected_hash(float shift) {
-  FilmAccumulator film(0, 0, kSize, kSize, kRadiancePlanes);
+  FilmAccumulator film(0, 0, kSize, kSize, kNoLayers);
   for (std::uint32_t first = 0; first < kSpp; first += kSamplesPerPass)
-    film.add(0, 0, fake_samples({0, 0, kSize, kSize, first, kSamplesPerPass}, kRadiancePlanes, shift));
+    film.add(0, 0, fake_samples({0, 0, kSize, kSize, first, kSamplesPerPass}, kNoLayers, shift));
   return film.hash();
 }
 

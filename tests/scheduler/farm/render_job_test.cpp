@@ -13,7 +13,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "kernels/host/peak_memory.h"
+#include "kernels/host/process.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/farm/worker_isa.h"
 #include "scheduler/plan/adaptive_tile.h"
@@ -86,10 +86,10 @@ class RenderJobTest : public testing::Test {
 
   /// The same film without scheduler, workers and wire.
   static std::uint64_t expected_hash() {
-    FilmAccumulator film(kX, kY, kWidth, kHeight, kFeaturePlanes);
+    FilmAccumulator film(kX, kY, kWidth, kHeight, kFeatureLayers);
     for (std::uint32_t first = 0; first < kSpp; first += kSamplesPerPass) {
       const RenderUnit unit{kX, kY, kWidth, kHeight, first, std::min(kSamplesPerPass, kSpp - first)};
-      film.add(kX, kY, fake_samples(unit, kFeaturePlanes));
+      film.add(kX, kY, fake_samples(unit, kFeatureLayers));
     }
     return film.hash();
   }
@@ -498,23 +498,17 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
     large.tile = 1024;
     return check_render_job(large);
   };
-  const double whole = double(pixel_memory(kFeaturePlanes).peak(true));
+  const double whole = double(pixel_memory(kFeatureLayers).peak(true));
   EXPECT_TRUE(fits(1.01 * whole));
   ASSERT_FALSE(fits(0.99 * whole));
   EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
   EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
   large.target_error = 0.1;
   EXPECT_FALSE(fits(1.01 * whole));
-  EXPECT_TRUE(fits(1.01 * double(pixel_memory(kFeaturePlanes).peak(true, AdaptiveTile::kMostFilms))));
+  EXPECT_TRUE(fits(1.01 * double(pixel_memory(kFeatureLayers).peak(true, AdaptiveTile::kMostFilms))));
   large.target_error.reset();
   large.interactive = true;  // writes no files
   EXPECT_TRUE(fits(0.99 * whole));
-  large.interactive = false;
-  large.scene.header.features |= FEATURE_RATIO;  // its sums stay in the film, and are no channels
-  const double with_ratio = double(pixel_memory(kFeaturePlanes, true).peak(true));
-  EXPECT_GT(with_ratio, whole);
-  EXPECT_TRUE(fits(1.01 * with_ratio));
-  EXPECT_FALSE(fits(0.99 * with_ratio));
 }
 
 // --- No orphans

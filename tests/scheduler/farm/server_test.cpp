@@ -53,7 +53,7 @@ class ServerTest : public testing::Test {
   WorkerId connect_and_take_a_unit() {
     say_hello();
     const WorkerId worker = next<arrivals::Connected>().worker;
-    server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
+    server_->send_unit(worker, kUnit, kArea, kNoLayers);
     wire::SchedulerMessage message;
     EXPECT_TRUE(stream_->Read(&message));
     EXPECT_TRUE(message.has_unit());
@@ -92,7 +92,7 @@ class ServerTest : public testing::Test {
   wire::WorkerMessage good_result() const {
     wire::WorkerMessage message;
     encode(kUnit, 0, *message.mutable_result()->mutable_id());
-    encode(fake_samples(kArea, kRadiancePlanes), *message.mutable_result());
+    encode(fake_samples(kArea, kNoLayers), *message.mutable_result());
     return message;
   }
 
@@ -148,7 +148,7 @@ TEST_F(ServerTest, AGoodResultArrivesAsItIs) {
   const auto result = next<arrivals::Result>();
   EXPECT_EQ(result.worker, worker);
   EXPECT_EQ(result.unit, kUnit);
-  EXPECT_EQ(result.buffer.values, fake_samples(kArea, kRadiancePlanes).values);
+  EXPECT_EQ(result.buffer.values, fake_samples(kArea, kNoLayers).values);
   EXPECT_EQ(result.buffer.sample_count, 3u);
   EXPECT_EQ(result.busy_seconds, 1.5);
 }
@@ -207,7 +207,7 @@ TEST_F(ServerTest, AWorkerIsNotReadyForAJobThatItWasNotGiven) {
 
 TEST_F(ServerTest, OfAForgottenJobsUnitsNothingIsHeard) {
   const WorkerId worker = connect_and_take_the_job();
-  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
+  server_->send_unit(worker, kUnit, kArea, kNoLayers);
   server_->forget_job(worker, kJob);
   stream_->Write(ready());
   stream_->Write(good_result());
@@ -222,7 +222,7 @@ TEST_F(ServerTest, ResultsOfOlderViewsAreNotHeardThoseOfOtherJobsAre) {
   const WorkerId worker = connect_and_take_a_unit();
   UnitId other = kUnit;
   other.job = 6;
-  server_->send_unit(worker, other, kArea, ResultShape{kRadiancePlanes});
+  server_->send_unit(worker, other, kArea, kNoLayers);
   server_->send_view(worker, kJob, {1, {}});
   stream_->Write(good_result());
   wire::WorkerMessage of_other = good_result();
@@ -244,7 +244,7 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   stream_->Write(ready());
   next<arrivals::Ready>();
   server_->dismiss(worker, "it lies");
-  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
+  server_->send_unit(worker, kUnit, kArea, kNoLayers);
   wire::SchedulerMessage message;
   ASSERT_TRUE(stream_->Read(&message));
   EXPECT_EQ(message.dismiss().reason(), "it lies");
@@ -307,66 +307,66 @@ TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
        {std::numeric_limits<double>::quiet_NaN(), -1.0, std::numeric_limits<double>::infinity()}) {
     wire::WorkerMessage message = good_result();
     message.mutable_result()->set_busy_seconds(seconds);
-    EXPECT_FALSE(decode(message.result(), kArea, ResultShape{kRadiancePlanes})) << seconds;
+    EXPECT_FALSE(decode(message.result(), kArea, kNoLayers)) << seconds;
   }
-  EXPECT_TRUE(decode(good_result().result(), kArea, ResultShape{kRadiancePlanes}));
+  EXPECT_TRUE(decode(good_result().result(), kArea, kNoLayers));
 }
 
-/// What a result with these owners is to a scheduler whose scene has 9.
-std::string error_of_owners(const std::vector<std::uint32_t>& owners) {
-  SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
-  buffer.owners = owners;
+/// What a result with these mattes is to a scheduler whose scene has 9.
+std::string error_of_mattes(const std::vector<std::uint32_t>& mattes) {
+  SampleBuffer buffer = fake_samples(kArea, kNoLayers);
+  buffer.mattes = mattes;
   wire::UnitResult message;
   encode(buffer, message);
-  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  const auto decoded = decode(message, kArea, FilmLayers(0, 9));
   if (!decoded) return decoded.error().message;
-  EXPECT_EQ(decoded->owners, owners);
+  EXPECT_EQ(decoded->mattes, mattes);
   return "";
 }
 
-TEST(ResultOwners, AreThoseOfTheSamplesOfEachPixel) {
+TEST(ResultMattes, AreThoseOfTheSamplesOfEachPixel) {
   const auto pixels = std::size_t(kArea.width) * std::size_t(kArea.height);
   const std::uint32_t n = kArea.sample_count;
   ASSERT_GE(n, 2u);
-  // Nobody and the last owner, of each pixel.
-  std::vector<std::uint32_t> owners;
+  // Nobody and the last matte, of each pixel.
+  std::vector<std::uint32_t> mattes;
   for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-    owners.insert(owners.end(), {2u, std::uint32_t(NOBODY), 1u, 9u, n - 1});
-  EXPECT_EQ(error_of_owners(owners), "");
+    mattes.insert(mattes.end(), {2u, std::uint32_t(NO_MATTE), 1u, 9u, n - 1});
+  EXPECT_EQ(error_of_mattes(mattes), "");
   const auto changed = [&](std::size_t at, std::uint32_t value) {
-    std::vector<std::uint32_t> wrong = owners;
+    std::vector<std::uint32_t> wrong = mattes;
     wrong[at] = value;
-    return error_of_owners(wrong);
+    return error_of_mattes(wrong);
   };
   EXPECT_THAT(changed(3, 10), HasSubstr("unknown"));
-  EXPECT_THAT(changed(3, NOBODY), HasSubstr("out of its order")) << "twice";
+  EXPECT_THAT(changed(3, NO_MATTE), HasSubstr("out of its order")) << "twice";
   EXPECT_THAT(changed(4, n), HasSubstr("samples in a pixel"));
   EXPECT_THAT(changed(4, 0), HasSubstr("no sample met"));
   EXPECT_THAT(changed(4, ~0u), HasSubstr("samples in a pixel")) << "no sum may run over";
   EXPECT_THAT(changed(0, ~0u), HasSubstr("no list"));
   EXPECT_THAT(changed(0, 3), testing::Not(testing::IsEmpty()));
-  EXPECT_THAT(error_of_owners({}), HasSubstr("no list"));
-  std::vector<std::uint32_t> shorter = owners, longer = owners;
+  EXPECT_THAT(error_of_mattes({}), HasSubstr("no list"));
+  std::vector<std::uint32_t> shorter = mattes, longer = mattes;
   shorter.pop_back();
   longer.push_back(0);
-  EXPECT_THAT(error_of_owners(shorter), HasSubstr("no list"));
-  EXPECT_THAT(error_of_owners(longer), HasSubstr("more pixels"));
+  EXPECT_THAT(error_of_mattes(shorter), HasSubstr("no list"));
+  EXPECT_THAT(error_of_mattes(longer), HasSubstr("more pixels"));
 }
 
-TEST(ResultOwners, OfASceneWithoutThemAreRefusedAndEveryBitIsSecured) {
-  SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
+TEST(ResultMattes, OfASceneWithoutThemAreRefusedAndEveryBitIsSecured) {
+  SampleBuffer buffer = fake_samples(kArea, kNoLayers);
   for (std::size_t pixel = 0; pixel < buffer.pixels(); ++pixel)
-    buffer.owners.insert(buffer.owners.end(), {1u, 5u, buffer.sample_count});
+    buffer.mattes.insert(buffer.mattes.end(), {1u, 5u, buffer.sample_count});
   wire::UnitResult message;
   encode(buffer, message);
-  EXPECT_FALSE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 0}));
-  EXPECT_TRUE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9}));
+  EXPECT_FALSE(decode(message, kArea, FilmLayers(0, 0)));
+  EXPECT_TRUE(decode(message, kArea, FilmLayers(0, 9)));
   const std::uint64_t hash = result_hash(message);
-  message.mutable_pixels()->set_owners(1, 4);
-  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  message.mutable_pixels()->set_mattes(1, 4);
+  const auto decoded = decode(message, kArea, FilmLayers(0, 9));
   ASSERT_FALSE(decoded);
   EXPECT_THAT(decoded.error().message, HasSubstr("checksum"));
-  buffer.owners[1] = 4;
+  buffer.mattes[1] = 4;
   encode(buffer, message);
   EXPECT_NE(result_hash(message), hash) << "two workers that differ are told apart";
 }
@@ -444,22 +444,23 @@ TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
        {Bad{kMeanG, nan, "nan as a mean radiance of its pixel (1, 2)"},
         Bad{kMeanR, -infinity, "-inf as a mean radiance"}, Bad{kDeviationB, infinity, "inf as a deviation"},
         Bad{kDeviationR, nan, "nan as a deviation"}, Bad{kDeviationG, -1, "-1 as a deviation"},
-        Bad{kDepth, nan, "nan as a layer"}}) {
+        Bad{kFeatureLayers.plane(LAYER_DEPTH), nan, "nan as a layer"}}) {
     SCOPED_TRACE(bad.text);
-    const int planes = bad.plane < kRadiancePlanes ? kRadiancePlanes : kFeaturePlanes;
-    SampleBuffer buffer = fake_samples(kArea, planes);
+    const bool is_layer = bad.plane >= kRadiancePlanes;
+    const FilmLayers layers = is_layer ? kFeatureLayers : kNoLayers;
+    SampleBuffer buffer = fake_samples(kArea, layers);
     buffer.plane(bad.plane)[11] = bad.value;
     buffer.flagged[BAD_NAN] = {
         .count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
     wire::UnitResult message;
     encode(buffer, message);
-    const Expected<SampleBuffer> decoded = decode(message, kArea, ResultShape{planes});
+    const Expected<SampleBuffer> decoded = decode(message, kArea, layers);
     ASSERT_FALSE(decoded);
     EXPECT_THAT(decoded.error().message, HasSubstr(bad.text));
-    if (planes != kRadiancePlanes) continue;
+    if (is_layer) continue;
     wire::WorkerMessage whole = good_result();
     encode(buffer, *whole.mutable_result());
-    server_->send_unit(1, kUnit, kArea, ResultShape{kRadiancePlanes});
+    server_->send_unit(1, kUnit, kArea, kNoLayers);
     EXPECT_THAT(why_rejected(whole), HasSubstr(bad.text));
   }
 }
@@ -468,7 +469,7 @@ TEST_F(ServerTest, AnImpossibleTimeIsNoticed) {
   for (const double seconds : {-1.0, std::nan(""), double(std::numeric_limits<float>::infinity())}) {
     wire::WorkerMessage message = good_result();
     message.mutable_result()->set_busy_seconds(seconds);
-    EXPECT_FALSE(decode(message.result(), kArea, ResultShape{kRadiancePlanes})) << seconds;
+    EXPECT_FALSE(decode(message.result(), kArea, kNoLayers)) << seconds;
   }
 }
 
@@ -494,7 +495,7 @@ TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
       good.result().pixels().flagged(BAD_NAN).count() + 1);
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
   other = good;
-  SampleBuffer other_values = fake_samples(kArea, kRadiancePlanes);
+  SampleBuffer other_values = fake_samples(kArea, kNoLayers);
   other_values.values[0] += 1;
   encode(other_values, *other.mutable_result());
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
@@ -505,7 +506,7 @@ TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
   const WorkerId worker = next<arrivals::Connected>().worker;
   context_.TryCancel();
   EXPECT_EQ(next<arrivals::Gone>().worker, worker);
-  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});  // nothing happens
+  server_->send_unit(worker, kUnit, kArea, kNoLayers);  // nothing happens
   server_->dismiss(worker, "");
 }
 
@@ -591,9 +592,9 @@ TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
 }
 
 TEST(MessageSize, HoldsTheLargestResultOfAnyScene) {
-  for (const std::uint32_t features :
-       {0u, std::uint32_t(FEATURE_LAYERS), std::uint32_t(FEATURE_RATIO),
-        std::uint32_t(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO), std::uint32_t(FEATURE_ALL)}) {
+  for (const std::uint64_t features :
+       {0u, std::uint64_t(FEATURE_LAYERS), std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS),
+        std::uint64_t(FEATURE_ALL)}) {
     const std::int64_t values = std::int64_t(kMaxTile) * kMaxTile * plane_count(features);
     EXPECT_LT(values * std::int64_t(sizeof(float)), kMaxMessageBytes) << features;
   }

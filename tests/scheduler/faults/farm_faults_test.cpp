@@ -33,19 +33,18 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSize = 96;
 constexpr std::uint32_t kSpp = 18, kSamplesPerPass = 3;
-constexpr int kPlanes = kRadiancePlanes;
 constexpr auto kTimeToEnd = 60s;  // what takes longer hangs
 
 /// x, y and first sample of a unit.
 using Place = std::tuple<int, int, std::uint32_t>;
 
 std::uint64_t expected_hash(int tile, const std::set<Place>& missing) {
-  FilmAccumulator film(0, 0, kSize, kSize, kPlanes);
+  FilmAccumulator film(0, 0, kSize, kSize, kNoLayers);
   for (std::uint32_t first = 0; first < kSpp; first += kSamplesPerPass)
     for (int y = 0; y < kSize; y += tile)
       for (int x = 0; x < kSize; x += tile)
         if (!missing.contains({x, y, first}))
-          film.add(x, y, fake_samples({x, y, tile, tile, first, kSamplesPerPass}, kPlanes));
+          film.add(x, y, fake_samples({x, y, tile, tile, first, kSamplesPerPass}, kNoLayers));
   return film.hash();
 }
 
@@ -136,7 +135,7 @@ void FarmFaults::run(const FaultSchedule& schedule) {
 
   std::atomic<bool> stop = false;
   std::deque<RogueWorker> rogues;
-  for (const RogueHabit& habit : schedule.rogues) rogues.emplace_back(job.listen, habit, kPlanes);
+  for (const RogueHabit& habit : schedule.rogues) rogues.emplace_back(job.listen, habit, kNoLayers);
   FaultInjector injector(schedule, stop);
   const Expected<RenderOutcome> outcome = run_render(job, stop, [&](const RenderProgress& progress) {
     if (progress.samples_done > 0) injector.begin();

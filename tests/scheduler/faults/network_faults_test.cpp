@@ -30,9 +30,9 @@ constexpr int kSize = 64;
 constexpr std::uint32_t kSpp = 5;
 
 std::uint64_t expected_hash() {
-  FilmAccumulator film(0, 0, kSize, kSize, kRadiancePlanes);
+  FilmAccumulator film(0, 0, kSize, kSize, kNoLayers);
   for (std::uint32_t sample = 0; sample < kSpp; ++sample)
-    film.add(0, 0, fake_samples({0, 0, kSize, kSize, sample, 1}, kRadiancePlanes));
+    film.add(0, 0, fake_samples({0, 0, kSize, kSize, sample, 1}, kNoLayers));
   return film.hash();
 }
 

@@ -24,8 +24,8 @@ const char* text_of(Roguery roguery) {
   return kTexts[int(roguery)];
 }
 
-RogueWorker::RogueWorker(std::string address, RogueHabit habit, int planes)
-    : address_(std::move(address)), habit_(habit), planes_(planes), thread_([this] { run(); }) {}
+RogueWorker::RogueWorker(std::string address, RogueHabit habit, const FilmLayers& layers)
+    : address_(std::move(address)), habit_(habit), layers_(layers), thread_([this] { run(); }) {}
 
 RogueWorker::~RogueWorker() {
   over_ = true;
@@ -89,7 +89,7 @@ bool RogueWorker::answer(const wire::Unit& unit) {
   if (silent_) return true;
   wire::WorkerMessage message;
   *message.mutable_result()->mutable_id() = unit.id();
-  encode(fake_samples(decode(unit).value(), planes_), *message.mutable_result());
+  encode(fake_samples(decode(unit).value(), layers_), *message.mutable_result());
   const bool goes_on_lying = habit_.roguery == Roguery::kLies && units_ >= habit_.at;
   if (++units_ == habit_.at || failures_left_ > 0 || goes_on_lying) return do_it(message, unit);
   return say(message);
@@ -99,7 +99,7 @@ bool RogueWorker::answer(const wire::Unit& unit) {
 bool RogueWorker::do_it(wire::WorkerMessage& message, const wire::Unit& unit) {
   done_it_ = true;
   wire::PixelResult& pixels = *message.mutable_result()->mutable_pixels();
-  SampleBuffer buffer = fake_samples(decode(unit).value(), planes_);
+  SampleBuffer buffer = fake_samples(decode(unit).value(), layers_);
   switch (habit_.roguery) {
     case Roguery::kFlippedBit:
       (*pixels.mutable_values())[pixels.values().size() / 3] ^= 1;

@@ -42,8 +42,8 @@ struct RogueHabit {
 class RogueWorker {
  public:
   /// Connects as soon as somebody listens at the address, and works until it is sent away or this goes.
-  /// `planes`: of the results of the job.
-  RogueWorker(std::string address, RogueHabit habit, int planes);
+  /// `layers`: of the results of the job.
+  RogueWorker(std::string address, RogueHabit habit, const FilmLayers& layers);
   RogueWorker(const RogueWorker&) = delete;
   RogueWorker& operator=(const RogueWorker&) = delete;
   ~RogueWorker();
@@ -62,7 +62,7 @@ class RogueWorker {
 
   const std::string address_;
   const RogueHabit habit_;
-  const int planes_;
+  const FilmLayers layers_;
   grpc::ClientContext context_;
   std::unique_ptr<Stream> stream_;
   std::mutex mutex_;  // of writing

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "scheduler/plan/merge.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -19,9 +21,9 @@ constexpr std::uint32_t kPerPass = 4;
 SampleBuffer bernoulli_pass(std::mt19937_64& random, double p, int size = kSide) {
   SampleBuffer result{.width = size,
                       .height = size,
-                      .planes = kRadiancePlanes,
+                      .planes = kNoLayers.planes(),
                       .sample_count = kPerPass,
-                      .values = std::vector<float>(std::size_t(size) * size * kRadiancePlanes)};
+                      .values = std::vector<float>(std::size_t(size) * size * kNoLayers.planes())};
   std::binomial_distribution<int> hits(int(kPerPass), p);
   for (std::size_t pixel = 0; pixel < result.pixels(); ++pixel) {
     const double mean = hits(random) / double(kPerPass);
@@ -33,7 +35,7 @@ SampleBuffer bernoulli_pass(std::mt19937_64& random, double p, int size = kSide)
   return result;
 }
 
-FilmAccumulator empty_film(int size = kSide) { return {0, 0, size, size, kRadiancePlanes}; }
+FilmAccumulator empty_film(int size = kSide) { return {0, 0, size, size, kNoLayers}; }
 
 double mean_of(const FilmAccumulator& film) {
   double sum = 0;
@@ -127,7 +129,7 @@ SampleBuffer pass_of(std::uint32_t tile, std::uint32_t pass) {
 }
 
 Merge rendered(double target) {
-  Merge merge({0, 0, kFilm, kFilm, kRadiancePlanes}, grid(), target);
+  Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), target);
   for (std::uint32_t tile = 0; tile < grid().tiles(); ++tile)
     for (std::uint32_t pass = 0; pass < merge.passes_wanted(tile); ++pass)
       merge.add(tile, pass, pass_of(tile, pass));
@@ -150,7 +152,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
   const Merge undisturbed = rendered(0.2);
   std::mt19937 random(5);
   for (int trial = 0; trial < 20; ++trial) {
-    Merge merge({0, 0, kFilm, kFilm, kRadiancePlanes}, grid(), 0.2);
+    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), 0.2);
     std::vector<std::uint32_t> issued(grid().tiles());
     const auto interruption = trial % 2 == 0 ? random() % 200 : ~0ull;
     for (std::uint64_t unit = 0; !merge.is_done(); ++unit) {
@@ -158,7 +160,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
         std::vector<std::uint8_t> bytes;
         ByteWriter writer(bytes);
         merge.write(writer);
-        Merge resumed({0, 0, kFilm, kFilm, kRadiancePlanes}, grid(), 0.2);
+        Merge resumed({0, 0, kFilm, kFilm, kNoLayers}, grid(), 0.2);
         ByteReader reader(bytes);
         const auto read = resumed.read(reader);
         ASSERT_TRUE(read) << read.error().message;
@@ -183,7 +185,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
 }
 
 TEST(AdaptiveMerge, ASkippedPassStopsNothing) {
-  Merge merge({0, 0, kSide, kSide, kRadiancePlanes},
+  Merge merge({0, 0, kSide, kSide, kNoLayers},
               TileGrid(0, 0, kSide, kSide, kSide, 40 * kPerPass, kPerPass), 0.01);
   merge.skip(0, 0);
   for (std::uint32_t pass = 1; pass < merge.passes_wanted(0); ++pass) merge.add(0, pass, pass_of(3, pass));
@@ -194,7 +196,7 @@ TEST(AdaptiveMerge, ASkippedPassStopsNothing) {
 
 TEST(AdaptiveMerge, ExpectsMoreWhereTheErrorIsLarge) {
   const auto expected = [](double target) {
-    Merge merge({0, 0, kFilm, kFilm, kRadiancePlanes}, grid(), target);
+    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), target);
     for (std::uint32_t tile = 0; tile < grid().tiles(); ++tile)
       for (std::uint32_t pass = 0; pass < 4; ++pass) merge.add(tile, pass, pass_of(tile, pass));
     return double(merge.samples_expected());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scheduler/plan/byte_stream.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -32,7 +33,7 @@ Reference two_pass(const std::vector<double>& samples) {
 /// A result of one pixel whose radiance statistics are exactly the given floats.
 SampleBuffer pixel_result(float mean, float deviation, std::uint32_t count) {
   SampleBuffer buffer{
-      .width = 1, .height = 1, .planes = kRadiancePlanes, .sample_count = count, .values = {}};
+      .width = 1, .height = 1, .planes = kNoLayers.planes(), .sample_count = count, .values = {}};
   buffer.values = {mean, mean, mean, deviation, deviation, deviation};
   return buffer;
 }
@@ -42,7 +43,7 @@ SampleBuffer pixel_result(float mean, float deviation, std::uint32_t count) {
 TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
   std::mt19937 random(20240611);
   std::uniform_int_distribution<int> middle(0, 4095), half_distance(0, 1023);
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   std::vector<double> samples;
   constexpr int kUnits = 20000;
   for (int i = 0; i < kUnits; ++i) {
@@ -62,7 +63,7 @@ TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
 }
 
 TEST(FilmAccumulator, UnequalUnitsAreWeightedByTheirCounts) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   film.add(0, 0, pixel_result(1, 0, 3));  // 1 1 1
   film.add(0, 0, pixel_result(5, 1, 2));  // 4 6
   EXPECT_EQ(film.at(0, 0).count, 5u);
@@ -72,14 +73,14 @@ TEST(FilmAccumulator, UnequalUnitsAreWeightedByTheirCounts) {
 
 TEST(FilmAccumulator, ALargeOffsetDoesNotDrownTheVariance) {
   // Sum of squares minus squared sum would lose all digits here: 1e6^2 / 1e-2^2 = 1e16.
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   constexpr int kUnits = 1000;
   for (int i = 0; i < kUnits; ++i) film.add(0, 0, pixel_result(1e6f, 1e-2f, 2));
   EXPECT_NEAR(film.at(0, 0).m2[0], kUnits * 2 * double(1e-2f) * double(1e-2f), 1e-9);
 }
 
 TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   constexpr std::uint32_t kSamples = 4096;
   constexpr std::uint64_t kUnits = 25000;  // 1e8 samples
   for (std::uint64_t i = 0; i < kUnits; ++i)
@@ -91,25 +92,24 @@ TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
 }
 
 TEST(FilmAccumulator, FeaturesAreAveraged) {
-  FilmAccumulator film(10, 20, 2, 1, kSampleBufferPlanes);
+  FilmAccumulator film(10, 20, 2, 1, kPolygonLayers);
   const auto result = [](float value, std::uint32_t count) {
     SampleBuffer buffer{
-        .width = 1, .height = 1, .planes = kSampleBufferPlanes, .sample_count = count, .values = {}};
-    for (int plane = 0; plane < kSampleBufferPlanes; ++plane)
+        .width = 1, .height = 1, .planes = kPolygonLayers.planes(), .sample_count = count, .values = {}};
+    for (int plane = 0; plane < kPolygonLayers.planes(); ++plane)
       buffer.values.push_back(value * float(plane + 1));
     return buffer;
   };
   film.add(11, 20, result(1, 1));
   film.add(11, 20, result(4, 2));  // the mean of 1, 4, 4 is 3
-  EXPECT_NEAR(film.layer(11, 20, kAlbedoR), 3.0 * (kAlbedoR + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, kNormalZ), 3.0 * (kNormalZ + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, kDepth), 3.0 * (kDepth + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, kWhole), 3.0 * (kWhole + 1), 1e-14);
+  for (int layer = 0; layer < LAYER_COVERAGE; ++layer)
+    for (int plane = 0; plane < kFilmLayers[layer].planes; ++plane)
+      EXPECT_NEAR(film.layer(11, 20, layer, plane), 3.0 * (kPolygonLayers.plane(layer) + plane + 1), 1e-14);
   EXPECT_EQ(film.at(10, 20).count, 0u);
 }
 
 TEST(FilmAccumulator, RelativeErrorIsTheStatedFormula) {
-  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 2, 1, kNoLayers);
   EXPECT_TRUE(std::isnan(film.relative_error()));
   film.add(0, 0, pixel_result(2, 0, 1));
   EXPECT_TRUE(std::isnan(film.relative_error())) << "one sample says nothing about its error";
@@ -122,13 +122,13 @@ TEST(FilmAccumulator, RelativeErrorIsTheStatedFormula) {
 TEST(FilmAccumulator, ClearForgetsOneRectangle) {
   SampleBuffer result{.width = 2,
                       .height = 2,
-                      .planes = kRadiancePlanes,
+                      .planes = kNoLayers.planes(),
                       .sample_count = 1,
                       .flagged = {{{.count = 3, .x = 5, .y = 4, .sample = 7, .source = {SOURCE_LIGHT, 2}},
                                    {.count = 1, .x = 0, .y = 0, .sample = 0, .source = {}},
                                    {.count = 2, .x = 5, .y = 5, .sample = 1, .source = {}, .shape = 9}}},
-                      .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
-  FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
+                      .values = std::vector<float>(4 * kNoLayers.planes(), 1.0f)};
+  FilmAccumulator film(4, 4, 4, 2, kNoLayers);
   film.add(4, 4, result);
   const std::uint64_t before = film.hash();
   film.add(6, 4, result);
@@ -145,17 +145,17 @@ TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
   const auto result = [](int x, int y, std::uint32_t sample, int source) {
     return SampleBuffer{.width = 2,
                         .height = 2,
-                        .planes = kRadiancePlanes,
+                        .planes = kNoLayers.planes(),
                         .sample_count = 1,
                         .flagged = {{{.count = 1, .x = x, .y = y, .sample = sample, .source = {source, 0}}}},
-                        .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
+                        .values = std::vector<float>(4 * kNoLayers.planes(), 1.0f)};
   };
   // By row, then column, then sample.
   const SampleBuffer first = result(5, 5, 3, SOURCE_LIGHT), later = result(5, 5, 4, SOURCE_FILTER),
                      right = result(6, 5, 0, SOURCE_CONTROL), below = result(4, 6, 0, SOURCE_CAMERA);
   std::vector<SampleBuffer> all{first, later, right, below};
   for (int order = 0; order < 4; ++order) {
-    FilmAccumulator film(4, 4, 4, 4, kRadiancePlanes);
+    FilmAccumulator film(4, 4, 4, 4, kNoLayers);
     for (const SampleBuffer& one : all)
       film.add(one.flagged[BAD_NAN].x / 2 * 2, one.flagged[BAD_NAN].y / 2 * 2, one);
     EXPECT_EQ(film.flagged()[BAD_NAN].count, 4u);
@@ -172,7 +172,7 @@ TEST(FilmAccumulator, FlaggedSamplesThatCannotBeAreNotRead) {
   const auto read_again = [](const FlaggedSamples& samples) {
     SampleBuffer buffer = pixel_result(1, 0, 2);
     buffer.flagged[BAD_BOUNDARY] = samples;
-    FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes), again(0, 0, 1, 1, kRadiancePlanes);
+    FilmAccumulator film(0, 0, 1, 1, kNoLayers), again(0, 0, 1, 1, kNoLayers);
     film.add(0, 0, buffer);
     std::vector<std::uint8_t> bytes;
     ByteWriter writer(bytes);

@@ -29,7 +29,7 @@ std::vector<Piece> pieces(const TileGrid& grid) {
 }
 
 Merge empty_merge(const TileGrid& grid) {
-  return {FilmAccumulator(kX, kY, kWidth, kHeight, kFeaturePlanes), grid};
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, kFeatureLayers), grid};
 }
 
 std::uint64_t merged_hash(int tile, unsigned order_seed) {
@@ -38,7 +38,7 @@ std::uint64_t merged_hash(int tile, unsigned order_seed) {
   if (order_seed != 0) std::ranges::shuffle(order, std::mt19937(order_seed));
   Merge merge = empty_merge(tiles);
   for (const Piece& piece : order) {
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeatureLayers));
   }
   EXPECT_EQ(merge.finished_passes(), tiles.passes());
   EXPECT_EQ(merge.waiting(), 0u);
@@ -62,7 +62,7 @@ TEST(Merge, StartsAgainInTheSameMemory) {
   for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile) {
     for (const std::uint32_t pass : {0u, 1u, 4u})  // the last one waits
       if (tile != 1 || pass > 0)
-        merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes, 7));
+        merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeatureLayers, 7));
   }
   ASSERT_GT(merge.waiting(), 0u);
   ASSERT_GT(merge.film().flagged()[BAD_NAN].count, 0u);
@@ -73,17 +73,17 @@ TEST(Merge, StartsAgainInTheSameMemory) {
   EXPECT_EQ(merge.film().hash(), empty_merge(tiles).film().hash());
   EXPECT_EQ(&merge.film().at(kX, kY), memory);
   for (const Piece& piece : pieces(tiles))
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeatureLayers));
   EXPECT_EQ(merge.film().hash(), merged_hash(16, 0));
 }
 
 TEST(Merge, TheHashNoticesAnOrderThatIsNotThePasses) {
   // The floor under the test above: without Merge the order of the passes does show in the bytes.
   const TileGrid tiles = grid(64);
-  FilmAccumulator forwards(kX, kY, kWidth, kHeight, kFeaturePlanes), backwards = forwards;
+  FilmAccumulator forwards(kX, kY, kWidth, kHeight, kFeatureLayers), backwards = forwards;
   for (std::uint32_t pass = 0; pass < tiles.passes(); ++pass) {
-    forwards.add(kX, kY, fake_samples(tiles.unit(0, pass), kFeaturePlanes));
-    backwards.add(kX, kY, fake_samples(tiles.unit(0, tiles.passes() - 1 - pass), kFeaturePlanes));
+    forwards.add(kX, kY, fake_samples(tiles.unit(0, pass), kFeatureLayers));
+    backwards.add(kX, kY, fake_samples(tiles.unit(0, tiles.passes() - 1 - pass), kFeatureLayers));
   }
   EXPECT_EQ(forwards.hash(), merged_hash(64, 0));
   EXPECT_NE(forwards.hash(), backwards.hash());
@@ -93,7 +93,7 @@ TEST(Merge, FinishedPassesAreThoseOfTheSlowestTile) {
   const TileGrid tiles = grid(25);  // 2 x 2 tiles
   Merge merge = empty_merge(tiles);
   const auto add = [&](std::uint32_t tile, std::uint32_t pass) {
-    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes));
+    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeatureLayers));
   };
   for (const std::uint32_t tile : {0, 1, 2}) add(tile, 0);
   EXPECT_EQ(merge.finished_passes(), 0u);
@@ -112,7 +112,7 @@ TEST(Merge, SaysHowManyUnitsThereAreIfTheyAreTheFirstOnes) {
   const std::uint32_t count = tiles.tiles();
   EXPECT_EQ(merge.units_in_order(), 0u);
   const auto add = [&](std::uint32_t tile, std::uint32_t pass) {
-    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes));
+    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeatureLayers));
   };
   for (std::uint32_t unit = 0; unit < 2 * count + 1; ++unit) {
     add(unit % count, unit / count);
@@ -136,7 +136,7 @@ TEST(Merge, ASkippedUnitDoesNotHoldUpItsTile) {
   Merge merge = empty_merge(tiles);
   for (const Piece& piece : pieces(tiles)) {
     if (piece.tile == 1 && piece.pass == 2) continue;
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeatureLayers));
   }
   EXPECT_EQ(merge.finished_passes(), 2u);
   merge.skip(1, 2);
@@ -149,7 +149,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const TileGrid tiles = grid(25);
   Merge merge = empty_merge(tiles);
   const auto wrong = [&](std::uint32_t tile, std::uint32_t pass) {
-    SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kFeaturePlanes);
+    SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kFeatureLayers);
     buffer.values[0] += 1;
     buffer.flagged[BAD_NAN].count = 5;
     return buffer;
@@ -161,21 +161,21 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   EXPECT_EQ(merge.waiting(), 0u);
   EXPECT_EQ(merge.film().flagged()[BAD_NAN].count, 0u);
   for (const Piece& piece : pieces(tiles)) {
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeatureLayers));
   }
   EXPECT_EQ(merge.film().hash(), merged_hash(64, 0));
 }
 
 TEST(Merge, ARedoRemembersWhatWasSkipped) {
   const TileGrid tiles(0, 0, 1, 1, 1, 3, 1);
-  Merge merge(FilmAccumulator(0, 0, 1, 1, kRadiancePlanes), tiles);
+  Merge merge(FilmAccumulator(0, 0, 1, 1, kNoLayers), tiles);
   merge.skip(0, 0);
-  merge.add(0, 1, fake_samples(tiles.unit(0, 1), kRadiancePlanes));
+  merge.add(0, 1, fake_samples(tiles.unit(0, 1), kNoLayers));
   merge.skip(0, 2);
   EXPECT_EQ(merge.finished_passes(), 3u);
   EXPECT_EQ(merge.redo(0), 1u);
   EXPECT_EQ(merge.finished_passes(), 1u);
-  merge.add(0, 1, fake_samples(tiles.unit(0, 1), kRadiancePlanes));
+  merge.add(0, 1, fake_samples(tiles.unit(0, 1), kNoLayers));
   EXPECT_EQ(merge.finished_passes(), 3u);
 }
 

@@ -17,6 +17,7 @@
 
 #include "scheduler/plan/merge.h"
 #include "scheduler/plan/plan.h"
+#include "tests/support/film_layers.h"
 #include "tests/support/fault_schedules.h"
 
 namespace penumbra {
@@ -113,7 +114,7 @@ class SimulatedFarm {
   void make_merges(JobId job) {
     merges_[job].clear();
     for (const PhaseUnits& phase : jobs_[job])
-      merges_[job].emplace_back(FilmAccumulator(0, 0, int(phase.tiles), 1, kRadiancePlanes),
+      merges_[job].emplace_back(FilmAccumulator(0, 0, int(phase.tiles), 1, kNoLayers),
                                 TileGrid(0, 0, int(phase.tiles), 1, 1, phase.passes, 1));
   }
   Merge& merge_of(const UnitId& unit) { return merges_.at(unit.job).at(unit.phase); }
@@ -367,7 +368,7 @@ class SimulatedFarm {
         1.0f / float(3 + unit.pass * 7 + unit.tile + unit.job + 5 * unit.phase) + (lie ? 1.0f : 0.0f);
     return {.width = 1,
             .height = 1,
-            .planes = kRadiancePlanes,
+            .planes = kNoLayers.planes(),
             .sample_count = 1,
             .values = {value, value * 3, value * 5, 0, 0, 0}};
   }
@@ -407,7 +408,7 @@ class SimulatedFarm {
 
   std::uint64_t undisturbed(JobId job, std::uint32_t phase) {
     const PhaseUnits& units = jobs_.at(job).at(phase);
-    FilmAccumulator film(0, 0, int(units.tiles), 1, kRadiancePlanes);
+    FilmAccumulator film(0, 0, int(units.tiles), 1, kNoLayers);
     for (std::uint32_t pass = 0; pass < units.passes; ++pass) {
       for (std::uint32_t tile = 0; tile < units.tiles; ++tile) {
         const UnitId unit{job, phase, pass, tile};

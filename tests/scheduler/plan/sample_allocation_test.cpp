@@ -25,9 +25,9 @@ TileGrid grid(int across, int down, std::uint32_t spp, std::uint32_t samples_per
 SampleBuffer noise(std::mt19937_64& random, double deviation, const RenderUnit& unit) {
   SampleBuffer result{.width = unit.width,
                       .height = unit.height,
-                      .planes = kRadiancePlanes,
+                      .planes = kNoLayers.planes(),
                       .sample_count = unit.sample_count,
-                      .values = std::vector<float>(std::size_t(unit.width) * unit.height * kRadiancePlanes)};
+                      .values = std::vector<float>(std::size_t(unit.width) * unit.height * kNoLayers.planes())};
   std::normal_distribution<float> value(1, float(deviation));
   for (int c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < result.pixels(); ++i) {
@@ -174,7 +174,7 @@ TEST(SampleAllocation, ATileWithoutAPilotCountsAsAMeanOne) {
 SampleBuffer result_of(const RenderUnit& unit) {
   RenderUnit other = unit;
   other.first_sample += unit.sequence * 1000003u + unit.spp * 7919u;
-  SampleBuffer result = fake_samples(other, kFeaturePlanes);
+  SampleBuffer result = fake_samples(other, kFeatureLayers);
   const float scale = float(unit.x * unit.x) / 1000;
   for (int c = 0; c < 3; ++c) {
     for (float& mean : result.plane(kMeanR + c)) mean = 1 + (mean - 0.5f) * scale;
@@ -185,7 +185,7 @@ SampleBuffer result_of(const RenderUnit& unit) {
 
 constexpr std::uint32_t kSpp = 40;
 Merge empty_merge(const TileGrid& tiles) {
-  return {FilmAccumulator(3, 5, 6 * kSide, 3 * kSide, kFeaturePlanes), tiles, {}, true};
+  return {FilmAccumulator(3, 5, 6 * kSide, 3 * kSide, kFeatureLayers), tiles, {}, true};
 }
 
 Merge rendered(const TileGrid& tiles) {
@@ -200,7 +200,7 @@ Merge rendered(const TileGrid& tiles) {
 TEST(MergeOfAllocatedSamples, IsTheFilmOfTheSamplesThatCount) {
   const TileGrid tiles = grid(6, 3, kSpp);
   const Merge merge = rendered(tiles);
-  FilmAccumulator film(3, 5, 6 * kSide, 3 * kSide, kFeaturePlanes);
+  FilmAccumulator film(3, 5, 6 * kSide, 3 * kSide, kFeatureLayers);
   std::uint64_t least = ~0ull, most = 0;
   for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile)
     for (std::uint32_t pass = SampleAllocation::kPilotPasses; pass < merge.passes_wanted(tile); ++pass) {

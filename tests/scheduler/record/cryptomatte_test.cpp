@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scheduler/record/film_image.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -65,14 +66,14 @@ TEST(Cryptomatte, IdsAreOrdinaryFloats) {
   EXPECT_EQ(cryptomatte_hash(""), 1u << 23);
 }
 
-OwnerNames three_owners() {
+MatteNames three_mattes() {
   // Two objects of one material, and one object of two.
   return {
-      .objects = {"a", "b"}, .materials = {"wood", "tin \"\xc3\xa4\""}, .owners = {{0, 0}, {1, 0}, {1, 1}}};
+      .objects = {"a", "b"}, .materials = {"wood", "tin \"\xc3\xa4\""}, .mattes = {{0, 0}, {1, 0}, {1, 1}}};
 }
 
 TEST(Cryptomatte, MetadataNameBothLayersAndTheirManifests) {
-  const OwnerNames names = three_owners();
+  const MatteNames names = three_mattes();
   std::map<std::string, std::string> metadata;
   for (const auto& [key, value] : cryptomatte_metadata(names)) metadata[key] = std::get<std::string>(value);
   EXPECT_EQ(metadata.size(), 8u);
@@ -91,14 +92,14 @@ TEST(Cryptomatte, MetadataNameBothLayersAndTheirManifests) {
   }
 }
 
-/// A pixel of ten samples: so many met each owner.
-Image image_of(const OwnerNames& names, std::vector<std::uint32_t> pairs) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes, false, int(names.owners.size()));
-  SampleBuffer buffer{.width = 1, .height = 1, .planes = kRadiancePlanes, .sample_count = 10, .values = {}};
-  buffer.values.assign(kRadiancePlanes, 0.0f);
-  buffer.owners = {std::uint32_t(pairs.size() / 2)};
-  buffer.owners.insert(buffer.owners.end(), pairs.begin(), pairs.end());
-  EXPECT_TRUE(check_owners(buffer, int(names.owners.size())));
+/// A pixel of ten samples: so many met each matte.
+Image image_of(const MatteNames& names, std::vector<std::uint32_t> pairs) {
+  FilmAccumulator film(0, 0, 1, 1, FilmLayers(0, int(names.mattes.size())));
+  SampleBuffer buffer{.width = 1, .height = 1, .planes = kNoLayers.planes(), .sample_count = 10, .values = {}};
+  buffer.values.assign(kNoLayers, 0.0f);
+  buffer.mattes = {std::uint32_t(pairs.size() / 2)};
+  buffer.mattes.insert(buffer.mattes.end(), pairs.begin(), pairs.end());
+  EXPECT_TRUE(check_mattes(buffer, int(names.mattes.size())));
   film.add(0, 0, buffer);
   return image_of_film(film, 1, 1, &names);
 }
@@ -108,12 +109,12 @@ float value(const Image& image, const char* channel) {
 }
 
 TEST(Cryptomatte, RanksFallAndEqualNamesAreOne) {
-  const OwnerNames names = three_owners();
-  const Image image = image_of(names, {NOBODY, 1, 1, 4, 2, 3, 3, 2});
+  const MatteNames names = three_mattes();
+  const Image image = image_of(names, {NO_MATTE, 1, 1, 4, 2, 3, 3, 2});
   EXPECT_EQ(image.exact_channels, std::size_t(kCryptomatteChannels));
   const auto id = [](const char* name) { return std::bit_cast<float>(cryptomatte_hash(name)); };
   EXPECT_EQ(value(image, "CryptoObject00.R"), id("b"));
-  EXPECT_EQ(value(image, "CryptoObject00.G"), 0.5f) << "of both its owners";
+  EXPECT_EQ(value(image, "CryptoObject00.G"), 0.5f) << "of both its mattes";
   EXPECT_EQ(value(image, "CryptoObject00.B"), id("a"));
   EXPECT_EQ(value(image, "CryptoObject00.A"), 0.4f);
   EXPECT_EQ(value(image, "CryptoObject01.R"), 0.0f);
@@ -125,11 +126,11 @@ TEST(Cryptomatte, RanksFallAndEqualNamesAreOne) {
 }
 
 TEST(Cryptomatte, SixRanksAreKept) {
-  OwnerNames names{.objects = {}, .materials = {"m"}, .owners = {}};
+  MatteNames names{.objects = {}, .materials = {"m"}, .mattes = {}};
   std::vector<std::uint32_t> pairs;
   for (std::uint32_t i = 0; i < 10; ++i) {
     names.objects.push_back("object-" + std::to_string(i));
-    names.owners.push_back({i, 0});
+    names.mattes.push_back({i, 0});
     pairs.insert(pairs.end(), {i + 1, 1});
   }
   const Image image = image_of(names, pairs);
@@ -141,7 +142,7 @@ TEST(Cryptomatte, SixRanksAreKept) {
 }
 
 TEST(Cryptomatte, IsNotThereUnlessAskedFor) {
-  const FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  const FilmAccumulator film(0, 0, 1, 1, kNoLayers);
   const Image image = image_of_film(film, 1, 1);
   EXPECT_EQ(image.exact_channels, 0u);
   EXPECT_FALSE(image.channel("CryptoObject00.R"));

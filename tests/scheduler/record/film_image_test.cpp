@@ -6,44 +6,48 @@
 #include <cmath>
 
 #include "scheduler/plan/render_memory.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
 
 using ::testing::ElementsAre;
 
+constexpr std::uint64_t kLayerFeatures[] = {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS};
+
 /// Every plane p of pixel i is p + i / 8.
-SampleBuffer buffer_of(int width, int height, int planes, std::uint32_t samples) {
+SampleBuffer buffer_of(int width, int height, const FilmLayers& layers, std::uint32_t samples) {
   SampleBuffer buffer;
   buffer.width = width;
   buffer.height = height;
-  buffer.planes = planes;
+  buffer.planes = layers.planes();
   buffer.sample_count = samples;
-  for (int p = 0; p < planes; ++p) {
+  for (int p = 0; p < buffer.planes; ++p) {
     for (int i = 0; i < width * height; ++i) buffer.values.push_back(float(p) + float(i) / 8);
   }
   return buffer;
 }
 
 TEST(FilmImage, PutsEveryStatisticInItsLayer) {
-  FilmAccumulator film(4, 6, 3, 2, kSampleBufferPlanes);
-  film.add(4, 6, buffer_of(3, 2, kSampleBufferPlanes, 5));
+  FilmAccumulator film(4, 6, 3, 2, kPolygonLayers);
+  film.add(4, 6, buffer_of(3, 2, kPolygonLayers, 5));
   const Image image = image_of_film(film, 16, 12);
   EXPECT_EQ(image.data, (PixelWindow{4, 6, 3, 2}));
   EXPECT_EQ(image.display, (PixelWindow{0, 0, 16, 12}));
-  const std::vector<std::pair<std::string, int>> planes = {{"R", kMeanR},
-                                                           {"G", kMeanG},
-                                                           {"B", kMeanB},
-                                                           {"albedo.R", kAlbedoR},
-                                                           {"albedo.G", kAlbedoG},
-                                                           {"albedo.B", kAlbedoB},
-                                                           {"normal.X", kNormalX},
-                                                           {"normal.Y", kNormalY},
-                                                           {"normal.Z", kNormalZ},
-                                                           {"depth.Z", kDepth},
-                                                           {"analytic.R", kAnalyticR},
-                                                           {"analytic.B", kAnalyticB},
-                                                           {"difference.G", kDifferenceG}};
+  const std::vector<std::pair<std::string, int>> planes = {
+      {"R", kMeanR},
+      {"G", kMeanG},
+      {"B", kMeanB},
+      {"albedo.R", kPolygonLayers.plane(LAYER_ALBEDO)},
+      {"albedo.G", kPolygonLayers.plane(LAYER_ALBEDO) + 1},
+      {"albedo.B", kPolygonLayers.plane(LAYER_ALBEDO) + 2},
+      {"normal.X", kPolygonLayers.plane(LAYER_NORMAL)},
+      {"normal.Y", kPolygonLayers.plane(LAYER_NORMAL) + 1},
+      {"normal.Z", kPolygonLayers.plane(LAYER_NORMAL) + 2},
+      {"depth.Z", kPolygonLayers.plane(LAYER_DEPTH)},
+      {"analytic.R", kPolygonLayers.plane(LAYER_ANALYTIC)},
+      {"analytic.B", kPolygonLayers.plane(LAYER_ANALYTIC) + 2},
+      {"difference.G", kPolygonLayers.plane(LAYER_DIFFERENCE) + 1}};
   for (int i = 0; i < 6; ++i) {
     const int x = i % 3, y = i / 3;
     for (const auto& [name, plane] : planes) {
@@ -51,27 +55,29 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     }
     const float deviation = float(kDeviationG) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
-    const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
-    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
+    const float shadowed = float(kPolygonLayers.plane(LAYER_SHADOWED)) + float(i) / 8,
+                unshadowed = float(kPolygonLayers.plane(LAYER_UNSHADOWED)) + float(i) / 8;
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), shadowed / unshadowed);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.Y")), 5);
   }
 }
 
 TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
-  for (const int planes : {int(kRadiancePlanes), kRadiancePlanes + 1, int(kFeaturePlanes), kFeaturePlanes + 1,
-                           int(kSampleBufferPlanes), kSampleBufferPlanes + 1}) {
-    const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
-    EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
-    EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
-  }
+  for (const std::uint64_t features : kLayerFeatures)
+    for (const FilmLayers& layers : {FilmLayers(features), FilmLayers(features | FEATURE_COVERAGE)}) {
+      const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, layers), 2, 1);
+      EXPECT_EQ(image.channels.size(), std::size_t(image_channels(layers)));
+      EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(layers).output);
+    }
 }
 
 TEST(FilmImage, AlphaFollowsTheColours) {
-  for (const int layers : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
-    FilmAccumulator film(0, 0, 2, 1, layers + 1), without(0, 0, 2, 1, layers);
-    SampleBuffer buffer = buffer_of(2, 1, layers + 1, 3);
+  for (const std::uint64_t features : kLayerFeatures) {
+    const FilmLayers layers(features), with_alpha(features | FEATURE_COVERAGE);
+    FilmAccumulator film(0, 0, 2, 1, with_alpha), without(0, 0, 2, 1, layers);
+    SampleBuffer buffer = buffer_of(2, 1, with_alpha, 3);
     film.add(0, 0, buffer);
-    buffer.planes = layers;
+    buffer.planes = layers.planes();
     buffer.values.resize(buffer.values.size() - 2);
     without.add(0, 0, buffer);
     const Image image = image_of_film(film, 2, 1), rgb = image_of_film(without, 2, 1);
@@ -79,7 +85,7 @@ TEST(FilmImage, AlphaFollowsTheColours) {
     channels.insert(channels.begin() + 3, "A");
     EXPECT_EQ(image.channels, channels);
     for (int x = 0; x < 2; ++x) {
-      EXPECT_EQ(image.at(x, 0, 3), float(layers) + float(x) / 8);
+      EXPECT_EQ(image.at(x, 0, 3), float(layers.planes()) + float(x) / 8);
       for (const std::string& name : rgb.channels)
         EXPECT_EQ(image.at(x, 0, *image.channel(name)), rgb.at(x, 0, *rgb.channel(name))) << name;
     }
@@ -88,8 +94,8 @@ TEST(FilmImage, AlphaFollowsTheColours) {
 }
 
 TEST(FilmImage, CountsPixelsWhoseVarianceNoFloatHolds) {
-  FilmAccumulator film(0, 0, 3, 1, kRadiancePlanes);
-  SampleBuffer huge = buffer_of(3, 1, kRadiancePlanes, 2);
+  FilmAccumulator film(0, 0, 3, 1, kNoLayers);
+  SampleBuffer huge = buffer_of(3, 1, kNoLayers, 2);
   film.add(0, 0, huge);
   EXPECT_EQ(pixels_of_infinite_variance(film), 0u);
   huge.plane(kDeviationB)[1] = 3e37f;
@@ -99,15 +105,15 @@ TEST(FilmImage, CountsPixelsWhoseVarianceNoFloatHolds) {
 }
 
 TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
-  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
-  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
+  FilmAccumulator film(0, 0, 1, 1, kNoLayers);
+  film.add(0, 0, buffer_of(1, 1, kNoLayers, 2));
   EXPECT_THAT(image_of_film(film, 1, 1).channels,
               ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"));
 }
 
 TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
-  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
-  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
+  FilmAccumulator film(0, 0, 2, 1, kNoLayers);
+  film.add(1, 0, buffer_of(1, 1, kNoLayers, 1));
   const Image image = image_of_film(film, 2, 1);
   for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
   EXPECT_EQ(image.at(1, 0, *image.channel("samples.Y")), 1);
@@ -116,10 +122,10 @@ TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
 }
 
 TEST(SampleRange, OfAPartlyRenderedFilm) {
-  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
+  FilmAccumulator film(0, 0, 2, 1, kNoLayers);
   EXPECT_EQ(sample_range(film).most, 0u);
-  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 3));
-  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 5));
+  film.add(0, 0, buffer_of(1, 1, kNoLayers, 3));
+  film.add(1, 0, buffer_of(1, 1, kNoLayers, 5));
   EXPECT_EQ(sample_range(film).least, 3u);
   EXPECT_EQ(sample_range(film).most, 5u);
   EXPECT_EQ(sample_range(film).total, 8u);

@@ -59,7 +59,6 @@ std::vector<Estimator> estimators() {
                              {"alpha -0.5", polygon_cv(-0.5f, kSolidAngle, 1)},
                              {"auto", polygon_cv(std::nullopt, kSolidAngle, 2)},
                              {"auto, projected", polygon_cv(std::nullopt, kProjected, 1)},
-                             {"ratio", polygon_ratio(kSolidAngle, 2)},
                              {"direct", emitter_only(kSolidAngle, 2, LightChoice::kAnalytic)},
                              {"path", path},
                              {"path by contribution", by_contribution}};
@@ -67,8 +66,8 @@ std::vector<Estimator> estimators() {
   return all;
 }
 
-double layer(const FilmAccumulator& film, int x, int y, int first, int channel) {
-  return film.layer(x, y, first + channel);
+double layer(const FilmAccumulator& film, int x, int y, int layer, int channel) {
+  return film.layer(x, y, layer, channel);
 }
 
 DeviceScene build(const SceneDescription& scene, bool layers) {
@@ -82,22 +81,18 @@ DeviceScene build(const SceneDescription& scene, bool layers) {
 // --- which layers there are
 
 TEST(PolygonLayers, CountOfPlanes) {
-  for (const std::uint32_t others : {0u, unsigned(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS |
-                                                                  FEATURE_RATIO | FEATURE_COVERAGE))}) {
+  for (const std::uint64_t others :
+       {0u, std::uint64_t(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_COVERAGE))}) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 8);
-    EXPECT_EQ(plane_count(others | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 15);
-    EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 7 + 8 + 15);
-    for (const std::uint32_t layers : {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS}) {
+    for (const std::uint64_t layers : {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS}) {
       const int without = plane_count(others | layers),
                 with = plane_count(others | layers | FEATURE_COVERAGE);
       EXPECT_EQ(with, without + 1);
-      EXPECT_EQ(coverage_plane_of(without), -1);
-      EXPECT_EQ(coverage_plane_of(with), without);
-      EXPECT_EQ(layer_planes_of(with), without);
-      EXPECT_EQ(plane_count(others | layers | FEATURE_COVERAGE | FEATURE_RATIO), with + 15);
+      EXPECT_FALSE(has_layer(others | layers, LAYER_COVERAGE));
+      EXPECT_EQ(layer_plane(others | layers | FEATURE_COVERAGE, LAYER_COVERAGE), without);
     }
   }
 }
@@ -158,8 +153,8 @@ TEST(PolygonLayers, ClosedFormAndDifferenceMakeTheImage) {
           for (int y = 0; y < film.height(); ++y)
             for (int x = 0; x < film.width(); ++x)
               for (int c = 0; c < 3; ++c) {
-                const double analytic = layer(film, x, y, kAnalyticR, c);
-                const double difference = layer(film, x, y, kDifferenceR, c);
+                const double analytic = layer(film, x, y, LAYER_ANALYTIC, c);
+                const double difference = layer(film, x, y, LAYER_DIFFERENCE, c);
                 ASSERT_NEAR(film.at(x, y).mean[c], analytic + difference, kRounding * analytic)
                     << each.name << " at " << x << ", " << y;
                 lit += analytic;
@@ -188,10 +183,10 @@ TEST(PolygonLayers, TheClosedFormIsThatOfPolygonAnalytic) {
           for (int c = 0; c < 3; ++c) {
             const double truth = alone.at(x, y).mean[c];
             const double error = std::sqrt(2 * alone.at(x, y).m2[c] / (16 * 15));
-            ASSERT_NEAR(layer(film, x, y, kAnalyticR, c), truth,
+            ASSERT_NEAR(layer(film, x, y, LAYER_ANALYTIC, c), truth,
                         kRounding * truth + (same_rays ? 0 : kSigmas * error))
                 << each.name << " at " << x << ", " << y;
-            ASSERT_EQ(layer(alone, x, y, kDifferenceR, c), 0) << "it has no samples";
+            ASSERT_EQ(layer(alone, x, y, LAYER_DIFFERENCE, c), 0) << "it has no samples";
           }
     }
   }
@@ -208,7 +203,7 @@ TEST(PolygonLayers, WithoutOccludersAllIsVisible) {
           ASSERT_EQ(film.visibility(x, y), 1) << each.name << " at " << x << ", " << y;
           // H is W to the last bit.
           if (const auto cv = control_variate(each.settings); cv && cv->alpha == 1.0f) {
-            ASSERT_EQ(layer(film, x, y, kDifferenceR, 1), 0);
+            ASSERT_EQ(layer(film, x, y, LAYER_DIFFERENCE, 1), 0);
           }
         }
     }
@@ -229,7 +224,7 @@ TEST(PolygonLayers, WithOccludersItIsAShare) {
           ASSERT_LE(visibility, 1);
           shadowed += visibility < 0.5 ? 1 : 0;
           lit += visibility == 1 ? 1 : 0;
-          difference += layer(film, x, y, kDifferenceR, 1);
+          difference += layer(film, x, y, LAYER_DIFFERENCE, 1);
         }
       EXPECT_GT(shadowed, 3) << each.name;
       EXPECT_GT(lit, 3) << each.name;
@@ -266,8 +261,9 @@ TEST(PolygonLayers, WhereThereIsNoLightTheyAreZero) {
     const FilmAccumulator film = render_or_throw(scene);
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x)
-        for (int plane = kAnalyticR; plane <= kWhole; ++plane)
-          ASSERT_EQ(film.layer(x, y, plane), 0) << each.name << " plane " << plane;
+        for (int layer = LAYER_ANALYTIC; layer <= LAYER_UNSHADOWED; ++layer)
+          for (int plane = 0; plane < kFilmLayers[layer].planes; ++plane)
+            ASSERT_EQ(film.layer(x, y, layer, plane), 0) << each.name << ' ' << kFilmLayers[layer].name;
   }
 }
 

@@ -1,4 +1,5 @@
 #include "scheduler/record/render_statistics.h"
+#include "tests/support/film_layers.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   job.tile = 32;
   job.device.threads = 3;
   RenderOutcome outcome;
-  outcome.film = FilmAccumulator(0, 0, 2, 1, kRadiancePlanes);
+  outcome.film = FilmAccumulator(0, 0, 2, 1, kNoLayers);
   outcome.film.add(0, 0, grey_pixel(4));
   outcome.problems = {"worker a:1 was lost"};
   outcome.units_done = 5;

@@ -71,7 +71,7 @@ TEST_F(ReportCommand, TwoScenesEndToEnd) {
                            "--integrator",
                            "direct",
                            "--integrator",
-                           "ratio=polygon_cv:estimator=ratio,vis_samples=2",
+                           "control=polygon_cv:alpha=auto,vis_samples=2",
                            "--spp",
                            "1..4",
                            "--seeds",
@@ -106,7 +106,7 @@ TEST_F(ReportCommand, TwoScenesEndToEnd) {
     EXPECT_EQ(scene["equal_time"]["pictures"].size(), 2u);
   }
   const std::string html = file_contents(folder_ / "out/index.html");
-  EXPECT_THAT(html, AllOf(HasSubstr("<svg"), HasSubstr("data:image/png"), HasSubstr(">ratio<")));
+  EXPECT_THAT(html, AllOf(HasSubstr("<svg"), HasSubstr("data:image/png"), HasSubstr(">control<")));
   EXPECT_FALSE(std::regex_search(html, std::regex(R"re((src|href)\s*=\s*["'](?!data:|#))re")));
   const std::string bare = std::regex_replace(html, std::regex(R"re(xmlns(:\w+)?="[^"]*")re"), "");
   EXPECT_THAT(bare, AllOf(Not(HasSubstr("http://")), Not(HasSubstr("https://"))));

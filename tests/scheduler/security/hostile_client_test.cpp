@@ -260,7 +260,7 @@ TEST(HostileClient, MutatedMessagesOverASocketEndTheirCallAlone) {
   ready.mutable_ready()->set_device("native");
   result.mutable_result()->mutable_id()->set_job(1);
   encode(fake_samples({.x = 0, .y = 0, .width = 4, .height = 4, .first_sample = 0, .sample_count = 4},
-                      kRadiancePlanes),
+                      kNoLayers),
          *result.mutable_result());
   wire::WatchRequest watch;
   watch.set_protocol_version(kProtocolVersion);

@@ -52,7 +52,7 @@ void feed(const std::vector<Message>& seeds, const std::function<bool(const Mess
 wire::WorkerMessage result() {
   wire::WorkerMessage message;
   encode(kId, 0, *message.mutable_result()->mutable_id());
-  encode(fake_samples(kUnit, kRadiancePlanes), *message.mutable_result());
+  encode(fake_samples(kUnit, kNoLayers), *message.mutable_result());
   message.mutable_result()->set_busy_seconds(0.5);
   message.mutable_result()->set_peak_memory_bytes(1 << 20);
   return message;
@@ -114,7 +114,7 @@ TEST(Mutation, WhatWorkersSay) {
     feed<wire::WorkerMessage>(wanted, [](const wire::WorkerMessage& message) {
       WorkerConnection connection(7);
       connection.send_job(1, "scene", {});
-      connection.send_unit(kId, kUnit, ResultShape{kRadiancePlanes});
+      connection.send_unit(kId, kUnit, kNoLayers);
       const auto understood = connection.understand(message);
       if (!understood) return false;
       const auto* arrival = std::get_if<Arrival>(&*understood);
@@ -126,10 +126,10 @@ TEST(Mutation, WhatWorkersSay) {
 
 TEST(Mutation, AResultIsTheUnitsOwnOrRefused) {
   feed<wire::UnitResult>({result().result()}, [](const wire::UnitResult& message) {
-    const auto decoded = decode(message, kUnit, ResultShape{kRadiancePlanes});
+    const auto decoded = decode(message, kUnit, kNoLayers);
     if (!decoded) return false;
     // The checksum is of the samples: those that were sent, or none.
-    EXPECT_EQ(decoded->values, fake_samples(kUnit, kRadiancePlanes).values);
+    EXPECT_EQ(decoded->values, fake_samples(kUnit, kNoLayers).values);
     return true;
   });
 }

@@ -59,7 +59,7 @@ Submission full_submission() {
   submission.build_seconds = 0.25;
   submission.command_line = {"penumbra", "submit", "s.xml"};
   submission.strict_numerics = true;
-  submission.owners = {.objects = {"floor", "ä"}, .materials = {"wood"}, .owners = {{0, 0}, {1, 0}, {0, 0}}};
+  submission.mattes = {.objects = {"floor", "ä"}, .materials = {"wood"}, .mattes = {{0, 0}, {1, 0}, {0, 0}}};
   return submission;
 }
 
@@ -90,7 +90,7 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(there->build_seconds, 0.25);
   EXPECT_EQ(there->command_line, sent.command_line);
   EXPECT_TRUE(there->strict_numerics);
-  EXPECT_EQ(there->owners, sent.owners);
+  EXPECT_EQ(there->mattes, sent.mattes);
   EXPECT_THAT(there->files, ElementsAre("s.exr", "s.png", "s.json"));
   // What was decoded encodes to the same: nothing is lost on the way through a service's folder.
   EXPECT_EQ(encode(*there).SerializeAsString(), message.SerializeAsString());
@@ -138,9 +138,9 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
   EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_target_error(0); }), HasSubstr("target error"));
   EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_adaptive(true); }), HasSubstr("adaptive"));
   EXPECT_THAT(error([](auto& m) { m.mutable_device()->set_threads(0); }), HasSubstr("thread"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->add_owner_objects(0); }), HasSubstr("no material"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->set_owner_objects(1, 2); }), HasSubstr("has no name"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->set_owner_materials(1, ~0u); }),
+  EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->add_matte_objects(0); }), HasSubstr("no material"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->set_matte_objects(1, 2); }), HasSubstr("has no name"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->set_matte_materials(1, ~0u); }),
               HasSubstr("has no name"));
   const auto setting = [](const char* key, const char* value) {
     return [=](wire::Submission& m) {

@@ -1,5 +1,6 @@
 // What a tile's snapshot holds, and which tiles are shown when.
 #include "scheduler/watch/render_feed.h"
+#include "tests/support/film_layers.h"
 
 #include <gmock/gmock.h>
 
@@ -27,10 +28,10 @@ float value(int x, int y, int plane, int pass) {
 SampleBuffer made_up(int pass, std::uint32_t samples) {
   SampleBuffer buffer{.width = kWidth,
                       .height = kHeight,
-                      .planes = kSampleBufferPlanes,
+                      .planes = kPolygonLayers.planes(),
                       .sample_count = samples,
-                      .values = std::vector<float>(std::size_t(kWidth * kHeight * kSampleBufferPlanes))};
-  for (int plane = 0; plane < kSampleBufferPlanes; ++plane)
+                      .values = std::vector<float>(std::size_t(kWidth * kHeight * kPolygonLayers.planes()))};
+  for (int plane = 0; plane < kPolygonLayers.planes(); ++plane)
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         float& v = buffer.plane(plane)[std::size_t(y * kWidth + x)];
@@ -38,14 +39,15 @@ SampleBuffer made_up(int pass, std::uint32_t samples) {
         const bool is_deviation = plane >= kDeviationR && plane <= kDeviationB;
         if (is_deviation) v = samples < 2 ? 0.0f : std::fabs(v);
         // Means of these are too small for a float: negative zeros.
-        if (plane >= kDifferenceR && plane <= kDifferenceB && (x + y) % 3 == 0)
+        const int difference = kPolygonLayers.plane(LAYER_DIFFERENCE);
+        if (plane >= difference && plane < difference + 3 && (x + y) % 3 == 0)
           v = pass == 0 ? 0.0f : -std::numeric_limits<float>::denorm_min();
       }
   return buffer;
 }
 
 FilmAccumulator film_of(const std::vector<std::uint32_t>& passes) {
-  FilmAccumulator film(kX, kY, kWidth, kHeight, kSampleBufferPlanes);
+  FilmAccumulator film(kX, kY, kWidth, kHeight, kPolygonLayers);
   for (std::size_t pass = 0; pass < passes.size(); ++pass) film.add(kX, kY, made_up(int(pass), passes[pass]));
   return film;
 }
@@ -94,7 +96,7 @@ TEST(SnapshotOf, TheDifferenceForAlphaOneIsTheFilmsLayerToTheBit) {
   for_each_pixel([&](int x, int y, std::size_t i) {
     for (int c = 0; c < 3; ++c) {
       const float shown = tile.difference[3 * i + std::size_t(c)];
-      EXPECT_EQ(bits(shown), bits(float(film.layer(x, y, kDifferenceR + c))));
+      EXPECT_EQ(bits(shown), bits(float(film.layer(x, y, LAYER_DIFFERENCE, c))));
       if (bits(shown) == bits(-0.0f)) ++negative_zeros;
     }
   });
@@ -107,8 +109,8 @@ TEST(SnapshotOf, TheDifferenceForOtherAlphasAddsTheRestOfTheClosedForm) {
     const TileSnapshot tile = snapshot_of(film, kArea, true, alpha);
     for_each_pixel([&](int x, int y, std::size_t i) {
       for (int c = 0; c < 3; ++c) {
-        const long double analytic = film.layer(x, y, kAnalyticR + c);
-        const long double difference = film.layer(x, y, kDifferenceR + c);
+        const long double analytic = film.layer(x, y, LAYER_ANALYTIC, c);
+        const long double difference = film.layer(x, y, LAYER_DIFFERENCE, c);
         // difference + analytic is the image's light; what is left of it without alpha parts of the form.
         const long double expected = difference + analytic - (long double)(alpha)*analytic;
         const double size = double(std::fabs(difference) + std::fabs(analytic) * (1 + std::fabs(alpha)));
@@ -158,13 +160,13 @@ TEST(SnapshotOf, TheStandardErrorIsUnknownBelowTwoSamples) {
 /// Tiles of one pixel each.
 struct Feed {
   explicit Feed(int tiles) : grid(0, 0, tiles, 1, 1, 100, 1), board(grid.tiles()), feed(board, grid, false) {
-    film = FilmAccumulator(0, 0, tiles, 1, kRadiancePlanes);
+    film = FilmAccumulator(0, 0, tiles, 1, kNoLayers);
   }
   void merge(std::uint32_t tile, WorkerId worker = 1) {
     film.add(int(tile), 0,
              {.width = 1,
               .height = 1,
-              .planes = kRadiancePlanes,
+              .planes = kNoLayers.planes(),
               .sample_count = 1,
               .values = std::vector<float>(kRadiancePlanes)});
     feed.tile_changed(tile, worker);

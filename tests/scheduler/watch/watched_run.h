@@ -46,10 +46,10 @@ inline View view_at(float shift) {
 
 /// The film that run_render must come to, without scheduler, workers and wire.
 inline FilmAccumulator expected_film(std::uint32_t spp, std::uint32_t samples_per_pass, float shift = 0) {
-  FilmAccumulator film(kX, kY, kWidth, kHeight, kFeaturePlanes);
+  FilmAccumulator film(kX, kY, kWidth, kHeight, kFeatureLayers);
   for (std::uint32_t first = 0; first < spp; first += samples_per_pass) {
     const RenderUnit unit{kX, kY, kWidth, kHeight, first, std::min(samples_per_pass, spp - first)};
-    film.add(kX, kY, fake_samples(unit, kFeaturePlanes, shift));
+    film.add(kX, kY, fake_samples(unit, kFeatureLayers, shift));
   }
   return film;
 }

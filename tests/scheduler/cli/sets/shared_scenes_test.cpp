@@ -52,7 +52,7 @@ void expect_same(const LoadedScene& a, LoadedScene b) {
   EXPECT_EQ(a.description.warnings, b.description.warnings);
   EXPECT_EQ(a.description.shapes.size(), b.description.shapes.size());
   EXPECT_EQ(a.summary.needs, b.summary.needs);
-  EXPECT_EQ(a.owners, b.owners);
+  EXPECT_EQ(a.mattes, b.mattes);
   EXPECT_EQ(a.center, b.center);
 }
 

@@ -1,0 +1,85 @@
+// The distance of a path to the boundary of its medium, more exact than its position. In a dense medium paths
+// scatter closer to the boundary than a ray can start without missing it. So rays start farther away, and the
+// path keeps its own distance to that surface.
+#ifndef PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
+#define PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
+#include "kernels/block/path_state.h"
+#include "kernels/intersect/surface.h"
+#include "kernels/medium/medium_state.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// How far off the surface, along its normal, a point is surely before it: distances along rays that go
+/// beside it are sums of what is as large as it is wide.
+FN float clear_of(Surface s) { return max_f(4.0f * s.error, POSITION_ERROR * s.span); }
+
+/// How far it is along the ray from there to the surface, by its plane, from which s.p is off by s.error
+/// alone.
+FN float way_to(Surface s, vec3 start) {
+  const vec3 back = sub(start, s.p);
+  const float cosine = dot3(s.geometric, s.wo);
+  return cosine > 1e-3f ? dot3(s.geometric, back) / cosine : dot3(back, s.wo);
+}
+
+/// How far it is to the surface from the last that the ray passed, or from where the path is. Of the surface
+/// near that, the depth is better known than by the ray.
+FN float flight_to(const PRIVATE PathState* paths, int i, MediumStack media, Surface s, vec3 start) {
+  const NearBoundary near = get_boundary(paths, i);
+  const float way = get_way(paths, i), to = way_to(s, start) - way;
+  const bool first = (way == 0.0f) & (innermost(media) != 0), on_it = near.depth == 0.0f;
+  const float alike = dot3(s.geometric, near.normal), cosine = max_f(dot3(s.geometric, s.wo), 1e-4f);
+  const bool turned = on_it & (dot3(near.normal, s.wo) > 0.0f);
+  const float shorter = (turned ? -near.offset : near.offset) * alike / cosine;
+  const float origin_depth = near.depth + near.offset;
+  const bool known = !on_it & (alike > 0.9999997f) & (origin_depth < 256.0f * s.error) &
+                     (FABS(to * cosine - origin_depth) <= s.error);
+  return max_f(first ? (known ? near.depth / cosine : to - shorter) : to, 0.0f);
+}
+
+/// Where paths scatter, at `reaches` of their flights, if those are not negative.
+///
+/// Origins of rays are clear of the surfaces before and behind, so that the next ray meets them, or between
+/// two in the middle.
+STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE float* RESTRICT lengths, const PRIVATE float* RESTRICT reaches) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const bool meets = s.primitive >= 0, scatters = reaches[j] >= 0.0f;
+      const vec3 start = get_kept_origin(&fields, i + j), d = get_ray_direction(&fields, i + j);
+      const NearBoundary near = get_boundary(&fields, i + j);
+      const float way = get_way(&fields, i + j);
+      const float reach = reaches[j], cosine = max_f(dot3(s.geometric, s.wo), 0.0f);
+      const float slope = dot3(near.normal, d);
+      const bool turned = (near.depth == 0.0f) & (slope < 0.0f),
+                 near_boundary = dot3(near.normal, near.normal) > 0.5f;
+      const vec3 inwards = select3(turned, negate(near.normal), near.normal);
+      const float descent = reach * (turned ? -slope : slope), below = near.depth + descent;
+      const bool leaves = near_boundary & (descent >= 0.0f);
+      // Of the ray.
+      const float to = way_to(s, start) - way;
+      const float ahead = meets ? (to - reach) * cosine : NO_LIMIT,
+                  behind = leaves ? below + near.offset : NO_LIMIT;
+      const float middle = 0.5f * ahead + 0.5f * behind, room = leaves ? middle : to * cosine;
+      const float rise = max_f(min_f(clear_of(s), room) - ahead, 0.0f),
+                  sink = max_f(min_f(near.clearance, middle) - behind, 0.0f);
+      const vec3 flown = scale(d, way + reach);
+      const vec3 lifted = add_scaled(scale(s.geometric, meets ? rise : 0.0f), leaves ? sink : 0.0f, inwards);
+      const vec3 p = add(start, add(flown, lifted));
+      const vec3 off = sub(sub(p, start), flown);  // lifted, and by rounding
+      // The nearer of both is kept, or the one that the ray has seen.
+      const float above = (lengths[j] - reach) * cosine;
+      const bool stays = near_boundary & (below > 0.0f), changes = meets & !(stays & (above >= 2.0f * below));
+      NearBoundary next;
+      next.normal = select3(changes, s.geometric, select3(stays, inwards, no_boundary().normal));
+      next.depth = max_f(changes ? above : below, 1e-30f);
+      next.offset = (changes ? ahead - above : near.offset) + dot3(next.normal, off);
+      next.clearance = changes ? clear_of(s) : near.clearance;
+      set_ray_origin(&fields, i + j, select3(scatters, p, get_ray_origin(&fields, i + j)));
+      set_boundary(&fields, i + j, select_boundary(scatters, next, near));
+    }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,243 @@
+// The stages of a path tracer's step (path.h), each for LANES paths from lane i on, and Russian roulette.
+#ifndef PENUMBRA_INTEGRATOR_PATH_STAGES_H
+#define PENUMBRA_INTEGRATOR_PATH_STAGES_H
+#include "kernels/integrator/light_request.h"
+#include "kernels/medium/medium_state.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Russian roulette: see roulette_survival.
+#define ROULETTE_LASTS 100.0f
+
+/// Probability of going on after the k-th throw, k = 0, 1 ... Paths that carry little end sooner, but later
+/// than their throughput asks for, which costs some steps and saves more variance: sqrt(2 t) was the best of
+/// t, sqrt t, 2 t, 4 t, the fourth root of t, mean and luminance. The cap ends paths that lose nothing, where
+/// albedo is 1: n throws are survived with at most (100 / n)^2, so weights grow like n^2 and no faster, which
+/// any albedo below 1 outweighs. A constant cap has infinite variance beyond albedo sqrt(cap).
+FN float roulette_survival(float throughput, int k) {
+  return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
+}
+
+/// Of a path that was thrown on to `depth`, whose strongest channel carries `strongest` into a medium of the
+/// relative index `eta`. Radiance is larger in denser media, by the square of the index; what arrives is not.
+FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
+  const bool roulette = depth >= rr_depth;
+  const int throws = roulette ? depth - rr_depth : 0;
+  return roulette ? roulette_survival(strongest * (eta * eta), throws) : 1.0f;
+}
+
+/// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
+/// written.
+CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths,
+                            int i, PRIVATE float* u) {
+  const uint spp = sequence_length(h);
+  sample_pair(h->sampler.kind, spp, step_point(PAIR_LIGHT), paths, i, u + DIM_LIGHT_U * LANES,
+              u + DIM_LIGHT_V * LANES);
+  sample_pair(h->sampler.kind, spp, step_point(PAIR_BSDF), paths, i, u + DIM_BSDF_U * LANES,
+              u + DIM_BSDF_V * LANES);
+  const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
+  if (chooses | ((NEEDED(FAMILIES, h->families) & families_with(SEVERAL_LOBES)) != 0u))
+    sample_pair(h->sampler.kind, spp, step_point(PAIR_CHOICE), paths, i,
+                u + (chooses ? DIM_LIGHT_FINE : DIM_UNUSED) * LANES, u + DIM_LOBE_CHOICE * LANES);
+  if (roulette)
+    sample_pair(h->sampler.kind, spp, step_point(PAIR_END), paths, i, u + DIM_ROULETTE * LANES,
+                u + DIM_FREE_FLIGHT * LANES);
+}
+
+/// Whether any of LANES paths from lane i on may scatter where its last ray ended.
+FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
+  const int max_depth = h->integrator.max_depth;
+  int any = 0;
+  for (int j = i; j < i + LANES; j++)
+    any |= ((get_hit(paths, j) != NOTHING_HIT) & (get_depth(paths, j) + 1 < max_depth)) ? 1 : 0;
+  return any != 0;
+}
+
+/// Where none does.
+STAGE void end_paths(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) {
+      set_shadow_tmax(paths, j, -1.0f);
+      set_alive(paths, j, false);
+    }
+}
+
+/// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
+/// light; directions of no density it never samples.
+STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
+                           PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Emission emission = load_emission(emissions, j);
+      const bool dropped = (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) &
+                           emission.of_polygon & (get_direction_pdf(paths, i + j) != DELTA_PDF);
+      found->light[j] = dropped ? -1 : found->light[j];
+    }
+}
+
+/// Notes whether the next rays leave such surfaces.
+STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           const PRIVATE Closures* RESTRICT closures) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      set_left_controlled(paths, i + j, is_controlled(scene, load_closure(closures, j), true));
+}
+
+/// Whether light is kept that `bounces` surfaces scattered and a sample of that technique found.
+FN bool is_kept_part(const PRIVATE SceneHeader* h, int bounces, int technique) {
+  const int only = h->integrator.only_technique;
+  return ((h->integrator.only_bounces < 0) | (h->integrator.only_bounces == bounces)) &
+         ((only == TECHNIQUE_ALL) | (only == technique));
+}
+
+/// Of what the last rays found.
+STAGE void drop_found_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool kept = is_kept_part(&scene->header, get_depth(paths, i + j), TECHNIQUE_BSDF);
+      found->light[j] = kept ? found->light[j] : -1;
+    }
+}
+
+/// Of samples of emitters: rays are not asked for.
+STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                              PRIVATE LightSamples* RESTRICT lights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool kept = is_kept_part(&scene->header, get_depth(paths, i + j) + 1, TECHNIQUE_EMITTER);
+      lights->tmax[j] = kept ? lights->tmax[j] : -1.0f;
+    }
+}
+
+/// Adds what the last rays found.
+STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE FoundLights* RESTRICT lights,
+                         const PRIVATE Emissions* RESTRICT emissions) {
+  const int sampling = scene->header.integrator.direct_sampling,
+            heuristic = scene->header.integrator.heuristic;
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Emission emission = load_emission(emissions, j);
+      const float pdf = get_direction_pdf(paths, i + j);
+      const bool alone = (sampling == SAMPLING_BSDF_ONLY) | (pdf == DELTA_PDF);
+      const float bsdf_weight = alone                      ? 1.0f
+                                : sampling == SAMPLING_MIS ? mis_weight(heuristic, pdf, emission.pdf)
+                                                           : 0.0f;
+      const float weight = get_depth(paths, i + j) > 0 ? bsdf_weight : seen;
+      const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
+      const vec3 before = get_radiance(paths, i + j);
+      set_radiance(paths, i + j, select3(lights->light[j] >= 0, add(before, found), before));
+    }
+}
+
+/// Adds the light of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The surfaces
+/// are as seen from where the rays started.
+FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                           const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
+  FoundLights found;
+  Emissions emissions;
+  find_passed_lights(scene, surfaces, passes, &found);
+  if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
+  if (NEEDS_LIGHT_TREE(scene) && balances) find_left_pmfs(scene, paths, i, &found);
+  find_emissions(scene, &found, balances & (step > 0), &emissions);
+  if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
+  if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
+  add_emissions(scene, paths, i, &found, &emissions);
+}
+
+STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE StepLanes* RESTRICT step) {
+  const int sampling = scene->header.integrator.direct_sampling,
+            heuristic = scene->header.integrator.heuristic;
+  // In media what directions might have found is weighed when it is known what gets through.
+  const bool balances = sampling == SAMPLING_MIS && !NEEDS_MEDIA(scene);
+  const int max_depth = scene->header.integrator.max_depth;
+  const PathState fields = *paths;  // see step.h
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const LightSample light = load_light_sample(&step->lights, j);
+      const BsdfValue value = load_bsdf_value(&step->values, j);
+      const float shared = balances ? mis_weight(heuristic, light.pdf, value.pdf) : 1.0f;
+      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
+      const bool alone = light.delta | controlled;
+      const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
+      const bool scatters = is_hit(s) & (get_depth(&fields, i + j) + 1 < max_depth);
+      const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
+                       ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
+      const vec3 arriving =
+          mul(get_throughput(&fields, i + j), scale(mul(value.f_cos, light.radiance), weight));
+      request_shadow_ray(scene, &fields, i + j, s, light, arriving, lit, controlled);
+    }
+}
+
+/// The media into which the next rays lead.
+STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE BsdfSamples* RESTRICT samples,
+                       PRIVATE float* RESTRICT etas) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float eta = get_eta(paths, i + j) * samples->eta[j];
+      set_eta(paths, i + j, eta);
+      etas[j] = eta;
+    }
+}
+
+/// The media in which shadow rays start, and what directions have to do with lights: see weigh_shadow_rays.
+STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                 const PRIVATE StepLanes* RESTRICT step) {
+  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightSample light = load_light_sample(&step->lights, j);
+      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
+      const bool behind = dot3(LOAD_LANE_vec3(step->surfaces.geometric, j), light.wi) < 0.0f;
+      set_shadow_media(&fields, i + j,
+                       select_media(behind, get_beyond(&fields, i + j), get_media(&fields, i + j)));
+      const bool shares = balances & !(light.delta | controlled) & (light.pdf > 0.0f);
+      set_shadow_balance(&fields, i + j, shares ? step->values.pdf[j] / light.pdf : 0.0f);
+    }
+}
+
+/// The media into which the next rays lead.
+STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool behind =
+          dot3(LOAD_LANE_vec3(surfaces->geometric, j), get_ray_direction(&fields, i + j)) < 0.0f;
+      set_media(&fields, i + j, select_media(behind, get_beyond(&fields, i + j), get_media(&fields, i + j)));
+    }
+}
+
+/// The next rays, or the ends of the paths.
+STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE StepLanes* RESTRICT step) {
+  const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const BsdfSample next = load_bsdf_sample(&step->samples, j);
+      const int depth = get_depth(&fields, i + j) + 1;
+      const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
+      const float strongest = max_component(throughput);
+      const float survival = path_survival(rr_depth, depth, strongest, step->eta[j]);
+      const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
+                         !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
+      set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
+      set_ray_direction(&fields, i + j, next.wi);
+      set_throughput(&fields, i + j, scale(throughput, 1.0f / (alive ? survival : 1.0f)));
+      set_ray_tmax(&fields, i + j, NO_LIMIT);
+      set_direction_pdf(&fields, i + j, next.pdf);
+      set_ray_skip(&fields, i + j, s.primitive);
+      set_depth(&fields, i + j, depth);
+      set_alive(&fields, i + j, alive);
+    }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

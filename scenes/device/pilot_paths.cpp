@@ -1,0 +1,324 @@
+#include "scenes/device/pilot_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernels/camera/camera.h"
+#include "kernels/host/material_closure.h"
+#include "kernels/intersect/bvh.h"
+#include "kernels/light/light.h"
+#include "kernels/light/light_tree.h"
+#include "kernels/math/frame.h"
+#include "kernels/sampler/sampler.h"
+#include "scenes/device/records_view.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kCameraRays = 1024, kBounces = 3, kMostPassed = 16;
+constexpr int kSamples = 8;           // of each light at a place, and of all others together
+constexpr double kLaterWeight = 0.5;  // of a place against the one from which it was found
+// No infinite light gets less than this of what all of them get, per light.
+constexpr double kLeastOfInfinite = 0.05;
+
+/// What one sample of a light brings to a place.
+struct Arrival {
+  double light = 0;      ///< radiance times the receiver's cosine, channels averaged; 0: nothing
+  double pdf = 1;        ///< per solid angle, the choice among the lights of its group included
+  double other_pdf = 0;  ///< with which a direction of the surface is sampled, were it diffuse
+};
+
+class PilotPaths {
+ public:
+  PilotPaths(const Scene& scene, std::span<const int> infinite) : scene_(scene), infinite_(infinite) {}
+
+  InfiniteLights run() {
+    for (int k = 0; k < kCameraRays; ++k)
+      follow(k, [&](const Surface& s, bool all_around, double weight) { visit(s, all_around, weight); });
+    return found();
+  }
+
+  std::vector<PilotVertex> places() {
+    std::vector<PilotVertex> all;
+    for (int k = 0; k < kCameraRays; ++k)
+      follow(k, [&](const Surface& s, bool all_around, double weight) {
+        all.push_back({s.p, all_around ? make_vec3(0, 0, 0) : s.shading, weight});
+      });
+    return all;
+  }
+
+ private:
+  /// Of a place the samples that brought light: of lights that are not infinite, and of each that is.
+  struct Place {
+    double weight, importance, irradiance;
+    std::vector<Arrival> finite;
+    std::vector<std::vector<Arrival>> infinite;
+  };
+
+  float number() { return unit_float(hash_uint(count_++)); }
+
+  /// The leaf that a path scatters at most likely; nothing if rays pass.
+  const Material* leaf_of(int index) const {
+    while (index >= 0 && scene_.materials[index].branches != 0) {
+      const Material& m = scene_.materials[index];
+      const int likely = m.weight > 0.5f ? m.second : m.first, other = m.weight > 0.5f ? m.first : m.second;
+      index = likely >= 0 ? likely : other;
+    }
+    return index < 0 || scene_.materials[index].passes == PASSES_ALL ? nullptr : scene_.materials + index;
+  }
+  [[nodiscard]] bool may_pass(int primitive) const {
+    const SideMaterials sides = side_materials(&scene_, primitive);
+    return scene_.materials[sides.front].passes != PASSES_NONE ||
+           scene_.materials[sides.back].passes != PASSES_NONE;
+  }
+
+  /// The closest hit in (0, tmax), but of what the ray starts on: `skip`, of instance `skip_instance`.
+  [[nodiscard]] Hit closest(vec3 o, vec3 d, float tmax, int skip, int skip_instance) const {
+    const bool instances = scene_.header.tables.instances.count > 0;
+    return intersect_levels(&scene_, o, d, tmax, skip, skip_instance, instances);
+  }
+  [[nodiscard]] Surface surface_of(const Hit& hit, vec3 o, vec3 d) const {
+    return hit.instance >= 0 ? surface_at_instance(&scene_, hit.primitive, hit.instance, o, d)
+                             : surface_at(&scene_, hit.primitive, o, d);
+  }
+
+  /// Whether nothing that is certain to be in the way blocks the sample, which starts at `s`.
+  [[nodiscard]] bool is_seen(const LightSample& sample, const Surface& s) const {
+    vec3 origin = sample.origin;
+    float left = sample.tmax;
+    int skip = s.primitive, skip_instance = s.instance;
+    for (int k = 0; k < kMostPassed && left > 0; ++k) {
+      const Hit hit = closest(origin, sample.toward, left, skip, skip_instance);
+      if (hit.primitive < 0) return true;
+      if (!may_pass(hit.primitive)) return false;
+      origin = add_scaled(origin, hit.t, sample.toward);
+      if (left < NO_LIMIT) left -= hit.t;
+      skip = hit.primitive;
+      skip_instance = hit.instance;
+    }
+    return false;
+  }
+
+  /// A sample of the light at the surface, by `u`.
+  Arrival arriving(const Surface& s, bool all_around, int light, float u, double pmf) {
+    const LightReceiver r = receiver_of(s);
+    if (is_own_light(&scene_, r, light)) return {};
+    const float v = number();
+    LightSample found = no_light_sample();
+    switch (scene_.lights[light].kind) {
+#define SAMPLE_KIND(name, NAME, number, ways, description)                           \
+  case LIGHT_##NAME:                                                                 \
+    found = sample_##name##_light(&scene_, light, r, u, v, no_light_sampling(), 0u); \
+    break;
+      LIGHT_KINDS(SAMPLE_KIND)
+#undef SAMPLE_KIND
+      default:
+        return {};
+    }
+    if (!(found.tmax > 0 && found.pdf > 0) || (is_beneath(s, found.wi) && !all_around)) return {};
+    const double cosine = double(dot3(s.shading, found.wi));
+    const double kept = all_around ? std::abs(cosine) : std::max(cosine, 0.0);
+    const double mean = (double(found.radiance.x) + found.radiance.y + found.radiance.z) / 3;
+    const Arrival arrival{mean * kept, double(found.pdf) * pmf, found.delta ? 0.0 : kept / double(PI_F)};
+    const double irradiance = arrival.light / arrival.pdf;
+    if (!(irradiance > 0) || !std::isfinite(irradiance * irradiance)) return {};
+    return is_seen(found, s) ? arrival : Arrival{};
+  }
+
+  void visit(const Surface& s, bool all_around, double weight) {
+    LitPlaces places;
+    LightSamplings chosen;
+    LitPlace lit;
+    float u[LANES], fine[LANES];
+    lit.p = s.p;
+    lit.facing = all_around ? make_vec3(0, 0, 0) : s.shading;
+    for (int j = 0; j < LANES; ++j) {
+      store_lit_place(&places, j, lit);
+      u[j] = number();
+      fine[j] = number();
+    }
+    LightScales scales;
+    choose_by_tree(&scene_, &places, u, fine, &chosen, &scales);
+    Place place{weight, 0, 0, {}, {}};
+    for (int k = 0; k < scene_.header.light_cut; ++k)
+      place.importance += double(light_importance(scene_.light_nodes + k, lit));
+    const auto add = [&](std::vector<Arrival>& to, const Arrival& arrival) {
+      if (!(arrival.light > 0)) return;
+      place.irradiance += arrival.light / arrival.pdf / kSamples;
+      to.push_back(arrival);
+    };
+    for (int j = 0; j < kSamples; ++j)
+      if (chosen.pmf[j] > 0)
+        add(place.finite, arriving(s, all_around, chosen.light[j], u[j], double(chosen.pmf[j])));
+    for (const int light : infinite_) {
+      place.infinite.emplace_back();
+      for (int k = 0; k < kSamples; ++k)
+        add(place.infinite.back(), arriving(s, all_around, light, number(), 1));
+    }
+    if (place.irradiance > 0) places_.push_back(std::move(place));
+  }
+
+  /// The k-th camera ray and where light goes on from there.
+  template <typename Visit>
+  void follow(int k, const Visit& visited) {
+    const SceneHeader& h = scene_.header;
+    // An additive sequence (Roberts 2018), and numbers of its own for each ray.
+    const double x = std::fmod(0.5 + k * 0.7548776662466927, 1.0) * h.film.width;
+    const double y = std::fmod(0.5 + k * 0.5698402909980532, 1.0) * h.film.height;
+    count_ = hash_uint(std::uint32_t(k));
+    const Ray ray = camera_ray(h.camera, h.film, int(x), int(y), float(x - std::floor(x)) - 0.5f,
+                               float(y - std::floor(y)) - 0.5f);
+    vec3 origin = ray.origin, toward = ray.direction;
+    float limit = ray.tmax;
+    int skip = -1, skip_instance = -1;
+    double weight = 1;
+    for (int bounce = 0, passed = 0; bounce < kBounces && passed < kMostPassed;) {
+      const Hit hit = closest(origin, toward, limit, skip, skip_instance);
+      if (hit.primitive < 0) return;
+      const Surface s = surface_of(hit, origin, toward);
+      const Material* leaf = leaf_of(s.material);
+      skip = hit.primitive;
+      skip_instance = hit.instance;
+      limit = NO_LIMIT;
+      ++passed;
+      if (leaf != nullptr && leaf->family == FAMILY_BLACK) return;
+      const Closure closure = leaf != nullptr ? closure_of(*leaf) : black_closure();
+      if (leaf == nullptr || (is_among(closure, families_with(DELTA)) && lets_light_through(closure))) {
+        origin = leave_surface(s.p, s.geometric, s.error, toward);
+        continue;
+      }
+      if (is_among(closure, families_with(DELTA))) {
+        toward = sub(scale(s.shading, 2 * dot3(s.shading, s.wo)), s.wo);
+      } else {
+        const bool all_around = lets_light_through(closure);
+        visited(s, all_around, weight);
+        weight *= kLaterWeight;
+        ++bounce;
+        const float u = number(), v = number();
+        toward = sample_cosine_hemisphere(s.shading, u, v);
+      }
+      if (is_beneath(s, toward)) return;
+      origin = leave_surface(s.p, s.geometric, s.error, toward);
+    }
+  }
+
+  /// Variance of the light that samples bring, of which a group's are taken with probability p, and of that
+  /// which directions find, by the balance heuristic: of f the integral of f^2 / (p pdf + other_pdf) less the
+  /// squares of both means. Which light is taken is well spread, so most of that makes no noise: the mean of
+  /// a group counts as if it were taken for certain.
+  static double variance(const std::vector<Arrival>& samples, double p) {
+    constexpr double kSpread = 0.5;
+    double moment = 0, sum = 0, squares = 0, other_sum = 0, other_squares = 0;
+    for (const Arrival& a : samples) {
+      const double both = p * a.pdf + a.other_pdf, value = a.light / a.pdf;
+      const double own = value * (p * a.pdf / both), other = value * (a.other_pdf / both);
+      moment += value * a.light / both;
+      sum += own;
+      squares += own * own;
+      other_sum += other;
+      other_squares += other * other;
+    }
+    // Squared means without bias, by pairs of samples.
+    constexpr double kPairs = double(kSamples) * (kSamples - 1);
+    const double mean2 = (sum * sum - squares) / kPairs,
+                 other_mean2 = (other_sum * other_sum - other_squares) / kPairs;
+    return moment / kSamples - kSpread * (mean2 / p + other_mean2);
+  }
+
+  /// Relative to the light there, as far as one place tells.
+  [[nodiscard]] double relative_weight(const Place& place) const {
+    const double irradiance = place.irradiance + mean_irradiance_;
+    return place.weight / (irradiance * irradiance);
+  }
+
+  /// Of all places, where infinite lights have intensities that are shares of x, beside importances to the
+  /// power of `exponent`.
+  [[nodiscard]] double variance_of_all(double x, double exponent, std::span<const double> shares) const {
+    double sum = 0;
+    for (const Place& place : places_) {
+      const double importance = place.importance, least = double(LEAST_LIGHT_SHARE);
+      const bool any = importance > 0 || exponent == 0;
+      const double p = any ? std::clamp(x / (x + std::pow(importance, exponent)), least, 1 - least) : 1.0;
+      double here = p < 1 ? variance(place.finite, 1 - p) : 0.0;
+      for (std::size_t i = 0; i < shares.size(); ++i) here += variance(place.infinite[i], p * shares[i]);
+      sum += relative_weight(place) * here;
+    }
+    return sum;
+  }
+
+  [[nodiscard]] InfiniteLights found() {
+    double irradiances = 0, weights = 0;
+    for (const Place& place : places_) {
+      irradiances += place.weight * place.irradiance;
+      weights += place.weight;
+    }
+    mean_irradiance_ = weights > 0 ? irradiances / weights : 0.0;
+    // Among each other as the roots of their variances, which is best where light of one comes without
+    // others.
+    const double equal = 1 / double(infinite_.size());
+    std::vector<double> shares(infinite_.size(), 0.0);
+    double all = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      for (const Place& place : places_) shares[i] += relative_weight(place) * variance(place.infinite[i], 1);
+      all += shares[i] = std::sqrt(std::max(shares[i], 0.0));
+    }
+    double sum = 0;
+    for (double& share : shares)
+      sum += share = std::max(all > 0 ? share / all : equal, kLeastOfInfinite * equal);
+    for (double& share : shares) share /= sum;
+    const double constant = constant_share(shares), x = least_intensity(shares);
+    for (double& share : shares) share *= x;
+    return {shares, constant};
+  }
+
+  /// Of the least variance, by factors of two, then within the best of them.
+  [[nodiscard]] double least_intensity(std::span<const double> shares) const {
+    double best = 0, least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](double k) {
+      if (const double value = variance_of_all(std::exp2(k), 1, shares); value < least) {
+        least = value;
+        best = k;
+      }
+    };
+    for (int k = -60; k <= 60; ++k) consider(k);
+    for (double step = 0.5; step > 0.05; step *= 0.5)
+      for (const double k : {best - step, best + step}) consider(k);
+    return std::exp2(best);
+  }
+
+  /// A half, which well spread numbers divide best and which is never worse than twice the best, unless
+  /// another part of a power of two promises much less.
+  [[nodiscard]] double constant_share(std::span<const double> shares) const {
+    constexpr double kMuchLess = 0.7;
+    double best = 0.5, least = kMuchLess * variance_of_all(1, 0, shares);
+    for (const double share : {0.25, 0.75, 0.125, 0.875}) {
+      if (const double value = variance_of_all(share / (1 - share), 0, shares); value < least) {
+        least = value;
+        best = share;
+      }
+    }
+    return best;
+  }
+
+  Scene scene_;
+  std::span<const int> infinite_;
+  std::vector<Place> places_;
+  double mean_irradiance_ = 0;
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace
+
+std::vector<PilotVertex> pilot_vertices(const SceneHeader& header, const SceneRecords& records) {
+  const RecordsView view(records, header);
+  return PilotPaths(view.scene(), {}).places();
+}
+
+InfiniteLights weigh_infinite_lights(const SceneHeader& header, const SceneRecords& records,
+                                     std::span<const int> infinite) {
+  const RecordsView view(records, header);
+  return PilotPaths(view.scene(), infinite).run();
+}
+
+}  // namespace penumbra
