@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "scenes/bsdfs/coating.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/scene_description.h"
 #include "scenes/sky/sky_parameters.h"
@@ -58,6 +59,7 @@ std::string plugin_reference() {
       "placeholder, and a warning.\n\n";
   describe_all(out, "BSDFs", static_cast<const BsdfModel*>(nullptr));
   describe_all(out, "BSDFs that hold others", static_cast<const HolderParameters*>(nullptr));
+  describe_all(out, "BSDFs that coat others", static_cast<const CoatingPlugins*>(nullptr));
   describe_all(out, "Textures", static_cast<const TextureModel*>(nullptr));
   describe_all(out, "Emitters", static_cast<const Emitter*>(nullptr));
   describe<AreaLightParameters>(out);

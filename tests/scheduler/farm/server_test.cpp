@@ -311,61 +311,61 @@ TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
   EXPECT_TRUE(decode(good_result().result(), kArea, ResultShape{kRadiancePlanes}));
 }
 
-/// What a result with these owners is to a scheduler whose scene has 9.
-std::string error_of_owners(const std::vector<std::uint32_t>& owners) {
+/// What a result with these mattes is to a scheduler whose scene has 9.
+std::string error_of_mattes(const std::vector<std::uint32_t>& mattes) {
   SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
-  buffer.owners = owners;
+  buffer.mattes = mattes;
   wire::UnitResult message;
   encode(buffer, message);
-  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .matte_count = 9});
   if (!decoded) return decoded.error().message;
-  EXPECT_EQ(decoded->owners, owners);
+  EXPECT_EQ(decoded->mattes, mattes);
   return "";
 }
 
-TEST(ResultOwners, AreThoseOfTheSamplesOfEachPixel) {
+TEST(ResultMattes, AreThoseOfTheSamplesOfEachPixel) {
   const auto pixels = std::size_t(kArea.width) * std::size_t(kArea.height);
   const std::uint32_t n = kArea.sample_count;
   ASSERT_GE(n, 2u);
-  // Nobody and the last owner, of each pixel.
-  std::vector<std::uint32_t> owners;
+  // Nobody and the last matte, of each pixel.
+  std::vector<std::uint32_t> mattes;
   for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-    owners.insert(owners.end(), {2u, std::uint32_t(NOBODY), 1u, 9u, n - 1});
-  EXPECT_EQ(error_of_owners(owners), "");
+    mattes.insert(mattes.end(), {2u, std::uint32_t(NO_MATTE), 1u, 9u, n - 1});
+  EXPECT_EQ(error_of_mattes(mattes), "");
   const auto changed = [&](std::size_t at, std::uint32_t value) {
-    std::vector<std::uint32_t> wrong = owners;
+    std::vector<std::uint32_t> wrong = mattes;
     wrong[at] = value;
-    return error_of_owners(wrong);
+    return error_of_mattes(wrong);
   };
   EXPECT_THAT(changed(3, 10), HasSubstr("unknown"));
-  EXPECT_THAT(changed(3, NOBODY), HasSubstr("out of its order")) << "twice";
+  EXPECT_THAT(changed(3, NO_MATTE), HasSubstr("out of its order")) << "twice";
   EXPECT_THAT(changed(4, n), HasSubstr("samples in a pixel"));
   EXPECT_THAT(changed(4, 0), HasSubstr("no sample met"));
   EXPECT_THAT(changed(4, ~0u), HasSubstr("samples in a pixel")) << "no sum may run over";
   EXPECT_THAT(changed(0, ~0u), HasSubstr("no list"));
   EXPECT_THAT(changed(0, 3), testing::Not(testing::IsEmpty()));
-  EXPECT_THAT(error_of_owners({}), HasSubstr("no list"));
-  std::vector<std::uint32_t> shorter = owners, longer = owners;
+  EXPECT_THAT(error_of_mattes({}), HasSubstr("no list"));
+  std::vector<std::uint32_t> shorter = mattes, longer = mattes;
   shorter.pop_back();
   longer.push_back(0);
-  EXPECT_THAT(error_of_owners(shorter), HasSubstr("no list"));
-  EXPECT_THAT(error_of_owners(longer), HasSubstr("more pixels"));
+  EXPECT_THAT(error_of_mattes(shorter), HasSubstr("no list"));
+  EXPECT_THAT(error_of_mattes(longer), HasSubstr("more pixels"));
 }
 
-TEST(ResultOwners, OfASceneWithoutThemAreRefusedAndEveryBitIsSecured) {
+TEST(ResultMattes, OfASceneWithoutThemAreRefusedAndEveryBitIsSecured) {
   SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
   for (std::size_t pixel = 0; pixel < buffer.pixels(); ++pixel)
-    buffer.owners.insert(buffer.owners.end(), {1u, 5u, buffer.sample_count});
+    buffer.mattes.insert(buffer.mattes.end(), {1u, 5u, buffer.sample_count});
   wire::UnitResult message;
   encode(buffer, message);
-  EXPECT_FALSE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 0}));
-  EXPECT_TRUE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9}));
+  EXPECT_FALSE(decode(message, kArea, {.planes = kRadiancePlanes, .matte_count = 0}));
+  EXPECT_TRUE(decode(message, kArea, {.planes = kRadiancePlanes, .matte_count = 9}));
   const std::uint64_t hash = result_hash(message);
-  message.mutable_pixels()->set_owners(1, 4);
-  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  message.mutable_pixels()->set_mattes(1, 4);
+  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .matte_count = 9});
   ASSERT_FALSE(decoded);
   EXPECT_THAT(decoded.error().message, HasSubstr("checksum"));
-  buffer.owners[1] = 4;
+  buffer.mattes[1] = 4;
   encode(buffer, message);
   EXPECT_NE(result_hash(message), hash) << "two workers that differ are told apart";
 }
