@@ -26,7 +26,7 @@ SampleBuffer met(const std::vector<std::uint32_t>& mattes, float radiance = 0) {
   return buffer;
 }
 
-FilmAccumulator film_of_pixel() { return {0, 0, 1, 1, kRadiancePlanes, false, kMattes}; }
+FilmAccumulator film_of_pixel() { return {0, 0, 1, 1, kRadiancePlanes, kMattes}; }
 
 TEST(FilmMattes, AreTheSumsOfAllSamples) {
   FilmAccumulator film = film_of_pixel();
