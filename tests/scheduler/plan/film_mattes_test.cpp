@@ -107,8 +107,8 @@ TEST(FilmMattes, DamagedBytesAreRefused) {
   FilmAccumulator film = film_of_pixel();
   film.add(0, 0, met({1, 1, 7, NO_MATTE}));
   const std::vector<std::uint8_t> bytes = bytes_of_film(film);
-  // The numbers before: six of the film, seven of the pixel. Then how many mattes, and two of them.
-  const std::size_t mattes = 8 * (6 + 7);
+  // The numbers before: five of the film, seven of the pixel. Then how many mattes, and two of them.
+  const std::size_t mattes = 8 * (5 + 7);
   const auto with = [&](std::size_t word, auto value) {
     std::vector<std::uint8_t> changed = bytes, number;
     ByteWriter writer(number);
