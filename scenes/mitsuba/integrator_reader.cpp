@@ -198,8 +198,8 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
 
 std::vector<OtherIntegrator> other_integrators() {
   std::vector<OtherIntegrator> others;
-  for (const StandIn& each : stand_ins())
-    others.push_back({each.type, each.stands_in == kThroughMedia ? "path" : each.stands_in, !each.same});
+  for (const Substitute& each : substitutes())
+    others.push_back({each.type, each.method == kThroughMedia ? "path" : each.method, !each.same});
   for (const WrapperPlugin& each : kWrappers) others.push_back({each.type, "", !each.without.empty()});
   return others;
 }
