@@ -54,8 +54,8 @@
   #define PACKS_REGISTERS
 #endif
 #if !defined(RAYS_IN_FLIGHT) && defined(PACKS_REGISTERS)
-  // Rays that are traced in turn (block/block_flight.h); not defined: one after the other, which is faster
-  // where pack_8 is a loop.
+  // Rays whose traversals are interleaved (block/block_flight.h); not defined: one after the other, which is
+  // faster where pack_8 is a loop.
   #define RAYS_IN_FLIGHT 32
 #endif
 // Number of bits that are set.

@@ -50,8 +50,8 @@ enum {
   SOURCE_FILTER        ///< the film's filter, or a layer
 };
 
-// Behind the planes of the layers, of results that have them (FEATURE_MATTES): pairs of planes, of a matte and how
-// many of the pixel's samples hit it.
+// Behind the planes of the layers, of results that have them (FEATURE_MATTES): pairs of planes, of a matte
+// and how many of the pixel's samples hit it.
 #define MAX_MATTE_PAIRS 32
 /// How many pairs a unit of so many samples has: one for each matte that they can hit, and NO_MATTE.
 FN int matte_pairs(int sample_count) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <optional>
 #include <unordered_map>
 
 #include "scenes/mesh_reader.h"
@@ -33,6 +34,8 @@ const std::vector<std::string> kIgnoredStatements = {
     "s",          "l",         "p",        "vp",       "usemap", "maplib", "lod",
     "shadow_obj", "trace_obj", "c_interp", "d_interp", "mg",     "bevel",  "polygroup",
 };
+
+std::string_view first_line(std::string_view text) { return text.substr(0, text.find('\n')); }
 
 /// A group while it grows.
 struct OpenGroup {
@@ -95,8 +98,11 @@ class ObjReader {
                kIgnoredStatements.end()) {
       std::vector<std::string> known = kIgnoredStatements;
       known.insert(known.end(), {"v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib"});
-      return scanner_.wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}",
-                                        keyword.substr(0, 40), suggestion(keyword, known)));
+      if (unknown_++ == 0)
+        first_unknown_ = scanner_
+                             .wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}",
+                                                keyword.substr(0, 40), suggestion(keyword, known)))
+                             .error();
     }
     return {};
   }
@@ -107,10 +113,13 @@ class ObjReader {
     return {};
   }
 
-  Expected<std::int64_t> index(std::string_view text, std::size_t count, std::string_view what) const {
+  /// `may_follow`: what it counts may come after the face, or not at all (see drop_absent).
+  Expected<std::int64_t> index(std::string_view text, std::size_t count, std::string_view what,
+                               bool may_follow) const {
     const auto value = parse_integer(text);
     if (!value) return scanner_.wrong(value.error().message);
     const auto size = std::int64_t(count);
+    if (may_follow && *value > size) return *value - 1;
     if (*value == 0 || *value > size || *value < -size) {
       return scanner_.wrong(
           fmt::format("{} index {} is out of range: {} {} so far, counted from 1 (or -1 from the last)", what,
@@ -131,16 +140,16 @@ class ObjReader {
       rest = rest.substr(slash + 1);
     }
     Corner result;
-    const auto position = index(parts[0], positions_.size(), "vertex");
+    const auto position = index(parts[0], positions_.size(), "vertex", false);
     if (!position) return std::unexpected(position.error());
     result.position = *position;
     if (!parts[1].empty()) {
-      const auto texcoord = index(parts[1], texcoords_.size(), "texture coordinate");
+      const auto texcoord = index(parts[1], texcoords_.size(), "texture coordinate", true);
       if (!texcoord) return std::unexpected(texcoord.error());
       result.texcoord = *texcoord;
     }
     if (!parts[2].empty()) {
-      const auto normal = index(parts[2], normals_.size(), "normal");
+      const auto normal = index(parts[2], normals_.size(), "normal", true);
       if (!normal) return std::unexpected(normal.error());
       result.normal = *normal;
     }
@@ -188,7 +197,31 @@ class ObjReader {
     return entry->second;
   }
 
+  /// Corners go without what the file does not have.
+  void drop_absent(std::int64_t Corner::*index, std::size_t count, std::string_view what) {
+    std::size_t dropped = 0;
+    for (OpenGroup* group : order_) {
+      for (Corner& corner : group->corners) {
+        if (corner.*index < std::int64_t(count)) continue;
+        corner.*index = -1;
+        ++dropped;
+      }
+    }
+    if (dropped > 0)
+      model_.warnings.push_back(fmt::format("{} {} {} that the file does not have, and {} without", dropped,
+                                            dropped == 1 ? "vertex names a" : "vertices name a", what,
+                                            dropped == 1 ? "goes" : "go"));
+  }
+
   Expected<ObjModel> finish() {
+    // Nothing but statements that are unknown is no OBJ file.
+    if (first_unknown_ && positions_.empty()) return std::unexpected(*first_unknown_);
+    if (first_unknown_)
+      model_.warnings.push_back(fmt::format("{} {} ignored, the first of them: {}", unknown_,
+                                            unknown_ == 1 ? "statement is" : "statements are",
+                                            first_line(first_unknown_->message)));
+    drop_absent(&Corner::texcoord, texcoords_.size(), "texture coordinate");
+    drop_absent(&Corner::normal, normals_.size(), "normal");
     for (OpenGroup* group : order_) {
       if (group->corners.size() > std::numeric_limits<std::uint32_t>::max()) {
         return fail(fmt::format("{}: more vertices than 32-bit indices reach", file_.path.string()));
@@ -231,6 +264,8 @@ class ObjReader {
   ObjName material_;
   std::map<std::pair<std::string, std::string>, OpenGroup> by_name_;  ///< by object and material
   std::vector<OpenGroup*> order_;
+  std::size_t unknown_ = 0;  ///< statements
+  std::optional<Error> first_unknown_;
   OpenGroup* group_ = nullptr;  ///< of the next face, once there has been one
   std::vector<std::uint32_t> polygon_;
   std::vector<glm::dvec3> outline_;
@@ -244,7 +279,7 @@ Expected<MeshFile> read_obj(const SourceFile& file) {
   if (!model) return std::unexpected(model.error());
   if (model->groups.empty()) return MeshFile{};
   ObjGroup& all = model->groups.front();
-  return MeshFile{std::move(all.mesh), std::move(all.faces)};
+  return MeshFile{std::move(all.mesh), std::move(all.faces), false, std::move(model->warnings)};
 }
 
 Expected<ObjModel> read_obj_groups(const SourceFile& file) { return ObjReader(file, true).read(); }

@@ -123,7 +123,10 @@ class PlyReader {
       if (auto done = finish_face(face.number, face.corners, face.colour); !done)
         return std::unexpected(done.error());
     }
-    return MeshFile{std::move(mesh_), std::move(faces_)};
+    MeshFile result{std::move(mesh_), std::move(faces_)};
+    if (std::ranges::none_of(elements_, has_faces))
+      result.warnings.emplace_back("the file has points without faces, which are not shown");
+    return result;
   }
 
  private:
@@ -139,13 +142,14 @@ class PlyReader {
 
   std::string_view header_line() {
     line_start_ = at_;
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
     std::string_view line = text_.substr(at_, end - at_);
     at_ = std::min(end + 1, text_.size());
     return trim(line);
   }
 
   Expected<void> header() {
+    if (text_.starts_with("ply\r") && !text_.starts_with("ply\r\n")) line_end_ = '\r';
     if (header_line() != "ply") return wrong_at(0, "a PLY file starts with the line 'ply'");
     bool has_format = false;
     for (;;) {
@@ -240,9 +244,7 @@ class PlyReader {
   /// word.
   Expected<void> check_elements() const {
     const Element* vertex = element_named("vertex");
-    const Element* face = element_named("face");
-    if (vertex == nullptr || face == nullptr)
-      return wrong_at(0, "the header must have the elements vertex and face");
+    if (vertex == nullptr) return wrong_at(0, "the header must have the element vertex");
     std::array<bool, kFields> has{};
     for (const Property& each : vertex->properties) {
       const int field = field_named(each.name);
@@ -250,8 +252,9 @@ class PlyReader {
     }
     if (!has[kX] || !has[kY] || !has[kZ])
       return wrong_at(vertex->location.offset, "a vertex must have x, y and z");
-    if (std::none_of(face->properties.begin(), face->properties.end(), is_indices)) {
-      return wrong_at(face->location.offset, "a face must have the list vertex_indices (or vertex_index)");
+    for (const Element& each : elements_) {
+      if (has_faces(each) && std::none_of(each.properties.begin(), each.properties.end(), is_indices))
+        return wrong_at(each.location.offset, "a face must have the list vertex_indices (or vertex_index)");
     }
     std::uint64_t least = 0;
     for (const Element& each : elements_) {
@@ -272,7 +275,7 @@ class PlyReader {
 
   /// What the rest of the file is long enough for, so that large meshes are not moved as they grow.
   void reserve() {
-    const Element &vertex = *element_named("vertex"), &face = *element_named("face");
+    const Element& vertex = *element_named("vertex");
     const std::uint64_t rest = text_.size() - at_;
     const bool ascii = format_ == Format::kAscii;
     const auto most = [&](const Element& of) {
@@ -284,7 +287,6 @@ class PlyReader {
       return std::size_t(std::min(of.count, rest / std::max<std::uint64_t>(bytes, 1)));
     };
     mesh_.positions.reserve(most(vertex));
-    mesh_.triangles.reserve(most(face));
     const auto has = [&](const Element& of, int first, int last) {
       int found = 0;
       for (const Property& p : of.properties) found += p.field >= first && p.field <= last ? 1 : 0;
@@ -293,9 +295,13 @@ class PlyReader {
     if (has(vertex, kNormalX, kNormalZ)) mesh_.normals.reserve(most(vertex));
     if (has(vertex, kU, kV)) mesh_.texcoords.reserve(most(vertex));
     if (has(vertex, kRed, kBlue)) mesh_.colours.reserve(most(vertex));
-    if (has(face, kRed, kBlue)) mesh_.face_colours.reserve(most(face));
+    if (const Element* face = element_named("face"); face != nullptr) {
+      mesh_.triangles.reserve(most(*face));
+      if (has(*face, kRed, kBlue)) mesh_.face_colours.reserve(most(*face));
+    }
   }
 
+  static bool has_faces(const Element& e) { return e.name == "face" || e.name == "tristrips"; }
   static bool is_indices(const Property& p) {
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
   }
@@ -360,7 +366,7 @@ class PlyReader {
       polygon_.clear();
       for (const Property& property : element.properties) {
         const int field = property.field;
-        const bool indices = element.name == "face" && is_indices(property);
+        const bool indices = has_faces(element) && is_indices(property);
         std::uint64_t count = 1;
         if (property.count_type) {
           const auto length = value(*property.count_type, element, number);
@@ -390,6 +396,9 @@ class PlyReader {
         if (has[kRed] && has[kGreen] && has[kBlue])
           face_colour_ = {float(fields[kRed]), float(fields[kGreen]), float(fields[kBlue])};
         if (auto done = add_face(element, number); !done) return done;
+      }
+      if (element.name == "tristrips") {
+        if (auto done = add_strips(element, number); !done) return done;
       }
     }
     return {};
@@ -426,6 +435,22 @@ class PlyReader {
     return {};
   }
 
+  /// Strips of triangles one after another, each ended by -1; every other triangle is turned.
+  Expected<void> add_strips(const Element& element, std::uint64_t number) {
+    const std::vector<double> strips = std::move(polygon_);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < strips.size(); ++i) {
+      if (strips[i] == -1.0) {
+        first = i + 1;
+      } else if (i >= first + 2) {
+        const bool is_turned = (i - first) % 2 == 1;
+        polygon_ = {strips[i - 2], strips[i - (is_turned ? 0 : 1)], strips[i - (is_turned ? 1 : 0)]};
+        if (auto done = add_face(element, number); !done) return done;
+      }
+    }
+    return {};
+  }
+
   Expected<void> finish_face(std::uint64_t number, const std::vector<std::uint32_t>& corners,
                              const std::optional<glm::vec3>& colour) {
     outline_.clear();
@@ -441,6 +466,7 @@ class PlyReader {
   std::string_view text_;
   const MeshAttributeNames& attributes_;
   std::size_t at_ = 0;
+  char line_end_ = '\n';  ///< of the header
   std::size_t line_start_ = 0;
   std::size_t token_start_ = 0;
   Format format_ = Format::kAscii;

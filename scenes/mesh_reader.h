@@ -28,8 +28,9 @@ struct MeshFile {
 /// own space. Corners with the same position, texture and normal index share a vertex. Where some corners
 /// lack a normal or texture coordinates that others have, theirs are zero: place_mesh computes such normals.
 /// Faces of fewer than three corners are left out. Groups, materials, lines and points are passed over.
-/// Errors, with line and column: unknown statements, malformed or non-finite numbers, indices out of
-/// range, faces that cannot be cut into triangles.
+/// Warnings: unknown statements, indices of normals and texture coordinates that the file does not have.
+/// Errors, with line and column: malformed or non-finite numbers, other indices out of range, faces that
+/// cannot be cut into triangles, a file of nothing but unknown statements.
 Expected<MeshFile> read_obj(const SourceFile& file);
 
 /// A name and where it was read.
@@ -50,6 +51,7 @@ struct ObjGroup {
 struct ObjModel {
   std::vector<ObjName> libraries;  ///< of `mtllib`, a whole line each
   std::vector<ObjGroup> groups;    ///< in the order of their first faces
+  std::vector<std::string> warnings;
 };
 
 /// The same as read_obj, by object and material.
@@ -57,8 +59,10 @@ Expected<ObjModel> read_obj_groups(const SourceFile& file);
 
 /// The same of a PLY file, ascii or binary of either byte order, whatever the order and types of its
 /// properties: x y z, nx ny nz, and u v (or s t, texture_u texture_v) of `vertex`, vertex_indices (or
-/// vertex_index) of `face`. Other elements and properties are passed over. Errors: as of read_obj (binary:
-/// with the vertex's or face's number), a file that ends early.
+/// vertex_index) of `face`, those of `tristrips`, whose strips end at -1. Other elements and properties are
+/// passed over; a file of points alone has no triangles, and a warning. Lines of the header end as its first
+/// one does, with LF, CR LF or CR. Errors: as of read_obj (binary: with the vertex's or face's number), a
+/// file that ends early.
 /// Colours of vertices and faces are the attributes of these names, as Mitsuba 3 has them: NAME is made of
 /// the properties NAME_0, NAME_1, NAME_2 (or of other endings; a single one is grey), of P_r, P_g, P_b where
 /// NAME is P_color, and `color` of red, green, blue (or r, g, b), too.

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "scenes/bsdfs/coating.h"
 #include "scenes/mitsuba/integrator_reader.h"
 #include "scenes/mitsuba/sensor_parameters.h"
 #include "scenes/mitsuba/shape_parameters.h"
@@ -165,6 +166,7 @@ Entries make_reference() {
   Entries entries;
   add_models(entries, "bsdf", static_cast<const BsdfModel*>(nullptr));
   add_models(entries, "bsdf", static_cast<const HolderParameters*>(nullptr));
+  add_models(entries, "bsdf", static_cast<const CoatingPlugins*>(nullptr));
   add_models(entries, "texture", static_cast<const TextureModel*>(nullptr));
   entries.push_back({.kind = "texture",
                      .name = "rawconstant",

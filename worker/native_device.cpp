@@ -183,7 +183,7 @@ namespace {
 /// Whether testing every primitive is possible and faster than the scene's hierarchy: no image depends on it.
 bool prefers_whole(KernelTarget target, const DeviceScene& scene) {
   const bool either = (scene.header.features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
-  return either && tests_whole(target, scene);
+  return either && tests_every_primitive(target, scene);
 }
 
 }  // namespace

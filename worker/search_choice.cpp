@@ -57,7 +57,7 @@ Visits expected_visits(std::span<const BvhNode> nodes) {
 
 }  // namespace
 
-bool tests_whole(KernelTarget target, const DeviceScene& scene) {
+bool tests_every_primitive(KernelTarget target, const DeviceScene& scene) {
   const TableSpans& tables = scene.header.tables;
   const SearchCosts costs = costs_of(target);
   const double whole = costs.vertex * tables.vertices.count +

@@ -8,6 +8,6 @@ namespace penumbra {
 
 /// Whether bounced and shadow rays of a scene with a hierarchy that could also be tested whole are likely to
 /// be found sooner by testing every triangle, by the target's kernels.
-bool tests_whole(KernelTarget target, const DeviceScene& scene);
+bool tests_every_primitive(KernelTarget target, const DeviceScene& scene);
 
 }  // namespace penumbra

@@ -134,13 +134,13 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       const float way = get_way(&fields, i + j);
       const bool passes = crosses | ((m.ways & MEETS_WITHIN) != 0);
       const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
-      set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
+      set_way(&fields, i + j, passes ? max_f(distance_to_surface(s, start), 1e-30f) : way);
       const bool along = passes & !shadow;
       NearBoundary met;
       met.normal = select3(along, negate(s.geometric), s.geometric);
       met.depth = 0.0f;
       met.offset = arrives ? s.error : 0.0f;
-      met.clearance = clear_of(s);
+      met.clearance = safe_distance(s);
       set_boundary(&fields, i + j, select_boundary(along | arrives, met, get_boundary(&fields, i + j)));
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);

@@ -11,11 +11,11 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// How far off the surface, along its normal, a point is surely before it: distances along rays that go
 /// beside it are sums of what is as large as it is wide.
-FN float clear_of(Surface s) { return max_f(4.0f * s.error, POSITION_ERROR * s.span); }
+FN float safe_distance(Surface s) { return max_f(4.0f * s.error, POSITION_ERROR * s.span); }
 
 /// How far it is along the ray from there to the surface, by its plane, from which s.p is off by s.error
 /// alone.
-FN float way_to(Surface s, vec3 start) {
+FN float distance_to_surface(Surface s, vec3 start) {
   const vec3 back = sub(start, s.p);
   const float cosine = dot3(s.geometric, s.wo);
   return cosine > 1e-3f ? dot3(s.geometric, back) / cosine : dot3(back, s.wo);
@@ -25,7 +25,7 @@ FN float way_to(Surface s, vec3 start) {
 /// near that, the depth is better known than by the ray.
 FN float flight_to(const PRIVATE PathState* paths, int i, MediumStack media, Surface s, vec3 start) {
   const NearBoundary near = get_boundary(paths, i);
-  const float way = get_way(paths, i), to = way_to(s, start) - way;
+  const float way = get_way(paths, i), to = distance_to_surface(s, start) - way;
   const bool first = (way == 0.0f) & (innermost(media) != 0), on_it = near.depth == 0.0f;
   const float alike = dot3(s.geometric, near.normal), cosine = max_f(dot3(s.geometric, s.wo), 1e-4f);
   const bool turned = on_it & (dot3(near.normal, s.wo) > 0.0f);
@@ -58,11 +58,11 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       const float descent = reach * (turned ? -slope : slope), below = near.depth + descent;
       const bool leaves = near_boundary & (descent >= 0.0f);
       // Of the ray.
-      const float to = way_to(s, start) - way;
+      const float to = distance_to_surface(s, start) - way;
       const float ahead = meets ? (to - reach) * cosine : NO_LIMIT,
                   behind = leaves ? below + near.offset : NO_LIMIT;
       const float middle = 0.5f * ahead + 0.5f * behind, room = leaves ? middle : to * cosine;
-      const float rise = max_f(min_f(clear_of(s), room) - ahead, 0.0f),
+      const float rise = max_f(min_f(safe_distance(s), room) - ahead, 0.0f),
                   sink = max_f(min_f(near.clearance, middle) - behind, 0.0f);
       const vec3 flown = scale(d, way + reach);
       const vec3 lifted = add_scaled(scale(s.geometric, meets ? rise : 0.0f), leaves ? sink : 0.0f, inwards);
@@ -75,7 +75,7 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       next.normal = select3(changes, s.geometric, select3(stays, inwards, no_boundary().normal));
       next.depth = max_f(changes ? above : below, 1e-30f);
       next.offset = (changes ? ahead - above : near.offset) + dot3(next.normal, off);
-      next.clearance = changes ? clear_of(s) : near.clearance;
+      next.clearance = changes ? safe_distance(s) : near.clearance;
       set_ray_origin(&fields, i + j, select3(scatters, p, get_ray_origin(&fields, i + j)));
       set_boundary(&fields, i + j, select_boundary(scatters, next, near));
     }

@@ -113,7 +113,7 @@ STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* p
 /// to.
 STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT chosen,
-                       PRIVATE Sights* RESTRICT sights) {
+                       PRIVATE EquiangularSegments* RESTRICT segments) {
   int any = 0;
   const PathState fields = *paths;
   LANE_LOOP
@@ -123,11 +123,12 @@ STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const vec3 direction = get_ray_direction(&fields, i + j);
       const vec3 origin = add_scaled(get_kept_origin(&fields, i + j), get_way(&fields, i + j), direction);
       const float length = lengths[j];
-      const Sight sight = sight_of(origin, direction, length, load3(&centre->place), centre->size);
-      const vec3 shares = sight_shares(sight, length, load3(&medium->extinction));
+      const EquiangularSegment segment =
+          equiangular_segment(origin, direction, length, load3(&centre->place), centre->size);
+      const vec3 shares = equiangular_shares(segment, length, load3(&medium->extinction));
       const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
       any |= (under_way & !is_grid(medium) & (max_component(shares) > 0.0f)) ? 1 : 0;
-      store_sight(sights, j, sight);
+      store_equiangular(segments, j, segment);
     }
   return any != 0;
 }
@@ -135,8 +136,9 @@ STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* path
 /// Flights through homogeneous media that scatter before the surfaces, by the medium or by where one of the
 /// lights is: sets their `reaches` and weighs them, as `decided` says.
 STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                       const PRIVATE float* RESTRICT lengths, const PRIVATE Sights* RESTRICT sights,
-                       PRIVATE float* RESTRICT reaches, PRIVATE int* RESTRICT decided) {
+                       const PRIVATE float* RESTRICT lengths,
+                       const PRIVATE EquiangularSegments* RESTRICT segments, PRIVATE float* RESTRICT reaches,
+                       PRIVATE int* RESTRICT decided) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -147,17 +149,18 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const float sigma = channel_of(extinction, hero);
       const bool scatters =
           (get_ray_tmax(&fields, i + j) > 0.0f) & !is_grid(medium) & (sigma > 0.0f) & (left < sigma * length);
-      const Sight sight = load_sight(sights, j);
-      const vec3 shares = sight_shares(sight, length, extinction);
+      const EquiangularSegment segment = load_equiangular(segments, j);
+      const vec3 shares = equiangular_shares(segment, length, extinction);
       const float number = ray_number(&fields, i + j, 0x5be0cd19u);
-      const bool by_sight = number < channel_of(shares, hero);
+      const bool equiangular = number < channel_of(shares, hero);
       // The number that chose the optical depth is uniform among those that scatter.
       const float u = expm1_f(-left) / min_f(expm1_f(-sigma * length), -1e-37f);
-      const float reach =
-          by_sight ? min_f(sight_distance(sight, min_f(u, 1.0f)), length) : left / max_f(sigma, 1e-30f);
+      const float reach = equiangular ? min_f(equiangular_distance(segment, min_f(u, 1.0f)), length)
+                                      : left / max_f(sigma, 1e-30f);
       const FlightWeight before = flight_weight(&fields, i + j);
-      const FlightWeight after = weigh_by_sight(before, extinction, albedo, sight, shares, length, reach);
-      const bool decides = scatters & (max_component(shares) > 0.0f) & (sight.angle > 0.0f);
+      const FlightWeight after =
+          weigh_equiangular(before, extinction, albedo, segment, shares, length, reach);
+      const bool decides = scatters & (max_component(shares) > 0.0f) & (segment.angle > 0.0f);
       set_flight_weight(&fields, i + j, select_flight_weight(decides, after, before));
       reaches[j] = decides ? reach : reaches[j];
       decided[j] = decides ? 1 : decided[j];
@@ -165,14 +168,14 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
 }
 
 /// The same where the scene has such lights.
-FN void aim_at_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                      const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
+FN void sample_equiangular(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
   if (scene->header.tables.flight_centres.count == 0) return;
   int chosen[LANES];
-  Sights sights;
+  EquiangularSegments segments;
   choose_centres(scene, paths, i, chosen);
-  if (see_centres(scene, paths, i, lengths, chosen, &sights))
-    aim_flights(scene, paths, i, lengths, &sights, reaches, decided);
+  if (see_centres(scene, paths, i, lengths, chosen, &segments))
+    aim_flights(scene, paths, i, lengths, &segments, reaches, decided);
 }
 
 /// Flights of rays under way through media with grids, as far as the surfaces: sets their `reaches` to where
@@ -233,8 +236,8 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
 }
 
 /// What scattered in media whose albedo varies.
-FN void colour_by_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                        const PRIVATE float* reaches) {
+FN void apply_grid_albedo(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE float* reaches) {
   for (int j = 0; j < LANES; j++) {  // no lane loop, as above
     const int index = scene->media[innermost(get_media(paths, i + j))].albedo_grid;
     if (!(reaches[j] >= 0.0f) || index < 0) continue;

@@ -214,10 +214,10 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
       decided[j] = 0;
     }
     if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, reaches, decided);
-    aim_at_lights(scene, paths, i, lengths, reaches, decided);
+    sample_equiangular(scene, paths, i, lengths, reaches, decided);
     fly(scene, paths, i, surfaces.primitive, lengths, decided, reaches);
     scatter_in_media(paths, i, &surfaces, lengths, reaches);
-    if (has_grids(scene)) colour_by_grids(scene, paths, i, reaches);
+    if (has_grids(scene)) apply_grid_albedo(scene, paths, i, reaches);
   }
   pass_hidden(paths, i, hides, &surfaces, passes);
   if (HAS(NESTED) && chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);

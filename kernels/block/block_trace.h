@@ -282,16 +282,16 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 }
 
 /// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
-/// into sums of its own. `other_form`: what the variate gets is not what the path does. `media`: they take
-/// from the light too.
-FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form, bool media) {
+/// into sums of its own. `has_own_control`: what the variate gets is not what the path does. `media`: they
+/// take from the light too.
+FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_control, bool media) {
   const int kind = get_shadow_controlled(paths, i);
-  const bool controlled = kind != CONTROLLED_NOT;
+  const bool controlled = kind != CONTROL_NONE;
   const float transmittance = get_shadow_transmittance(paths, i);
-  const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
+  const float seen = kind == CONTROL_BENEATH ? 0.0f : transmittance;
   vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
   vec3 unshadowed = shadow_ray_light(paths, i, controlled, 1.0f);
-  if (HAS(LTC) && other_form) {
+  if (HAS(LTC) && has_own_control) {
     const bool lit = controlled & (get_shadow_tmax(paths, i) > 0.0f);
     unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
   }
@@ -306,12 +306,12 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form, b
 }
 
 // Of all lanes.
-#define ADD_CONTROLLED_LIGHT(stage, other_form, media)                                   \
-  STAGE void stage(const PRIVATE PathState* paths, int count) {                          \
-    for (int i = 0; i < count; i += LANES) {                                             \
-      LANE_LOOP                                                                          \
-        for (int j = i; j < i + LANES; j++) add_controlled(paths, j, other_form, media); \
-    }                                                                                    \
+#define ADD_CONTROLLED_LIGHT(stage, has_own_control, media)                                   \
+  STAGE void stage(const PRIVATE PathState* paths, int count) {                               \
+    for (int i = 0; i < count; i += LANES) {                                                  \
+      LANE_LOOP                                                                               \
+        for (int j = i; j < i + LANES; j++) add_controlled(paths, j, has_own_control, media); \
+    }                                                                                         \
   }
 ADD_CONTROLLED_LIGHT(add_controlled_light, false, false)
 ADD_CONTROLLED_LIGHT(add_controlled_light_by_form, true, false)
@@ -320,15 +320,15 @@ ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
 #undef ADD_CONTROLLED_LIGHT
 
 /// Whichever the scene needs.
-FN void add_light_with_control(const PRIVATE Scene* scene, bool other_form, const PRIVATE PathState* paths,
-                               int count) {
+FN void add_light_with_control(const PRIVATE Scene* scene, bool has_own_control,
+                               const PRIVATE PathState* paths, int count) {
   if (NEEDS_MEDIA(scene)) {
-    if (HAS(LTC) && other_form) add_controlled_light_by_form_in_media(paths, count);
-    if (!other_form) add_controlled_light_in_media(paths, count);
+    if (HAS(LTC) && has_own_control) add_controlled_light_by_form_in_media(paths, count);
+    if (!has_own_control) add_controlled_light_in_media(paths, count);
     return;
   }
-  if (HAS(LTC) && other_form) add_controlled_light_by_form(paths, count);
-  if (!other_form) add_controlled_light(paths, count);
+  if (HAS(LTC) && has_own_control) add_controlled_light_by_form(paths, count);
+  if (!has_own_control) add_controlled_light(paths, count);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -160,7 +160,7 @@ FN bool is_moved(ulong features, ulong needs, ulong travels) {
 
 // Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in
 // shadow whatever the shadow ray says; its closed form ignores that.
-enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
+enum { CONTROL_NONE, CONTROL_IN_SIGHT, CONTROL_BENEATH };
 
 #define WORDS_float 1
 #define WORDS_int 1

@@ -47,11 +47,11 @@ FlaggedSamples flagged_samples(const Unit& unit, const BadSamples& bad) {
           .shape = int(bad.shape)};
 }
 
-void add(FlaggedKinds& to, const FlaggedKinds& others) {
+void add(FlaggedByKind& to, const FlaggedByKind& others) {
   for (std::size_t kind = 0; kind < to.size(); ++kind) to[kind].add(others[kind]);
 }
 
-std::uint64_t non_finite_count(const FlaggedKinds& flagged) {
+std::uint64_t non_finite_count(const FlaggedByKind& flagged) {
   return flagged[BAD_NAN].count + flagged[BAD_INFINITE].count;
 }
 

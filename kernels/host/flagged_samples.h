@@ -41,13 +41,13 @@ struct FlaggedSamples {
 bool is_possible(const FlaggedSamples& samples);
 
 /// Those of every kind, BAD_*.
-using FlaggedKinds = std::array<FlaggedSamples, BAD_KINDS>;
+using FlaggedByKind = std::array<FlaggedSamples, BAD_KINDS>;
 
 /// Adds others, kind by kind.
-void add(FlaggedKinds& to, const FlaggedKinds& others);
+void add(FlaggedByKind& to, const FlaggedByKind& others);
 
 /// How many there are that are not finite.
-std::uint64_t non_finite_count(const FlaggedKinds& flagged);
+std::uint64_t non_finite_count(const FlaggedByKind& flagged);
 
 /// From the counts of a block, with pixels and indices of the unit, to those of the film.
 FlaggedSamples flagged_samples(const Unit& unit, const BadSamples& bad);

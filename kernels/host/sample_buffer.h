@@ -74,7 +74,7 @@ struct SampleBuffer {
   int height = 0;
   int planes = kRadiancePlanes;
   std::uint32_t sample_count = 0;
-  FlaggedKinds flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
+  FlaggedByKind flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
   std::vector<float> values;
   /// With FEATURE_MATTES, of one pixel after the other: how many pairs, then those, a matte and how many of
   /// the samples met it, at least one. Mattes ascend, from NO_MATTE on; the counts are those of all samples.

@@ -89,7 +89,7 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
   const float emitter_samples = (float)h->integrator.emitter_samples,
               bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
-  const uint by_themselves = families_by_themselves(h);
+  const uint by_themselves = families_with_own_directions(h);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -169,7 +169,7 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
         request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
     }
     if (scatters) {
-      const uint by_themselves = families_by_themselves(h);
+      const uint by_themselves = families_with_own_directions(h);
       sample_bsdfs(scene, step.families & by_themselves, &step.closures, &step.surfaces,
                    step.u + DIM_BSDF_U * LANES, step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
       if (h->integrator.bsdf_sampling != DIRECTION_BSDF) {

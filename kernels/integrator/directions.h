@@ -14,7 +14,7 @@ FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
 }
 
 /// Where directions of the hemisphere would miss light, the BSDFs' own are used.
-FN uint families_by_themselves(const PRIVATE SceneHeader* h) {
+FN uint families_with_own_directions(const PRIVATE SceneHeader* h) {
   return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
                                                        : families_with(DELTA | SOME_DELTA | TRANSMITS);
 }

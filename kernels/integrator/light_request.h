@@ -287,8 +287,8 @@ STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE
 }
 
 /// Probabilities of lights that rays found from the surfaces that paths left.
-FN void find_left_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                       PRIVATE FoundLights* found) {
+FN void find_previous_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           PRIVATE FoundLights* found) {
   LitPlaces places;
   LightScales scales;
   load_left_places(paths, i, &places, &scales);
@@ -301,7 +301,7 @@ FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool f
   LitPlaces places;
   LightScales scales;
   const bool finds_here = request.tree_found & finds & !request.path;
-  if (request.tree_found & finds & request.path) find_left_pmfs(scene, paths, i, &step->found);
+  if (request.tree_found & finds & request.path) find_previous_pmfs(scene, paths, i, &step->found);
   if (!(request.tree | finds_here)) return;  // nor does a path go on
   find_lit_places(&step->surfaces, &step->closures, &places);
   if (request.tree)

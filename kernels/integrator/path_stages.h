@@ -141,7 +141,7 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
   if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
-  if (NEEDS_LIGHT_TREE(scene) && balances) find_left_pmfs(scene, paths, i, &found);
+  if (NEEDS_LIGHT_TREE(scene) && balances) find_previous_pmfs(scene, paths, i, &found);
   find_emissions(scene, &found, balances & (step > 0), &emissions);
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
   if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);

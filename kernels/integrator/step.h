@@ -85,7 +85,7 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (NEEDS(scene, BENT)) set_shadow_share(paths, i, bump_shadow(s, light.wi));
   if (NEEDS(scene, POLYGONS))
     set_shadow_controlled(paths, i,
-                          controlled ? (beneath ? CONTROLLED_BENEATH : CONTROLLED_SEEN) : CONTROLLED_NOT);
+                          controlled ? (beneath ? CONTROL_BENEATH : CONTROL_IN_SIGHT) : CONTROL_NONE);
 }
 
 /// Light samples whose control variate is not the closure's own value count wherever that variate is above 0,

@@ -72,7 +72,7 @@ FN void request_whitted_lights(const PRIVATE Scene* scene, bool scatters, bool f
 STAGE void balance_values(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const uint by_themselves = families_by_themselves(h);
+  const uint by_themselves = families_with_own_directions(h);
   const int kind = h->integrator.bsdf_sampling;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -195,7 +195,7 @@ STAGE void push_revisits(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int count,
                         PRIVATE StepLanes* step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const uint by_themselves = families_by_themselves(h);
+  const uint by_themselves = families_with_own_directions(h);
   PRIVATE float* choice = step->u + DIM_LOBE_CHOICE * LANES;
   const PRIVATE float* uv = step->u + DIM_BSDF_U * LANES;
   Branching branching;

@@ -91,7 +91,7 @@ FN void find_closest(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
 }
 
 /// Some hit, likewise. Not at the very end of the ray, which is where none is.
-FN void find_some(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
+FN void find_any_hit(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
   REGISTER_ARRAY int distances[BVH_WIDTH];
   REGISTER_ARRAY int before[BVH_WIDTH];
   const uint hits = triangle_leaf_hits(leaf, &f->ray, f->t, distances);
@@ -114,7 +114,7 @@ FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool 
     f->t = best.t;
     f->primitive = best.primitive;
   } else if (any)
-    find_some(scene->triangle_leaves + number, f);
+    find_any_hit(scene->triangle_leaves + number, f);
   else
     find_closest(scene->triangle_leaves + number, f);
   if (!any) f->end = key_of_end(f->t);

@@ -31,7 +31,7 @@ typedef struct {
   float wide_x, wide_y, slope_x, slope_y, back, front;
 } RayBundle;
 
-FN vec3 in_bundle(const PRIVATE RayBundle* b, vec3 v) {
+FN vec3 to_bundle_frame(const PRIVATE RayBundle* b, vec3 v) {
   return make_vec3(dot3(b->s, v), dot3(b->t, v), dot3(b->d, v));
 }
 
@@ -66,7 +66,7 @@ STAGE bool make_bundle(const PRIVATE RayLanes* RESTRICT rays, PRIVATE RayBundle*
   b.t = from_frame(b.d, 0.0f, 1.0f, 0.0f);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 along = in_bundle(&b, lane_direction(rays, j));
+      const vec3 along = to_bundle_frame(&b, lane_direction(rays, j));
       const bool there = rays->tmax[j] > 0.0f;
       apart |= (there & !(along.z > BUNDLE_COSINE)) ? 1 : 0;
       slope_x = max_bits(slope_x, there ? FABS(along.x) / along.z : 0.0f);
@@ -76,7 +76,7 @@ STAGE bool make_bundle(const PRIVATE RayLanes* RESTRICT rays, PRIVATE RayBundle*
   const float sx = BITS_FLOAT((uint)slope_x), sy = BITS_FLOAT((uint)slope_y);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 from = in_bundle(&b, sub(lane_origin(rays, j), b.o));
+      const vec3 from = to_bundle_frame(&b, sub(lane_origin(rays, j), b.o));
       const bool there = rays->tmax[j] > 0.0f;
       wide_x = max_bits(wide_x, there ? FABS(from.x) - sx * from.z : 0.0f);
       wide_y = max_bits(wide_y, there ? FABS(from.y) - sy * from.z : 0.0f);
@@ -101,7 +101,7 @@ STAGE void find_sides(const PRIVATE Scene* scene, const PRIVATE RayBundle* RESTR
   const float far = from_axes.x + from_axes.y + from_axes.z + b.wide_x + b.wide_y + b.back;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 r = sub(load3(scene->vertices + first + j), b.o), size = abs3(r), p = in_bundle(&b, r);
+      const vec3 r = sub(load3(scene->vertices + first + j), b.o), size = abs3(r), p = to_bundle_frame(&b, r);
       const float margin = BUNDLE_MARGIN * (size.x + size.y + size.z + far);
       const float x = b.wide_x + b.slope_x * p.z + margin, y = b.wide_y + b.slope_y * p.z + margin;
       int beyond = p.x > x ? 1 : 0;

@@ -32,7 +32,7 @@ FN LightNode read_light_node(GLOBAL const LightNode* node) {
 #undef READ_FIELD
 
 // What is known of a node for all lanes.
-enum { NODE_ANY, NODE_INFINITE, NODE_ALL_AROUND /* it has a place, and shines in all directions alike */ };
+enum { NODE_ANY, NODE_INFINITE, NODE_ISOTROPIC /* it has a place, and shines in all directions alike */ };
 
 // cos(max(a - b, 0)) and its sine, of two angles in [0, pi] by their cosines and sines.
 FN float cos_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {

@@ -93,7 +93,7 @@ LANE_RECORD(LightScale, LightScales, light_scales, LIGHT_SCALES_FIELDS)
   }
 WEIGH_CUT_NODE(weigh_any_node, NODE_ANY)
 WEIGH_CUT_NODE(weigh_infinite_node, NODE_INFINITE)
-WEIGH_CUT_NODE(weigh_all_around_node, NODE_ALL_AROUND)
+WEIGH_CUT_NODE(weigh_all_around_node, NODE_ISOTROPIC)
 #undef WEIGH_CUT_NODE
 
 /// Makes sums scales. Rounding leaves some numbers over, 5e-6 of all, which take no light.
@@ -184,7 +184,7 @@ STAGE void enter_cut(const PRIVATE CutNumbers* RESTRICT dealt, PRIVATE LightWalk
 }
 
 /// Walks take a turn each unless they are at a leaf. Returns whether any goes on. `by_trail`, a constant.
-FN bool turn_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* RESTRICT places,
+FN bool step_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* RESTRICT places,
                    PRIVATE LightWalks* RESTRICT walks) {
   int any_left = 0;
   LANE_LOOP
@@ -221,11 +221,11 @@ FN bool turn_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitP
 }
 STAGE bool turn_by_numbers(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
                            PRIVATE LightWalks* RESTRICT walks) {
-  return turn_walks(scene, false, places, walks);
+  return step_walks(scene, false, places, walks);
 }
 STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
                           PRIVATE LightWalks* RESTRICT walks) {
-  return turn_walks(scene, true, places, walks);
+  return step_walks(scene, true, places, walks);
 }
 
 /// Whether a walk has turns to take.

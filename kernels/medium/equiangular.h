@@ -13,29 +13,29 @@ PENUMBRA_NAMESPACE_BEGIN
 // A part of a ray as seen from a place: where it is nearest, from its start, on its line; how far it is
 // from the place there, above 0; the square of the distance from its start to the place; the angle that it
 // takes.
-#define SIGHT_FIELDS(F, a) \
-  F(a, float, along)       \
-  F(a, float, away)        \
-  F(a, float, square)      \
+#define EQUIANGULAR_FIELDS(F, a) \
+  F(a, float, along)             \
+  F(a, float, away)              \
+  F(a, float, square)            \
   F(a, float, angle)
-LANE_RECORD(Sight, Sights, sight, SIGHT_FIELDS)
+LANE_RECORD(EquiangularSegment, EquiangularSegments, equiangular, EQUIANGULAR_FIELDS)
 
 /// Of a ray's `length` from the origin, from a place of that size. Where they coincide there is none: its
 /// angle is 0.
-FN Sight sight_of(vec3 origin, vec3 direction, float length, vec3 place, float size) {
+FN EquiangularSegment equiangular_segment(vec3 origin, vec3 direction, float length, vec3 place, float size) {
   const vec3 to = sub(place, origin);
   const float along = dot3(to, direction), apart = length3(cross3(direction, to));
-  Sight sight;
-  sight.along = along;
-  sight.away = max_f(apart, max_f(size, 1e-4f * FABS(along)));
-  sight.square = sight.away * sight.away + along * along;
+  EquiangularSegment segment;
+  segment.along = along;
+  segment.away = max_f(apart, max_f(size, 1e-4f * FABS(along)));
+  segment.square = segment.away * segment.away + along * along;
   // Of the tangents of both ends, so that a small one is as exact.
-  sight.angle = atan2_f(sight.away, sight.square / max_f(length, 1e-30f) - along);
-  return sight;
+  segment.angle = atan2_f(segment.away, segment.square / max_f(length, 1e-30f) - along);
+  return segment;
 }
 
 /// The distance from the start at a share u of the angle.
-FN float sight_distance(Sight s, float u) {
+FN float equiangular_distance(EquiangularSegment s, float u) {
   float sine, cosine;
   sincos_2pi(u * s.angle * (0.5f / PI_F), &sine, &cosine);
   const float below = s.away * cosine + s.along * sine;
@@ -43,7 +43,7 @@ FN float sight_distance(Sight s, float u) {
 }
 
 /// Density of those distances, in 1 / scene unit.
-FN float sight_pdf(Sight s, float distance) {
+FN float equiangular_pdf(EquiangularSegment s, float distance) {
   const float beyond = distance - s.along;
   return s.away / (s.angle * (s.away * s.away + beyond * beyond));
 }
@@ -51,38 +51,38 @@ FN float sight_pdf(Sight s, float distance) {
 // Of shares that are less, nothing is gained.
 #define LEAST_SIGHT_SHARE 0.05f
 
-/// Which share of the flights that scatter goes by the sight, of a channel: nearly all where the light and
+/// Which share of the flights that scatter goes by the segment, of a channel: nearly all where the light and
 /// the ray's nearest point are close, in mean free paths, so that its light falls faster than what gets
 /// through.
-FN float sight_share(Sight s, float length, float extinction) {
+FN float equiangular_share(EquiangularSegment s, float length, float extinction) {
   const float at = clamp_f(s.along, 0.0f, length);
   const float share = 0.9f / (1.0f + extinction * extinction * (s.away * s.away + at * at));
   return share < LEAST_SIGHT_SHARE ? 0.0f : share;
 }
-FN vec3 sight_shares(Sight s, float length, vec3 extinction) {
-  return make_vec3(sight_share(s, length, extinction.x), sight_share(s, length, extinction.y),
-                   sight_share(s, length, extinction.z));
+FN vec3 equiangular_shares(EquiangularSegment s, float length, vec3 extinction) {
+  return make_vec3(equiangular_share(s, length, extinction.x), equiangular_share(s, length, extinction.y),
+                   equiangular_share(s, length, extinction.z));
 }
 
-FN float sight_density(float extinction, float more, float share, float length, float by_sight,
-                       float distance) {
+FN float equiangular_density(float extinction, float more, float share, float length, float equiangular,
+                             float distance) {
   const float by_medium = extinction * exp_f(-more * distance);
-  return by_medium + share * (by_sight * -expm1_f(-extinction * length) - by_medium);
+  return by_medium + share * (equiangular * -expm1_f(-extinction * length) - by_medium);
 }
 
-/// A path that scatters at `distance` of a part of a ray of that length, by the sight or by the medium.
-FN FlightWeight weigh_by_sight(FlightWeight before, vec3 extinction, vec3 albedo, Sight sight, vec3 share,
-                               float length, float distance) {
+/// A path that scatters at `distance` of a part of a ray of that length, by the segment or by the medium.
+FN FlightWeight weigh_equiangular(FlightWeight before, vec3 extinction, vec3 albedo,
+                                  EquiangularSegment segment, vec3 share, float length, float distance) {
   const float least = min_f(min_f(extinction.x, extinction.y), extinction.z);
   const vec3 more = sub(extinction, make_vec3(least, least, least));
   const vec3 collides = mul(extinction, exp3(scale(more, -distance)));
   // All of what is a ratio in the end over what passes of the least extinct channel; of 1e26 times as much
   // the rest is nothing.
-  const float by_sight = sight_pdf(sight, distance) * exp_f(min_f(least * distance, 60.0f));
+  const float equiangular = equiangular_pdf(segment, distance) * exp_f(min_f(least * distance, 60.0f));
   vec3 densities;
-  densities.x = sight_density(extinction.x, more.x, share.x, length, by_sight, distance);
-  densities.y = sight_density(extinction.y, more.y, share.y, length, by_sight, distance);
-  densities.z = sight_density(extinction.z, more.z, share.z, length, by_sight, distance);
+  densities.x = equiangular_density(extinction.x, more.x, share.x, length, equiangular, distance);
+  densities.y = equiangular_density(extinction.y, more.y, share.y, length, equiangular, distance);
+  densities.z = equiangular_density(extinction.z, more.z, share.z, length, equiangular, distance);
   return weigh_flight(before, mul(albedo, collides), densities);
 }
 

@@ -175,10 +175,4 @@ double RoughBoundary::internal_reflectance() const {
   return sum / CURVE_KNOTS;
 }
 
-double smooth_internal_reflectance(double ior) {
-  const double beneath = 1 / ior;  // from the side that the light is on
-  if (beneath < 1) return 0.6681 + beneath * (0.7099 - 1.4399 * beneath) + 0.0636 / beneath;
-  return 0.919317 + ior * (-3.4793 + ior * (6.75335 + ior * (-7.80989 + ior * (4.98554 + ior * -1.36881))));
-}
-
 }  // namespace penumbra

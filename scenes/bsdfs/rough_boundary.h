@@ -30,7 +30,11 @@ struct RoughBoundary {
 
 /// The same of a smooth boundary, of diffuse light from beneath: the fit of Egan and Hilgeman (1973), or of
 /// d'Eon and Irving (2011) where the index beneath is the smaller one. Within 0.6% for indices up to 2.
-double smooth_internal_reflectance(double ior);
+inline double smooth_internal_reflectance(double ior) {
+  const double beneath = 1 / ior;  // from the side that the light is on
+  if (beneath < 1) return 0.6681 + beneath * (0.7099 - 1.4399 * beneath) + 0.0636 / beneath;
+  return 0.919317 + ior * (-3.4793 + ior * (6.75335 + ior * (-7.80989 + ior * (4.98554 + ior * -1.36881))));
+}
 
 /// Of the indices on the two sides of a plastic's boundary: beyond, the fit nears 1, and the model breaks
 /// down.

@@ -151,7 +151,7 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
   if (is_occlusion(integrator) || integrator.is<PolygonAnalyticIntegrator>()) return false;
   if (const auto* direct = integrator.get<DirectIntegrator>(); direct && direct->emitter_samples == 0)
     return false;
-  // Samples of lights that rays find count for nothing.
+  // Lights that rays find are not counted.
   constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
                                    1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
   const bool finds_all =

@@ -39,8 +39,8 @@ std::vector<int> textures_of_lights(const SceneDescription& scene) {
   return textures;
 }
 
-std::vector<vec3> LightTextures::values(int texture, const std::vector<Place>& places) const {
-  const RecordsView view(*records_);
+std::vector<vec3> LightTextures::values(const RecordsView& view, int texture,
+                                        const std::vector<Place>& places) {
   const Scene& scene = view.scene();
   std::vector<vec3> result;
   result.reserve(places.size());
@@ -112,6 +112,7 @@ LightTexture LightTextures::measure(int texture, const PlaceOf& place, double ac
   // Looks at each cell, one way: at every texel, if there are no more than kMostLooks.
   const int looks = std::clamp(int(std::ceil(std::min(2.0 * across, double(kMostLooks)) / side)),
                                side < 8 ? 4 : 2, kMostLooks / side);
+  const RecordsView view(*records_);
   std::vector<Place> at;
   std::vector<double> means(std::size_t(side) * std::size_t(side)), squares(means.size());
   double mean = 0, square = 0;
@@ -122,7 +123,7 @@ LightTexture LightTextures::measure(int texture, const PlaceOf& place, double ac
     for (int a = 0; a < looks; ++a)
       for (int b = 0; b < looks; ++b)
         at.push_back(place((i + (a + 0.5) / looks) / side, (k + (b + 0.5) / looks) / side));
-    for (const vec3& value : values(result.texture, at)) {
+    for (const vec3& value : values(view, result.texture, at)) {
       const double sum = std::max(0.0f, value.x) + double(std::max(0.0f, value.y)) + std::max(0.0f, value.z);
       means[c] += sum / 3 / per_cell;
       squares[c] += sum * sum / 9 / per_cell;

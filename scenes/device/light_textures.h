@@ -12,6 +12,8 @@
 
 namespace penumbra {
 
+class RecordsView;
+
 /// Indices into SceneDescription::textures of those that lights show, each light's, kNoTexture for none.
 std::vector<int> textures_of_lights(const SceneDescription& scene);
 
@@ -49,7 +51,8 @@ class LightTextures {
   };
   using PlaceOf = std::function<Place(double u, double v)>;
 
-  [[nodiscard]] std::vector<vec3> values(int texture, const std::vector<Place>& places) const;
+  [[nodiscard]] static std::vector<vec3> values(const RecordsView& view, int texture,
+                                                const std::vector<Place>& places);
   [[nodiscard]] glm::dvec2 texels_a_unit(int texture) const;
   /// By points for numbers of [0, 1)²; `across`: how many texels they pass at most, one way.
   [[nodiscard]] LightTexture measure(int texture, const PlaceOf& place, double across, double gain) const;

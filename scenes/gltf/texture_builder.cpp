@@ -134,6 +134,10 @@ std::optional<int> TextureBuilder::bitmap(const TextureUse& use, BitmapChannels 
         fmt::format("texture {} has an image of KTX2 alone (KHR_texture_basisu), which is not read: convert "
                     "it to PNG, JPEG or WebP, with gltf-transform's ktxdecompress for example",
                     use.index));
+  if (source < 0 && textures[std::size_t(use.index)].extensions.empty()) {  // as glTF allows
+    report_.warn(use.location, fmt::format("texture {} has no image; it is left out", use.index));
+    return std::nullopt;
+  }
   if (source < 0 || std::size_t(source) >= asset_.model.images.size())
     return without(
         fmt::format("texture {} has no image that is read (PNG, JPEG, WebP and DDS are)", use.index));

@@ -117,7 +117,13 @@ const std::vector<Substitute>& substitutes() {
        {"num_chains", "max_chains", "chain_length", "direct_samples", "bidirectional_mutation",
         "lens_perturbation", "multi_chain_perturbation", "caustic_perturbation", "manifold_perturbation",
         "lambda", "separate_direct"}},
-      {"vpl", false, {"shadow_map_resolution", "clamping"}}};
+      {"vpl", false, {"shadow_map_resolution", "clamping"}},
+      // Of research forks.
+      {"guided_path",
+       false,
+       {"spp_per_pass", "nee", "budget_type", "budget", "s_tree_threshold", "do_filtered_splatting"}},
+      {"path_guiding_integrator", false, {}},
+      {"restirpt", false, {"photon_count", "initial_radius", "alpha", "max_passes"}}};
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <numeric>
 
+#include "scenes/bsdfs/coating.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/number.h"
 
@@ -63,6 +64,8 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
                                           {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
                                           {"circular", &MaterialReader::read_polarizer},
                                           {"retarder", &MaterialReader::read_polarizer},
+                                          {CoatingParameters::kPlugin, &MaterialReader::read_coating},
+                                          {RoughCoatingParameters::kPlugin, &MaterialReader::read_coating},
                                           {"normalmap", &MaterialReader::read_normal_map},
                                           {"bumpmap", &MaterialReader::read_bump_map},
                                           {"bump", &MaterialReader::read_bump_map}};  // Mitsuba 0.5's name
@@ -132,7 +135,9 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
   }
   for (const Object* side : nested) {
     // Of another twosided one the front is seen from both sides.
-    if (read(*side).back != nullptr && side->type != kTwoSided) {
+    const bool may_have_two = side->type == kTwoSided || side->type == CoatingParameters::kPlugin ||
+                              side->type == RoughCoatingParameters::kPlugin;
+    if (read(*side).back != nullptr && !may_have_two) {
       plugin.wrong(fmt::format(
           "a twosided bsdf cannot hold '{}', which lets light through or has two sides already", side->type));
       return result;
@@ -175,6 +180,30 @@ SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {
   }
   const float through = plugin.object().type == "retarder" ? 1.0f : 0.5f;
   return masked(name_of(plugin.object()), MaskBsdf{1.0f - through * filter.transmittance.value}, {});
+}
+
+SurfaceMaterial MaterialReader::read_coating(PluginReader& plugin) {
+  const bool is_rough = plugin.object().type == RoughCoatingParameters::kPlugin;
+  RoughCoatingParameters coating;
+  if (is_rough)
+    plugin.read_parameters(coating);
+  else
+    plugin.read_parameters(static_cast<CoatingParameters&>(coating));
+  plugin.accept({"sigma_a", "thickness"});
+  const auto inside = read_nested(plugin, 1);
+  if (inside.empty()) return {};
+  plugin.warn(
+      "the coating is approximated by a blend with a mirror, which reflects as much as it does on the whole; "
+      "it absorbs nothing");
+  RoughConductorBsdf mirror;
+  mirror.specular_reflectance = coating.specular;
+  static_cast<RoughSurface&>(mirror) = coating;
+  const std::string name = name_of(plugin.object());
+  const MaterialTree surface = leaf(
+      name, is_rough ? BsdfModel(mirror) : BsdfModel(ConductorBsdf{static_cast<ConductorSurface&>(mirror)}));
+  const double reflected = smooth_external_reflectance(double(coating.int_ior) / double(coating.ext_ior));
+  return blended(name, BlendBsdf{TexturedNumber(float(reflected))}, *inside[0],
+                 {surface, inside[0]->back != nullptr ? surface : nullptr});
 }
 
 /// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.

@@ -37,6 +37,7 @@ class MaterialReader {
   SurfaceMaterial read_blend(PluginReader& plugin);
   SurfaceMaterial read_mixture(PluginReader& plugin);
   SurfaceMaterial read_polarizer(PluginReader& plugin);
+  SurfaceMaterial read_coating(PluginReader& plugin);
   SurfaceMaterial read_normal_map(PluginReader& plugin);
   SurfaceMaterial read_bump_map(PluginReader& plugin);
   template <typename Parameters>

@@ -161,6 +161,8 @@ std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
     report_mesh_error(input, model.error());
     return {};
   }
+  for (const std::string& warning : model->warnings)
+    input.plugin.warn(fmt::format("{}: {}", given.filename, warning));
   std::vector<MeshPart> parts;
   for (ObjGroup& group : model->groups) {
     auto mesh = placed_mesh(input, given, {.mesh = std::move(group.mesh), .faces = std::move(group.faces)});

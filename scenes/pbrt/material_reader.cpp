@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/bsdfs/coating.h"
 #include "scenes/pbrt/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/refractive_indices.h"
@@ -21,11 +22,16 @@ SurfaceMaterial both_sides(const char* name, BsdfModel model) {
   return {tree, tree};
 }
 
-template <typename Surface>
-void set_metal(Surface& surface, const char* name) {
+void set_metal(ConductorSurface& surface, const char* name) {
   const ComplexIndex index = conductor_index(*conductor_names().parse(name));
   surface.eta = TexturedColour(index.eta);
   surface.k = TexturedColour(index.k);
+}
+
+/// Of light along the normal, whose indices are no textures.
+glm::vec3 normal_reflectance(const ConductorSurface& metal) {
+  const glm::vec3 eta = metal.eta.value / metal.ext_eta, k = metal.k.value / metal.ext_eta;
+  return ((eta - 1.0f) * (eta - 1.0f) + k * k) / ((eta + 1.0f) * (eta + 1.0f) + k * k);
 }
 
 }  // namespace
@@ -158,9 +164,26 @@ MaterialReader::Roughness MaterialReader::roughness(Parameters& parameters, cons
   return result;
 }
 
-SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std::string& prefix,
-                                               SourceLocation location) {
+SurfaceMaterial MaterialReader::metal_of(const ConductorSurface& metal, const Roughness& rough) {
+  if (rough.smooth()) {
+    ConductorBsdf smooth;
+    static_cast<ConductorSurface&>(smooth) = metal;
+    return both_sides("conductor", smooth);
+  }
   RoughConductorBsdf model;
+  static_cast<ConductorSurface&>(model) = metal;
+  model.distribution = DISTRIBUTION_GGX;
+  model.alpha_u = rough.u;
+  model.alpha_v = rough.v;
+  return both_sides("conductor", model);
+}
+
+/// `coating` reflects that share of light from all sides, on both of its faces: between it and a metal of
+/// reflectance r light goes to and fro, and (1 - coating) / (1 - coating r) of what the metal reflects comes
+/// out, of the light that came in.
+SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std::string& prefix,
+                                               const Coating& coating, SourceLocation location) {
+  ConductorSurface model;
   set_metal(model, "Cu");
   if (parameters.has("reflectance")) {
     // eta 1 and the k with which as much is reflected along the normal: 2 sqrt(r) / sqrt(1 - r).
@@ -185,32 +208,41 @@ SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std
   }
   for (const auto& [name, field] : {std::pair(prefix + "eta", &model.eta), std::pair(prefix + "k", &model.k)})
     if (parameters.has(name)) *field = textures_.colour(parameters, name, ColourOf::kIndex, field->value);
-  const Roughness rough = roughness(parameters, prefix, location);
-  if (rough.smooth()) {
-    ConductorBsdf smooth;
-    static_cast<ConductorSurface&>(smooth) = model;
-    return both_sides("conductor", smooth);
+  if (model.eta.texture == kNoTexture && model.k.texture == kNoTexture) {
+    model.ext_eta = coating.eta;
+    if (model.specular_reflectance.texture == kNoTexture)
+      model.specular_reflectance = TexturedColour((1.0f - coating.reflectance) /
+                                                  (1.0f - coating.reflectance * normal_reflectance(model)));
   }
-  model.distribution = DISTRIBUTION_GGX;
-  model.alpha_u = rough.u;
-  model.alpha_v = rough.v;
-  return both_sides("conductor", model);
+  const Roughness rough = roughness(parameters, prefix, location);
+  return metal_of(model, rough);
 }
 
 SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation location) {
-  return conductor_with(parameters, "", location);
+  return conductor_with(parameters, "", {}, location);
 }
 
+/// The coating is a mirror with the share that it reflects of light from all sides: what it reflects grows
+/// with the angle, which a blend's weight cannot.
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
   context_.report.warn_counted(location,
-                               "coatedconductor is approximated by the conductor without its coating");
-  parameters.accept({"interface.eta", "interface.roughness", "interface.uroughness", "interface.vroughness",
-                     "thickness", "g", "albedo", "maxdepth", "nsamples"});
-  return conductor_with(parameters, "conductor.", location);
+                               "coatedconductor is approximated by a blend of its conductor and a mirror, "
+                               "which reflects as much as the coating does on the whole");
+  parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples"});
+  const double eta = std::clamp(index(parameters, "interface.eta", location), 1.0 / kMostIndexRatio,
+                                double(kMostIndexRatio));
+  const Coating coating{float(eta), float(smooth_external_reflectance(eta))};
+  const SurfaceMaterial metal = conductor_with(parameters, "conductor.", coating, location);
+  const Roughness rough = roughness(parameters, "interface.", location);
+  if (eta == 1.0) return metal;
+  BlendBsdf blend;
+  blend.weight = TexturedNumber(coating.reflectance);
+  return blended("coatedconductor", blend, metal, metal_of({}, rough));
 }
 
-double MaterialReader::index(Parameters& parameters, SourceLocation location, double fallback) {
-  Parameter* eta = parameters.take("eta");
+double MaterialReader::index(Parameters& parameters, std::string_view name, SourceLocation location,
+                             double fallback) {
+  Parameter* eta = parameters.take(name);
   if (eta == nullptr) return fallback;
   double value = eta->numbers.size() == 1 ? eta->numbers[0] : 0.0;
   if (eta->type == "spectrum") {
@@ -228,7 +260,7 @@ double MaterialReader::index(Parameters& parameters, SourceLocation location, do
     return fallback;
   }
   if (value >= 1e-3 && value <= 1e3) return value;
-  context_.report.error(parameters.location("eta", location),
+  context_.report.error(parameters.location(name, location),
                         fmt::format("a refractive index must be in [0.001, 1000], not {}", value));
   return 1.5;
 }
@@ -250,7 +282,7 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
 SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const TexturedColour& colour,
                                              double fallback, const char* name, SourceLocation location) {
   ReaderReport& report = context_.report;
-  const double given = index(parameters, location, fallback);
+  const double given = index(parameters, "eta", location, fallback);
   const Roughness rough = roughness(parameters, "", location);
   // Without a boundary there is nothing but what lies under it.
   if (given == 1.0) {
@@ -286,7 +318,7 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
 }
 
 SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocation location) {
-  const float eta = float(index(parameters, location));
+  const float eta = float(index(parameters, "eta", location));
   const Roughness rough = roughness(parameters, "", location);
   if (rough.smooth()) {
     DielectricBsdf model;
@@ -305,7 +337,7 @@ SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocatio
 
 SurfaceMaterial MaterialReader::thin_dielectric(Parameters& parameters, SourceLocation location) {
   ThinDielectricBsdf model;
-  model.int_ior = float(index(parameters, location));
+  model.int_ior = float(index(parameters, "eta", location));
   model.ext_ior = 1.0f;
   return surface_of("thindielectric", model);
 }

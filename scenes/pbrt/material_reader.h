@@ -49,14 +49,20 @@ class MaterialReader {
   SurfaceMaterial subsurface(Parameters& parameters, SourceLocation location);
   SurfaceMaterial hair(Parameters& parameters, SourceLocation location);
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
-  SurfaceMaterial conductor_with(Parameters& parameters, const std::string& prefix, SourceLocation location);
+  /// Over a conductor; by default there is none.
+  struct Coating {
+    float eta = 1.0f, reflectance = 0.0f;
+  };
+  SurfaceMaterial conductor_with(Parameters& parameters, const std::string& prefix, const Coating& coating,
+                                 SourceLocation location);
   SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double fallback,
                                const char* name, SourceLocation location);
-  double index(Parameters& parameters, SourceLocation location, double fallback = 1.5);
+  double index(Parameters& parameters, std::string_view name, SourceLocation location, double fallback = 1.5);
   struct Roughness {
     TexturedNumber u, v;
     [[nodiscard]] bool smooth() const;
   };
+  static SurfaceMaterial metal_of(const ConductorSurface& metal, const Roughness& rough);
   Roughness roughness(Parameters& parameters, const std::string& prefix, SourceLocation location);
 
   Context& context_;

@@ -171,8 +171,8 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
     report.error(place, read.error().message);
     return std::nullopt;
   }
-  for (const std::string& text : describe(read->faces))
-    report.warn(place, fmt::format("'{}': {}", name, text));
+  for (const auto& texts : {read->warnings, describe(read->faces)})
+    for (const std::string& text : texts) report.warn(place, fmt::format("'{}': {}", name, text));
   return std::move(read->mesh);
 }
 

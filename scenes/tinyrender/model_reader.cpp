@@ -46,6 +46,7 @@ class ModelReader {
       return;
     }
     if (model->groups.empty()) warn({source, 0}, "the file has no faces");
+    for (const std::string& warning : model->warnings) warn({source, 0}, warning);
     for (const ObjName& library : model->libraries) read_library(library);
     for (ObjGroup& group : model->groups) {
       if (context_.diagnostics.full()) return;

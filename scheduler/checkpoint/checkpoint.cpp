@@ -95,7 +95,7 @@ void seal_checkpoint(std::vector<std::uint8_t>& bytes) {
   add_checksum(bytes, writer);
 }
 
-Expected<MergedBefore> decode_checkpoint(std::span<const std::uint8_t> bytes, const RenderIdentity& identity,
+Expected<ResumedState> decode_checkpoint(std::span<const std::uint8_t> bytes, const RenderIdentity& identity,
                                          Merge empty) {
   ByteReader reader(bytes);
   if (reader.u64() != kMagic) return fail("it is no checkpoint");
@@ -112,7 +112,7 @@ Expected<MergedBefore> decode_checkpoint(std::span<const std::uint8_t> bytes, co
   const RenderIdentity there = read_identity(reader);
   if (reader.failed()) return fail("it is damaged: it ends too early");
   if (there != identity) return fail("it is of another render: " + identity_difference(there, identity));
-  MergedBefore before{.merge = std::move(empty), .rendered = reader.f64()};
+  ResumedState before{.merge = std::move(empty), .rendered = reader.f64()};
   if (!std::isfinite(before.rendered) || before.rendered < 0) return fail("it is damaged: its time is none");
   if (auto read = before.merge.read(reader); !read) return fail("it is damaged: " + read.error().message);
   if (reader.failed() || reader.left() > 0) return fail("it is damaged: its length is wrong");

@@ -37,7 +37,7 @@ void seal_checkpoint(std::vector<std::uint8_t>& bytes);
 
 /// `empty` is the job's, with nothing merged. Errors: no checkpoint, of another format, damaged, of another
 /// render (with what differs).
-Expected<MergedBefore> decode_checkpoint(std::span<const std::uint8_t> bytes, const RenderIdentity& identity,
+Expected<ResumedState> decode_checkpoint(std::span<const std::uint8_t> bytes, const RenderIdentity& identity,
                                          Merge empty);
 
 }  // namespace penumbra

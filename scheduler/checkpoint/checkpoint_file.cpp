@@ -46,7 +46,7 @@ CheckpointFile::~CheckpointFile() {
   thread_.join();
 }
 
-Expected<std::optional<MergedBefore>> CheckpointFile::read(Merge empty) const {
+Expected<std::optional<ResumedState>> CheckpointFile::read(Merge empty) const {
   std::error_code ignored;
   if (!std::filesystem::exists(path_, ignored)) return std::nullopt;
   const auto bytes =

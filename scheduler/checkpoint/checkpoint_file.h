@@ -31,7 +31,7 @@ class CheckpointFile final : public CheckpointSink {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// What the file holds; nothing if it is not there. Errors: those of decode_checkpoint, a file that cannot
   /// be read.
-  [[nodiscard]] Expected<std::optional<MergedBefore>> read(Merge empty) const;
+  [[nodiscard]] Expected<std::optional<ResumedState>> read(Merge empty) const;
 
   bool is_due(const Merge& merge) override;
   void keep(const Merge& merge, Seconds rendered) override;

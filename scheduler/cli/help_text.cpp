@@ -91,7 +91,8 @@ class HelpText final : public CLI::Formatter {
           !group.empty() && std::ranges::find(groups, group) == groups.end())
         groups.push_back(group);
     // What every command has comes last.
-    std::ranges::stable_partition(groups, [](const std::string& group) { return group != group::kGeneral; });
+    if (const auto general = std::ranges::find(groups, group::kGeneral); general != groups.end())
+      std::rotate(general, general + 1, groups.end());
     std::string text;
     for (const std::string& group : groups) {
       text += "\n" + group + ":\n";

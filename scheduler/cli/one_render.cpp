@@ -52,7 +52,7 @@ std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& pr
 void OneRender::prepare_by(const std::function<Prepared()>& prepare) {
   const auto let_the_farm_know = [this] {
     is_prepared_ = true;
-    bell().ring();
+    job_signal().notify();
   };
   try {
     prepared_ = prepare();

@@ -22,7 +22,7 @@ RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std:
   return identity;
 }
 
-std::string what_is_there(const std::filesystem::path& path, const MergedBefore& before,
+std::string what_is_there(const std::filesystem::path& path, const ResumedState& before,
                           const RenderJob& job) {
   const double all =
       job.adaptive ? double(before.merge.samples_expected()) : double(job.spp) * job.width * job.height;
@@ -35,7 +35,7 @@ Expected<void> read_checkpoint(PreparedRender& prepared) {
   if (!prepared.checkpoint) return {};
   auto read = prepared.checkpoint->read(merge_of_job(prepared.job));
   if (!read) return std::unexpected(read.error());
-  if (*read) prepared.job.before = std::make_shared<MergedBefore>(std::move(**read));
+  if (*read) prepared.job.before = std::make_shared<ResumedState>(std::move(**read));
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include "scheduler/cli/text_layout.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/json_number.h"
+#include "scheduler/plan/sample_allocation.h"
 #include "scheduler/plan/tile_grid.h"
 #include "scheduler/record/film_image.h"
 

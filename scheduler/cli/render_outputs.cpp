@@ -98,7 +98,7 @@ constexpr double kContradictionsByRounding = 1e-4;
 constexpr double kMostNonFinite = 0.01;
 
 bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict) {
-  const FlaggedKinds flagged = film.flagged();
+  const FlaggedByKind flagged = film.flagged();
   const auto samples_in_all = double(sample_range(film).total);
   const double rounded = kContradictionsByRounding * samples_in_all;
   const bool is_spoilt = double(non_finite_count(flagged)) > kMostNonFinite * samples_in_all;

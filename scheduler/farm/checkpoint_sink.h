@@ -29,7 +29,7 @@ class CheckpointSink {
 };
 
 /// What an earlier process has merged of a job.
-struct MergedBefore {
+struct ResumedState {
   Merge merge;  ///< of the job's film and grid, see merge_of_job
   Seconds rendered = 0;
 };

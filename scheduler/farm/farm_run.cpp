@@ -49,7 +49,7 @@ Expected<void> FarmRun::start() {
   workers_here_->start_missing(0);
   tell_start_problems();
   if (options_.tells_how_to_watch) tell_how_to_watch();
-  source_.bell().connect([this] {
+  source_.job_signal().connect([this] {
     if (!rung_.exchange(true)) server_->wake();
   });
   take_jobs();
@@ -104,7 +104,7 @@ Expected<void> FarmRun::run() {
   const bool could_go_on = can_go_on();
   report_progress();
   server_->stop_taking();
-  source_.bell().connect({});
+  source_.job_signal().connect({});
   if (workers_here_->launches()) dismiss_all();
   workers_here_->stop_all();
   std::string reasons;

@@ -58,19 +58,19 @@ class FarmRun {
   void on(const arrivals::SamplesWanted& arrival);
 
   void tell_plan(const PlanEvent& event, arrivals::Result* result = nullptr);
-  void obey(const Prepare& order, arrivals::Result*);
-  void obey(const Forget& order, arrivals::Result*);
-  void obey(const Assign& order, arrivals::Result*);
-  void obey(const MergeResult& order, arrivals::Result* result);
-  void obey(const DiscardResult&, arrivals::Result*) {}
-  void obey(const SetAside& order, arrivals::Result*);
-  void obey(const DismissWorker& order, arrivals::Result*);
-  void obey(const RedoTile& order, arrivals::Result*);
-  void obey(const PhaseDone& order, arrivals::Result*);
-  void obey(const StartAgain& order, arrivals::Result*);
-  void obey(const NobodyCan& order, arrivals::Result*);
-  void obey(const Overdue& order, arrivals::Result*);
-  void obey(const GiveUp&, arrivals::Result*);
+  void execute(const Prepare& order, arrivals::Result*);
+  void execute(const Forget& order, arrivals::Result*);
+  void execute(const Assign& order, arrivals::Result*);
+  void execute(const MergeResult& order, arrivals::Result* result);
+  void execute(const DiscardResult&, arrivals::Result*) {}
+  void execute(const SetAside& order, arrivals::Result*);
+  void execute(const DismissWorker& order, arrivals::Result*);
+  void execute(const RedoTile& order, arrivals::Result*);
+  void execute(const PhaseDone& order, arrivals::Result*);
+  void execute(const RestartJob& order, arrivals::Result*);
+  void execute(const NoCapableWorker& order, arrivals::Result*);
+  void execute(const UnitOverdue& order, arrivals::Result*);
+  void execute(const GiveUp&, arrivals::Result*);
 
   Expected<void> start();
   void take_arrivals();

@@ -167,14 +167,14 @@ void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
       std::ranges::all_of(orders, [&](const PlanOrder& order) { return is_unit(order) || is_result(order); });
   const auto obey_those = [&](auto&& chosen) {
     for (const PlanOrder& order : orders)
-      if (chosen(order)) std::visit([&](const auto& o) { obey(o, result); }, order);
+      if (chosen(order)) std::visit([&](const auto& o) { execute(o, result); }, order);
   };
   if (units_first) obey_those(is_unit);
   obey_those([&](const PlanOrder& order) { return !units_first || !is_unit(order); });
   for (const PlanEvent& follow_up : std::exchange(follow_ups_, {})) tell_plan(follow_up);
 }
 
-void FarmRun::obey(const Prepare& order, arrivals::Result*) {
+void FarmRun::execute(const Prepare& order, arrivals::Result*) {
   Worker& worker = workers_.at(order.worker);
   JobRun& of = *jobs_.at(order.job);
   of.share(order.worker).name = worker.name;
@@ -194,15 +194,17 @@ void FarmRun::obey(const Prepare& order, arrivals::Result*) {
   if (of.view().number > 0) server_->send_view(order.worker, order.job, of.view());
 }
 
-void FarmRun::obey(const Forget& order, arrivals::Result*) { server_->forget_job(order.worker, order.job); }
+void FarmRun::execute(const Forget& order, arrivals::Result*) {
+  server_->forget_job(order.worker, order.job);
+}
 
-void FarmRun::obey(const Assign& order, arrivals::Result*) {
+void FarmRun::execute(const Assign& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.unit_was_given(now_);
   server_->send_unit(order.worker, order.unit, of.unit(order.unit), of.layers());
 }
 
-void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
+void FarmRun::execute(const MergeResult& order, arrivals::Result* result) {
   // What others do says nothing about those that are started here.
   const Worker& worker = workers_.at(order.worker);
   if (worker.pid != 0 || workers_here_->launches()) workers_here_->has_worked();
@@ -211,7 +213,7 @@ void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
   std::ranges::copy(of.passes_after(order.unit.tile), std::back_inserter(follow_ups_));
 }
 
-void FarmRun::obey(const SetAside& order, arrivals::Result*) {
+void FarmRun::execute(const SetAside& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.skip(order.unit);
   std::ranges::copy(of.passes_after(order.unit.tile), std::back_inserter(follow_ups_));
@@ -219,7 +221,7 @@ void FarmRun::obey(const SetAside& order, arrivals::Result*) {
       set_aside_text(order, of.unit(order.unit), of.detail(order.unit), of.job().reproduce_command, names()));
 }
 
-void FarmRun::obey(const DismissWorker& order, arrivals::Result*) {
+void FarmRun::execute(const DismissWorker& order, arrivals::Result*) {
   Worker& worker = workers_.at(order.worker);
   const std::string why = dismissal_text(order, unit(order.unit), detail(order.unit), names());
   worker.dismissed = true;
@@ -240,19 +242,19 @@ void FarmRun::refuse(WorkerId id, const std::string& why) {
   follow_ups_.emplace_back(WorkerLost{id});
 }
 
-void FarmRun::obey(const RedoTile& order, arrivals::Result*) { jobs_.at(order.job)->redo(order.tile); }
+void FarmRun::execute(const RedoTile& order, arrivals::Result*) { jobs_.at(order.job)->redo(order.tile); }
 
 /// Images have one phase; what others make comes with the first job that has any.
-void FarmRun::obey(const PhaseDone&, arrivals::Result*) {}
+void FarmRun::execute(const PhaseDone&, arrivals::Result*) {}
 
-void FarmRun::obey(const StartAgain& order, arrivals::Result*) {
+void FarmRun::execute(const RestartJob& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.job);
   of.begin_view({server_->next_view_number(order.job), of.view().view});
   for (const auto& [id, worker] : workers_)
     if (!worker.dismissed && !worker.gone) server_->send_view(id, order.job, of.view());
 }
 
-void FarmRun::obey(const NobodyCan& order, arrivals::Result*) {
+void FarmRun::execute(const NoCapableWorker& order, arrivals::Result*) {
   if (order.deaths == 0) {
     hopeless_.insert(order.job);
     hopeless_since_ = now_;
@@ -264,11 +266,11 @@ void FarmRun::obey(const NobodyCan& order, arrivals::Result*) {
                   order.at_units ? "rendered it, one after the other" : "prepared it"));
 }
 
-void FarmRun::obey(const Overdue& order, arrivals::Result*) {
+void FarmRun::execute(const UnitOverdue& order, arrivals::Result*) {
   notice(overdue_text(order, unit(order.unit), names()));
 }
 
-void FarmRun::obey(const GiveUp&, arrivals::Result*) {
+void FarmRun::execute(const GiveUp&, arrivals::Result*) {
   problem(fmt::format(
       "workers returned different results for the same unit {} times; none can be trusted, so the "
       "render was given up",

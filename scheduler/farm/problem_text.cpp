@@ -61,7 +61,7 @@ std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, c
   return fmt::format("worker {} was ended at {}", who, where);
 }
 
-std::string overdue_text(const Overdue& order, const RenderUnit& unit, const WorkerName& name) {
+std::string overdue_text(const UnitOverdue& order, const RenderUnit& unit, const WorkerName& name) {
   return fmt::format("waiting for worker {}, which {} for {:.0f} s at {}; it counts as hung in {:.0f} s",
                      name(order.worker), order.is_silent ? "has not been heard of" : "has shown no progress",
                      order.since, unit_text(unit), order.until_hung);

@@ -20,7 +20,7 @@ std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, c
                            const WorkerName& name);
 
 /// Which worker is waited for, and how long that may go on.
-std::string overdue_text(const Overdue& order, const RenderUnit& unit, const WorkerName& name);
+std::string overdue_text(const UnitOverdue& order, const RenderUnit& unit, const WorkerName& name);
 
 /// Which unit is missing in the image, which workers failed at it, and the command that repeats it. `detail`
 /// as above.

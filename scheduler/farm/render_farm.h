@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/farm/farm_bell.h"
+#include "scheduler/farm/job_signal.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/service_maker.h"
 #include "scheduler/keys/key_folder.h"
@@ -51,12 +51,12 @@ struct CancelJob {
 using JobChange = std::variant<CancelJob, PriorityChanged>;
 
 /// Where a farm's jobs come from, and what becomes of them. Called from the farm's own thread, which must not
-/// wait here. It asks for jobs some fifty times a second, and when the bell rings.
+/// wait here. It asks for jobs some fifty times a second, and when that is notified.
 class JobSource {
  public:
   virtual ~JobSource() = default;
 
-  [[nodiscard]] FarmBell& bell() { return bell_; }
+  [[nodiscard]] JobSignal& job_signal() { return job_signal_; }
 
   /// The next job, checked by check_render_job; null if none is at hand.
   virtual std::shared_ptr<const RenderJob> next() = 0;
@@ -78,7 +78,7 @@ class JobSource {
   virtual void done(JobId, Expected<RenderOutcome>) = 0;
 
  private:
-  FarmBell bell_;
+  JobSignal job_signal_;
 };
 
 /// Renders what the source has with `options.workers` child processes over a Unix socket in a private

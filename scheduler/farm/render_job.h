@@ -17,7 +17,7 @@
 namespace penumbra {
 
 class CheckpointSink;
-struct MergedBefore;
+struct ResumedState;
 
 struct RenderJob {
   std::optional<JobId> number = {};  ///< on the wire, not used before; nothing: the farm's choice
@@ -44,7 +44,7 @@ struct RenderJob {
   /// depends on `tile`. Not with a target error, nor with fewer units.
   bool adaptive = false;
   double verify = 0;  ///< share of the units that two workers do, to compare what they return
-  std::shared_ptr<MergedBefore> before = {};         ///< what there is of it already; the render uses it up
+  std::shared_ptr<ResumedState> before = {};         ///< what there is of it already; the render uses it up
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: none are kept
 
   // For viewers.

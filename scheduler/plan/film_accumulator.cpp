@@ -80,7 +80,8 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
-    std::fill_n(layer_means_.begin() + std::ptrdiff_t(first * layer_planes()), std::size_t(width) * layer_planes(), 0.0);
+    std::fill_n(layer_means_.begin() + std::ptrdiff_t(first * layer_planes()),
+                std::size_t(width) * layer_planes(), 0.0);
     mattes_.clear(first, std::size_t(width));
   }
   std::erase_if(flagged_, [&](const auto& noted) {
@@ -128,8 +129,8 @@ double FilmAccumulator::visibility(int film_x, int film_y) const {
   return unshadowed > 0 ? layer(film_x, film_y, LAYER_SHADOWED) / unshadowed : 0;
 }
 
-FlaggedKinds FilmAccumulator::flagged() const {
-  FlaggedKinds all;
+FlaggedByKind FilmAccumulator::flagged() const {
+  FlaggedByKind all;
   for (const auto& [corner, noted] : flagged_) penumbra::add(all, noted);
   return all;
 }
@@ -225,7 +226,8 @@ Expected<void> FilmAccumulator::check() const {
 
 std::uint64_t FilmAccumulator::hash() const {
   const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
-  return mattes_.hash(XXH3_64bits_withSeed(layer_means_.data(), layer_means_.size() * sizeof(double), of_radiance));
+  return mattes_.hash(
+      XXH3_64bits_withSeed(layer_means_.data(), layer_means_.size() * sizeof(double), of_radiance));
 }
 
 }  // namespace penumbra

@@ -68,7 +68,7 @@ class FilmAccumulator {
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
   /// Samples that are not as they should be.
-  [[nodiscard]] FlaggedKinds flagged() const;
+  [[nodiscard]] FlaggedByKind flagged() const;
   /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
@@ -99,7 +99,7 @@ class FilmAccumulator {
   std::vector<PixelStatistics> pixels_;
   std::vector<double> layer_means_;  // of the layers' planes, of one pixel after the other
   FilmMattes mattes_;
-  std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
+  std::map<std::pair<int, int>, FlaggedByKind> flagged_;  // by the corner of the results that hold some
 };
 
 }  // namespace penumbra

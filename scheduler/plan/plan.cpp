@@ -73,7 +73,7 @@ void Plan::on(const JobRemoved& event) {
     worker.alone.erase(event.job);
     worker.unfit.erase(event.job);
     worker.proven.erase(event.job);
-    relist(id, worker);
+    update_idle(id, worker);
   }
   all_changed_ = true;
 }
@@ -146,7 +146,7 @@ void Plan::on(const NoFurtherUnits& event) {
 void Plan::on(const WorkerJoined& event) {
   Worker& worker = workers_.try_emplace(event.worker).first->second;
   worker.heard_at = now_;
-  relist(event.worker, worker);
+  update_idle(event.worker, worker);
 }
 
 void Plan::on(const WorkerPrepared& event) {
@@ -156,7 +156,7 @@ void Plan::on(const WorkerPrepared& event) {
   worker.preparing.reset();
   worker.preparing_since.reset();
   worker.heard_at = now_;
-  relist(event.worker, worker);
+  update_idle(event.worker, worker);
   const auto job = jobs_.find(event.job);
   // It was told to forget it meanwhile.
   if (std::exchange(worker.prepares_in_vain, false) || job == jobs_.end()) return;
@@ -171,7 +171,7 @@ void Plan::on(const WorkerUnfit& event) {
   worker.preparing.reset();
   worker.preparing_since.reset();
   worker.heard_at = now_;
-  relist(event.worker, worker);
+  update_idle(event.worker, worker);
   if (std::exchange(worker.prepares_in_vain, false) || !jobs_.contains(event.job)) return;
   // Perhaps its memory does not hold two.
   const bool was_alone = worker.prepared.empty() || worker.alone.contains(event.job);
@@ -187,14 +187,14 @@ void Plan::on(const Alive& event) {
   if (!worker.hung || !worker.silent) return;
   worker.hung = false;
   look_by(now_);
-  relist(event.worker, worker);
+  update_idle(event.worker, worker);
 }
 
 void Plan::on(const Progressed& event) {
   const auto worker = workers_.find(event.worker);
   if (worker == workers_.end() || worker->second.units.empty()) return;
   show_progress(worker->second);
-  relist(event.worker, worker->second);
+  update_idle(event.worker, worker->second);
 }
 
 void Plan::on(const WorkerLost& event) {
@@ -206,7 +206,7 @@ void Plan::on(const WorkerLost& event) {
     blame(unit, event.worker, Fault::kDied);
     Job& job = jobs_.at(unit.job);
     if (++job.deaths_at_units >= deaths_at_units_to_give_up_job(workers_.size()))
-      orders_.push_back(NobodyCan{unit.job, job.deaths_at_units, true});
+      orders_.push_back(NoCapableWorker{unit.job, job.deaths_at_units, true});
   }
   if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {
     const auto job = jobs_.find(*worker->second.preparing);
@@ -214,7 +214,7 @@ void Plan::on(const WorkerLost& event) {
     const auto renders_it = [&](const auto& other) { return other.second.prepared.contains(job->first); };
     if (job != jobs_.end() && ++job->second.deaths >= kDeathsToGiveUpJob &&
         std::ranges::none_of(workers_, renders_it))
-      orders_.push_back(NobodyCan{job->first, job->second.deaths});
+      orders_.push_back(NoCapableWorker{job->first, job->second.deaths});
   }
   release(event.worker);
 }
@@ -274,7 +274,7 @@ void Plan::on(const ResultCorrupt& event) {
 
 void Plan::on(const Tick&) {
   give_up_idle_checks();
-  if (now_ >= next_look_) look_after_workers();
+  if (now_ >= next_check_) look_after_workers();
 }
 
 // --- Bookkeeping of jobs
@@ -295,10 +295,10 @@ void Plan::forget_units(JobId job) {
     if (loses_hand) {
       worker.hung = false;
       take_in_hand(worker);
-      if (!worker.units.empty()) relist(worker.units.front());
+      if (!worker.units.empty()) update_idle(worker.units.front());
       if (worker.units.empty() && worker.preparing) look_by(now_);
     }
-    relist(id, worker);
+    update_idle(id, worker);
   }
   std::erase_if(units_, [&](const auto& unit) { return is_of_job(unit.first); });
   std::erase_if(requeued_, is_of_job);
@@ -345,7 +345,7 @@ void Plan::tell_if_nobody_can(JobId id) {
   const bool nobody = !workers_.empty() && std::ranges::all_of(workers_, [id](const auto& worker) {
     return worker.second.unfit.contains(id);
   });
-  if (nobody) orders_.push_back(NobodyCan{id});
+  if (nobody) orders_.push_back(NoCapableWorker{id});
 }
 
 // --- Bookkeeping of units and workers
@@ -362,10 +362,10 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   worker.hung = false;
   worker.units.erase(place);
   units_.at(unit).holders.erase(id);
-  relist(unit);
-  if (!worker.units.empty()) relist(worker.units.front());
+  update_idle(unit);
+  if (!worker.units.empty()) update_idle(worker.units.front());
   if (worker.units.empty() && worker.preparing) look_by(now_);
-  relist(id, worker);
+  update_idle(id, worker);
   return true;
 }
 
@@ -386,7 +386,7 @@ void Plan::settle(UnitId id) {
       enqueue(id, unit);
     }
   }
-  relist(id);
+  update_idle(id);
   if (!unit.closed || !unit.holders.empty()) return;
   if (unit.unverified)
     jobs_.at(id.job).checks.insert(id);
@@ -409,7 +409,7 @@ void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
   Unit& unit = units_.at(id);
   if (!unit.closed) {
     unit.faults.emplace_back(worker, fault);
-    relist(id);
+    update_idle(id);
   } else if (unit.unverified && ++unit.failed_checks >= kFaultsToSetAside) {
     end_check(id, unit);
     ++jobs_.at(id.job).counts.not_verified;
@@ -417,7 +417,7 @@ void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
 }
 
 /// Keeps up its job's list of what can be copied.
-void Plan::relist(UnitId id) {
+void Plan::update_idle(UnitId id) {
   const auto found = units_.find(id);
   if (found == units_.end()) return;
   Unit& unit = found->second;
@@ -434,13 +434,13 @@ void Plan::relist(UnitId id) {
 }
 
 /// Keeps up who can take something.
-void Plan::relist(WorkerId id, Worker& worker) {
+void Plan::update_idle(WorkerId id, Worker& worker) {
   std::optional<std::size_t> wants;
   if (!worker.hung && !worker.preparing && worker.units.size() < kUnitsPerWorker) wants = worker.units.size();
   changed_.push_back(id);
   if (wants == worker.wants) return;
-  if (worker.wants) wanting_[*worker.wants].erase(id);
-  if (wants) wanting_[*wants].insert(id);
+  if (worker.wants) idle_workers_[*worker.wants].erase(id);
+  if (wants) idle_workers_[*wants].insert(id);
   worker.wants = wants;
 }
 
@@ -448,7 +448,7 @@ void Plan::relist(WorkerId id, Worker& worker) {
 void Plan::release(WorkerId id) {
   const auto worker = workers_.find(id);
   const std::deque<UnitId> held = std::move(worker->second.units);
-  if (worker->second.wants) wanting_[*worker->second.wants].erase(id);
+  if (worker->second.wants) idle_workers_[*worker->second.wants].erase(id);
   workers_.erase(worker);
   for (const UnitId& unit : held) {
     units_.at(unit).holders.erase(id);

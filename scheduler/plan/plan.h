@@ -135,7 +135,7 @@ class Plan {
     bool hung = false;                 // its lease expired and nothing came since
     bool silent = false;               // ... for silence
     Seconds hung_until = 0;            // then it is dismissed
-    std::optional<std::size_t> wants;  // in which of wanting_ it is
+    std::optional<std::size_t> wants;  // in which of idle_workers_ it is
   };
   // A unit that was issued and that a worker still holds, or that waits to be issued again or verified. A
   // unit before its tile's `next` that has no record is done or set aside.
@@ -186,8 +186,8 @@ class Plan {
   void enqueue(UnitId id, const Unit& unit);
   void dequeue(UnitId id);
   void blame(UnitId id, WorkerId worker, Fault fault);
-  void relist(UnitId id);
-  void relist(WorkerId id, Worker& worker);
+  void update_idle(UnitId id);
+  void update_idle(WorkerId id, Worker& worker);
   void release(WorkerId worker);
   void dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser = {});
   void accept(const UnitDone& event, Unit& unit);
@@ -225,7 +225,7 @@ class Plan {
   void tell_if_overdue(WorkerId id, Worker& worker);
   [[nodiscard]] Seconds overdue_at(const Worker& worker) const;
   void look_after_workers();
-  void look_by(Seconds time) { next_look_ = std::min(next_look_, time); }
+  void look_by(Seconds time) { next_check_ = std::min(next_check_, time); }
   [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
   /// How long its unit in hand may go without progress, and the worker without a word.
   struct Lease {
@@ -245,14 +245,14 @@ class Plan {
       contributions_;  // tiles of a phase, also of lost workers
 
   // By how many units they hold: workers that can take another one.
-  std::array<std::set<WorkerId>, kUnitsPerWorker> wanting_;
+  std::array<std::set<WorkerId>, kUnitsPerWorker> idle_workers_;
   // Of this event: who may prepare a job in advance now.
   std::vector<WorkerId> changed_;
   bool all_changed_ = false;
 
   Seconds now_ = 0;
   // No lease ends before, nor is anybody overdue; and the shortest time from a sign of life to either.
-  Seconds next_look_ = 0, shortest_;
+  Seconds next_check_ = 0, shortest_;
   std::uint64_t units_left_ = 0;
   int disputes_ = 0;
   std::vector<PlanOrder> orders_;

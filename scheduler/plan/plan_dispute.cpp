@@ -11,7 +11,7 @@ void Plan::accept(const UnitDone& event, Unit& unit) {
   unit.hash = event.hash;
   unit.done_by = event.worker;
   unit.failed_checks = 0;
-  relist(event.unit);
+  update_idle(event.unit);
   if (is_to_be_verified(event.unit)) {
     unit.unverified = true;
     ++jobs_.at(event.unit.job).unverified;
@@ -50,7 +50,7 @@ void Plan::redo_work_of(WorkerId first, WorkerId second, JobId id) {
   for (std::uint32_t phase = 0; phase < job.phase; ++phase) {
     if (!contributions_.contains({first, id, phase}) && !contributions_.contains({second, id, phase}))
       continue;
-    orders_.push_back(StartAgain{id});
+    orders_.push_back(RestartJob{id});
     restart(id);
     return;
   }

@@ -14,16 +14,16 @@ void Plan::issue() {
   // Breadth first: no worker gets a second unit while another one has none. Who gets something leaves the
   // set.
   for (std::size_t held = 0; held < kUnitsPerWorker; ++held) {
-    const std::set<WorkerId>& wanting = wanting_[held];
+    const std::set<WorkerId>& wanting = idle_workers_[held];
     for (auto next = wanting.begin(); next != wanting.end() && is_anything_waiting(held == 0);) {
       const WorkerId id = *next;
       issue_to(id);
       next = wanting.upper_bound(id);
     }
   }
-  if (all_changed_) changed_.assign(wanting_[0].begin(), wanting_[0].end());
+  if (all_changed_) changed_.assign(idle_workers_[0].begin(), idle_workers_[0].end());
   for (const WorkerId id : std::exchange(changed_, {}))
-    if (wanting_[0].contains(id)) prepare_one(id, true);
+    if (idle_workers_[0].contains(id)) prepare_one(id, true);
 }
 
 void Plan::issue_to(WorkerId id) {
@@ -36,8 +36,8 @@ void Plan::issue_to(WorkerId id) {
   units_[*unit].holders.insert(id);
   jobs_.at(unit->job).checks.erase(*unit);
   dequeue(*unit);
-  relist(*unit);
-  relist(id, worker);
+  update_idle(*unit);
+  update_idle(id, worker);
   orders_.push_back(Assign{id, *unit});
 }
 
@@ -96,7 +96,7 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
     if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
     worker.preparing = candidate;
     look_by(now_);
-    relist(id, worker);
+    update_idle(id, worker);
     orders_.push_back(Prepare{id, candidate});
     return;
   }
@@ -223,15 +223,15 @@ void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
   const Seconds since_heard = now_ - worker.heard_at, since_progress = now_ - worker.progress_at;
   const bool is_silent = since_heard >= leases_.patience;
   worker.overdue = true;
-  orders_.push_back(Overdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
-                            hung_at(worker) - now_});
+  orders_.push_back(UnitOverdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
+                                hung_at(worker) - now_});
 }
 
 /// Leases that end, and when the next one may.
 void Plan::look_after_workers() {
   std::vector<std::pair<WorkerId, UnitId>> silent;
   std::vector<std::pair<WorkerId, JobId>> stuck;
-  next_look_ = std::numeric_limits<Seconds>::infinity();
+  next_check_ = std::numeric_limits<Seconds>::infinity();
   for (auto& [id, worker] : workers_) {
     if (worker.units.empty()) {
       if (is_stuck_preparing(worker)) stuck.emplace_back(id, *worker.preparing);
@@ -256,7 +256,7 @@ void Plan::look_after_workers() {
     worker.silent = worker.heard_at + given.silence <= end;
     worker.hung_until = now_ + (worker.silent ? given.silence : given.progress);
     look_by(worker.hung_until);
-    relist(id, worker);
+    update_idle(id, worker);
     ++units_.at(in_hand).expired_leases;
     blame(in_hand, id, Fault::kHung);
     for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);

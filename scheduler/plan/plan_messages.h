@@ -199,17 +199,17 @@ struct PhaseDone {  ///< all its units are done or set aside, and another phase 
 };
 /// Untrustworthy work went into a phase that is over: forget all of the job. It has begun anew, as by
 /// JobRestarted.
-struct StartAgain {
+struct RestartJob {
   JobId job;
 };
 /// Every worker that is there has said that it cannot do the job; or so many have died of it that no other
 /// one should try.
-struct NobodyCan {
+struct NoCapableWorker {
   JobId job;
   int deaths = 0;
   bool at_units = false;  ///< they died of its units
 };
-struct Overdue {  ///< people should know what is waited for; once for each time that it happens
+struct UnitOverdue {  ///< people should know what is waited for; once for each time that it happens
   WorkerId worker;
   UnitId unit;         ///< in its hand
   bool is_silent;      ///< it is not heard of at all; else it shows no progress
@@ -219,6 +219,6 @@ struct Overdue {  ///< people should know what is waited for; once for each time
 struct GiveUp {};  ///< workers keep disagreeing; no result can be trusted
 
 using PlanOrder = std::variant<Prepare, Forget, Assign, MergeResult, DiscardResult, SetAside, DismissWorker,
-                               RedoTile, PhaseDone, StartAgain, NobodyCan, Overdue, GiveUp>;
+                               RedoTile, PhaseDone, RestartJob, NoCapableWorker, UnitOverdue, GiveUp>;
 
 }  // namespace penumbra

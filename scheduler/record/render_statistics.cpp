@@ -60,7 +60,7 @@ Json samples_json(const RenderStatistics& statistics) {
                {"before", statistics.outcome->samples_before},
                {"least_per_pixel", range.least},
                {"most_per_pixel", range.most}};
-  const FlaggedKinds flagged = film.flagged();
+  const FlaggedByKind flagged = film.flagged();
   for (int kind = 0; kind < BAD_KINDS; ++kind)
     samples[std::string(flagged_name(kind))] = flagged_json(kind, flagged[std::size_t(kind)], statistics);
   samples["pixels_of_infinite_variance"] = pixels_of_infinite_variance(film);

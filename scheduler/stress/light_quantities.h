@@ -34,10 +34,8 @@ STAGE void polygon_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL 
     r.wy[j] = in[7];
     r.wz[j] = in[8];
     r.exponent[j] = in[9];
-#if HAS(LTC)
     r.tx[j] = r.ty[j] = r.tz[j] = 0.0;
     r.inverse_x[j] = r.inverse_y[j] = r.shift[j] = 0.0;
-#endif
   }
   double irradiance[LANES], lobe[LANES];
   polygon_terms(&scene, &r, 0, irradiance, lobe);

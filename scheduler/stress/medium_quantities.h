@@ -47,9 +47,10 @@ STAGE void flight_weight_quantity(GLOBAL const double* in, GLOBAL double* out) {
 
 /// In: origin, direction, place, length, size, u. Out: distance at a share u of the angle; the angle.
 STAGE void sight_quantity(GLOBAL const double* in, GLOBAL double* out) {
-  const Sight sight = sight_of(in_v(in, 0), in_v(in, 3), in_f(in, 9), in_v(in, 6), in_f(in, 10));
-  out[0] = sight_distance(sight, in_f(in, 11));
-  out[1] = sight.angle;
+  const EquiangularSegment segment =
+      equiangular_segment(in_v(in, 0), in_v(in, 3), in_f(in, 9), in_v(in, 6), in_f(in, 10));
+  out[0] = equiangular_distance(segment, in_f(in, 11));
+  out[1] = segment.angle;
 }
 
 PENUMBRA_NAMESPACE_END

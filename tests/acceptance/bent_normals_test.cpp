@@ -45,7 +45,8 @@ void expect_same(const SceneDescription& a, const SceneDescription& b, double to
     for (int x = 0; x < 4; ++x) {
       EXPECT_NEAR(film_a.at(x, y).mean[1], film_b.at(x, y).mean[1], tolerance) << x << ' ' << y;
       for (const int c : {0, 1, 2})
-        EXPECT_NEAR(film_a.layer(x, y, LAYER_NORMAL, c), film_b.layer(x, y, LAYER_NORMAL, c), 1e-5) << x << ' ' << y;
+        EXPECT_NEAR(film_a.layer(x, y, LAYER_NORMAL, c), film_b.layer(x, y, LAYER_NORMAL, c), 1e-5)
+            << x << ' ' << y;
       sum += film_b.at(x, y).mean[1];
     }
   EXPECT_GT(sum, 0.1);
@@ -88,7 +89,7 @@ TEST(BentNormals, NormalsThatLookAwayLeanTheOtherWay) {
   const FilmAccumulator a = render_or_throw(mapped), b = render_or_throw(plain);
   EXPECT_NEAR(a.layer(2, 2, LAYER_NORMAL), b.layer(2, 2, LAYER_NORMAL), 1e-5);
   EXPECT_NEAR(a.layer(2, 2, LAYER_NORMAL), -0.9945, 1e-3);
-  // And a normal that points into the surface counts for nothing.
+  // And light below the surface is discarded.
   set_texture(mapped, {0.7f, 0.5f, 0.2f});
   EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, LAYER_NORMAL, 2), 1, 1e-6);
 }

@@ -28,17 +28,22 @@ std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
 }
 
 /// Of results with all planes that scenes of `told` features have, those that scenes of `own` features have.
-void keep_planes_of(std::vector<float>& values, std::size_t pixels, std::uint32_t own, std::uint32_t told) {
-  if ((told & ~own & FEATURE_COVERAGE) != 0u) {  // it is before those of the ratio
-    const auto coverage = values.begin() + std::ptrdiff_t(std::size_t(layer_planes_end(told)) * pixels);
-    values.erase(coverage, coverage + std::ptrdiff_t(pixels));
+void keep_planes_of(std::vector<float>& values, std::size_t pixels, std::uint64_t own, std::uint64_t told) {
+  const auto plane = [&](int number) {
+    return values.begin() + std::ptrdiff_t(std::size_t(number) * pixels);
+  };
+  std::vector<float> kept(values.begin(), plane(kRadiancePlanes));
+  for (int layer = 0; layer < FILM_LAYERS; ++layer) {
+    const int first = layer_plane(told, layer);
+    if (has_layer(own, layer))
+      kept.insert(kept.end(), plane(first), plane(first + kFilmLayers[layer].planes));
   }
-  values.resize(std::size_t(plane_count(own)) * pixels);
+  values = std::move(kept);
 }
 
 /// By one variant, whatever the device would choose; the planes that a scene of `own` features has.
 std::vector<std::uint32_t> render_with(const NativeKernel& kernel, const DeviceScene& scene,
-                                       std::uint32_t own) {
+                                       std::uint64_t own) {
   constexpr int kPaths = 1024;
   const RenderUnit unit = whole_film(scene.header);
   std::vector<float> values = render_native_blocks(kernel, scene, unit, kPaths);

@@ -71,7 +71,7 @@ void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 
 std::vector<Method> methods() {
   IntegratorSettings short_path = path_integrator(DirectSampling::kMis);
-  param::max_depth(short_path) = 2;  // going through lights counts for nothing
+  param::max_depth(short_path) = 2;  // going through lights does not add to the depth
   IntegratorSettings analytic, cv;
   use(analytic, IntegratorKind::kPolygonAnalytic);
   use(cv, IntegratorKind::kPolygonCv);

@@ -48,7 +48,7 @@ int count_listed(SceneTables& tables, std::span<const TestRay> rays);
 /// Through the hierarchy; with `any` some hit.
 std::vector<TestHit> trace_hierarchy(SceneTables& tables, std::span<const TestRay> rays, bool any = false);
 
-/// The same of many rays in turn: the primitives alone, or -1; with `any` 0 for some.
+/// The same of many interleaved rays: the primitives alone, or -1; with `any` 0 for some.
 std::vector<int> trace_in_flight(SceneTables& tables, std::span<const TestRay> rays, bool any = false);
 
 /// Every ray against every primitive one by one; of equal distances the smallest primitive.

@@ -347,6 +347,12 @@ TEST_F(GltfExtensions, WebPIsRead) {
   EXPECT_NEAR(texel(scene, texture, 0, 1), 0.0, 0.05);
 }
 
+TEST_F(GltfExtensions, ATextureWithoutAnImageIsLeftOut) {
+  const SceneDescription scene = good_gltf(triangle().text(textured("{}", "\"images\": []")));
+  EXPECT_EQ(std::get<PrincipledBsdf>(front(scene)).base_color.texture, kNoTexture);
+  EXPECT_THAT(warnings(scene), HasSubstr("texture 0 has no image; it is left out"));
+}
+
 TEST_F(GltfExtensions, Ktx2IsNamedWhereThereIsNoOtherImage) {
   const std::string text = triangle().text(
       textured(R"({"extensions": {"KHR_texture_basisu": {"source": 0}}})",

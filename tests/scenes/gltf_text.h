@@ -44,14 +44,15 @@ class GltfFile {
     accessors_.push_back(std::move(text));
     return int(accessors_.size()) - 1;
   }
-  /// A buffer view of these numbers.
+  /// A buffer view of these numbers; a stride of 0 is none.
   template <typename T>
-  int view(const std::vector<T>& numbers) {
+  int view(const std::vector<T>& numbers, int stride = 0) {
     while (buffer_.size() % 4 != 0) buffer_ += '\0';
     const std::size_t offset = buffer_.size();
     buffer_.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
-    views_.push_back(fmt::format(R"({{"buffer": 0, "byteOffset": {}, "byteLength": {}}})", offset,
-                                 numbers.size() * sizeof(T)));
+    views_.push_back(fmt::format(R"({{"buffer": 0, "byteOffset": {}, "byteLength": {}{}}})", offset,
+                                 numbers.size() * sizeof(T),
+                                 stride > 0 ? fmt::format(", \"byteStride\": {}", stride) : ""));
     return int(views_.size()) - 1;
   }
 

@@ -106,11 +106,37 @@ TEST(Obj, BadFaces) {
   EXPECT_THAT(error(square + "f 1 2 0\n"), HasSubstr("vertex index 0"));
   EXPECT_THAT(error(square + "f 1 2 -5\n"), HasSubstr("vertex index -5"));
   EXPECT_THAT(error(square + "f 1 2 99999999999999999999\n"), HasSubstr("99999999999999999999"));
-  EXPECT_THAT(error(square + "f 1/1 2/1 3/1\n"), HasSubstr("texture coordinate index 1"));
-  EXPECT_THAT(error(square + "f 1//1 2//1 3//1\n"), HasSubstr("normal index 1"));
+  EXPECT_THAT(error(square + "f 1/-1 2/-1 3/-1\n"), HasSubstr("texture coordinate index -1"));
+  EXPECT_THAT(error(square + "f 1//0 2//0 3//0\n"), HasSubstr("normal index 0"));
   EXPECT_THAT(error(square + "f 1/1/1/1 2 3\n"), HasSubstr("not a face corner"));
   EXPECT_THAT(error(square + "f 1.5 2 3\n"), HasSubstr("'1.5' is not an integer"));
   EXPECT_THAT(error(square + "f / 2 3\n"), HasSubstr("'' is not an integer"));
+}
+
+TEST(Obj, NormalsAndTextureCoordinatesMayFollowTheFaces) {
+  const MeshFile file =
+      read_obj({"m.obj", std::string(kSquare) + "f 1/1/1 2/2/1 3/1/1\nvt 0 0\nvt 1 0\nvn 0 0 1\n"}).value();
+  EXPECT_THAT(file.mesh.texcoords, ElementsAre(glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 0)));
+  EXPECT_THAT(file.mesh.normals, ElementsAre(glm::vec3(0, 0, 1), glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)));
+  EXPECT_THAT(file.warnings, IsEmpty());
+}
+
+TEST(Obj, WhatFacesNameInVainIsLeftOut) {
+  const MeshFile file = read_obj({"m.obj", std::string(kSquare) + "vt 0 0\nf 1/1/1 2/1/2 3/2/3\n"}).value();
+  EXPECT_THAT(file.mesh.triangles, SizeIs(1));
+  EXPECT_THAT(file.mesh.texcoords, SizeIs(3));
+  EXPECT_THAT(file.mesh.normals, IsEmpty());
+  EXPECT_THAT(file.warnings,
+              ElementsAre("1 vertex names a texture coordinate that the file does not have, and goes without",
+                          "3 vertices name a normal that the file does not have, and go without"));
+}
+
+TEST(Obj, StatementsOfOtherProgramsArePassedOver) {
+  const MeshFile file = read_obj({"m.obj", std::string(kSquare) + "vc 1 0 0\nvw 0 1 0.5\nf 1 2 3\n"}).value();
+  EXPECT_THAT(file.mesh.triangles, SizeIs(1));
+  EXPECT_THAT(file.warnings,
+              ElementsAre("2 statements are ignored, the first of them: m.obj:5:1: error: 'vc' is not an OBJ "
+                          "statement of polygon meshes; did you mean 'vp'?"));
 }
 
 TEST(Obj, ConcavePolygonsAreCutInside) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <limits>
 
 #include "scenes/mesh_reader.h"
@@ -151,14 +152,51 @@ TEST(Ply, HeaderErrors) {
               HasSubstr("'x' is not an integer"));
   EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty flaot x\nend_header\n"),
               HasSubstr("type is one of"));
-  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n"),
-              HasSubstr("vertex and face"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement face 1\nproperty float x\nend_header\n"),
+              HasSubstr("the element vertex"));
   std::string no_z = kHeader;
   no_z.replace(no_z.find("float z"), 7, "float w");
   EXPECT_THAT(error(no_z), HasSubstr("must have x, y and z"));
   std::string no_list = kHeader;
   no_list.replace(no_list.find("vertex_indices"), 14, "corner_indices");
   EXPECT_THAT(error(no_list), HasSubstr("vertex_indices"));
+}
+
+TEST(Ply, LinesOfTheHeaderMayEndInCarriageReturns) {
+  for (const std::string end : {"\r", "\r\n"}) {
+    std::string text = kHeader;
+    for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size())
+      text.replace(at, 1, end);
+    const auto mesh = read(text + "0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r");
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_THAT(mesh->triangles, ElementsAre(glm::uvec3(0, 1, 2)));
+  }
+  // The first byte of the body is no part of the header.
+  std::string header =
+      "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty float x\rproperty float y\r"
+      "property float z\rend_header\r";
+  const float first = std::bit_cast<float>(0x3F80000Au);  // its first byte is a line feed
+  for (const float value : {first, 2.0f, 3.0f}) header.append(reinterpret_cast<const char*>(&value), 4);
+  EXPECT_THAT(read(header).value().positions, ElementsAre(glm::dvec3(first, 2, 3)));
+}
+
+TEST(Ply, PointsAloneAreNoTriangles) {
+  const auto file = read_ply({"m.ply",
+                              "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                              "property float y\nproperty float z\nend_header\n1 2 3\n"});
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_THAT(file->mesh.triangles, SizeIs(0));
+  EXPECT_THAT(file->warnings, ElementsAre("the file has points without faces, which are not shown"));
+}
+
+TEST(Ply, StripsOfTriangles) {
+  std::string text = kHeader;
+  text.replace(text.find("element vertex 3"), 16, "element vertex 5");
+  text.replace(text.find("element face 1"), 14, "element tristrips 1");
+  const auto mesh = read(text + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 -1 2 3 4 -1\n");
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->triangles, ElementsAre(glm::uvec3(0, 1, 2), glm::uvec3(1, 3, 2), glm::uvec3(2, 3, 4)));
+  EXPECT_THAT(error(text + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n3 0 1 5\n"), HasSubstr("out of range"));
 }
 
 TEST(Ply, ElementsWithoutPropertiesTakeNoTime) {

@@ -68,6 +68,28 @@ TEST_F(MitsubaNested, Blends) {
   EXPECT_EQ(s.shapes[0].back_bsdf, kBlackBsdf);
 }
 
+TEST_F(MitsubaNested, CoatingsAreBlendsWithAMirror) {
+  SceneDescription s = material(bsdf("coating", number("int_ior", "1.5") + number("ext_ior", "1") +
+                                                    number("thickness", "1") + bsdf("diffuse")));
+  const auto& blend = model<BlendBsdf>(s, s.shapes.at(0).front_bsdf);
+  EXPECT_NEAR(blend.weight.value, 0.0918f, 0.002f) << "the mean of Fresnel's equations";
+  EXPECT_TRUE(std::holds_alternative<DiffuseBsdf>(s.bsdfs.at(std::size_t(blend.first)).model));
+  EXPECT_EQ(model<ConductorBsdf>(s, blend.second).eta.value, glm::vec3(0.0f));
+  EXPECT_EQ(s.shapes[0].back_bsdf, kBlackBsdf);
+  ASSERT_THAT(s.warnings, SizeIs(1));
+  EXPECT_THAT(s.warnings[0], HasSubstr("the coating is approximated"));
+
+  s = material(
+      bsdf("twosided", bsdf("roughcoating", number("alpha", "0.3") + bsdf("twosided", bsdf("conductor")))));
+  const auto& rough = model<BlendBsdf>(s, s.shapes.at(0).front_bsdf);
+  EXPECT_EQ(model<RoughConductorBsdf>(s, rough.second).alpha_u.value, 0.3f);
+  EXPECT_EQ(s.shapes[0].back_bsdf, s.shapes[0].front_bsdf);
+
+  EXPECT_THAT(material_error(bsdf("coating")), HasSubstr("holds one bsdf"));
+  EXPECT_THAT(material_error(bsdf("coating", number("int_ior", "9") + bsdf("diffuse"))),
+              HasSubstr("may differ by a factor"));
+}
+
 TEST_F(MitsubaNested, MixturesAreBlendsOfBlends) {
   const SceneDescription s =
       material(bsdf("mixturebsdf", "<string name='weights' value='0.2, 0.5 0.1'/>" + bsdf("diffuse") +

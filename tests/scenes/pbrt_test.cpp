@@ -210,6 +210,33 @@ TEST_F(PbrtText, Materials) {
                                      HasSubstr("glasses have one refractive index")));
 }
 
+/// What comes from the coating and from the metal under it is, of light along the normal, what goes to and
+/// fro between them.
+TEST_F(PbrtText, CoatedConductorsAreBlendsOfTheirConductorAndAMirror) {
+  const SceneDescription scene = good_pbrt(
+      std::string(
+          "Material \"coatedconductor\" \"rgb conductor.eta\" [.2 .4 1.1] \"rgb conductor.k\" [3 2 2]\n"
+          "\"float conductor.roughness\" 0.25 \"float interface.roughness\" 0\n") +
+      kTriangle + "Material \"coatedconductor\" \"float interface.eta\" 1\n" + kTriangle);
+  const auto& blend = std::get<BlendBsdf>(front(scene, 0));
+  // The mean of Fresnel's equations over cosines, for an index of 1.5.
+  EXPECT_NEAR(blend.weight.value, 0.0918f, 0.002f);
+  const auto& metal = std::get<RoughConductorBsdf>(scene.bsdfs.at(std::size_t(blend.first)).model);
+  EXPECT_EQ(metal.ext_eta, 1.5f);
+  EXPECT_EQ(metal.alpha_u.value, 0.5f);
+  const auto& mirror = std::get<ConductorBsdf>(scene.bsdfs.at(std::size_t(blend.second)).model);
+  EXPECT_EQ(mirror.eta.value, glm::vec3(0.0f));
+  for (int c = 0; c < 3; ++c) {
+    const double eta = double(metal.eta.value[c]) / 1.5, k = double(metal.k.value[c]) / 1.5,
+                 r = ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k),
+                 f = double(blend.weight.value);
+    EXPECT_NEAR(f + (1 - f) * double(metal.specular_reflectance.value[c]) * r,
+                f + (1 - f) * (1 - f) * r / (1 - f * r), 1e-6);
+  }
+  EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(front(scene, 1))) << "there is no coating";
+  EXPECT_THAT(warnings(scene), HasSubstr("coatedconductor is approximated"));
+}
+
 TEST_F(PbrtText, MaterialsMayBeNamedBeforeTheyAreMade) {
   const SceneDescription scene = good_pbrt(
       std::string("NamedMaterial \"later\"\n") + kTriangle +

@@ -140,7 +140,7 @@ TEST(Features, RoomsAreTestedWholeUpToMoreTrianglesThanPlains) {
     EXPECT_GT(built.header.tables.corners.count, 0);
     EXPECT_GT(built.header.tables.nodes.count, 0);
     std::vector<bool> by_target;
-    for (const KernelTarget target : kTargets) by_target.push_back(tests_whole(target, built));
+    for (const KernelTarget target : kTargets) by_target.push_back(tests_every_primitive(target, built));
     return by_target;
   };
   // 72 triangles on the floor of a room; and on a plain, where few rays come near.

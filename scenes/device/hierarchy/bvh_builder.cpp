@@ -18,8 +18,7 @@ enum LeafKind { kTriangleLeaf, kQuadricLeaf, kInstanceLeaf, kLeafKinds };
 constexpr int kCodeBits = 29;
 int leaf_code(LeafKind kind, std::size_t index) { return ~(int(kind) << kCodeBits | int(index)); }
 
-/// Up to so many triangles are split, and their tree is made over: that takes several times as long as
-/// building it.
+/// Up to so many triangles are split: that takes several times as long as building their tree.
 constexpr std::size_t kMostSplit = 1'000'000;
 
 int depth_of(const TreeNode* node) {
@@ -29,18 +28,10 @@ int depth_of(const TreeNode* node) {
   return depth;
 }
 
-/// Embree's builder fills leaves with what is near each other, walls of rooms with what stands before them,
-/// which every ray then visits. So first the largest parts move to where they belong, then leaves; bounced
-/// rays are 1.15 (classroom), 1.20 (veach-bidir) and 0.99 (spaceship) times as fast, a camera's 1.64, 1.97
-/// and 1.06.
 Expected<WideTree> tree_over(std::span<const Triangle> triangles, std::span<const Box> boxes,
                              const EmbreeBuilder& builder) {
-  constexpr double kShareOfParts = 0.01, kShareOfLeaves = 0.2;
-  constexpr int kPasses = 3;
   if (triangles.size() <= kMostSplit) {
     if (Expected<BinaryTree> tree = builder.binary_tree(triangles)) {
-      move_subtrees(*tree, tree->is_part(), kShareOfParts, kPasses);
-      move_subtrees(*tree, TreeCollapse(*tree).is_leaf(), kShareOfLeaves, kPasses);
       WideTree wide = TreeCollapse(*tree).wide_tree();
       if (depth_of(wide.root) <= kMaxTreeDepth) return wide;
     }

@@ -18,8 +18,6 @@ class TreeCollapse {
  public:
   explicit TreeCollapse(const BinaryTree& tree);
 
-  /// Of each node, whether it would be a leaf if it came to be one of the wide tree.
-  [[nodiscard]] const std::vector<char>& is_leaf() const { return is_leaf_; }
   /// The surfaces of the wide tree's boxes over that of the root; 0 if the root has none.
   [[nodiscard]] double cost() const { return forests_.front().cost[1]; }
   /// Of children the last has the fewest parts, of which a leaf holds each primitive once.

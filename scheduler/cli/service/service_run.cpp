@@ -127,7 +127,7 @@ void ServiceRun::read_scenes() {
     }
     if (job) {
       ready_.put(std::move(*job));
-      bell().ring();
+      job_signal().notify();
     } else {
       print_error({fmt::format("job {}, {}: {}", taken->job, taken->submission.name, job.error().message)});
       queue_.end(taken->job, wire::JOB_FAILED, job.error().message);

@@ -151,10 +151,10 @@ void SceneSet::read_scenes() {
     } catch (const std::exception& error) {  // memory above all: others may need less
       fail_member(i, {error.what()});
     }
-    bell().ring();
+    job_signal().notify();
   }
   all_read_ = true;
-  bell().ring();
+  job_signal().notify();
 }
 
 Expected<void> SceneSet::read_scene(std::size_t index) {
@@ -232,7 +232,7 @@ void SceneSet::write_images() {
       fail_member(index, {error.what()});
     }
     --unwritten_count_;
-    bell().ring();
+    job_signal().notify();
   }
 }
 

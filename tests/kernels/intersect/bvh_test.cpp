@@ -221,7 +221,7 @@ void expect_same_hits(const std::vector<TestHit>& hits, const std::vector<TestHi
   }
 }
 
-/// Rays that are traced in turn find the same.
+/// Rays whose traversals are interleaved find the same.
 void expect_same_in_flight(SceneTables& tables, const std::vector<TestRay>& rays,
                            const std::vector<TestHit>& truth) {
   const auto closest = trace_in_flight(tables, rays), some = trace_in_flight(tables, rays, true);

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "scenes/names.h"
+#include "tests/scenes/census/items.h"
 
 namespace penumbra::census {
 namespace {
@@ -73,87 +74,37 @@ constexpr std::string_view kMotion =
     "<transform time='0'><translate x='1'/></transform><transform time='1'><rotate y='1' "
     "angle='90'/><translate x='3'/></transform>";
 
-/// What reads a row's items and writes them as XML.
+/// What writes a row's items as XML.
 class Writer {
  public:
-  explicit Writer(std::string_view items) : text_(items) {}
+  explicit Writer(std::string_view items) : items_(read_items(items)) {}
 
   std::string scene() {
     std::string xml;
-    int count = 0;
-    while (skip_spaces(), at_ < text_.size()) {
-      const std::string item = this->item(fmt::format(" id='item{}'", count));
-      xml += item;
+    for (std::size_t count = 0; count < items_.size(); ++count) {
+      const Item& item = items_[count];
+      const std::string text = this->item(item, fmt::format(" id='item{}'", count));
+      xml += text;
       // What a BSDF is counts where a shape has it.
-      const bool shown_on_a_mesh = item.find("mesh_attribute") != item.npos;
-      if (item.starts_with("<bsdf"))
+      const bool shown_on_a_mesh = text.find("mesh_attribute") != text.npos;
+      if (item.tag == "bsdf")
         xml += fmt::format("<shape type='{}'>{}<ref id='item{}'/></shape>\n",
                            shown_on_a_mesh ? "ply" : "rectangle",
                            shown_on_a_mesh ? "<string name='filename' value='mesh.ply'/>" : "", count);
       // The group that an instance shows is the last before it.
-      if (item.starts_with("<shape type='shapegroup'")) group_ = fmt::format("item{}", count);
-      ++count;
+      if (item.tag == "shape" && item.type == "shapegroup") group_ = fmt::format("item{}", count);
     }
     return xml;
   }
 
  private:
-  void skip_spaces() {
-    while (at_ < text_.size() && text_[at_] == ' ') ++at_;
-  }
-  std::string_view word(std::string_view ends) {
-    const std::size_t from = at_;
-    while (at_ < text_.size() && ends.find(text_[at_]) == ends.npos) ++at_;
-    return text_.substr(from, at_ - from);
-  }
-  bool take(char c) {
-    if (at_ >= text_.size() || text_[at_] != c) return false;
-    ++at_;
-    return true;
-  }
-
-  /// element/type*count@name(…)
-  std::string item(std::string_view attributes = "") {
-    const std::string tag(word("/ ()"));
-    if (!take('/')) {
-      ADD_FAILURE() << "an item is element/type, not '" << tag << "' in " << text_;
-      at_ = text_.size();
-      return "";
-    }
-    const std::string type(word("*@( )"));
-    if (take('*')) word("@( )");
-    std::string name;
-    if (take('@')) name = fmt::format(" name='{}'", word("( )"));
-    std::string inside = type == "instance" ? fmt::format("<ref id='{}'/>", group_) : "";
-    if (take('(')) {
-      while (skip_spaces(), !take(')')) {
-        if (at_ >= text_.size()) {
-          ADD_FAILURE() << "no ) in " << text_;
-          break;
-        }
-        const std::size_t slash = text_.find_first_of("/=: )", at_);
-        inside += slash != text_.npos && text_[slash] == '/' ? item() : parameter(type);
-      }
-    }
-    return fmt::format("<{} type='{}'{}{}>{}</{}>\n", tag, type, name, attributes, inside, tag);
-  }
-
-  std::string parameter(const std::string& type) {
-    std::string_view kind, name = word(":= )");
-    if (take(':')) {
-      kind = name;
-      name = word("= )");
-    }
-    std::string value;
-    if (take('=')) {
-      if (take('\'')) {
-        value = word("'");
-        take('\'');
-      } else {
-        value = word(" )");
-      }
-    }
-    return parameter(type, kind, name, value);
+  std::string item(const Item& item, std::string_view attributes = "") {
+    std::string inside = item.type == "instance" ? fmt::format("<ref id='{}'/>", group_) : "";
+    for (const Item& each : item.inside)
+      inside += each.is_parameter ? parameter(item.type, each.tag, each.type, each.name) : this->item(each);
+    return fmt::format("<{} type='{}'{}{}>{}</{}>\n", item.tag, item.type,
+                       item.name.empty() ? "" : fmt::format(" name='{}'", item.name), attributes, inside,
+                       item.tag);
   }
 
   static std::string parameter(const std::string& type, std::string_view kind, std::string_view name,
@@ -191,8 +142,7 @@ class Writer {
     return type.ends_with("curve") ? "curve.txt" : "image.pfm";
   }
 
-  std::string_view text_;
-  std::size_t at_ = 0;
+  std::vector<Item> items_;
   std::string group_;
 };
 
@@ -240,10 +190,11 @@ void expect_verdict(const Row& row, const Expected<SceneDescription>& scene, con
       << scene.error().message << "\n is not about " << row.verdict;
 }
 
-std::string grey_image() {
-  std::string image = "PF\n4 2\n-1.0\n";
+std::string grey_image(int width, int height) {
+  std::string image = fmt::format("PF\n{} {}\n-1.0\n", width, height);
   const float grey = 0.5f;
-  for (int i = 0; i < 4 * 2 * 3; ++i) image.append(reinterpret_cast<const char*>(&grey), sizeof grey);
+  for (int i = 0; i < width * height * 3; ++i)
+    image.append(reinterpret_cast<const char*>(&grey), sizeof grey);
   return image;
 }
 

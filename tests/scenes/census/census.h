@@ -1,5 +1,4 @@
-// Facts about public scenes, and tiny scenes that are made of them: census/mitsuba_scenes.txt and
-// nori_scenes.txt say how.
+// Facts about public scenes, and tiny scenes that are made of them: the lists beside this say how.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +20,8 @@ struct Row {
 /// Whether the row's scene loads or fails as it says, which is a failure of the test where not.
 void expect_verdict(const Row& row, const Expected<SceneDescription>& scene, const std::string& text);
 
-/// `image.pfm`: grey, 4 x 2 texels.
-std::string grey_image();
+/// `image.pfm`: grey.
+std::string grey_image(int width = 4, int height = 2);
 
 /// The rows of the file; an empty list, and a failure of the test, for one that is not of the form.
 std::vector<Row> read_rows(const std::filesystem::path& file);
@@ -32,5 +31,11 @@ std::vector<Row> read_rows(const std::filesystem::path& file);
 std::string scene_text(const Row& row);
 /// The same of a row of Nori's.
 std::string nori_text(const Row& row);
+/// Of pbrt's, with `mesh.ply`, `image.pfm`, `sky.pfm` (square) and `metal.spd` beside it.
+std::string pbrt_text(const Row& row);
+/// Of glTF's, which stands alone.
+std::string gltf_text(const Row& row);
+/// Of meshes: a file of the row's version, OBJ or PLY.
+std::string mesh_text(const Row& row);
 
 }  // namespace penumbra::census

@@ -147,12 +147,12 @@ class RungJobs final : public JobSource {
             const std::lock_guard lock(mutex_);
             waiting_.push_back(job(float(thread * kJobs + i)));
           }
-          bell().ring();
+          job_signal().notify();
         }
         ++ended_;
-        bell().ring();
+        job_signal().notify();
         // Whether or not a farm listens, or still does.
-        for (int i = 0; i < 1000; ++i) bell().ring();
+        for (int i = 0; i < 1000; ++i) job_signal().notify();
       });
   }
   ~RungJobs() override {

@@ -593,7 +593,7 @@ TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
 
 TEST(MessageSize, HoldsTheLargestResultOfAnyScene) {
   for (const std::uint64_t features :
-       {0u, std::uint64_t(FEATURE_LAYERS), std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS),
+       {std::uint64_t(0), std::uint64_t(FEATURE_LAYERS), std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS),
         std::uint64_t(FEATURE_ALL)}) {
     const std::int64_t values = std::int64_t(kMaxTile) * kMaxTile * plane_count(features);
     EXPECT_LT(values * std::int64_t(sizeof(float)), kMaxMessageBytes) << features;

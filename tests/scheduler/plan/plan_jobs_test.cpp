@@ -24,7 +24,7 @@ class PlanJobsTest : public PlanTest {
         [](const PhaseDone& p) { return std::pair(p.job, p.phase); });
   }
   std::vector<JobId> nobody_can() const {
-    return all<NobodyCan, JobId>([](const NobodyCan& n) { return n.job; });
+    return all<NoCapableWorker, JobId>([](const NoCapableWorker& n) { return n.job; });
   }
 };
 
@@ -189,7 +189,7 @@ TEST_F(PlanJobsTest, AJobStartsAgainIfAnEarlierPhaseCannotBeTrusted) {
   ASSERT_EQ(held_[2].at(0), unit(0, 0, kJob, 1));
   done(1, unit(0, 0, kJob, 1), 7);
   done(2, unit(0, 0, kJob, 1), 8);
-  EXPECT_THAT((all<StartAgain, JobId>([](const StartAgain& s) { return s.job; })), ElementsAre(kJob));
+  EXPECT_THAT((all<RestartJob, JobId>([](const RestartJob& s) { return s.job; })), ElementsAre(kJob));
   EXPECT_THAT(tiles_to_redo(), IsEmpty());
   EXPECT_EQ(plan_->units_left(), 2u);
   join(3);

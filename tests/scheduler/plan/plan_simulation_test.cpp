@@ -17,8 +17,8 @@
 
 #include "scheduler/plan/merge.h"
 #include "scheduler/plan/plan.h"
-#include "tests/support/film_layers.h"
 #include "tests/support/fault_schedules.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -288,7 +288,7 @@ class SimulatedFarm {
     opened_.insert({order.job, order.phase + 1});
   }
 
-  void obey(const StartAgain& order, bool) {
+  void obey(const RestartJob& order, bool) {
     ++restarts;
     ASSERT_GT(habits_.lies, 0);
     make_merges(order.job);
@@ -296,7 +296,7 @@ class SimulatedFarm {
   }
 
   /// Whoever starts workers may give such a job up; here there are always others.
-  void obey(const NobodyCan& order, bool) {
+  void obey(const NoCapableWorker& order, bool) {
     ASSERT_TRUE(order.at_units) << "every worker can";
     ASSERT_GE(order.deaths, deaths_at_units_to_give_up_job(1));
   }
@@ -358,7 +358,7 @@ class SimulatedFarm {
     std::erase_if(lies_, in_tile);
   }
 
-  void obey(const Overdue& order, bool) { ASSERT_TRUE(workers_.contains(order.worker)); }
+  void obey(const UnitOverdue& order, bool) { ASSERT_TRUE(workers_.contains(order.worker)); }
 
   void obey(const GiveUp&, bool) { ASSERT_GT(habits_.lies, 0); }
 

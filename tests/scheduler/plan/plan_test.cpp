@@ -96,7 +96,7 @@ TEST_F(PlanTest, WorkersThatLeaveWhileTheyPrepareSayNothingAboutTheJob) {
   for (WorkerId worker = 1; worker <= 9; ++worker) {
     join(worker);
     tell(WorkerLost{worker, true});
-    const auto hopeless = all<NobodyCan, JobId>([](const NobodyCan& order) { return order.job; });
+    const auto hopeless = all<NoCapableWorker, JobId>([](const NoCapableWorker& order) { return order.job; });
     EXPECT_TRUE(hopeless.empty());
   }
 }
@@ -425,7 +425,9 @@ TEST_F(PlanTest, AnIdleWorkerNeedNotBeHeardOf) {
 TEST_F(PlanTest, WhatIsWaitedForIsToldOnce) {
   start(9, 1, kWithBeats);
   join(1);
-  const auto overdue = [this] { return all<Overdue, Overdue>([](const Overdue& o) { return o; }); };
+  const auto overdue = [this] {
+    return all<UnitOverdue, UnitOverdue>([](const UnitOverdue& o) { return o; });
+  };
   wait(4.9);
   EXPECT_THAT(overdue(), IsEmpty());
   wait(0.1);

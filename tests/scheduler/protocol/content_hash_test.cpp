@@ -58,7 +58,7 @@ TEST(ContentHash, TellsApartWhatXxh3DoesNot) {
 /// What a worker returns is taken for verified where another one's has the same hash.
 TEST(ResultHash, TellsApartWhatTheChecksumDoesNot) {
   const RenderUnit unit{.x = 0, .y = 0, .width = 32, .height = 32, .first_sample = 0, .sample_count = 3};
-  SampleBuffer one = fake_samples(unit, kRadiancePlanes);
+  SampleBuffer one = fake_samples(unit, kNoLayers);
   const auto [values, twin] = xxh3_twins();
   const auto take = [](const DeviceScene& from, SampleBuffer& to) {
     std::memcpy(to.values.data(), from.words.data() + from.words.size() - kTwinWords,

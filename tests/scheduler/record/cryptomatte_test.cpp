@@ -95,8 +95,9 @@ TEST(Cryptomatte, MetadataNameBothLayersAndTheirManifests) {
 /// A pixel of ten samples: so many met each matte.
 Image image_of(const MatteNames& names, std::vector<std::uint32_t> pairs) {
   FilmAccumulator film(0, 0, 1, 1, FilmLayers(0, int(names.mattes.size())));
-  SampleBuffer buffer{.width = 1, .height = 1, .planes = kNoLayers.planes(), .sample_count = 10, .values = {}};
-  buffer.values.assign(kNoLayers, 0.0f);
+  SampleBuffer buffer{
+      .width = 1, .height = 1, .planes = kNoLayers.planes(), .sample_count = 10, .values = {}};
+  buffer.values.assign(kRadiancePlanes, 0.0f);
   buffer.mattes = {std::uint32_t(pairs.size() / 2)};
   buffer.mattes.insert(buffer.mattes.end(), pairs.begin(), pairs.end());
   EXPECT_TRUE(check_mattes(buffer, int(names.mattes.size())));

@@ -82,12 +82,14 @@ DeviceScene build(const SceneDescription& scene, bool layers) {
 
 TEST(PolygonLayers, CountOfPlanes) {
   for (const std::uint64_t others :
-       {0u, std::uint64_t(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_COVERAGE))}) {
+       {std::uint64_t(0),
+        std::uint64_t(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_COVERAGE))}) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 8);
-    for (const std::uint64_t layers : {0, FEATURE_LAYERS, FEATURE_LAYERS | FEATURE_POLYGONS}) {
+    for (const std::uint64_t layers : {std::uint64_t(0), std::uint64_t(FEATURE_LAYERS),
+                                       std::uint64_t(FEATURE_LAYERS | FEATURE_POLYGONS)}) {
       const int without = plane_count(others | layers),
                 with = plane_count(others | layers | FEATURE_COVERAGE);
       EXPECT_EQ(with, without + 1);

@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-NativeRenderBlock render_extra_familys_scalar, render_extra_familys_sse2;
+NativeRenderBlock render_extra_families_scalar, render_extra_families_sse2;
 
 const NativeKernel& extra_family_kernel(bool one_lane) {
-  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_familys_scalar};
-  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_familys_sse2};
+  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_families_scalar};
+  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_families_sse2};
   return one_lane ? kOneLane : kLanes;
 }
 

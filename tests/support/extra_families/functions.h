@@ -51,7 +51,6 @@ PHONG_AGAIN(crude, , , , )
 SIX_PHONGS(PHONG_AGAIN)
 #undef PHONG_AGAIN
 
-#if HAS(LTC)
 /// A microfacet lobe of about the width, half as bright again, beside too dark a Lambert of another colour.
 FN ControlLobes crude_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   const MicrofacetLobe lobe =
@@ -59,7 +58,6 @@ FN ControlLobes crude_control(const PRIVATE Scene* scene, Closure c, float cosin
   const vec3 diffuse = make_vec3(0.5f * c.diffuse.x, 0.8f * c.diffuse.y, 0.2f * c.diffuse.z);
   return make_control_lobes(diffuse, lobe, scale(c.specular, 1.5f));
 }
-#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

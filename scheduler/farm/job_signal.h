@@ -7,22 +7,22 @@
 
 namespace penumbra {
 
-class FarmBell {
+class JobSignal {
  public:
   /// There is a job, or none will come any more. Nothing happens while no farm listens.
-  void ring() {
+  void notify() {
     const std::lock_guard lock(mutex_);
-    if (on_ring_) on_ring_();
+    if (on_notify_) on_notify_();
   }
-  /// Of the farm; called with nothing it returns when the last ring is over.
-  void connect(std::function<void()> on_ring) {
+  /// Of the farm; called with nothing it returns when the last call is over.
+  void connect(std::function<void()> on_notify) {
     const std::lock_guard lock(mutex_);
-    on_ring_ = std::move(on_ring);
+    on_notify_ = std::move(on_notify);
   }
 
  private:
   std::mutex mutex_;
-  std::function<void()> on_ring_;
+  std::function<void()> on_notify_;
 };
 
 }  // namespace penumbra
