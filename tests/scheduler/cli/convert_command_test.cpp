@@ -47,7 +47,7 @@ TEST_F(ConvertCommand, WhatCannotBeWrittenIsSaidAndLeavesNothing) {
   for (const auto& [output, why] : {std::pair("out.obj", "'out.obj' does not end in .xml"),
                                     std::pair("new/out", "'new/out' does not end in .xml"),
                                     std::pair("new/", "'new/' does not end in .xml"),
-                                    std::pair("a.obj/new/t.xml", "cannot make the folder a.obj/new")}) {
+                                    std::pair("a.obj/new/t.xml", "a.obj/new is not a folder")}) {
     const ProgramResult done = convert(output);
     EXPECT_NE(done.exit_code, 0) << output;
     EXPECT_THAT(done.err, HasSubstr(why));

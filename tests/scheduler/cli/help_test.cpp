@@ -82,7 +82,7 @@ TEST(Help, SaysWhatAnOptionTakes) {
   const TemporaryFolder folder;
   const std::string help = output_of(folder, {"render", "--help"});
   for (const char* text : {"\nInput:\n  SCENE... ", "\nIntegrator and samples:\n", "\nWorkers and devices:\n",
-                           "[default: 16]", "[1 to 2048]", "[auto, portable, embree]", "[not with --crop",
+                           "[default: 16]", "[1 to 2048]", "[auto, portable, embree]", "[not with --pixel]",
                            "[or PENUMBRA_KEYS]", "\nExamples:\n  penumbra render scenes/cornell/cornell.xml"})
     EXPECT_THAT(help, HasSubstr(text));
 }
@@ -102,9 +102,8 @@ TEST(Plugins, AreListedInALineEach) {
   expect_it_fits(list, "plugins");
   expect_known_words(list, "plugins");
   EXPECT_LT(lines_of(list).size(), 160u);
-  for (const char* line :
-       {"\n  roughconductor        rough metal (microfacets)\n", "\nsensor\n  perspective  ",
-        "\n  rectangle             square from", "\nintegrator\n  direct  "})
+  for (const char* line : {"\n  roughconductor      rough metal (microfacets)\n", "\nsensor\n  perspective  ",
+                           "\n  rectangle           square from", "\nintegrator\n  direct  "})
     EXPECT_THAT(list, HasSubstr(line));
 }
 
@@ -112,7 +111,7 @@ TEST(Plugins, OfANameAreShownWithTheirParameters) {
   const TemporaryFolder folder;
   const std::string rectangle = output_of(folder, {"plugins", "rectangle"});
   EXPECT_THAT(rectangle, StartsWith("shape rectangle: square from"));
-  EXPECT_THAT(rectangle, HasSubstr("flip_normals          whether its front is the other side\n" +
+  EXPECT_THAT(rectangle, HasSubstr("flip_normals        whether its front is the other side\n" +
                                    std::string(22, ' ') + "true, false; default: false\n"));
   EXPECT_THAT(output_of(folder, {"plugins", "bump"}),
               AllOf(StartsWith("bsdf bumpmap: "), HasSubstr("other names: bump\n")));
@@ -144,13 +143,21 @@ TEST(Plugins, AreThoseOfTheReaders) {
                            "integrator", "phase", "medium"}) {
     const std::string tag(kind);
     const std::string object = "<" + tag + " type='nothing' id='x'/>";
-    const std::string inside =
-        tag == "texture" ? "<bsdf type='diffuse'><texture name='reflectance' type='nothing'/></bsdf>"
+    const std::string sensor =
+        tag == "sensor"                     ? object
         : tag == "film" || tag == "sampler" ? "<sensor type='perspective'>" + object + "</sensor>"
         : tag == "rfilter" ? "<sensor type='perspective'><film type='hdrfilm'>" + object + "</film></sensor>"
-        : tag == "phase"   ? "<medium type='homogeneous' id='m'>" + object + "</medium>"
-                           : object;
-    write_text(folder / "s.xml", "<scene version='3.0.0'>" + inside + "</scene>");
+                           : "<sensor type='perspective'/>";
+    const std::string medium = tag == "medium" ? "<medium name='interior' type='nothing'/>"
+                               : tag == "phase"
+                                   ? "<medium name='interior' type='homogeneous'>" + object + "</medium>"
+                                   : "";
+    const std::string inside =
+        tag == "texture"  ? "<bsdf type='diffuse'><texture name='reflectance' type='nothing'/></bsdf>"
+        : !medium.empty() ? "<integrator type='volpath'/><shape type='sphere'>" + medium + "</shape>"
+        : tag == "bsdf" || tag == "emitter" || tag == "shape" || tag == "integrator" ? object
+                                                                                     : "";
+    write_text(folder / "s.xml", "<scene version='3.0.0'>" + sensor + inside + "</scene>");
     const ProgramResult result = run_penumbra(folder.path(), {"info", "s.xml"});
     EXPECT_EQ(result.exit_code, 2) << kind;
     const std::size_t at = result.err.find("it reads: ");
@@ -173,7 +180,7 @@ TEST(Settings, AreListedInALineEach) {
   const std::string list = output_of(folder, {"settings"});
   expect_it_fits(list, "settings");
   expect_known_words(list, "settings");
-  EXPECT_THAT(list, HasSubstr("\n  integrator.max_depth              longest path in edges"));
+  EXPECT_THAT(list, HasSubstr("\n  integrator.max_depth            longest path in edges"));
 }
 
 TEST(Settings, OfANameOrGroupAreShownWhole) {

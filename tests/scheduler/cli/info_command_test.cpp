@@ -46,7 +46,7 @@ TEST(InfoCommand, SaysWhatTheFilesHold) {
              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
              "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
              "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
-  write_text(folder / "s.xml", R"(<scene version="3.0.0">
+  write_text(folder / "s.xml", R"(<scene version="3.0.0"><sensor type="perspective"/>
   <shape type="shapegroup" id="g"><shape type="ply"><string name="filename" value="q.ply"/></shape></shape>
   <shape type="instance"><ref id="g"/></shape>
   <shape type="instance"><ref id="g"/><transform name="to_world"><translate x="3"/></transform></shape>
@@ -118,7 +118,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
     more += table["everything"].get<std::int64_t>() - table["own"].get<std::int64_t>();
   EXPECT_EQ(bytes["device_scene"]["everything"].get<std::int64_t>(),
             bytes["device_scene"]["own"].get<std::int64_t>() + more);
-  // 13 planes instead of 22: those of the closed form and alpha are not there.
+  // 13 planes instead of 22: those of the closed form are not there.
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
   EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 22);
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
