@@ -1,5 +1,5 @@
-// Facts about public scenes, and tiny scenes that are made of them: census/mitsuba_scenes.txt and
-// nori_scenes.txt say how.
+// Facts about public scenes, and tiny scenes made from them: see census/mitsuba_scenes.txt and
+// nori_scenes.txt.
 #pragma once
 
 #include <filesystem>
