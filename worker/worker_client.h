@@ -25,8 +25,8 @@ struct WorkerClientOptions {
   std::string address;                    ///< "unix:/path" or "host:port"
   std::string token;                      ///< access token of workers; empty over a Unix socket
   std::shared_ptr<const Keys> keys = {};  ///< for an encrypted connection
-  /// How many seconds to look for a scheduler that is not there yet or no longer there, since its last sign
-  /// of life.
+  /// Seconds during which the worker tries to reach a scheduler that does not answer, since its last sign of
+  /// life.
   double retry_for = 10;
   /// Whether to reconnect after a lost connection; not for a worker that a scheduler has started, which ends
   /// with it.

@@ -4,8 +4,9 @@
 // Russian roulette, and pdfs are those without them. The emission of a passed surface is added.
 // block_see_lights.h follows shadow rays.
 //
-// A ray is under way while its `ray_tmax` is above 0. A ray that has arrived waits until all have. Coincident
-// surfaces may be passed as one. A ray that has passed MOST_PASSED surfaces is absorbed.
+// A ray is under way (still travels) while its `ray_tmax` is above 0. A ray that has arrived waits until all
+// have arrived. Coincident surfaces may be passed in a single step. A ray that has passed MOST_PASSED
+// surfaces is absorbed.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
 #include "kernels/block/block_instances.h"
@@ -69,7 +70,7 @@ STAGE void arrive(const PRIVATE PathState* paths, int i) {
     }
 }
 
-/// Sets which rays under way pass: those that hit emitters, if `hides` (the camera looks through them).
+/// Sets which rays under way pass their hits: those that hit emitters, if `hides` (emitters are hidden).
 STAGE void pass_hidden(const PRIVATE PathState* paths, int i, bool hides,
                        const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE int* RESTRICT passes) {
   LANE_LOOP

@@ -124,7 +124,9 @@ STAGE void choose_first_lobes(const PRIVATE Branching* RESTRICT branching, PRIVA
     for (int j = 0; j < LANES; j++) choice[j] = branching->lobes[j] != 0 ? 0.0f : choice[j];
 }
 
-/// Weights samples as one of several, or as a lobe that is followed with certainty.
+/// Divides the weight of a sample by the number of samples at its vertex, and multiplies its pdf by that
+/// number. Where both lobes are followed, the weight is multiplied by the probability of choosing its lobe
+/// instead: the sample's weight contains the inverse of that probability.
 STAGE void weigh_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Branching* RESTRICT branching,
                           const PRIVATE float* RESTRICT probabilities, PRIVATE StepLanes* RESTRICT step) {

@@ -1,8 +1,8 @@
 // Flights through heterogeneous media. Distances are sampled by delta tracking: tentative collisions by a
 // majorant, some of which are null (Woodcock et al. 1965). Transmittance is estimated by ratio tracking
-// (Novak, Selle and Jarosz 2014). Null collisions are path vertices that both ways of finding a light have in
-// common, so that their densities can be compared (Miller, Georgiev and Jarosz 2019). Paths store the ratios
-// of their channels' densities as in flight.h.
+// (Novak, Selle and Jarosz 2014). Null collisions are path vertices that BSDF or phase function sampling and
+// next-event estimation have in common, so that their densities can be compared (Miller, Georgiev and Jarosz
+// 2019). Paths store the ratios of their channels' densities as in flight.h.
 #ifndef PENUMBRA_TRACKING_H
 #define PENUMBRA_TRACKING_H
 #include "kernels/medium/flight.h"
