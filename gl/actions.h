@@ -1,4 +1,4 @@
-// Everything that a person can do to the window by one key, once: for the keyboard, scripts and the help.
+// All actions of the window that have a key, in one list: for the keyboard, scripts and the help.
 #pragma once
 
 #include <optional>
@@ -44,12 +44,13 @@ enum class Action {
 
 struct ActionInfo {
   Action action;
-  std::string_view key;   ///< as scripts name it and the help shows it, e.g. "space", "w", "f5"
-  std::string_view help;  ///< what it does
-  bool repeats;           ///< while the key is held
+  std::string_view key;   ///< its name in scripts and the help, such as "space", "w", "f5"
+  std::string_view help;  ///< text of the help
+  bool repeats;           ///< while the key is held down
 };
 
-/// Another name of a key: "esc" for "escape", or another key that does the same, as "equal" for "plus".
+/// Another name of a key, such as "esc" for "escape", or another key for the same action, such as "equal" for
+/// "plus".
 struct KeyAlias {
   std::string_view alias, key;
 };
@@ -60,10 +61,10 @@ std::span<const KeyAlias> key_aliases();
 
 const ActionInfo& info_of(Action action);
 
-/// The action of a key's name or alias, whatever its case.
+/// The action of a key's name or alias; case is ignored.
 std::optional<Action> action_of_key(std::string_view key);
 
-/// Names and aliases, for error messages about other keys (scenes/diagnostic.h: suggestion).
+/// Names and aliases, for suggestions in error messages (scenes/diagnostic.h).
 std::vector<std::string> key_names();
 
 }  // namespace penumbra

@@ -15,20 +15,20 @@
 namespace penumbra {
 namespace {
 
-/// What is nearer to the camera than this, in units of the scene's size, is not drawn even if the camera's
-/// own clipping plane is nearer or there is none.
+/// Near limit in units of the scene's size: what is nearer is not drawn, even if the camera's own clipping
+/// plane is nearer or missing.
 constexpr float kNearest = 1e-9f;
-/// Farther than anything is, in the same unit; their quotient is a normal number, as depths are.
+/// Beyond everything, in the same unit; the quotient of both is a normal number, as depths are.
 constexpr float kFarthestClip = 1e20f;
 
-/// Pixels by which the viewport of the primitives is larger than the film, on each side.
+/// The pixels by which the viewport of the primitives is larger than the film, on each side.
 int margin(int pixels) { return pixels / 8 + 1; }
-/// A film whose viewport is no larger than that.
+/// The largest film whose viewport is at most `viewport`.
 int largest_film(int viewport) { return (viewport - 2) / 5 * 4; }
 
 glm::dvec3 vector(vec3 v) { return {v.x, v.y, v.z}; }
 
-/// Keeps the framebuffers and the viewport that are bound, and leaves nothing else switched on.
+/// Saves the bound framebuffers and the viewport, restores them, and disables everything else.
 class KeptState {
  public:
   KeptState() {
@@ -59,7 +59,7 @@ class KeptState {
   std::array<GLint, 4> viewport_{};
 };
 
-/// The sampler `name` of the program in use reads `texture` through that unit.
+/// Lets the sampler `name` of the current program read `texture` through that unit.
 void set_texture(const Program& program, const char* name, int unit, GLenum target, GLuint texture) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(target, texture);
@@ -69,7 +69,7 @@ void set_table(const Program& program, const char* name, int unit, const BufferT
   set_texture(program, name, unit, GL_TEXTURE_BUFFER, table.texture.name());
 }
 
-/// Number n of the sequence of Roberts 2018 in two dimensions, of which number 0 is (1/2, 1/2).
+/// Point n of the two-dimensional sequence of Roberts 2018; point 0 is (1/2, 1/2).
 std::array<float, 2> spread_numbers(int n) {
   constexpr double kPlastic = 1.32471795724474602596;
   const auto number = [n](double step) {
@@ -232,7 +232,7 @@ void AnalyticPass::add_frame() {
   const FilterSample y = sample_filter(view_.film.filter, filter_table_.data(), v);
   const float dx = view_.film.filter_radius * x.x, dy = view_.film.filter_radius * y.x;
   draw_ids(dx, dy);
-  // mean + (frame - mean) share, where a frame's weight may be negative.
+  // mean + (frame - mean) share; a frame's weight may be negative.
   const double weight = static_cast<double>(x.weight) * y.weight;
   weights_ += weight;
   const float share = frames_ == 0 ? 1.0f : static_cast<float>(weight / weights_);

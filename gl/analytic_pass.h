@@ -1,4 +1,4 @@
-// The closed form of polygon lights, drawn by OpenGL 3.3 from the same source as the kernels, in single
+// Draws the closed form of polygon lights with OpenGL 3.3, from the same source as the kernels, in single
 // precision.
 #pragma once
 
@@ -9,32 +9,33 @@
 
 namespace penumbra {
 
-/// Draws primitives' numbers with their depth, and from them one more frame that is averaged into two
-/// textures. All of it belongs to the context that was current at its creation. Calls keep the framebuffers
-/// and the viewport that are bound, leave no program, vertex array or blending behind, depth tests off, and
-/// textures bound to units 0 to 7.
+/// Draws primitive IDs and depth, and from them one more frame, which is averaged into two textures. All
+/// objects belong to the context that is current when it is created. Calls keep the bound framebuffers and
+/// the viewport. They leave no program, vertex array or blending enabled, disable depth tests, and bind
+/// textures to units 0 to 7.
 class AnalyticPass {
  public:
-  /// Uploads the scene's tables. An error says which table is larger than a texture buffer may be, or holds
-  /// the log of the driver's compiler.
+  /// Uploads the scene's tables. Errors: a table is larger than the limit of texture buffers; a shader does
+  /// not compile (with the driver's log).
   static Expected<std::unique_ptr<AnalyticPass>> create(const DeviceScene& scene);
 
-  /// A new view of the scene in a picture of that size: its camera, clipping planes, film filter and
-  /// hide_emitters. The camera is relative to the scene's centre, as the tables are. Forgets earlier frames.
-  /// An error if this OpenGL cannot draw such a picture.
+  /// Starts a new view of the scene with that size in pixels: its camera, clipping planes, film filter and
+  /// hide_emitters. Like the tables, the camera is relative to the scene's centre. Discards earlier frames.
+  /// Errors: this OpenGL cannot draw such a size.
   Expected<void> begin(const SceneHeader& view, int width, int height);
 
-  /// Draws one more frame and averages it in; the first goes through the pixels' centres, later ones are
-  /// displaced as the film's filter says, so that the mean converges to the filter's. Does nothing before
+  /// Draws one more frame and averages it in. The first goes through the pixels' centres; later ones are
+  /// offset by the film's filter, so that the mean converges to the filtered image. Does nothing before
   /// begin().
   void add_frame();
   [[nodiscard]] int frames() const { return frames_; }
 
-  /// RGBA32F, row 0 the film's top, columns from its left; 0 before begin(). The mean of G, the
-  /// unshadowed radiance from polygon lights towards the viewer, as unshadowed_lights of
-  /// kernels/light/light_unshadowed.h, except that no light shines on itself; alpha 1.
+  /// RGBA32F, row 0 is the film's top, columns from the left; 0 before begin(). The mean of G, the unshadowed
+  /// radiance from polygon lights reflected towards the camera, as computed by unshadowed_lights of
+  /// kernels/light/light_unshadowed.h, except that no light illuminates itself; alpha is 1.
   [[nodiscard]] GLuint closed_form() const { return closed_form_.name(); }
-  /// Likewise: the mean of the radiance that is seen directly, of emitters of all kinds and the environment.
+  /// Likewise: the mean of the radiance that the camera sees directly, from emitters of all kinds and the
+  /// environment.
   [[nodiscard]] GLuint emission() const { return emission_.name(); }
 
  private:
@@ -52,7 +53,7 @@ class AnalyticPass {
   SceneHeader view_{};
   int width_ = 0, height_ = 0;
   int frames_ = 0;
-  double weights_ = 0;  ///< the sum of the frames'
+  double weights_ = 0;  ///< sum of the frames' weights
   Texture ids_, depth_, closed_form_, emission_;
   Framebuffer id_target_, mean_target_;
 };

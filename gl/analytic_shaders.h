@@ -1,4 +1,4 @@
-// The preprocessed shaders of the analytic pass, compiled into the binary.
+// The preprocessed shaders of the analytic pass, embedded in the binary.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace penumbra {
 
-/// Names as "triangles.vert".
+/// Names are like "triangles.vert".
 std::span<const EmbeddedFile> analytic_shaders();
 
-/// Empty if there is none of that name.
+/// Empty if there is no shader of that name.
 std::string_view analytic_shader(std::string_view name);
 
 }  // namespace penumbra

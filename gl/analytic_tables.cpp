@@ -14,7 +14,7 @@ namespace {
 
 float largest(vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-/// The power of two at or below the largest coordinate.
+/// The largest power of two that is at most the largest coordinate.
 float unit_of(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
   float most = 0;
@@ -25,7 +25,7 @@ float unit_of(const DeviceScene& scene) {
   return most > 0 && std::isfinite(most) ? std::ldexp(1.0f, std::ilogb(most)) : 1.0f;
 }
 
-/// Words of texels that are put together one number after the other.
+/// Packs numbers into the words of texels.
 class Packer {
  public:
   explicit Packer(float unit) : scale_(1 / unit) {}
@@ -39,7 +39,7 @@ class Packer {
   }
   void point(vec3 p) { vector({p.x * scale_, p.y * scale_, p.z * scale_}); }
 
-  /// Four words a texel: floats as they are, or with integers among them.
+  /// Four words per texel: floats, or integers among them.
   [[nodiscard]] Expected<BufferTexture> upload(std::string_view what, GLenum format) const {
     return make_buffer_texture(what, std::as_bytes(std::span(words_)), format, 4 * sizeof(std::uint32_t));
   }
@@ -90,7 +90,7 @@ Expected<BufferTexture> pack_quadrics(const DeviceScene& scene, float unit) {
 Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
   Packer p(1);
   for (const Material& each : table<Material>(scene, scene.header.tables.materials)) {
-    // What has no closed form reflects nothing in one.
+    // Materials without a closed form reflect nothing.
     const Material m = (families_with(CLOSED_FORM) >> each.family & 1u) != 0u ? each : Material{};
     p.vector(m.diffuse);
     p.number(m.exponent);
@@ -146,7 +146,7 @@ Expected<BufferTexture> pack_corners(const DeviceScene& scene, float unit) {
 Expected<AnalyticTables> make_analytic_tables(const DeviceScene& scene) {
   AnalyticTables made;
   made.unit = unit_of(scene);
-  // The first error counts.
+  // The first error is returned.
   Expected<void> done;
   const auto take = [&done](BufferTexture& target, Expected<BufferTexture> packed) {
     if (packed)

@@ -1,4 +1,4 @@
-// The tables of a device scene that the analytic pass needs, as texture buffers.
+// The tables of a device scene for the analytic pass, as texture buffers.
 #pragma once
 
 #include "gl/gl_objects.h"
@@ -7,15 +7,15 @@
 namespace penumbra {
 
 /// Packed as gl/shaders/analytic_tables.glsl and analytic_shade.frag read them. Lengths are divided by
-/// `unit`, a power of two about the scene's size, which changes no digit and lets single precision reach
+/// `unit`, a power of two about the scene's size. This loses no digits and lets single precision handle
 /// scenes of any size.
 struct AnalyticTables {
   BufferTexture triangles, quadrics, vertex_normals, materials, lights, polygons, polygon_corners;
-  BufferTexture control_lobes;  ///< of the materials, FEATURE_LTC
+  BufferTexture control_lobes;  ///< of the materials, with FEATURE_LTC
   float unit = 1;
 };
 
-/// The context current; an error says which table does not fit.
+/// The context must be current. Errors: a table is too large.
 Expected<AnalyticTables> make_analytic_tables(const DeviceScene& scene);
 
 }  // namespace penumbra

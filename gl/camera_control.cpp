@@ -22,23 +22,23 @@ using glm::dvec3;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSteepest = 89.9 * kDegree;
-constexpr double kLeastSine = 1e-9;  // below it two directions count as one
-// Distances that single precision can square, at either end.
+constexpr double kLeastSine = 1e-9;  // below it two directions are parallel
+// Distances whose squares single precision can represent.
 constexpr double kNearest = 1e-15, kFarthest = 1e15;
 constexpr double kNearestToOrigin =
-    1e-6;  // of the target's distance from the origin: keeps the view's direction
+    1e-6;  // of the target's distance from the origin: keeps the view's direction accurate
 
-/// Without changing lengths that are 0, and without overflow for any finite vector.
+/// 0 for vectors of length 0; does not overflow for any finite vector.
 dvec3 direction_of(const dvec3& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(largest > 0) || !std::isfinite(largest)) return dvec3(0);
   return glm::normalize(v / largest);
 }
 
-/// The part of `v` across the unit direction `d`.
+/// The component of `v` perpendicular to the unit direction `d`.
 dvec3 across(const dvec3& v, const dvec3& d) { return v - glm::dot(v, d) * d; }
 
-/// A unit direction perpendicular to the unit direction `d`, as close to `preferred` as possible; any one if
+/// The unit direction perpendicular to the unit direction `d` that is closest to `preferred`; any one if
 /// `preferred` is parallel to `d` or 0.
 dvec3 unit_across(const dvec3& preferred, const dvec3& d) {
   const dvec3 perpendicular = across(preferred, d);
@@ -60,13 +60,13 @@ ViewFrame frame_of(const dvec3& forward, const dvec3& up) {
 
 dmat3 columns(const ViewFrame& f) { return {f.right, f.up, f.forward}; }
 
-/// Distance along the unit direction `d` to the triangle, or infinity. No measure against rays that slip
-/// between two of them: a target's distance does not depend on one.
+/// Distance along the unit direction `d` to the triangle, or infinity. It is not watertight between
+/// neighbours: a target's distance does not depend on a single triangle.
 double distance_to(const Triangle& triangle, const dvec3& o, const dvec3& d, double near) {
   const dvec3 p0 = to_dvec3(triangle.p0), e1 = to_dvec3(triangle.p1) - p0, e2 = to_dvec3(triangle.p2) - p0;
   const dvec3 n = glm::cross(e1, e2);
   const double cosine = glm::dot(n, d);
-  const double t = glm::dot(n, p0 - o) / cosine;  // not finite where the triangle is seen edge-on
+  const double t = glm::dot(n, p0 - o) / cosine;  // not finite if the triangle is seen edge-on
   if (!(t > near) || !std::isfinite(t)) return std::numeric_limits<double>::infinity();
   const dvec3 p = o + t * d - p0;
   const double area = glm::dot(n, n);
@@ -104,7 +104,7 @@ CameraPose orbit(const CameraPose& pose, double yaw, double pitch) {
   const dvec3 axis = direction_of(pose.up);
   if (!(distance > 0) || axis == dvec3(0) || !std::isfinite(yaw) || !std::isfinite(pitch)) return pose;
   const dvec3 side = view_frame(pose).right;
-  // At the pole the frame still has a side, so the direction out from the axis comes from there.
+  // At the pole the frame still has a side; the direction away from the axis follows from it.
   const dvec3 right = unit_across(side, axis), out = glm::cross(right, axis);
   const double height = glm::dot(offset, axis);
   const double elevation =
@@ -130,7 +130,7 @@ CameraPose dolly(const CameraPose& pose, double factor) {
   const double distance = glm::length(offset);
   if (!(factor > 0) || !(distance > 0)) return pose;
   const double least = std::max(kNearest, kNearestToOrigin * glm::length(pose.at));
-  // Who is nearer, or farther, already stays there.
+  // An eye that is already nearer or farther stays there.
   const double wanted =
       std::clamp(distance * factor, std::min(least, distance), std::max(kFarthest, distance));
   CameraPose result = pose;
@@ -154,8 +154,8 @@ CameraPose pose_of(const SceneHeader& header, double distance) {
       const double upright = glm::dot(candidate, film.up);
       if (upright <= best || std::abs(glm::dot(candidate, film.right)) > std::sin(kLevel) * upright) continue;
       best = upright;
-      // Leant over to where the film is exactly upright, so that the view does not turn before the user turns
-      // it.
+      // `up` is tilted to where the film is exactly upright, so that the view does not turn before the user
+      // turns it.
       pose.up = glm::normalize(across(candidate, film.right));
     }
   }

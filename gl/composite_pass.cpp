@@ -48,7 +48,7 @@ void bind_texture(const Program& program, const char* name, int unit, GLuint tex
   set_uniform(program, name, unit);
 }
 
-/// No state of others reaches what is drawn here.
+/// Resets the OpenGL state that affects drawing.
 void plain_state() {
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
@@ -135,7 +135,7 @@ Expected<void> CompositePass::compose(const FilmTextures& film, const AnalyticTe
 void CompositePass::draw_picture(const FilmTextures& film, const DisplaySettings& settings,
                                  const PixelRectangle& place, int target_height, float scale) {
   plain_state();
-  const int top = target_height - place.y;  // OpenGL counts from below
+  const int top = target_height - place.y;  // OpenGL counts rows from below
   glViewport(place.x, top - place.height, place.width, place.height);
   glUseProgram(display_.name());
   bind_texture(display_, "linear_values", 0, values_.name());

@@ -1,4 +1,4 @@
-// The texts of gl/shaders/composite*, in the binary.
+// The sources of gl/shaders/composite*, embedded in the binary.
 #pragma once
 
 #include <span>

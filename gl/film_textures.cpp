@@ -8,8 +8,8 @@
 namespace penumbra {
 namespace {
 
-/// As often as there may be flags, so that what is found later is not of an earlier call. A lost context
-/// would never stop.
+/// Clears all error flags, so that later errors are not those of earlier calls. The number of calls is
+/// limited: a lost context would return errors forever.
 GLenum drain_errors() {
   GLenum first = GL_NO_ERROR;
   for (int i = 0; i < 16; ++i) {

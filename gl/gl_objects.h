@@ -1,5 +1,5 @@
-// Owners of OpenGL 3.3 objects. Each object belongs to the context that was current when it was made, and
-// that context, or one that shares with it, must be current when it goes.
+// Owners of OpenGL 3.3 objects. An object belongs to the context that was current at its creation. That
+// context, or one that shares with it, must be current at its destruction.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-/// An object's name; 0 is none. `Traits` has create() and destroy(GLuint).
+/// Owns an object's name; 0 is none. `Traits` has create() and destroy(GLuint).
 template <typename Traits>
 class GlObject {
  public:
@@ -31,7 +31,7 @@ class GlObject {
     if (name_ != 0) Traits::destroy(name_);
   }
 
-  /// A new object.
+  /// Creates a new object.
   static GlObject create() { return GlObject(Traits::create()); }
   [[nodiscard]] GLuint name() const { return name_; }
   explicit operator bool() const { return name_ != 0; }
@@ -77,34 +77,33 @@ using VertexArray = GlObject<VertexArrayTraits>;  ///< not shared between contex
 using Query = GlObject<QueryTraits>;
 using Program = GlObject<ProgramTraits>;
 
-/// Compiles and links; `name` says in errors which program it is, and an error holds the driver's log. Texts
-/// begin with their #version.
+/// Compiles and links a program; `name` is for errors, which include the driver's log. The texts start with
+/// their #version.
 Expected<Program> link_program(std::string_view name, std::string_view vertex_text,
                                std::string_view fragment_text);
 
-/// A 2D texture of one level without contents, sampled by nearest neighbour and clamped to its edge; format
-/// and type are those of glTexImage2D. Leaves it bound to the active unit.
+/// A 2D texture with one level and no contents, sampled by nearest neighbour and clamped to its edge. Format
+/// and type are those of glTexImage2D. It stays bound to the active unit.
 Texture make_texture(GLenum internal_format, int width, int height, GLenum format, GLenum type);
 
-/// Makes a framebuffer of these colour attachments and, unless 0, a depth renderbuffer or texture; an error
-/// if it is not complete. Leaves the framebuffer bound that was.
+/// Makes a framebuffer with these colour attachments and, unless it is 0, a depth texture. Errors: it is not
+/// complete. Keeps the bound framebuffer.
 Expected<Framebuffer> make_framebuffer(std::span<const GLuint> colour_textures, GLuint depth_texture = 0);
 
-/// Sets a uniform of the program in use; a name that the linker has left out is no error.
+/// Sets a uniform of the current program. Names that the linker has removed are ignored.
 void set_uniform(const Program& program, const char* name, int value);
 void set_uniform(const Program& program, const char* name, float value);
 void set_uniform(const Program& program, const char* name, float x, float y);
 void set_uniform(const Program& program, const char* name, float x, float y, float z);
 
-/// A buffer of words and the texture through which shaders fetch from it (samplerBuffer and its integer
-/// kinds).
+/// A buffer of words, and its texture for fetches in shaders (samplerBuffer and its integer kinds).
 struct BufferTexture {
   Buffer buffer;
   Texture texture;
 };
 
-/// `bytes` may be empty: one texel is there all the same. `what` names the table in the error for one that is
-/// larger than GL_MAX_TEXTURE_BUFFER_SIZE texels.
+/// `bytes` may be empty; the texture has at least one texel. Errors: it is larger than
+/// GL_MAX_TEXTURE_BUFFER_SIZE texels; `what` names the table.
 Expected<BufferTexture> make_buffer_texture(std::string_view what, std::span<const std::byte> bytes,
                                             GLenum internal_format, std::size_t bytes_per_texel);
 

@@ -1,4 +1,4 @@
-// The scheduler that the window starts when it is given a scene: `penumbra preview`, as a process of its own.
+// The scheduler that the window starts for a scene: `penumbra preview` as a child process.
 #pragma once
 
 #include <chrono>
@@ -14,19 +14,19 @@
 
 namespace penumbra {
 
-/// Listens at the same address however often it is started anew. Ends with the window. The rules of
-/// ChildProcesses about threads hold.
+/// It listens at the same address after every restart, and ends with the window. The rules of ChildProcesses
+/// about threads apply.
 class LocalScheduler {
  public:
-  /// `arguments` of `penumbra preview`, without --listen. Errors: there is no such program, or no place for
-  /// its socket.
+  /// `arguments`: those of `penumbra preview` without --listen. Errors: the program does not exist; its
+  /// socket cannot be created.
   static Expected<std::unique_ptr<LocalScheduler>> start(const std::filesystem::path& penumbra,
                                                          std::vector<std::string> arguments);
 
   [[nodiscard]] std::string address() const { return socket_.address(); }
-  /// Ends it, and starts another one, which reads the scene anew.
+  /// Ends it and starts another one, which reads the scene again.
   Expected<void> restart();
-  /// How it has ended, if it has since the last call; another one is not started by itself.
+  /// How it ended, if it ended since the last call. It is not restarted automatically.
   std::optional<ChildExit> ended();
 
  private:

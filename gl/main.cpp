@@ -1,4 +1,4 @@
-// penumbra-view: a window on a scene or on a render that is under way.
+// penumbra-view: a window for a scene or for a running render.
 #include <fmt/format.h>
 
 #include <exception>
@@ -25,7 +25,7 @@
 namespace penumbra {
 namespace {
 
-// Interval of polling for news while nothing moves.
+// Interval of polling for news while nothing changes.
 constexpr double kIdleSeconds = 0.01;
 constexpr std::uint64_t kMaxScriptBytes = std::uint64_t{1} << 20;
 
@@ -36,7 +36,7 @@ Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
   return parse_script(*text, path);
 }
 
-/// Without a script, a screenshot is taken once all samples are there.
+/// Without a script, takes a screenshot once all samples have arrived.
 std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, const ViewOptions& options) {
   if (options.screenshot.empty()) return commands;
   if (options.script.empty())
@@ -47,7 +47,7 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
   return commands;
 }
 
-/// Whether there is a scene, and nothing that is read would be overwritten: before anything is started.
+/// Checks, before anything is started, that the scene exists and no input would be overwritten.
 Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
   std::vector<std::filesystem::path> inputs, outputs;
   if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
@@ -61,13 +61,13 @@ Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptC
     if (const auto* screenshot = std::get_if<ScreenshotCommand>(&command))
       outputs.emplace_back(screenshot->path);
   }
-  // One by one: a script may write a file again.
+  // One by one: a script may write the same file twice.
   for (const auto& output : outputs)
     if (auto checked = check_outputs(std::span(&output, 1), inputs); !checked) return checked;
   return {};
 }
 
-/// Until the user quits or the script is done.
+/// Runs until the user quits or the script is done.
 Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
   while (!viewer.wants_to_quit() && !stop) {
     viewer.handle(window.poll(viewer.is_stale() ? 0 : kIdleSeconds));

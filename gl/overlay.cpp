@@ -17,10 +17,10 @@
 namespace penumbra {
 namespace {
 
-constexpr float kPanelWidth = 336;     // on a plain display
-constexpr float kLeastPicture = 0.4f;  // of the window's width; with less the panel lies over it
+constexpr float kPanelWidth = 336;     // in pixels of a plain display
+constexpr float kLeastPicture = 0.4f;  // of the window's width; below it the panel is drawn over the picture
 constexpr float kLeastAlpha = -1, kMostAlpha = 2;
-constexpr float kAlphaSnap = 0.05f;  // of a drag: so near to 0 and 1 they are meant
+constexpr float kAlphaSnap = 0.05f;  // a drag that ends this close to 0 or 1 snaps to it
 constexpr float kMostStops = 20;
 
 std::string with_key(std::string text, Action action) {
@@ -67,7 +67,7 @@ void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayR
                                                     : ImGui::GetStyle().Colors[ImGuiCol_PlotHistogram]);
   ImGui::ProgressBar(float(std::clamp(share, 0.0, 1.0)), {-1, 0}, "");
   ImGui::PopStyleColor();
-  // In the middle, where ImGui has it follow the bar's end.
+  // Centred; ImGui would place it at the bar's end.
   const std::string label = status.finished ? text + ", finished" : text;
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   const ImVec2 size = ImGui::CalcTextSize(label.c_str());
@@ -109,14 +109,14 @@ void layer_button(DisplaySettings& settings, const ViewStatus& status, Layer lay
   off.tooltip(with_key(about, action));
 }
 
-/// A slider whose right click brings back the usual value.
+/// A slider that a right click resets to `usual`.
 bool slider(const char* name, float& value, float low, float high, const char* format, float usual) {
   const bool changed = ImGui::SliderFloat(name, &value, low, high, format);
   if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value != usual) {
     value = usual;
     return true;
   }
-  if (changed && !std::isfinite(value)) value = usual;  // typed in
+  if (changed && !std::isfinite(value)) value = usual;  // it may have been typed
   return changed;
 }
 
@@ -293,7 +293,7 @@ void draw_panel(DisplaySettings& settings, const ViewStatus& status, float left,
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoBringToFrontOnFocus;
-  // NoDecoration would leave the scroll bar out.
+  // NoDecoration would remove the scroll bar.
   if (ImGui::Begin("Panel", nullptr, kFlags & ~ImGuiWindowFlags_NoScrollbar)) {
     draw_connection(status);
     draw_progress(settings, status, result);

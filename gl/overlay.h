@@ -1,4 +1,4 @@
-// The panel beside the picture, the help over it and the banner that says when nothing comes in.
+// The panel beside the picture, the help over it, and the banner about the connection.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,17 @@
 
 namespace penumbra {
 
-/// What the person asked for with the mouse. What needs nothing but the settings (layer, exposure, tone map,
-/// outlines, automatic, panel, help) is in the settings already.
+/// What the user requested with the mouse. What only needs settings (layer, exposure, tone map, outlines,
+/// automatic, panel, help) is already in the settings.
 struct OverlayResult {
   std::vector<Action> actions;  ///< kOneMoreSample, kReload, kSave, kResetCamera
-  bool alpha_changed = false;   ///< settings.alpha, since the last frame
+  bool alpha_changed = false;   ///< settings.alpha has changed since the last frame
   bool quit = false;
-  PixelRectangle picture_area;  ///< pixels of the framebuffer that the panel leaves to the picture
+  PixelRectangle picture_area;  ///< the part of the framebuffer beside the panel, in pixels
 };
 
-/// Between Window::begin_frame and Window::end_frame. The panel is as high as the window, on its right; where
-/// that would leave less than two fifths to the picture, it lies over it.
+/// To be called between Window::begin_frame and Window::end_frame. The panel is as high as the window, on its
+/// right. If the picture would get less than two fifths of the width, the panel is drawn over it.
 OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status);
 
 }  // namespace penumbra

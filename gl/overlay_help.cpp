@@ -21,7 +21,7 @@ constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
     {"ctrl + click", "on a slider: type a number"},
 });
 
-/// As on a keyboard.
+/// Draws a key cap.
 void key_cap(const std::string& text) {
   const float unit = overlay_unit();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -82,7 +82,7 @@ void draw_help(DisplaySettings& settings, const ImVec2& free) {
     const auto actions = all_actions();
     section("Keys");
     if (wide) {
-      // The camera's keys together.
+      // Keeps the camera's keys together.
       const auto camera = std::ranges::find(actions, Action::kForward, &ActionInfo::action);
       const auto half = std::size_t(camera - actions.begin());
       if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingStretchSame)) {

@@ -1,4 +1,4 @@
-// What lies over the picture: the help, and the banner while nothing comes in.
+// Overlays on the picture: the help, and the banner while the connection is missing or broken.
 #pragma once
 
 #include <imgui.h>
@@ -7,15 +7,16 @@
 
 namespace penumbra {
 
-/// All keys and what the mouse does, in the middle of what is free (from the window's left upper corner, in
-/// ImGui's units) if it fits there, else of the window; `settings.help` goes when it is closed.
+/// Draws all keys and mouse actions, in the middle of the free area if they fit there (its size is `free`,
+/// from the window's upper left corner in ImGui units), else of the window. Closing it clears
+/// `settings.help`.
 void draw_help(DisplaySettings& settings, const ImVec2& free);
 
-/// The state of the connection, in the middle of the upper edge of the area (in ImGui's units), unless it is
-/// there and well.
+/// Draws the connection's state at the middle of the area's upper edge (in ImGui units), unless the
+/// connection is good.
 void draw_banner(const ViewStatus& status, const ImVec2& corner, const ImVec2& size);
 
-/// The colour of a state.
+/// The colour of a connection's state.
 ImVec4 connection_color(const ViewStatus& status);
 
 }  // namespace penumbra

@@ -5,7 +5,7 @@
 
 namespace penumbra {
 
-/// For the difference and the standard error; nothing for others. Needs a frame of ImGui.
+/// For the difference and the standard error; nothing for other layers. Requires a frame of ImGui.
 void draw_legend(const DisplaySettings& settings);
 
 }  // namespace penumbra

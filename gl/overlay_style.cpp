@@ -6,7 +6,7 @@
 namespace penumbra {
 namespace {
 
-constexpr float kFontSize = 13;  // of ImGui's font, whose pixels are those of the display at this size
+constexpr float kFontSize = 13;  // of ImGui's font, whose pixels match the display's at this size
 
 void set_colors(ImGuiStyle& style) {
   const ImVec4 field{0.17f, 0.18f, 0.21f, 1}, hovered{0.24f, 0.25f, 0.29f, 1}, active{0.31f, 0.32f, 0.37f, 1};
@@ -59,13 +59,13 @@ void apply_overlay_style(float content_scale, float pixels_per_coordinate) {
   set_colors(style);
   const float unit = content_scale / pixels_per_coordinate;
   style.ScaleAllSizes(unit);
-  // Dear ImGui ends the program where these are less, for the smallest scales.
+  // Dear ImGui aborts if these are smaller, which happens at the smallest scales.
   style.WindowMinSize = {std::max(style.WindowMinSize.x, 1.0f), std::max(style.WindowMinSize.y, 1.0f)};
   ImGui::GetStyle() = style;
 
   ImFontConfig font;
   font.SizePixels = std::round(kFontSize * content_scale);
-  // Between whole multiples of its size the font's squares need grey edges.
+  // At other sizes than integer multiples the font's square pixels need antialiasing.
   const bool whole = content_scale == std::round(content_scale);
   font.OversampleH = font.OversampleV = whole ? 1 : 3;
   font.PixelSnapH = true;

@@ -1,4 +1,4 @@
-// How the panel looks: ImGui's own font at the display's scale, its colours.
+// The style of the panel: ImGui's own font at the display's scale, and colours.
 #pragma once
 
 #include <imgui.h>
@@ -14,12 +14,11 @@ inline const ImVec4 kWarning{1.00f, 0.70f, 0.25f, 1};
 inline const ImVec4 kBad{1.00f, 0.42f, 0.38f, 1};
 }  // namespace overlay_color
 
-/// Sets style and font of the current ImGui context. `content_scale`: pixels for what is one on a plain
-/// display; `pixels_per_coordinate`: of the framebuffer, for one of ImGui's units. The font's texture is out
-/// of date after it.
+/// Sets style and font of the current ImGui context. `content_scale`: pixels per pixel of a plain display.
+/// `pixels_per_coordinate`: framebuffer pixels per ImGui unit. Afterwards the font's texture must be rebuilt.
 void apply_overlay_style(float content_scale, float pixels_per_coordinate);
 
-/// ImGui's units for what is one pixel on a plain display, as last set.
+/// ImGui units per pixel of a plain display, as last set.
 float overlay_unit();
 
 }  // namespace penumbra

@@ -15,7 +15,7 @@ constexpr const char* kUnknown = "unknown";
 
 bool unknown(double x) { return !std::isfinite(x) || x < 0; }
 
-/// Three digits, no more decimals than that takes.
+/// Three digits, with only as many decimals as needed.
 std::string three_digits(double x) {
   if (x >= 99.95) return fmt::format("{:.0f}", x);
   return x >= 9.995 ? fmt::format("{:.1f}", x) : fmt::format("{:.2f}", x);

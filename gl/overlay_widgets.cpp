@@ -7,7 +7,7 @@ namespace penumbra {
 void tooltip(const std::string& text) {
   if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   const float width = std::min(260 * overlay_unit(), ImGui::GetIO().DisplaySize.x - 24 * overlay_unit());
-  // A tooltip of a disabled item is not disabled itself.
+  // The tooltip of a disabled item must not be dimmed.
   ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1.0f);
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(std::max(width, 40 * overlay_unit()));

@@ -1,4 +1,4 @@
-// What several parts of the panel are made of; needs a frame of ImGui.
+// Widgets that several parts of the panel share. They require a frame of ImGui.
 #pragma once
 
 #include <imgui.h>
@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-/// While it lives, what is drawn is disabled if `why` says something; `tooltip` then shows it at the item
+/// Disables what is drawn during its lifetime if `why` is not empty; `tooltip` then shows it at the item
 /// drawn last.
 class DisabledWhile {
  public:
@@ -18,19 +18,19 @@ class DisabledWhile {
   ~DisabledWhile() { ImGui::EndDisabled(); }
   DisabledWhile(const DisabledWhile&) = delete;
   DisabledWhile& operator=(const DisabledWhile&) = delete;
-  /// Why the last item is disabled, else `text` (nothing if empty), while the mouse is over it.
+  /// While the mouse is over the last item: shows why the item is disabled, else `text` if it is not empty.
   void tooltip(const std::string& text) const;
 
  private:
   std::string why_;
 };
 
-/// While the mouse is over the last item, disabled or not.
+/// Shown while the mouse is over the last item, disabled or not.
 void tooltip(const std::string& text);
 void section(const char* title);
-/// A dim label, then what comes next in a column of its own that ends at the panel's edge.
+/// A dim label; the next item is in a column of its own that ends at the panel's edge.
 void labelled(const char* label);
-/// A label and a value below each other in columns.
+/// A label and a value in columns.
 void fact(const char* label, const std::string& value);
 ImU32 packed(const std::array<float, 3>& srgb);
 

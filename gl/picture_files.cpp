@@ -17,7 +17,7 @@ struct Plane {
   std::size_t per_pixel;
 };
 
-/// Red, green and blue of a texture of floats, row 0 first.
+/// Red, green and blue of a float texture, row 0 first.
 std::vector<float> texture_values(GLuint texture, int width, int height) {
   std::vector<float> values(3 * std::size_t(width) * std::size_t(height));
   glActiveTexture(GL_TEXTURE0);
@@ -28,7 +28,7 @@ std::vector<float> texture_values(GLuint texture, int width, int height) {
   return values;
 }
 
-/// The fourth numbers, or all but them.
+/// From each four numbers, `count` numbers from `first` on.
 std::vector<float> every(std::span<const float> four, std::size_t first, std::size_t count) {
   std::vector<float> values;
   values.reserve(four.size() / 4 * count);

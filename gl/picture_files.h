@@ -1,4 +1,4 @@
-// What the window shows, as files.
+// Saves what the window shows to files.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +14,28 @@
 
 namespace penumbra {
 
-/// Row by row from the top. What has no numbers is left out of the files.
+/// Row by row from the top. Empty arrays are left out of the files.
 struct Picture {
   int width = 0, height = 0;
-  std::vector<float> linear;          ///< of Layer::kComposite, three a pixel; 0 where there is no sample yet
-  std::vector<float> difference;      ///< D, three a pixel
-  std::vector<float> analytic;        ///< G, three a pixel
-  std::vector<float> standard_error;  ///< one a pixel, NaN below two samples
-  std::vector<float> samples;         ///< one a pixel
-  std::vector<std::uint8_t> display;  ///< of the layer that is shown, as it is shown: 8 bits, three a pixel
-  std::vector<std::pair<std::string, MetadataValue>> metadata;  ///< of the EXR
+  std::vector<float> linear;          ///< of Layer::kComposite, three per pixel; 0 without samples
+  std::vector<float> difference;      ///< D, three per pixel
+  std::vector<float> analytic;        ///< G, three per pixel
+  std::vector<float> standard_error;  ///< one per pixel, NaN below two samples
+  std::vector<float> samples;         ///< one per pixel
+  std::vector<std::uint8_t> display;  ///< the current layer as it is shown: 8 bits, three per pixel
+  std::vector<std::pair<std::string, MetadataValue>> metadata;  ///< of the EXR file
 };
 
-/// All that can be saved of the present view. Leaves the layer of `settings` composed. What workers sent is
-/// taken from where it came in, not through OpenGL. Errors: those of CompositePass.
+/// All that can be saved of the current view. Afterwards the layer of `settings` is composed. Workers' values
+/// are taken from memory as received, not through OpenGL. Errors: those of CompositePass.
 Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
                                   const AnalyticTextures& analytic, const DisplaySettings& settings,
                                   const ViewStatus& status);
 
-/// By the extension of `path`, in either case:
+/// Saves by the extension of `path`; case is ignored:
 ///   .exr  `linear` as R, G, B; difference.R/G/B, analytic.R/G/B, standard_error.Y, samples.Y; metadata
 ///   .png  `display`
-/// Errors: another extension, arrays of another length than the size says, a file that cannot be written.
+/// Errors: another extension, arrays that do not match the size, a file that cannot be written.
 Expected<void> save_picture(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace penumbra

@@ -17,7 +17,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::int64_t kMostPresses = 100000;
-constexpr std::int64_t kLargestWindow = 16384;  // what OpenGL implementations take as a texture
+constexpr std::int64_t kLargestWindow = 16384;  // the usual limit of textures in OpenGL
 constexpr double kLongestTimeout = 1e6;         // seconds
 constexpr double kLargestAlpha = 1e6;           // as in scene files
 constexpr double kLargestExposure = 100;        // stops: 2^100 leaves room in single precision
@@ -25,13 +25,13 @@ constexpr double kLargestCoordinate = 1e15;     // its square is a single-precis
 
 struct Word {
   std::string_view text;
-  std::size_t offset = 0;  ///< of its text, or its opening quote
+  std::size_t offset = 0;  ///< of its text, or of its opening quote
   bool quoted = false;
 };
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
-/// Reads line after line, and on after an error, so that all of them are shown at once.
+/// Parses all lines, continuing after errors, so that all of them are reported at once.
 class ScriptParser {
  public:
   ScriptParser(std::string_view text, std::string_view file_name)
@@ -50,7 +50,7 @@ class ScriptParser {
   }
 
  private:
-  /// False: not a line of words.
+  /// Returns false if the line cannot be split into words.
   bool split(std::size_t at, std::size_t end) {
     const std::string_view text = file_.text;
     words_.clear();
@@ -218,7 +218,7 @@ class ScriptParser {
     const Word* first = take("a text");
     if (!first) return false;
     std::string_view text = first->text;
-    if (next_ < words_.size()) {  // everything as it was written, quotes and blanks too
+    if (next_ < words_.size()) {  // the rest of the line exactly as written, with quotes and blanks
       const std::size_t begin = first->offset;
       text = trim(std::string_view(file_.text).substr(begin, end_ - begin));
       next_ = words_.size();
@@ -286,8 +286,8 @@ class ScriptParser {
   std::vector<ScriptCommand> commands_;
   int line_ = 0;
   std::vector<Word> words_;  ///< of the line
-  std::size_t next_ = 0;     ///< the word that comes next
-  std::size_t end_ = 0;      ///< where the line, or its comment, ends
+  std::size_t next_ = 0;     ///< index of the next word
+  std::size_t end_ = 0;      ///< end of the line, or start of its comment
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a script may tell the window to do, one command a line. Parsed as a whole before anything runs.
+// The commands of a script for the window, one per line. A script is parsed completely before it runs.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-// Every command has the number of its line, counted from 1, for messages while it runs.
+// Every command stores its line, counted from 1, for messages while it runs.
 
 /// `key NAME [times]`
 struct KeyCommand {
@@ -23,18 +23,18 @@ struct KeyCommand {
   int times = 1;  ///< at least 1
 };
 
-/// `camera eye X Y Z at X Y Z [up X Y Z]`, in the scene's units. Eye and target are different points, `up` is
-/// neither 0 nor along the view.
+/// `camera eye X Y Z at X Y Z [up X Y Z]`, in scene units. Eye and target differ; `up` is neither 0 nor along
+/// the view.
 struct CameraCommand {
   int line = 0;
   glm::dvec3 eye{0}, at{0};
-  std::optional<glm::dvec3> up = {};  ///< nothing: the present one
+  std::optional<glm::dvec3> up = {};  ///< default: the current one
 };
 
 enum class WaitFor {
-  kSamples,    ///< every pixel of the present view has so many samples
-  kAnalytic,   ///< so many frames of the closed form of the present view have been drawn
-  kFinished,   ///< all samples that were asked for are there
+  kSamples,    ///< every pixel of the current view has at least so many samples
+  kAnalytic,   ///< so many frames of the current view's closed form have been drawn
+  kFinished,   ///< all requested samples have arrived
   kConnected,  ///< the scheduler has answered
 };
 
@@ -42,8 +42,8 @@ enum class WaitFor {
 struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;
-  std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: how many, at least 1
-  std::optional<double> timeout_seconds = {};  ///< greater than 0; nothing: the script runner decides
+  std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: the number, at least 1
+  std::optional<double> timeout_seconds = {};  ///< above 0; default: the script runner's
 };
 
 /// `set alpha V`
@@ -58,16 +58,16 @@ struct SetExposureCommand {
   double exposure = 0;
 };
 
-/// `resize W H`: the window's picture, in pixels
+/// `resize W H`: size of the window's picture, in pixels
 struct ResizeCommand {
   int line = 0;
   int width = 0, height = 0;
 };
 
-/// `screenshot FILE.png`: what the window shows, panel included
+/// `screenshot FILE.png`: the window, including the panel
 struct ScreenshotCommand {
   int line = 0;
-  std::string path;  ///< as it was written
+  std::string path;  ///< as written in the script
 };
 
 enum class SaveFormat { kExr, kPng };
@@ -85,7 +85,7 @@ struct LogCommand {
   std::string text;
 };
 
-/// `quit`. A script without one ends where its text ends.
+/// `quit`. A script without it ends after its last line.
 struct QuitCommand {
   int line = 0;
 };
@@ -96,9 +96,9 @@ using ScriptCommand =
 
 int line_of(const ScriptCommand& command);
 
-/// The commands of a script. Words are separated by blanks; one with blanks in it stands in double quotes,
-/// which nothing escapes. A '#' at the start of a word begins a comment, an empty line does nothing.
-/// `file_name` is for messages. Errors: all that is wrong, as `file:line:column: error: …`.
+/// The commands of a script. Words are separated by blanks. A word that contains blanks is in double quotes;
+/// there are no escapes. A '#' at the start of a word begins a comment; empty lines are ignored. `file_name`
+/// is for messages. Errors: all mistakes, as `file:line:column: error: …`.
 Expected<std::vector<ScriptCommand>> parse_script(std::string_view text, std::string_view file_name);
 
 }  // namespace penumbra

@@ -12,8 +12,8 @@
 namespace penumbra {
 namespace {
 
-constexpr double kPatienceWithDesktop = 1;  // seconds, of another size
-constexpr double kPatience = 120;           // seconds, of a wait that says nothing else
+constexpr double kPatienceWithDesktop = 1;  // seconds, for a new size
+constexpr double kPatience = 120;           // seconds, for a wait without a timeout
 
 const char* name_of(WaitFor what) {
   switch (what) {
@@ -67,7 +67,7 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
     case WaitFor::kAnalytic:
       return viewer_->analytic_frames() >= int(command.samples);
     case WaitFor::kFinished:
-      // A time budget may leave some tiles with a pass more than others.
+      // With a time budget, some tiles may have one pass more than others.
       return status.finished && viewer_->least_samples() >= status.spp_wanted &&
              viewer_->samples_there() >= status.samples_total;
     case WaitFor::kConnected:
@@ -105,11 +105,11 @@ Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
       return std::unexpected(resized.error());
   }
   if (window_->width() == command.width && window_->height() == command.height) return true;
-  // A desktop takes its time, and may give another size.
+  // A desktop needs time to resize, and may choose another size.
   return seconds_since(since_) > kPatienceWithDesktop;
 }
 
-/// Of a frame that began after the command before.
+/// Shows a frame that began after the previous command.
 Expected<bool> ScriptRunner::run(const ScreenshotCommand& command) {
   wants_frame_ = tries_ == 1;
   if (wants_frame_) return false;

@@ -1,4 +1,4 @@
-// Does what a script says, a command when the one before is done.
+// Runs a script: each command starts when the previous one is done.
 #pragma once
 
 #include <chrono>
@@ -12,12 +12,12 @@ namespace penumbra {
 
 class ScriptRunner {
  public:
-  /// `file_name` is for messages, where a command has a line.
+  /// `file_name` is for messages.
   ScriptRunner(std::vector<ScriptCommand> commands, std::string file_name)
       : commands_(std::move(commands)), file_name_(std::move(file_name)) {}
 
-  /// To be called between frames. Does what can be done now; errors say `file:line: error: …`: a wait that
-  /// took too long, a file that cannot be written.
+  /// To be called between frames. Runs what can run now. Errors start with `file:line: error: …`: a wait that
+  /// timed out, or a file that cannot be written.
   Expected<void> step(Viewer& viewer, Window& window);
   [[nodiscard]] bool is_done() const { return next_ == commands_.size(); }
   /// Whether it waits for another frame to be drawn.
@@ -26,7 +26,7 @@ class ScriptRunner {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // Each returns whether it is done, or is to be called again after another frame.
+  // Each returns whether it is done, or must be called again after another frame.
   Expected<bool> run(const KeyCommand& command);
   Expected<bool> run(const CameraCommand& command);
   Expected<bool> run(const WaitCommand& command);
@@ -42,14 +42,14 @@ class ScriptRunner {
   std::vector<ScriptCommand> commands_;
   std::string file_name_;
   std::size_t next_ = 0;
-  Clock::time_point since_ = Clock::now();  // when the present command was first tried
-  int tries_ = 0;                           // of the present command
+  Clock::time_point since_ = Clock::now();  // when the current command was first tried
+  int tries_ = 0;                           // of the current command
   bool wants_frame_ = false;
   Viewer* viewer_ = nullptr;
   Window* window_ = nullptr;
 };
 
-/// What the window shows, as a PNG.
+/// Writes what the window shows as a PNG file.
 Expected<void> write_screenshot(const Window& window, const std::string& path);
 
 }  // namespace penumbra

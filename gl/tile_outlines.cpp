@@ -30,7 +30,7 @@ void add_rectangle(std::vector<OutlineVertex>& vertices, const Bounds& box,
     vertices.push_back({float(corner[0]), float(corner[1]), color[0], color[1], color[2]});
 }
 
-/// What is in `box` and not in `box.inner(thickness)`.
+/// Adds the part of `box` that is outside of `box.inner(thickness)`.
 void add_frame(std::vector<OutlineVertex>& vertices, const Bounds& box, int thickness,
                const std::array<float, 3>& color) {
   if (box.empty()) return;
@@ -42,7 +42,7 @@ void add_frame(std::vector<OutlineVertex>& vertices, const Bounds& box, int thic
   add_rectangle(vertices, {hole.right, hole.top, box.right, hole.bottom}, color);
 }
 
-/// The edge of a screen pixel next to the edge of a film pixel.
+/// The edge between screen pixels that is nearest to an edge of a film pixel.
 int screen_edge(int film, int film_size, int origin, int size) {
   return origin + int(std::lround(double(film) * size / film_size));
 }
@@ -69,12 +69,12 @@ std::vector<OutlineVertex> outline_triangles(std::span<const WorkerView> workers
                screen_edge(worker.y, film_height, picture.y, picture.height),
                screen_edge(worker.x + worker.width, film_width, picture.x, picture.width),
                screen_edge(worker.y + worker.height, film_height, picture.y, picture.height)};
-    // A tile that is smaller than a pixel is still seen.
+    // Even a tile smaller than a pixel must be visible.
     box.right = std::max(box.right, box.left + 1);
     box.bottom = std::max(box.bottom, box.top + 1);
     const std::array<float, 3> color = worker_color(worker.number);
     const Bounds dark = box.inner(thickness);
-    // Where there is no room for the dark line and something of the picture, the colour does.
+    // If there is no room for the dark line and some of the picture, only the colour is drawn.
     if (!dark.inner(2).empty())
       add_frame(vertices, dark, 1, {0.1f * color[0], 0.1f * color[1], 0.1f * color[2]});
     add_frame(vertices, box, thickness, color);

@@ -12,10 +12,10 @@
 namespace penumbra {
 namespace {
 
-constexpr const char* kOwn = "Window";  // the group of options that are not the scheduler's
+constexpr const char* kOwn = "Window";  // the group of options that are not for the scheduler
 constexpr int kSmallestWindow = 64, kLargestWindow = 16384;
 
-/// What is wrong with an address to connect to; empty if nothing is.
+/// What is wrong with an address to connect to; empty if it is valid.
 std::string check_address(const std::string& address) {
   constexpr std::string_view kUnix = "unix:";
   if (address.starts_with(kUnix) && address.size() > kUnix.size()) return {};
@@ -38,7 +38,7 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   add_preview_options(app, options.preview);
   CLI::Option* scene = app.get_option("SCENE");
   scene->required(false)->description("Scene file: a scheduler and workers are started for it");
-  // The scheduler of a window listens for it, and for further ones; over TCP `penumbra preview` does.
+  // The window's own scheduler listens on a private socket; for others, and over TCP, use `penumbra preview`.
   app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
                  "Watch a render that is under way, at the address that it printed: unix:/path, or HOST:PORT "

@@ -11,9 +11,9 @@
 namespace penumbra {
 
 struct ViewOptions {
-  RenderOptions preview;  ///< of the scheduler that is started; its scene is empty with `connect`
+  RenderOptions preview;  ///< of the scheduler that is started; no scene with `connect`
   std::string connect;
-  JobId job = 0;  ///< of a service at `connect`; 0: the oldest that is not over
+  JobId job = 0;  ///< of a service at `connect`; 0: the oldest unfinished one
   std::string script, screenshot;
   int width = 1280, height = 800;
   bool hidden = false, gl_debug = false;
@@ -21,7 +21,7 @@ struct ViewOptions {
 
 void add_view_options(CLI::App& app, ViewOptions& options);
 
-/// What the user gave that is `penumbra preview`'s, word by word.
+/// The arguments that the user gave for `penumbra preview`.
 std::vector<std::string> preview_arguments(const CLI::App& app);
 
 }  // namespace penumbra

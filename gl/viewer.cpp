@@ -42,7 +42,7 @@ Viewer::Viewer(Window& window, const std::string& address, const ClientAccess& a
       std::numeric_limits<double>::quiet_NaN();
 }
 
-// --- What comes
+// --- News
 
 Expected<void> Viewer::update() {
   for (WatchNews& news : client_->take()) {
@@ -57,7 +57,8 @@ Expected<void> Viewer::update() {
 
 Expected<void> Viewer::on(watch_news::Connected& news) {
   const bool first = !job_, was_hybrid = status_.hybrid;
-  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->adjustable.alpha;  // it is unchanged
+  const bool has_scenes_alpha =
+      !header_ || settings_.alpha == header_->adjustable.alpha;  // alpha is unchanged
   const WatchedJob& job = news.job;
   if (!film_ || film_->width() != job.film_width || film_->height() != job.film_height) {
     Expected<FilmTextures> film = FilmTextures::create(job.film_width, job.film_height);
@@ -83,7 +84,7 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   status_.film_width = job.film_width;
   status_.film_height = job.film_height;
   const glm::dvec3 center{job.center[0], job.center[1], job.center[2]};
-  // A camera that was moved stays where it is in the scene, whose coordinates may begin elsewhere now.
+  // A moved camera keeps its position in the scene, whose centre may have changed.
   pose_.eye += center_ - center;
   pose_.at += center_ - center;
   center_ = center;
@@ -97,12 +98,12 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
     }
     if (has_scenes_alpha) settings_.alpha = header_->adjustable.alpha;
   }
-  // A scene that is read again may have lost its closed form.
+  // A scene that was read again may no longer have a closed form.
   if (first || was_hybrid) settings_.automatic |= job.interactive && !status_.hybrid;
   const bool needs_closed_form = settings_.layer == Layer::kAnalytic || settings_.layer == Layer::kDifference;
   if (needs_closed_form && !status_.hybrid) settings_.layer = Layer::kComposite;
   job_ = job;
-  // A scheduler that has been started anew shows the scene's own view.
+  // A restarted scheduler shows the scene's own view.
   if (can_steer() && (moved_ || settings_.alpha != header_->adjustable.alpha)) show_pose();
   return {};
 }
@@ -134,8 +135,8 @@ Expected<void> Viewer::on(const watch_news::Ended&) {
 }
 
 Expected<void> Viewer::on(const WatchView& news) {
-  // The first news of a connection is the view that its scene has. Of that, and of a view that was asked for
-  // from here, samples may have been asked for.
+  // The first view of a connection is that of the scene. For it, and for views that this window requested,
+  // samples may already have been requested.
   const bool is_scenes = news.number == 0 && is_same(news.view, view_);
   if (!header_ || is_scenes || client_->is_own(news)) return {};
   view_ = news.view;
@@ -152,7 +153,7 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
   status_.samples_done = progress.samples_done;
   status_.samples_total = progress.samples_wanted;
   status_.spp_done = progress.spp_done;
-  // What was asked for from here may not have arrived there yet.
+  // The scheduler may not know this window's last request yet.
   status_.spp_wanted = std::max(progress.spp_wanted, requested_spp_);
   status_.finished = progress.finished && progress.spp_done >= status_.spp_wanted && status_.spp_wanted > 0;
   status_.relative_error = progress.relative_error;
@@ -227,7 +228,7 @@ std::uint64_t Viewer::samples_there() const {
   return std::uint64_t(all);
 }
 
-// --- What is shown
+// --- Display
 
 void Viewer::say(std::string text) {
   print_message("penumbra-view: " + text);
@@ -238,7 +239,7 @@ void Viewer::say(std::string text) {
 
 bool Viewer::refines_closed_form() const {
   if (analytic_ == nullptr || (!analytic_is_old_ && analytic_->frames() >= kAnalyticFrames)) return false;
-  // While the user waits for a first tile the processors are left to the workers, but not for ever.
+  // While the user waits for the first tile, the processors are left to the workers, but for a limited time.
   return analytic_is_old_ || !asked_ || Clock::now() - *asked_ > kPatienceWithTiles;
 }
 

@@ -1,4 +1,4 @@
-// What the window does: takes what comes from the scheduler, does what people ask for, draws.
+// The viewer: processes news from the scheduler and the user's actions, and draws.
 #pragma once
 
 #include <chrono>
@@ -21,48 +21,48 @@
 
 namespace penumbra {
 
-/// Frames of the closed form that are averaged while the camera stands still.
+/// Frames of the closed form that are averaged while the camera does not move.
 constexpr int kAnalyticFrames = 64;
 
 class Viewer {
  public:
-  /// Watches the scheduler at `address`; `local`, which may be null, is the process behind it, that is
-  /// started again when it ends.
+  /// Watches the scheduler at `address`. `local` may be null; else it is that scheduler's process, which is
+  /// restarted when it ends.
   static Expected<std::unique_ptr<Viewer>> create(Window& window, const std::string& address,
                                                   const ClientAccess& access, JobId job,
                                                   LocalScheduler* local);
 
-  /// Takes what has come since the last call. Fails when there is nothing more to wait for and nothing to
+  /// Processes what has arrived since the last call. Errors: nothing more can arrive, and there is nothing to
   /// show.
   Expected<void> update();
   void handle(const WindowEvents& events);
   void act(Action action);
-  /// Before anything is there: refines whatever the scene is, until told otherwise.
+  /// To be called before any news: refines any scene automatically.
   void refine_from_the_start() { settings_.automatic = true; }
   void set_pose(const CameraPose& pose);
   void set_alpha(float alpha);
   void set_exposure(float stops) { settings_.exposure = stops; }
-  /// One frame, with the panel.
+  /// Draws one frame, with the panel.
   Expected<void> draw();
-  /// The render as it is now, by the file's extension.
+  /// Saves the current render; the extension decides the format.
   Expected<void> save(const std::filesystem::path& path);
 
   [[nodiscard]] bool wants_to_quit() const { return quit_; }
-  /// Something has changed since the last frame, or there is more to draw.
+  /// Whether something has changed since the last frame, or there is more to draw.
   [[nodiscard]] bool is_stale() const { return stale_ || refines_closed_form(); }
   [[nodiscard]] const ViewStatus& status() const { return status_; }
   [[nodiscard]] const CameraPose& pose() const { return pose_; }
-  /// Of the scene in world space.
+  /// The scene's centre in world space.
   [[nodiscard]] glm::dvec3 center() const { return center_; }
-  /// Frames of the closed form of the present view.
+  /// Frames of the current view's closed form.
   [[nodiscard]] int analytic_frames() const {
     return analytic_ == nullptr || analytic_is_old_ ? 0 : analytic_->frames();
   }
-  /// Samples that every pixel of the present view has.
+  /// Samples that every pixel of the current view has.
   [[nodiscard]] std::uint32_t least_samples() const;
-  /// Samples of the present view that have come, over all pixels.
+  /// Samples of the current view that have arrived, over all pixels.
   [[nodiscard]] std::uint64_t samples_there() const;
-  /// Exit code of the local scheduler that ended before anything could be shown.
+  /// Exit code of the local scheduler, if it ended before anything could be shown.
   [[nodiscard]] std::optional<int> scheduler_exit_code() const { return scheduler_exit_code_; }
 
  private:
@@ -111,12 +111,12 @@ class Viewer {
   double extent_ = 1;
   View view_{};
   CameraPose pose_, scene_pose_;
-  bool moved_ = false;  // the pose is not the scene's
+  bool moved_ = false;  // the pose differs from the scene's
   bool analytic_is_old_ = true;
 
-  std::optional<Clock::time_point> asked_;  // for samples of which no tile has come
+  std::optional<Clock::time_point> asked_;  // when samples were requested of which no tile has arrived
   std::uint32_t asked_spp_ = 0;
-  std::uint32_t requested_spp_ = 0;  // samples per pixel of the present view that this window requested
+  std::uint32_t requested_spp_ = 0;  // samples per pixel of the current view that this window requested
   int starts_without_success_ = 0;
   bool has_had_workers_ = false;
   std::optional<int> scheduler_exit_code_;

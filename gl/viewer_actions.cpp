@@ -1,4 +1,4 @@
-// What people want of a Viewer: samples, cameras, files.
+// The user's requests to a Viewer: samples, cameras, files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace penumbra {
 namespace {
 
-// What automatic refinement asks for ahead of what is there: enough that workers never wait, little enough
-// that it stops soon.
+// How far automatic refinement requests samples ahead of those that have arrived: enough that workers never
+// wait, and little enough that it stops quickly.
 constexpr double kSecondsAhead = 0.3;
 constexpr double kLeastSppAhead = 2, kMostSppAhead = 256;
 constexpr double kOrbitStep = std::numbers::pi / 36, kDollyStep = 0.9;
@@ -57,7 +57,7 @@ void Viewer::set_pose(const CameraPose& pose) {
 
 void Viewer::set_alpha(float alpha) {
   if (job_ && !can_steer()) {
-    settings_.alpha = view_.adjustable.alpha;  // the one that its tiles are of
+    settings_.alpha = view_.adjustable.alpha;  // the alpha of the tiles
     say("warning: alpha of this render cannot be changed");
     return;
   }
@@ -65,7 +65,7 @@ void Viewer::set_alpha(float alpha) {
   if (can_steer() && status_.hybrid) show_pose();
 }
 
-/// Asks for the view of the present pose and alpha, and shows nothing of the one before.
+/// Requests the view of the current pose and alpha, and discards the previous one.
 void Viewer::show_pose() {
   SceneHeader header = *header_;
   if (moved_) set_camera(pose_, header);
@@ -206,7 +206,7 @@ void Viewer::reload() {
   say("reading the scene again");
   status_.connection = ConnectionState::kStarting;
   starts_without_success_ = 0;
-  // Another client, which cannot have met the one that is ended.
+  // A new client, which cannot have talked to the scheduler that has ended.
   client_.reset();
   if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
   client_ = std::make_unique<WatchClient>(status_.address, access_.token, access_.keys);

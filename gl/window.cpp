@@ -17,10 +17,10 @@ namespace penumbra {
 namespace {
 
 constexpr int kLargestSize = 16384;
-constexpr double kLeastRatio = 0.125;  // of pixels to coordinates
+constexpr double kLeastRatio = 0.125;  // of pixels to GLFW coordinates
 constexpr std::size_t kMostErrors = 100;
 
-/// GLFW reports errors by callback; the last one says why a call failed.
+/// GLFW reports errors by callback; the last one explains why a call failed.
 std::string& last_glfw_error() {
   static std::string text;
   return text;
@@ -112,8 +112,9 @@ Expected<void> open(Window::State& state, const WindowOptions& options) {
 }  // namespace
 
 double Window::State::pixels_per_coordinate() const {
-  // Both of the present moment: `width` is that of the last event, which may be long before a size that was
-  // just asked for. Between the two calls the size may change as well; no display has such a ratio then.
+  // Both are queried now: `width` is that of the last event, which may be older than a requested size. The
+  // size may also change between the two calls; then the ratio is outside of what displays have, and is
+  // clamped.
   int window_width = 0, window_height = 0, pixels_across = 0, pixels_down = 0;
   glfwGetWindowSize(window, &window_width, &window_height);
   glfwGetFramebufferSize(window, &pixels_across, &pixels_down);
@@ -133,7 +134,7 @@ Window::State::~State() {
   if (debug_output) glDebugMessageCallback(nullptr, nullptr);
   target = {};
   picture = {};
-  // GLFW is not terminated: other windows may be open.
+  // glfwTerminate is not called: other windows may be open.
   glfwDestroyWindow(window);
 }
 
@@ -169,7 +170,7 @@ void Window::begin_frame() {
   glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_WIDTH, &width);
   glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_HEIGHT, &height);
   glBindTexture(GL_TEXTURE_2D, 0);
-  // Where there is no memory for the new size, OpenGL's error tells, and the old size goes on.
+  // If there is not enough memory for the new size, OpenGL's error is reported and the old size is kept.
   if (width != state.width || height != state.height) {
     if (!make_target(state)) state.width = width, state.height = height;
   }
@@ -253,10 +254,10 @@ FramePixels Window::read_pixels() const {
 
 std::vector<std::string> Window::take_gl_errors() {
   State& state = *state_;
-  for (std::size_t i = 0; i < kMostErrors; ++i) {  // a lost context has no last error
+  for (std::size_t i = 0; i < kMostErrors; ++i) {  // a lost context would return errors forever
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;
-    // The driver's own text is there already.
+    // The driver's own text is already recorded.
     if (!state.debug_output) state.gl_errors.push_back(fmt::format("OpenGL error {:#06x}", error));
   }
   return std::exchange(state.gl_errors, {});

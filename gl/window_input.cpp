@@ -1,4 +1,4 @@
-// What people do to the window.
+// Input to the window.
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -15,7 +15,7 @@ Window::State& state_of(GLFWwindow* window) {
   return *static_cast<Window::State*>(glfwGetWindowUserPointer(window));
 }
 
-/// ImGui's context is set: a window has it as long as it lives.
+/// ImGui's context is current as long as the window exists.
 bool panel_wants_mouse() { return ImGui::GetIO().WantCaptureMouse; }
 bool panel_wants_keyboard() { return ImGui::GetIO().WantCaptureKeyboard || ImGui::GetIO().WantTextInput; }
 
@@ -59,7 +59,7 @@ void on_wheel(GLFWwindow* window, double, double y) {
 
 void on_framebuffer_size(GLFWwindow* window, int width, int height) {
   Window::State& state = state_of(window);
-  // Minimised windows have no size; what was there stays. Hidden ones have the size they were asked for.
+  // Minimised windows have no size: the old one is kept. Hidden windows have the requested size.
   if (!state.visible || width < 1 || height < 1) return;
   if (width == state.width && height == state.height) return;
   state.width = width;
@@ -77,7 +77,7 @@ void on_content_scale(GLFWwindow* window, float x, float) {
 void on_close(GLFWwindow* window) { state_of(window).events.close = true; }
 
 void on_focus(GLFWwindow* window, int focused) {
-  // The button's release goes to another window.
+  // The button's release is sent to another window.
   if (focused == GLFW_FALSE) state_of(window).drag = Drag::kNone;
 }
 
@@ -111,11 +111,11 @@ std::string key_name(int glfw_key, const std::string& printed) {
   if (glfw_key >= GLFW_KEY_F1 && glfw_key <= GLFW_KEY_F25)
     return fmt::format("f{}", glfw_key - GLFW_KEY_F1 + 1);
   if (glfw_key >= GLFW_KEY_KP_0 && glfw_key <= GLFW_KEY_KP_9) return std::to_string(glfw_key - GLFW_KEY_KP_0);
-  // Keyboards whose row of digits types them with shift only.
+  // Some keyboards type the digits of this row only with shift.
   if (glfw_key >= GLFW_KEY_0 && glfw_key <= GLFW_KEY_9) return std::to_string(glfw_key - GLFW_KEY_0);
-  // As action_of_key() wants: its aliases know "-" and "[", and case makes no difference to it.
+  // Accepts what action_of_key() accepts: it knows aliases such as "-" and "[", and ignores case.
   if (!printed.empty() && action_of_key(printed)) return printed;
-  // Brackets and the like are where a US keyboard has them, if what is printed there says nothing.
+  // For brackets and similar keys the position on a US keyboard is used if the label gives no action.
   switch (glfw_key) {
     case GLFW_KEY_LEFT_BRACKET:
       return "left_bracket";

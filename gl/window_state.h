@@ -1,4 +1,4 @@
-// Shared by the files that make up Window; nothing else includes it.
+// State shared by the files that implement Window; nothing else includes it.
 #pragma once
 
 #define GLFW_INCLUDE_NONE
@@ -20,7 +20,7 @@ struct Window::State {
   GLFWwindow* window = nullptr;
   ImGuiContext* imgui = nullptr;
   bool visible = true;
-  bool fixed_scale = false;  ///< given, not the desktop's
+  bool fixed_scale = false;  ///< the scale was given, it is not the desktop's
   float scale = 1;
   bool fonts_outdated = true;
   int width = 0, height = 0;  ///< of the framebuffer
@@ -30,7 +30,7 @@ struct Window::State {
   WindowEvents events;
   Drag drag = Drag::kNone;
   int drag_button = -1;
-  double cursor_x = 0, cursor_y = 0;  ///< as GLFW counts, when the drag was last looked at
+  double cursor_x = 0, cursor_y = 0;  ///< in GLFW's coordinates, at the last drag event
 
   Texture picture;
   Framebuffer target;
@@ -39,11 +39,11 @@ struct Window::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State();
-  /// Pixels of the framebuffer for one of GLFW's coordinates.
+  /// Framebuffer pixels per GLFW coordinate.
   [[nodiscard]] double pixels_per_coordinate() const;
 };
 
-/// GLFW's callbacks; ImGui's, installed later, call them first.
+/// Installs GLFW's callbacks. ImGui's are installed later and call these first.
 void install_input_callbacks(Window::State& state);
 
 }  // namespace penumbra

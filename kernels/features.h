@@ -1,13 +1,13 @@
-// The feature mask: what a scene and its integrator need. OpenCL kernels are compiled with exactly these
-// bits; native code is compiled with all of them, and skips at run time what a scene does not need. What is
-// masked out is neither allocated, uploaded nor shipped.
+// The feature mask: one bit for each feature that a scene and its integrator need. OpenCL kernels are
+// compiled for exactly these bits. Native code is compiled for all features and skips at run time what a
+// scene does not need. Tables and fields of a masked-out feature are neither allocated nor uploaded nor sent.
 #ifndef PENUMBRA_FEATURES_H
 #define PENUMBRA_FEATURES_H
 #include "kernels/lang.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// X(name, what it is for people)
+// X(name, description for users)
 #define PENUMBRA_FEATURES(X)                                           \
   X(PATH, "path integrator")                                           \
   X(DIRECT, "direct integrator")                                       \
@@ -44,12 +44,12 @@ PENUMBRA_NAMESPACE_BEGIN
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };
 #undef NUMBER_FEATURE
 #define FEATURE_BIT(name, text) FEATURE_##name = (ulong)1 << NUMBER_OF_##name,
-/// A mask has 64 bits, the highest of which is none of a feature (see ALL_OF).
+/// A mask has 64 bits. The highest bit belongs to no feature; path_state.h uses it as a flag, see ALL_OF.
 ENUM_OF_ULONG{PENUMBRA_FEATURES(FEATURE_BIT) FEATURE_ALL = ((ulong)1 << FEATURE_COUNT) - 1};
 #undef FEATURE_BIT
 
-// FEATURES comes from the build of kernels for one scene, as a number. Without it kernels are for every
-// scene.
+// The build of kernels for one scene defines FEATURES as a number. Without it, kernels are compiled for all
+// scenes.
 #ifdef FEATURES
   #if (FEATURES) == 0
     #error "FEATURES is 0: kernels for one scene need its features"
@@ -61,14 +61,14 @@ ENUM_OF_ULONG{PENUMBRA_FEATURES(FEATURE_BIT) FEATURE_ALL = ((ulong)1 << FEATURE_
   #define FOR_EVERY_SCENE true
 #endif
 
-// Constants: compilers do not look at what is behind `if (HAS(POLYGONS) && ...)` where it is false, nor at
-// functions that nothing else calls.
+// HAS is a compile-time constant. Compilers drop the code behind `if (HAS(POLYGONS) && ...)` where it is
+// false, and functions that nothing else calls.
 #define HAS(name) ((COMPILED_FEATURES & FEATURE_##name) != 0)
-/// Small scenes are searched by testing every primitive, others through the hierarchy. Kernels for one scene
-/// have its search alone, kernels for every scene both.
+/// Whether the kernels contain the brute-force search. Small scenes test every primitive, large ones traverse
+/// the BVH. Kernels for one scene contain only the search that it needs; kernels for all scenes contain both.
 #define HAS_WHOLE (!HAS(BVH) || FOR_EVERY_SCENE)
-/// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
-/// what it does not need.
+/// Whether the kernels have the feature and the scene needs it. Native kernels have all features and must
+/// skip those that the scene does not need.
 #define NEEDS(scene, name) (HAS(name) && (SCENE_FEATURES(&(scene)->header) & FEATURE_##name) != 0)
 #define SCENE_FEATURES(h) NEEDED(COMPILED_FEATURES, (h)->features)
 

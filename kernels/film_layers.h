@@ -1,4 +1,5 @@
-// The layers of a film: what its pixels have beside radiance and its deviation. This is the one list of them.
+// The layers of a film: what a pixel stores besides radiance and its standard deviation. This is the only
+// list of them.
 #ifndef PENUMBRA_FILM_LAYERS_H
 #define PENUMBRA_FILM_LAYERS_H
 #include "kernels/features.h"
@@ -6,35 +7,35 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// X(NAME, planes, needs, samples, mean, layer, channels), in the order of their planes:
-//   needs     a scene has the layer where it has all of these features
-//   samples   the field of the samples whose mean it is, of block/path_state.h; 0: another stage writes it
-//   mean      FILTERED by the film's filter, or UNFILTERED
-//   layer, channels   its name in images and the letters of its channels, see scheduler/record/film_image.h
-#define PENUMBRA_FILM_LAYERS(X)                                                                            \
-  /* reflectance at the first hit, 0 where nothing is hit */                                               \
-  X(ALBEDO, 3, FEATURE_LAYERS, slots->albedo, FILTERED, "albedo", "RGB")                                   \
-  /* world-space shading normal there */                                                                   \
-  X(NORMAL, 3, FEATURE_LAYERS, slots->normal, FILTERED, "normal", "XYZ")                                   \
-  /* distance from the camera to there */                                                                  \
-  X(DEPTH, 1, FEATURE_LAYERS, slots->distance, FILTERED, "depth", "Z")                                     \
-  /* the closed form: radiance by polygon lights without shadows */                                        \
-  X(ANALYTIC, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "analytic", "RGB")                        \
-  /* what the estimate of their light differs from it by, shadows above all: at most 0 in expectation */   \
-  X(DIFFERENCE, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "difference", "RGB")                    \
-  /* the samples of their light, all channels together, and those without shadows: their quotient is shown \
-   */                                                                                                      \
-  X(SHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "visibility", "Y")                      \
-  X(UNSHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "", "")                               \
-  /* the share of the samples that hit something, or a sky that is seen. Whatever their filter weights: by \
-     those what is covered everywhere would be 1 only in the mean */                                       \
+// X(NAME, planes, needs, samples, mean, layer, channels), in the order of the planes:
+//   needs     a scene has the layer if it has all of these features
+//   samples   the slot field (block/path_state.h) that is averaged; 0: another stage writes the plane
+//   mean      FILTERED: weighted by the film's filter, or UNFILTERED
+//   layer, channels   name in images and letters of the channels, see scheduler/record/film_image.h
+#define PENUMBRA_FILM_LAYERS(X)                                                                         \
+  /* reflectance at the first hit, 0 where nothing is hit */                                            \
+  X(ALBEDO, 3, FEATURE_LAYERS, slots->albedo, FILTERED, "albedo", "RGB")                                \
+  /* world-space shading normal at the first hit */                                                     \
+  X(NORMAL, 3, FEATURE_LAYERS, slots->normal, FILTERED, "normal", "XYZ")                                \
+  /* distance from the camera to the first hit */                                                       \
+  X(DEPTH, 1, FEATURE_LAYERS, slots->distance, FILTERED, "depth", "Z")                                  \
+  /* closed form: unshadowed radiance from polygon lights */                                            \
+  X(ANALYTIC, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "analytic", "RGB")                     \
+  /* their estimate minus that closed form: mostly shadows, at most 0 in expectation */                 \
+  X(DIFFERENCE, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "difference", "RGB")                 \
+  /* light samples of polygon lights, summed over channels, with and without shadows; images show their \
+     quotient */                                                                                        \
+  X(SHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "visibility", "Y")                   \
+  X(UNSHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "", "")                            \
+  /* fraction of samples that hit a surface or a visible sky. It is not filtered: with filter weights a \
+     fully covered pixel would have alpha 1 only in expectation */                                      \
   X(COVERAGE, 1, FEATURE_COVERAGE, slots->coverage, UNFILTERED, "", "A")
 
 #define ENUMERATE_LAYER(NAME, planes, needs, samples, mean, layer, channels) LAYER_##NAME,
 enum { PENUMBRA_FILM_LAYERS(ENUMERATE_LAYER) FILM_LAYERS };
 #undef ENUMERATE_LAYER
 
-/// Planes that every result has, before those of its layers: mean radiance, and its standard deviation.
+/// The planes that every result has before its layers: mean radiance (3) and its standard deviation (3).
 #define RADIANCE_PLANES 6
 
 #define LAYER_IS_THERE(features, needs) ((~(features) & (needs)) == 0)
@@ -48,8 +49,8 @@ CONSTANT_FN bool has_layer(ulong features, int layer) {
   return there;
 }
 
-/// The first plane of a layer in results of a scene with these features; of FILM_LAYERS how many planes those
-/// have.
+/// Index of the first plane of `layer` in results of a scene with these features. For FILM_LAYERS: the number
+/// of planes.
 CONSTANT_FN int layer_plane(ulong features, int layer) {
   int plane = RADIANCE_PLANES;
 #define LAYER_BEFORE(NAME, planes, needs, samples, mean, name, channels) \

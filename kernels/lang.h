@@ -1,5 +1,5 @@
-// Picks the language header and defines what is the same in all of them. Portable sources include this first
-// and nothing from any standard library.
+// Includes the header for the language that is compiled, and defines what all languages share. Portable
+// sources include this file first, and nothing from a standard library.
 #ifndef PENUMBRA_LANG_H
 #define PENUMBRA_LANG_H
 #if defined(PENUMBRA_GLSL)
@@ -10,8 +10,8 @@
   #include "kernels/lang_cpp.h"
 #endif
 
-// LANES paths are carried through one vectorised loop; 1 for debugging a single path. VECTOR_WIDTH of them
-// share a register of the target: wider vectors than that spill.
+// LANES paths go through one vectorised loop; LANES is 1 for debugging a single path. VECTOR_WIDTH lanes fill
+// one register of the target: wider vectors would spill.
 #ifndef LANES
   #define LANES 16
 #endif
@@ -23,7 +23,8 @@
 #if defined(PENUMBRA_GLSL)
   #define UNROLL
 #elif defined(__clang__)
-  // Before a loop of few, constant turns inside a lane loop: only straight code vectorises.
+  // For a loop with a small constant number of iterations inside a lane loop: compilers vectorise the lane
+  // loop only if its body has no inner loop.
   #define UNROLL PENUMBRA_PRAGMA(clang loop unroll(full))
 #else
   #define UNROLL
@@ -34,13 +35,15 @@
   #define LANE_LOOP_WIDTH(n)
 #endif
 #ifdef __clang__
-  // Before a loop of exactly n turns, a register's worth. Clang would unroll it first and lose its shape.
+  // For a loop of exactly n iterations, which fit one register. Without the pragma Clang unrolls the loop
+  // first and then fails to vectorise it.
   #define REGISTER_LOOP(n) \
     PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n) unroll(disable))
 #else
   #define REGISTER_LOOP(n)
 #endif
-// Of an array that a REGISTER_LOOP of 8 turns writes: within one cache line, or reading from it waits.
+// For an array that a REGISTER_LOOP of 8 iterations writes: aligned, so that a register never spans two cache
+// lines, which would stall the loads that follow.
 #define REGISTER_ARRAY __attribute__((aligned(32)))
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
 #define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)

@@ -1,38 +1,39 @@
-// Portable kernel source compiled as C++: everything in which C++, OpenCL C and GLSL differ is a macro
-// here, in lang_opencl.h and lang_glsl.h, under the same name.
+// Portable kernel source compiled as C++. C++, OpenCL C and GLSL differ only in macros, which this file,
+// lang_opencl.h and lang_glsl.h define under the same names.
 #pragma once
 
 #define PENUMBRA_NAMESPACE_BEGIN namespace penumbra {
 #define PENUMBRA_NAMESPACE_END }
 
 #define FN static inline __attribute__((always_inline, unused))
-// One that constants may be made of.
+// A function that constant expressions may call.
 #define CONSTANT_FN static constexpr inline __attribute__((always_inline, unused))
-// A function that holds lane loops: never inlined, so that RESTRICT holds and each is optimised by itself.
+// A function that contains lane loops. It is never inlined, so that RESTRICT holds and each stage is
+// optimised on its own.
 #define STAGE static __attribute__((noinline, unused))
-// A function of its own where kernels are compiled when they are first wanted.
+// A function that just-in-time compilers do not inline (see lang_opencl.h); here it is like FN.
 #define CALLED_FN FN
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict
 #define CONSTANT_TABLE static constexpr
 
-// A struct, as STRUCT(Name) { fields };
+// Declares a struct: STRUCT(Name) { fields };
 #define STRUCT(name)        \
   typedef struct name name; \
   struct name
-// Both or either of two bools, without a branch between them.
+// Logical and / or of two bools without a branch.
 #define BOTH(a, b) ((a) & (b))
 #define EITHER(a, b) ((a) | (b))
-// Conversions.
 #define TO_INT(x) ((int)(x))
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
 
-// Of constants of 64 bits.
+// An enumeration with 64-bit constants.
 #define ENUM_OF_ULONG enum : ulong
 
-// What a scene needs, a bit mask: its own, of what kernels are compiled for.
+// The features that a scene needs. Native code reads the scene's own mask at run time; OpenCL uses the mask
+// that kernels are compiled for.
 #define NEEDED(compiled, own) (own)
 
 #define SQRT(x) __builtin_sqrtf(x)
@@ -43,32 +44,31 @@
 #define FABS_D(x) __builtin_fabs(x)
 #define DOUBLE_BITS(x) __builtin_bit_cast(unsigned long, double(x))
 #define BITS_DOUBLE(x) __builtin_bit_cast(double, (unsigned long)(x))
-// Index of the lowest bit that is set; there is one.
+// Index of the lowest set bit; x must not be 0.
 #define LOWEST_BIT(x) __builtin_ctz(x)
 #ifdef __clang__
   #define BIT_REVERSE(x) __builtin_bitreverse32(x)
 #endif
 
 #if defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
-  // pack_8 is no loop.
+  // pack_8 needs no loop here.
   #define PACKS_REGISTERS
 #endif
 #if !defined(RAYS_IN_FLIGHT) && defined(PACKS_REGISTERS)
-  // Rays whose traversals are interleaved (block/block_flight.h); not defined: one after the other, which is
-  // faster where pack_8 is a loop.
+  // The number of rays whose traversals are interleaved (block/block_flight.h). If it is undefined, rays are
+  // traced one after the other, which is faster where pack_8 needs a loop.
   #define RAYS_IN_FLIGHT 32
 #endif
-// Number of bits that are set.
+// Number of set bits.
 #define BIT_COUNT(x) __builtin_popcount(x)
-// Asks for the cache line so many bytes behind an address, which will be read soon; any place will do, and no
-// table need be there.
+// Prefetches the cache line at `address` + `bytes`. Any address is allowed, even one outside of a table.
 #define PREFETCH(address, bytes) __builtin_prefetch((const void*)((unsigned long)(address) + (bytes)))
 
 PENUMBRA_NAMESPACE_BEGIN
 using uint = unsigned int;
 using ulong = unsigned long;
 
-/// Bit j of the result says whether wanted[j], of 8, is not 0.
+/// Bit j of the result is set if wanted[j] is not 0; `wanted` has 8 elements.
 FN uint mask_of_8(const int* wanted) {
 #ifdef __clang__
   typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
@@ -81,7 +81,7 @@ FN uint mask_of_8(const int* wanted) {
 #endif
 }
 
-/// The least of 8.
+/// The minimum of 8 numbers.
 FN int least_of_8(const int* values) {
 #ifdef __clang__
   typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
@@ -93,14 +93,15 @@ FN int least_of_8(const int* values) {
 #endif
 }
 
-/// Writes those of 8 numbers whose bit is set one after the other, and anything behind them, 8 in all.
+/// Packs those of 8 numbers whose bit in `wanted` is set to the front of `to`. May write 8 elements; those
+/// behind the packed ones are arbitrary.
 FN void pack_8(int* to, const int* from, uint wanted) {
 #if defined(__clang__) && defined(__AVX512VL__)
   typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
   typedef int Register __attribute__((vector_size(32)));
   *(Ints*)to = __builtin_ia32_compresssi256_mask(*(const Ints*)from, Register{}, (unsigned char)wanted);
 #elif defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
-  // The bytes of places that are wanted, one after the other, become the register's indices.
+  // The byte indices of the wanted elements, packed, become the indices of the permutation.
   typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
   typedef int Register __attribute__((vector_size(32)));
   typedef unsigned char Bytes __attribute__((vector_size(8)));

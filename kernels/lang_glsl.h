@@ -1,6 +1,6 @@
-// Portable kernel source as GLSL 3.30, for the closed forms on the screen: a C preprocessor makes one text of
-// it at build time. What is shared has no pointers, no casts but the macros' and no `const` that a fragment's
-// values decide; it is in single precision, since GLSL 3.30 has no other.
+// Portable kernel source compiled as GLSL 3.30, for closed forms on the screen. A C preprocessor makes one
+// text of it at build time. Shared code has no pointers, no casts except the macros', and no `const` for
+// values that depend on a fragment. It runs in single precision, the only one that GLSL 3.30 has.
 #pragma once
 
 #define PENUMBRA_NAMESPACE_BEGIN
@@ -9,7 +9,7 @@
 #define FN
 #define double float
 #define vec3d vec3
-// Of a local variable it would mean a constant expression.
+// In GLSL 3.30 a `const` local variable must be a constant expression.
 #define const
 
 #define STRUCT(name) struct name

@@ -1,22 +1,22 @@
-// Portable kernel source compiled as OpenCL C 1.2; the counterpart of lang_cpp.h.
+// Portable kernel source compiled as OpenCL C 1.2. Macros that lang_cpp.h has too are documented there.
 #pragma OPENCL FP_CONTRACT OFF
 
 #define PENUMBRA_NAMESPACE_BEGIN
 #define PENUMBRA_NAMESPACE_END
 
-// Not static: compilers change the parameters of static functions before they inline them, and with them goes
-// what LANE_LOOP says of the accesses inside, which then cost a comparison of each two arrays.
-// PoCL 3.1 defines `inline` away, which would make each of them a function to optimise and to keep.
+// Not static: compilers change the parameters of static functions before inlining them. LANE_LOOP's promise
+// that arrays do not overlap is then lost, and each loop compares every pair of arrays at run time. PoCL 3.1
+// defines `inline` as nothing, which would make each FN a separate function to optimise and keep.
 #undef inline
 #define FN inline __attribute__((always_inline))
 #define CONSTANT_FN FN
-// Stages that GPUs run are part of their kernel: with one lane there are no loops to keep apart, and what
-// would be handed from function to function in memory stays in registers.
+// On GPUs, stages are inlined into their kernel. With one lane there are no loops to keep apart, and values
+// that stages would pass through memory stay in registers.
 #ifdef INLINE_STAGES
   #define STAGE static inline __attribute__((always_inline))
 #endif
-// Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
-// as fast with them.
+// Compilers avoid 512-bit registers unless an attribute says that a function needs them. PoCL 3.1 is 1.4
+// times as fast with them.
 #if !defined(STAGE) && defined(__has_attribute) && VECTOR_WIDTH >= 16
   #if __has_attribute(min_vector_width)
     #define STAGE static __attribute__((noinline, min_vector_width(512)))
@@ -25,7 +25,8 @@
 #ifndef STAGE
   #define STAGE static __attribute__((noinline))
 #endif
-// What is long and called in several places, or not often: CPUs compile it once, not wherever it is called.
+// For long functions that are called in several places, or rarely: CPUs compile them once instead of once per
+// call.
 #if LANES == 1
   #define CALLED_FN FN
 #else
@@ -48,14 +49,14 @@
 
 #define ENUM_OF_ULONG enum
 
-// Kernels are compiled for exactly what their scene needs, so that compilers drop the rest.
+// Kernels are compiled for exactly the features of their scene, so that compilers drop the rest.
 #define NEEDED(compiled, own) (compiled)
 
 #define SQRT(x) sqrt((float)(x))
 #define FABS(x) fabs((float)(x))
 #define FLOAT_BITS(x) as_uint((float)(x))
 #define BITS_FLOAT(x) as_float((uint)(x))
-// Closed forms are in double. Where a device has none, they only have to compile: no kernel calls them there.
+// Closed forms use double. Devices without double only have to compile them: no kernel calls them there.
 #ifdef cl_khr_fp64
   #pragma OPENCL EXTENSION cl_khr_fp64 : enable
   #define DOUBLE_BITS(x) as_ulong((double)(x))
@@ -74,7 +75,7 @@
   #endif
 #endif
 
-/// Bit j of the result says whether wanted[j], of 8, is not 0.
+/// Bit j of the result is set if wanted[j] is not 0; `wanted` has 8 elements.
 FN uint mask_of_8(const PRIVATE int* wanted) {
   const int8 bits = (int8)(1, 2, 4, 8, 16, 32, 64, 128);
   const int8 some = (vload8(0, wanted) != 0) & bits;

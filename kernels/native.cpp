@@ -1,6 +1,6 @@
-// The kernels for one instruction set: compiled several times, see CMakeLists.txt.
-// Includes nothing from any standard library, so that no inline function of theirs is emitted for an
-// instruction set the machine lacks.
+// The kernels for one instruction set. This file is compiled several times, see CMakeLists.txt. It includes
+// nothing from a standard library: inline functions of one might otherwise be emitted for an instruction set
+// that the machine lacks.
 #define EXTERNAL_TRACER
 #include "kernels/block/block.h"
 

@@ -1,4 +1,4 @@
-// The OpenCL entry points. FEATURES and LANES come from the build.
+// The OpenCL entry points. The build defines FEATURES and LANES.
 #include "kernels/block/block.h"
 
 FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count, uint sequence,
@@ -16,7 +16,8 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
 }
 
 #if LANES > 1
-/// What one work item does of render_blocks. Of a kernel itself PoCL makes three functions.
+/// The work of one work item of render_blocks. It is not in the kernel itself, of which PoCL makes three
+/// functions.
 STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL const uint* words, Unit unit,
                               int first_pixel, int end_pixel, int block_pixels, int capacity,
                               int slot_capacity, GLOBAL uint* states, GLOBAL uint* slots, GLOBAL float* out,
@@ -33,9 +34,9 @@ STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL
   }
 }
 
-/// For CPUs: pixels [first_pixel, end_pixel) of the unit, a block of `block_pixels` after the other by
-/// whichever work item is free; `next_block` counts from 0. `states` and `slots` hold each work item's
-/// block one after the other; `bad` BAD_KINDS entries a work item.
+/// For CPUs: renders pixels [first_pixel, end_pixel) of the unit in blocks of `block_pixels`; each free work
+/// item takes the next block. `next_block` counts from 0. `states` and `slots` have the memory of each work
+/// item's block, one after the other; `bad` has BAD_KINDS entries per work item.
 __kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
                             int width, int height, uint first_sample, int sample_count, uint sequence,
                             uint spp, int first_pixel, int end_pixel, int block_pixels, int capacity,
@@ -47,10 +48,11 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
                      capacity, slot_capacity, states, slots, out, bad, next_block);
 }
 #else
-// For GPUs: a path a work item, and then a pixel a work item. The paths of all pixels [first_pixel, ...)
-// share `slots`. A field of neighbouring paths lies side by side: each block is one lane of a wide one.
+// For GPUs: one work item per path, and then one per pixel. The paths of all pixels [first_pixel, ...) share
+// `slots`. Each work item's block is one lane of a wide block, so that fields of neighbouring paths are
+// adjacent in memory.
 
-/// Paths [first_path, first_path + path_count) of the pixels; there are at most `capacity`.
+/// Traces paths [first_path, first_path + path_count) of the pixels, at most `capacity`.
 __kernel void trace_paths(__global const SceneHeader* header, __global const uint* words, int x, int y,
                           int width, int height, uint first_sample, int sample_count, uint sequence, uint spp,
                           int first_pixel, int first_path, int path_count, int capacity, int slot_capacity,
@@ -63,7 +65,8 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
-/// Pixels [first_pixel + from, first_pixel + from + count); `bad` holds BAD_KINDS entries a work item.
+/// Finishes pixels [first_pixel + from, first_pixel + from + count); `bad` has BAD_KINDS entries per work
+/// item.
 __kernel void finish_samples(__global const SceneHeader* header, __global const uint* words, int x, int y,
                              int width, int height, uint first_sample, int sample_count, uint sequence,
                              uint spp, int first_pixel, int from, int count, int slot_capacity,

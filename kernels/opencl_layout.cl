@@ -1,9 +1,9 @@
-// How a device lays out what it shares with the host, for a test: apart from the kernels that render, so that
-// they compile sooner.
+// Reports a device's layout of shared structs, for a test. It is not in opencl.cl, so that both compile
+// sooner.
 #include "kernels/scene_types.h"
 
-/// The size and then the field offsets of every shared struct as this device lays them out, in the order of
-/// SHARED_STRUCTS: for comparison with the host's.
+/// Writes the size and then the field offsets of every shared struct on this device, in the order of
+/// SHARED_STRUCTS, for comparison with the host's.
 __kernel void report_layout(__global uint* out) {
   int n = 0;
 #define REPORT_FIELD(type, name) out[n++] = (uint)(size_t) & (object->name);

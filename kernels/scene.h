@@ -1,4 +1,4 @@
-// The scene as a kernel sees it: the header and typed pointers into the flat array.
+// The scene as kernels see it: the header, and typed pointers to the tables in one flat array of words.
 #ifndef PENUMBRA_SCENE_H
 #define PENUMBRA_SCENE_H
 #include "kernels/block/path_state.h"
@@ -7,8 +7,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #ifdef EXTERNAL_TRACER
-/// An external intersector, for native code: finds `hit` of `count` lanes for their rays, or
-/// `shadow_transmittance` for their shadow rays.
+/// An external intersector (Embree), for native code only. `intersect` sets `hit` of the first `count` lanes;
+/// `occlude` sets `shadow_transmittance` of their shadow rays.
 typedef struct {
   const void* context;
   void (*intersect)(const void* context, const PathState* paths, int count);
@@ -19,7 +19,7 @@ typedef struct {
 typedef struct {
   SceneHeader header;
 #ifdef EXTERNAL_TRACER
-  Tracer tracer;  ///< null functions: the portable intersector
+  Tracer tracer;  ///< with null functions, kernels use the portable intersector
 #endif
 #define TABLE_POINTER(_, name, record, least, what) GLOBAL const record* name;
   SCENE_TABLES(TABLE_POINTER, _)
@@ -36,14 +36,15 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   return s;
 }
 
-// Whether its glossy surfaces are linearly transformed cosines to lights: then their table is there.
+// Whether glossy BSDFs use linearly transformed cosines under polygon lights. If so, the scene has their
+// table.
 #define NEEDS_LTC(scene) (NEEDS(scene, LTC) && (scene)->header.tables.ltc_cells.count > 0)
-// Whether its lights are chosen by their hierarchy: then that is there.
+// Whether lights are chosen through the light hierarchy. If so, the scene has its tables.
 #define NEEDS_LIGHT_TREE(scene) \
   (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
-// Whether it has media: then their tables are there.
+// Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
-// Whether its camera sees edges of lights that are in its tables.
+// Whether the scene has a table of light edges and the current camera is the one that it was made for.
 #define NEEDS_LIGHT_EDGES(scene) (NEEDS(scene, LIGHT_EDGES) && (scene)->header.sees_edges != 0)
 
 PENUMBRA_NAMESPACE_END

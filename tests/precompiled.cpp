@@ -1,1 +1,1 @@
-// Nothing: this file exists to compile the precompiled header of the tests.
+// Empty: this file exists to compile the precompiled header of the tests.

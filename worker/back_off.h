@@ -9,9 +9,9 @@
 
 namespace penumbra {
 
-/// Each pause is random, evenly between half of a limit and all of it; the limit doubles up to a most. So
-/// workers that lose their scheduler together do not come back together, and none waits for much longer than
-/// it has to.
+/// Exponential back-off with jitter: each pause is uniform between half of a limit and the limit, which
+/// doubles up to `most`. So workers that lose their scheduler together do not reconnect together, and none
+/// waits much longer than necessary.
 class BackOff {
  public:
   using Duration = std::chrono::milliseconds;
@@ -23,7 +23,7 @@ class BackOff {
     const Duration limit = std::exchange(limit_, std::min(limit_ * 2, most_));
     return Duration(std::uniform_int_distribution<Duration::rep>(limit.count() / 2, limit.count())(random_));
   }
-  /// There was a connection.
+  /// To be called after a successful connection.
   void reset() { limit_ = first_; }
 
  private:

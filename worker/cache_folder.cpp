@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kAside = "-aside";
-// A file that a process wrote aside and never renamed, since it died.
+// A temporary file older than this belongs to a process that died before renaming it.
 constexpr auto kTimeToBeRenamed = std::chrono::hours(1);
 
 std::string error_text(const fs::path& path) {
@@ -74,7 +74,7 @@ Expected<void> CacheFolder::write(std::string_view name,
                  aside = folder_ / fmt::format(".{}.{}.{}{}{}", name, getpid(), count++, suffix_, kAside);
   CacheFile file(aside, O_WRONLY | O_CREAT | O_EXCL);
   if (!file.is_open()) return fail(error_text(aside));
-  // No fsync: what a crash of the machine leaves half written, its checksum finds.
+  // No fsync: the checksum detects what a crash of the machine leaves half written.
   const bool is_written =
       std::ranges::all_of(parts, [&](const auto& part) { return file.write(part.data(), part.size()); });
   if (!is_written || !file.close() || rename(aside.c_str(), path.c_str()) != 0) {
@@ -103,7 +103,7 @@ void CacheFolder::remove_oldest(std::uint64_t room) const {
     const std::string name = at->path().filename().string();
     const bool is_aside = name.ends_with(suffix_ + std::string(kAside));
     if (!is_aside && !name.ends_with(suffix_)) continue;
-    std::error_code gone;  // by another process
+    std::error_code gone;  // removed by another process
     const auto time = at->last_write_time(gone);
     const std::uint64_t size = gone ? 0 : at->file_size(gone);
     if (gone) continue;

@@ -1,5 +1,5 @@
-// A folder of files that can be made again, shared by several processes: a file is written aside and renamed,
-// nothing is locked, and the oldest go first.
+// A folder of files that can be recomputed, shared by several processes. A file is written under another name
+// and renamed, nothing is locked, and the least recently used files are removed first.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace penumbra {
 
-/// A file descriptor that does not stay open.
+/// A file descriptor that is closed with its owner.
 class CacheFile {
  public:
-  /// `flags`: of open(2).
+  /// `flags`: see open(2).
   CacheFile(const std::filesystem::path& path, int flags);
   CacheFile(const CacheFile&) = delete;
   CacheFile& operator=(const CacheFile&) = delete;
@@ -27,12 +27,12 @@ class CacheFile {
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
   [[nodiscard]] int descriptor() const { return descriptor_; }
   bool close();
-  /// Its size if it is a plain file; nothing else may be read, since that might never end.
+  /// The size of a regular file. Errors: anything else, since reading it might never end.
   [[nodiscard]] Expected<std::uint64_t> size() const;
-  /// How many bytes there were to read, at most so many.
+  /// Reads at most `bytes` bytes; returns how many were read.
   std::size_t read(void* to, std::size_t bytes);
   bool write(const void* from, std::size_t bytes);
-  /// It counts as the one used last; fails without harm in another user's folder.
+  /// Marks the file as the most recently used. Fails silently in another user's folder.
   void touch();
 
  private:
@@ -46,7 +46,8 @@ struct CacheLimits {
 
 class CacheFolder {
  public:
-  /// Its files end in `suffix`; others are left alone. An empty folder is no cache. It need not exist.
+  /// Files of the cache end in `suffix`; others are left alone. An empty path means no cache. The folder need
+  /// not exist.
   CacheFolder(std::filesystem::path folder, std::string suffix, CacheLimits limits)
       : folder_(std::move(folder)), suffix_(std::move(suffix)), limits_(limits) {}
 
@@ -54,13 +55,13 @@ class CacheFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
   [[nodiscard]] std::filesystem::path file_of(std::string_view name) const;
 
-  /// Its whole content is the parts, one after the other. Fails, in words for a log, if the folder cannot be
-  /// made or written; that is no reason not to go on.
+  /// Writes the parts, one after the other, as the file's content. Errors, for a log: the folder cannot be
+  /// created or written; the caller can go on without the cache.
   [[nodiscard]] Expected<void> write(std::string_view name,
                                      std::span<const std::span<const std::uint8_t>> parts) const;
   void remove(std::string_view name) const;
-  /// Removes those used longest ago until there are no more than the limits say, and so many bytes less; and
-  /// what dead processes have left. Several processes may do it at once.
+  /// Removes the least recently used files until the limits are met with `room` bytes to spare, and what dead
+  /// processes have left. Several processes may do so at once.
   void remove_oldest(std::uint64_t room = 0) const;
 
  private:
@@ -69,7 +70,8 @@ class CacheFolder {
   CacheLimits limits_;
 };
 
-/// The folder penumbra/`name` below XDG_CACHE_HOME, else below ~/.cache; empty if neither variable is set.
+/// The folder penumbra/`name` below XDG_CACHE_HOME, else below ~/.cache; empty if neither XDG_CACHE_HOME nor
+/// HOME is set.
 std::filesystem::path user_cache(std::string_view name);
 
 }  // namespace penumbra

@@ -81,7 +81,7 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t 
 
 namespace {
 
-/// A native device instead of one that is not available.
+/// A native device in place of an unavailable one, with a warning.
 class FallbackDevice final : public Device {
  public:
   FallbackDevice(std::unique_ptr<Device> device, std::string warning)

@@ -1,4 +1,4 @@
-// The seam between a worker process and what computes: the native CPU or an OpenCL device.
+// The interface between a worker process and what computes: the native CPU or an OpenCL device.
 #pragma once
 
 #include <array>
@@ -19,22 +19,22 @@
 
 namespace penumbra {
 
-/// A rectangle of pixels and a range of sample indices: the part of an image that one work unit renders.
+/// The work of one unit: a rectangle of pixels and a range of sample indices.
 struct RenderUnit {
-  int x = 0, y = 0;  ///< film pixel of the rectangle's corner
+  int x = 0, y = 0;  ///< film coordinates of the rectangle's first pixel
   int width = 0, height = 0;
   std::uint32_t first_sample = 0;
   std::uint32_t sample_count = 0;  ///< in [1, kMaxSamplesPerUnit]
-  /// Of random numbers: 0 that of the scene's seed, others are independent of it.
+  /// Random sequence: 0 is that of the scene's seed, others are independent of it.
   std::uint32_t sequence = 0;
-  std::uint32_t spp = 0;  ///< samples of a pixel for which the sequence is made; 0: as many as the scene says
+  std::uint32_t spp = 0;  ///< samples per pixel that the sequence is made for; 0: those of the scene
 };
 
-/// kAuto: OpenCL on a device that is no CPU, where there is one that renders the same bits; else native code.
+/// kAuto: OpenCL on a device that is not a CPU, if there is one that renders the same bits; else native code.
 enum class Backend { kNative, kOpenCl, kAuto };
 constexpr std::array<std::string_view, 3> kBackendNames{"native", "opencl", "auto"};
 constexpr std::string_view backend_name(Backend backend) { return kBackendNames[std::size_t(backend)]; }
-/// Of a name that is one.
+/// `name` must be a backend's name.
 constexpr Backend backend_from_name(std::string_view name) {
   return name == "opencl" ? Backend::kOpenCl : (name == "auto" ? Backend::kAuto : Backend::kNative);
 }
@@ -43,44 +43,44 @@ constexpr int kMaxThreads = 1024;
 
 enum class Isa { kSse2, kAvx2, kAvx512 };
 
-/// By default chosen to suit the OpenCL device; set for tests and measurements. Pixels do not depend on it.
+/// By default chosen for the OpenCL device; set by tests and measurements. Images do not depend on it.
 struct OpenClTuning {
-  std::optional<bool> path_per_item = {};  ///< as on a GPU; unless set, whether the device is no CPU
-  std::uint64_t memory_bytes = 0;          ///< of the device at most; 0: what there is
-  std::uint64_t allocation_bytes = 0;      ///< of one buffer at most; 0: what the device allows
-  std::int64_t launch_paths = 0;           ///< a launch holds so many paths; 0: as many as take a moment
-  double launch_seconds = 0;               ///< a launch takes about so long; 0: a moment, on a CPU a second
-  std::optional<std::filesystem::path> kernel_cache = {};  ///< unless set, default_kernel_cache()
-  std::string build_options = {};                          ///< more options for the compiler
+  std::optional<bool> path_per_item = {};  ///< as on a GPU; by default, whether the device is not a CPU
+  std::uint64_t memory_bytes = 0;          ///< upper limit of the device's memory; 0: all of it
+  std::uint64_t allocation_bytes = 0;      ///< upper limit of one buffer; 0: the device's limit
+  std::int64_t launch_paths = 0;           ///< paths per launch; 0: as many as a launch's time allows
+  double launch_seconds = 0;               ///< target time of a launch; 0: 0.25 s, on a CPU 1 s
+  std::optional<std::filesystem::path> kernel_cache = {};  ///< default: default_kernel_cache()
+  std::string build_options = {};                          ///< additional options for the compiler
 };
 
 struct DeviceOptions {
   Backend backend = Backend::kNative;
   int threads = 1;
-  Isa isa = Isa::kSse2;       ///< native: must be usable here, see check_isa()
-  bool block_of_one = false;  ///< native: one path, one lane at a time, for debugging a pixel
-  int* probe = nullptr;       ///< native, a block of one: see Block::probe
-  /// Its number or a part of its or its platform's name, see find_opencl_device; empty: the first CPU device,
-  /// else any. With kAuto: the only one that comes into question, even if it is a CPU.
+  Isa isa = Isa::kSse2;       ///< native: must be usable on this machine, see check_isa()
+  bool block_of_one = false;  ///< native: blocks of one path with one lane, for debugging a pixel
+  int* probe = nullptr;       ///< native, with block_of_one: see Block::probe
+  /// Its number, or a part of its name or its platform's, see find_opencl_device; empty: the first CPU
+  /// device, else any. With kAuto: the only candidate, even if it is a CPU.
   std::string opencl_device = {};
   OpenClTuning opencl_tuning = {};
-  /// Called before kernels are compiled, which takes seconds, with the device's name. May be empty.
+  /// Called with the device's name before kernels are compiled, which takes seconds. May be empty.
   std::function<void(const std::string& device)> on_compile = {};
 };
 
-/// Where the compiled kernels of a device came from.
+/// How a device got its compiled kernels.
 struct KernelOrigin {
-  bool cached = false;  ///< not compiled now
-  double seconds = 0;   ///< of compiling, or of getting them from the cache
-  std::string note;     ///< on the cache, if there is anything to say
+  bool cached = false;  ///< from the cache, not compiled now
+  double seconds = 0;   ///< time of compiling, or of loading from the cache
+  std::string note;     ///< a message about the cache, or empty
 };
 
 struct DevicePreparation {
-  std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the program
+  std::optional<KernelOrigin> kernels;  ///< empty if they were compiled with the program
   std::vector<std::string> warnings;    ///< for the user
 };
 
-/// Renders units of one scene. Not thread-safe; uses `DeviceOptions::threads` threads of its own.
+/// Renders units of one scene. Not thread-safe; it uses `DeviceOptions::threads` threads of its own.
 class Device {
  public:
   virtual ~Device() = default;
@@ -88,10 +88,10 @@ class Device {
   [[nodiscard]] virtual std::string description() const = 0;
   [[nodiscard]] virtual DevicePreparation preparation() const { return {}; }
   virtual Expected<SampleBuffer> render(const RenderUnit& unit) = 0;
-  /// To be called after the view in the scene's header has changed (see kernels/host/view.h).
+  /// Must be called after the view in the scene's header has changed (see kernels/host/view.h).
   virtual Expected<void> take_view() { return {}; }
-  /// How many parts of units (blocks of paths, kernel launches) are done so far. It grows while render() gets
-  /// on, and stands still where nothing goes on. From any thread.
+  /// The number of parts of units (blocks of paths, kernel launches) that are done. It grows while render()
+  /// makes progress, so that a hang can be detected. Thread-safe.
   [[nodiscard]] virtual std::uint64_t parts_done() const { return parts_; }
 
  protected:
@@ -101,44 +101,44 @@ class Device {
   std::atomic<std::uint64_t> parts_ = 0;
 };
 
-/// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive
-/// the device. With kAuto a device whose kernels do not compile is a warning, and native code renders.
+/// The scene's header selects the intersector; an Embree scene on an OpenCL device is an error. The scene
+/// must outlive the device. With kAuto, kernels that do not compile cause a warning, and native code renders.
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options);
 
-/// An empty result for the unit, with room for the planes that a device writes for the scene's features, see
-/// device_plane_count. The error names a unit that no device can render.
+/// An empty result for the unit, with memory for the planes that a device writes for the scene's features,
+/// see device_plane_count. Errors: a unit that no device can render.
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t features);
 
 constexpr std::array<Isa, 3> kIsas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
 constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
 constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
-/// Their names, with commas.
+/// Names separated by commas.
 inline std::string isa_list(std::span<const Isa> isas) {
   std::string text;
   for (const Isa isa : isas) text.append(text.empty() ? "" : ", ").append(isa_name(isa));
   return text;
 }
 
-/// Instruction sets that the kernels are built for, from the narrowest, which is SSE2, on.
+/// Instruction sets that the kernels are built for, from SSE2, the narrowest, on.
 std::vector<Isa> built_isas();
-/// Those of them that this machine has.
+/// Those of them that this machine supports.
 std::vector<Isa> usable_isas();
-/// The widest of those.
+/// The widest usable one.
 Isa best_isa();
-/// The error says whether the machine or the build lacks the set, and which are there.
+/// The error says whether the machine or the build lacks the set, and which sets are available.
 Expected<void> check_isa(Isa isa);
 Expected<Isa> usable_isa(std::string_view name);
 
-/// Which backends may come to compute.
+/// The backends that may be used.
 struct BackendsInUse {
   bool native = false, opencl = false;
 };
-/// Of native, opencl, auto, or both.
+/// For native, opencl, auto, or both.
 constexpr BackendsInUse backends_in_use(std::string_view name) {
   return {name != "opencl", name != "native"};
 }
-/// Fails if a device or an instruction set is named (not empty) that none of the backends uses.
+/// Errors: a device or an instruction set is named (not empty) that none of the backends uses.
 Expected<void> check_backend_options(BackendsInUse backends, std::string_view opencl_device,
                                      std::string_view isa);
 

@@ -1,4 +1,4 @@
-// The portable kernel sources, compiled into the binary so that a worker needs no files.
+// The portable kernel sources, embedded in the binary so that a worker needs no files.
 #pragma once
 
 #include <span>

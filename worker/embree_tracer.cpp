@@ -18,7 +18,7 @@
 namespace penumbra {
 namespace {
 
-constexpr float kBlocked = -std::numeric_limits<float>::infinity();  // as Embree marks an occluded ray
+constexpr float kBlocked = -std::numeric_limits<float>::infinity();  // Embree's mark of an occluded ray
 constexpr int kPacket = 16;
 
 struct DeviceRelease {
@@ -33,7 +33,7 @@ void quadric_bounds(const RTCBoundsFunctionArguments* arguments) {
   *arguments->bounds_o = {box.low[0], box.low[1], box.low[2], 0, box.high[0], box.high[1], box.high[2], 0};
 }
 
-/// Distance to the quadric inside the ray's interval, or -1. In an instance the direction has any length.
+/// Distance to the quadric within the ray's interval, or -1. In an instance the direction is not normalised.
 float quadric_hit(const void* user, unsigned primitive, bool in_instance, RTCRayN* rays, unsigned n,
                   unsigned i) {
   const Quadric& q = static_cast<const Quadric*>(user)[primitive];
@@ -70,14 +70,14 @@ void quadric_occluded(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
-// Embree reads vertices, 16 bytes each, where the scene's records have them.
+// Embree reads vertices, 16 bytes each, directly from the scene's records.
 constexpr std::size_t kTriangleWords = sizeof(Triangle) / sizeof(float);
 constexpr std::size_t kVertexWords = 3;
 static_assert(offsetof(Triangle, p1) == kVertexWords * sizeof(float));
 static_assert(offsetof(Triangle, p2) == 2 * kVertexWords * sizeof(float));
 static_assert(kTriangleWords > 3 * kVertexWords);
 
-// Attached under these numbers, to a scene of each group; instances to that of group 0, the last ones.
+// Geometry IDs in the scene of each group. Instances are attached to that of group 0, after the others.
 constexpr unsigned kTriangleGeometry = 0;
 constexpr unsigned kQuadricGeometry = 1;
 constexpr unsigned kFirstInstance = 2;
@@ -86,9 +86,9 @@ int instance_number(unsigned geometry) {
   return geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(geometry - kFirstInstance);
 }
 
-/// Where the rays of a packet start; a ray's id is its place there.
+/// The primitives on which a packet's rays start; a ray's id is its index here.
 struct Starts {
-  RTCIntersectContext context;  // first, so that Embree's pointer to it is one to all
+  RTCIntersectContext context;  // first, so that Embree's pointer to it points to the whole struct
   std::span<const PrimitiveGroup> groups;
   std::span<const Instance> instances;
   int primitives[kPacket], instance[kPacket];  ///< or -1
@@ -101,13 +101,13 @@ struct Starts {
   [[nodiscard]] const PrimitiveGroup& group_of(int number) const {
     return groups[number < 0 ? 0 : std::size_t(instances[std::size_t(number)].group)];
   }
-  /// Whether ray j starts on the triangle of the instance, or of none.
+  /// Whether ray j starts on this triangle of this instance (-1: not instanced).
   [[nodiscard]] bool is_start(unsigned j, unsigned triangle, int number) const {
     return instance[j] == number && primitives[j] == group_of(number).first_triangle + int(triangle);
   }
 };
 
-/// No hits of the triangle that the ray starts on.
+/// Filter function: rejects hits of the triangle that the ray starts on.
 void leave_start_out(const RTCFilterFunctionNArguments* arguments) {
   const unsigned n = arguments->N;
   const auto* starts = reinterpret_cast<const Starts*>(arguments->context);
@@ -125,16 +125,16 @@ struct EmbreeTracer::Impl {
   std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
   std::vector<std::unique_ptr<RTCSceneTy, SceneRelease>> group_scenes;  ///< from group 1 on
-  /// Of the scene's records, which Embree reads vertices from, in words: those of a group's first triangle
-  /// are 0, 3 and 6.
+  /// Indices into the scene's records, in words, from which Embree reads vertices. Those of a group's first
+  /// triangle are 0, 3 and 6.
   std::vector<unsigned> indices;
   std::span<const Triangle> triangles;
   int triangle_count = 0;
-  PrimitiveGroup whole{};  ///< of a scene without instances
+  PrimitiveGroup whole{};  ///< for a scene without instances
   std::span<const PrimitiveGroup> groups;
   std::span<const Instance> instances;
 
-  /// Sets ray j of a packet, which is one if `wanted`.
+  /// Sets ray j of a packet; it is valid if `wanted`.
   template <typename Packet>
   static bool load(Packet& ray, int* valid, int j, bool wanted, const vec3& origin, const vec3& direction,
                    float tmax) {
@@ -154,9 +154,9 @@ struct EmbreeTracer::Impl {
     return valid[j] != 0;
   }
 
-  /// Whether Embree's arithmetic may find the triangle for a ray that starts at this point of it and leads
-  /// away: if the point's height over it, times twice its area, is within some 8 roundings of the products
-  /// that make it up, each at most that of the three coordinates' largest distances.
+  /// Whether Embree's arithmetic may hit the triangle with a ray that starts at this point of it and leads
+  /// away. This is so if the point's height over it, times twice its area, is within about 8 roundings of the
+  /// products in the computation, each at most the product of the largest distances along the three axes.
   [[nodiscard]] bool may_meet_again(unsigned triangle, int instance, const vec3& origin) const {
     const vec3 from = instance < 0 ? origin : to_group_point(&instances[std::size_t(instance)], origin);
     const Triangle& t = triangles[triangle];
@@ -164,14 +164,14 @@ struct EmbreeTracer::Impl {
     const float height = dot3(cross3(sub(v1, v0), sub(v2, v0)), v0);
     const auto reach = [](float a, float b, float c) { return max_f(FABS(a), max_f(FABS(b), FABS(c))); };
     const float products = reach(v0.x, v1.x, v2.x) * reach(v0.y, v1.y, v2.y) * reach(v0.z, v1.z, v2.z);
-    constexpr float kProducts = 3 * 8;  // three, of edges that are twice the distances
-    // What the way into a group rounds is not known here.
+    constexpr float kProducts = 3 * 8;  // three products, of edges that are twice the distances
+    // The rounding of the transform into a group is not known here.
     return instance >= 0 || !(FABS(height) > 8 * HALF_EPSILON * kProducts * products);
   }
 
-  // A ray does not hit the triangle that it starts on: offsets of origins rely on it, and are 0 where a plane
-  // goes through the scene's centre. Embree's filters slow every ray down, so only rays whose hit may be that
-  // triangle are traced again with one.
+  // A ray must not hit the triangle that it starts on: origins rely on it, since their offsets are 0 where a
+  // plane passes through the scene's centre. Embree's filters slow every ray down, so only rays whose hit may
+  // be that triangle are traced again with a filter.
 
   static void intersect(const void* self_, const PathState* paths, int count) {
     const Impl& self = *static_cast<const Impl*>(self_);
@@ -238,7 +238,8 @@ struct EmbreeTracer::Impl {
       if (any) {
         starts.context.filter = nullptr;
         rtcOccluded16(valid, self.scene.get(), &starts.context, &rays);
-        // What is in the way is not known: it may be that triangle, which the ray leaves, if it is close.
+        // Embree does not report the occluder: it may be the triangle that the ray starts on, if that is
+        // close.
         bool again = false;
         for (int j = 0; j < kPacket; ++j) {
           const auto start = unsigned(starts.primitives[j]);
@@ -265,7 +266,7 @@ struct EmbreeTracer::Impl {
     return made;
   }
 
-  /// The group's triangles and quadrics, which are consecutive ones of the scene's.
+  /// Attaches the group's triangles and quadrics, which are consecutive in the scene.
   void attach(const PrimitiveGroup& group, std::span<const Quadric> quadrics, RTCSceneTy* to) const {
     const auto add = [&](RTCGeometry geometry, unsigned number) {
       rtcCommitGeometry(geometry);
@@ -320,7 +321,7 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   std::unique_ptr<EmbreeTracer> result(new EmbreeTracer);
   result->impl_ = std::make_unique<Impl>();
   Impl& impl = *result->impl_;
-  // Embree has the same names for the sets.
+  // Embree uses the same names for instruction sets.
   const std::string configuration =
       fmt::format("threads={},isa={}", std::max(1, options.threads), isa_name(options.isa));
   impl.device.reset(rtcNewDevice(configuration.c_str()));

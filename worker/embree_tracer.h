@@ -1,4 +1,4 @@
-// The intersect and occlude stages of a block by Embree.
+// The intersect and occlude stages of a block with Embree.
 #pragma once
 
 #include <memory>
@@ -12,16 +12,16 @@ namespace penumbra {
 
 class EmbreeTracer {
  public:
-  /// Builds Embree's hierarchy over the scene with the instruction set of the options: its choices among
-  /// equal hits differ between sets. The scene must outlive the tracer.
+  /// Builds Embree's BVH of the scene, with the instruction set of the options: sets choose differently among
+  /// equal hits. The scene must outlive the tracer.
   static Expected<std::unique_ptr<EmbreeTracer>> make(const DeviceScene& scene, const DeviceOptions& options);
   ~EmbreeTracer();
   EmbreeTracer(const EmbreeTracer&) = delete;
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
-  /// Hands a block's rays to Embree 16 at a time.
+  /// Functions that pass a block's rays to Embree in packets of 16.
   [[nodiscard]] Tracer tracer() const;
-  /// The scene that it traces, for other ways of calling Embree.
+  /// Embree's scene, for other kinds of Embree calls.
   [[nodiscard]] RTCSceneTy* scene() const;
 
  private:

@@ -1,4 +1,4 @@
-// A unit as the kernels have it.
+// Converts a unit to the kernels' struct.
 #pragma once
 
 #include "kernels/unit.h"

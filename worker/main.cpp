@@ -1,4 +1,4 @@
-// penumbra-worker: renders what a scheduler asks for.
+// penumbra-worker: renders for a scheduler.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -39,7 +39,7 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
-/// Instruction sets that this machine has and the build does not.
+/// Instruction sets that this machine supports but the build lacks.
 std::string isas_left_out() {
   using namespace penumbra;
   std::vector<Isa> left_out;
@@ -49,7 +49,7 @@ std::string isas_left_out() {
   return left_out.empty() ? "" : fmt::format(" (not built, see PENUMBRA_ISA: {})", isa_list(left_out));
 }
 
-/// Ends the parse, as --help does.
+/// Prints the devices; ends the parse, like --help.
 void list_devices() {
   using namespace penumbra;
   const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
@@ -59,7 +59,8 @@ void list_devices() {
   throw CLI::Success();
 }
 
-/// As many as this process may use: what a queue has given the task, else the cores that it is bound to.
+/// The cores that this process may use: those that a job queue assigned to the task, else those that it is
+/// bound to.
 int cores_of_this_process() {
   int given = 0;
   if (const char* text = std::getenv("SLURM_CPUS_PER_TASK"))
@@ -75,8 +76,8 @@ void on_end_signal(int) {
   [[maybe_unused]] const auto written = write(end_pipe[1], "", 1);
 }
 
-/// A queue that wants its place back sends SIGTERM and waits a little, a terminal SIGINT: the worker says so
-/// to its scheduler, which need not wait for its unit, and ends.
+/// Handles SIGTERM (from a queue that reclaims the machine and waits briefly) and SIGINT (from a terminal):
+/// the worker tells its scheduler, which then need not wait for the unit, and ends.
 std::stop_token stop_by_signal() {
   std::stop_source source;
   if (pipe2(end_pipe, O_CLOEXEC) != 0) return {};
@@ -151,7 +152,7 @@ int run(int argc, char** argv) {
   app.add_option("--cache-size", options.cache_bytes, "Most that the folder may hold, as in 20G")
       ->type_name("SIZE")
       ->transform(CLI::AsSizeValue(false).description(""))
-      // Before that: transformations are done in the opposite order.
+      // Checked before the transformation above: they run in the opposite order.
       ->transform(
           CLI::Validator([](std::string& text) { return text.starts_with('-') ? "it is below 0" : ""; }, ""))
       ->default_str("4G");
@@ -192,7 +193,7 @@ int run(int argc, char** argv) {
       return kBadUsage;
     }
     options.isa = *named;
-    options.isas = {*named};  // what it will not use it does not have, or an Embree job would rely on it
+    options.isas = {*named};  // otherwise an Embree job might rely on a set that is not used
   }
   auto access = client_access(options.address, keys, KeyRole::kWorker);
   if (!access) {
@@ -209,7 +210,7 @@ int run(int argc, char** argv) {
   options.leave_reason = "it was told to end by a signal";
   options.on_connection_lost = [](const Error& error) {
     print_error(error);
-    std::_Exit(kFailed);  // the unit in hand cannot be interrupted, and its result is no longer needed
+    std::_Exit(kFailed);  // the current unit cannot be interrupted, and its result is no longer needed
   };
 
   if (const Expected<void> worked = run_worker(options); !worked) {

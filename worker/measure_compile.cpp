@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An empty folder, until the end.
+/// A temporary empty folder.
 class EmptyFolder {
  public:
   EmptyFolder() {
@@ -44,8 +44,8 @@ struct Measurement {
   double seconds = 0;
 };
 
-/// From nothing to the first result, less the time of a second one: drivers may put off a part of their work
-/// to the first launch.
+/// Time from the start to the first result, minus the time of a second result: drivers may do a part of their
+/// work at the first launch.
 Expected<Measurement> measure(const DeviceScene& scene, const DeviceOptions& options) {
   using Clock = std::chrono::steady_clock;
   const RenderUnit unit{.width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
@@ -71,7 +71,7 @@ Expected<void> run(int count, char** arguments) {
 
   const EmptyFolder cache;
   if (cache.path().empty()) return fail("no temporary folder can be made");
-  // Nothing may be found ready: the drivers' own caches, before the first of them is loaded.
+  // Disables the drivers' own caches, before the first driver is loaded.
   setenv("POCL_CACHE_DIR", cache.path().c_str(), 1);
   setenv("CUDA_CACHE_DISABLE", "1", 1);
   DeviceOptions options;

@@ -22,13 +22,13 @@
 namespace penumbra {
 namespace {
 
-// Stride of the state's arrays: a power of two would put a path's fields all into one set of the cache.
+// Stride of the state's arrays: with a power of two, all fields of a path would share one cache set.
 constexpr int kBlockStride = kBlockPaths + 16;
-// For all samples of a pixel, and for lanes past them.
+// For all samples of a pixel, and for lanes beyond them.
 constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
 
-/// Threads that wait for work: a unit is a few milliseconds, too short to start threads for it. Where the
-/// system does not give as many as are wanted, the team is smaller.
+/// Threads that wait for work: a unit takes a few milliseconds, too short for starting threads. If the system
+/// does not provide all wanted threads, the team is smaller.
 class ThreadTeam {
  public:
   explicit ThreadTeam(int size) {
@@ -52,7 +52,7 @@ class ThreadTeam {
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
   [[nodiscard]] int size() const { return int(threads_.size()) + 1; }
-  /// Why the team is smaller than was asked for; else empty.
+  /// Why the team is smaller than requested, or empty.
   [[nodiscard]] const std::string& shortage() const { return shortage_; }
 
   /// Calls work(0) ... work(size - 1), the first on the calling thread, and waits for all.
@@ -98,7 +98,7 @@ class ThreadTeam {
 
 class NativeDevice final : public Device {
  public:
-  /// `whole`: every primitive is tested although the scene has a hierarchy.
+  /// `whole`: test every primitive even though the scene has a BVH.
   NativeDevice(const DeviceScene& scene, const DeviceOptions& options, const NativeKernel& kernel, bool whole,
                std::unique_ptr<EmbreeTracer> tracer)
       : scene_(scene),
@@ -127,7 +127,7 @@ class NativeDevice final : public Device {
     const int samples = int(unit.sample_count);
     const int capacity = options_.block_of_one ? 1 : kBlockStride;
     const int pixels = int(result.pixels());
-    // Smaller blocks when there would be fewer than threads.
+    // Smaller blocks if there would be fewer blocks than threads.
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
     while (blocks_.size() < std::size_t(team_.size()))
@@ -180,7 +180,7 @@ KernelTarget kernel_target(Isa isa) {
 
 namespace {
 
-/// Whether testing every primitive is possible and faster than the scene's hierarchy: no image depends on it.
+/// Whether testing every primitive is possible and faster than the scene's BVH. Images do not depend on it.
 bool prefers_whole(KernelTarget target, const DeviceScene& scene) {
   const bool either = (scene.header.features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
   return either && tests_every_primitive(target, scene);

@@ -1,4 +1,4 @@
-// Renders on this machine's cores, a block per thread.
+// Renders on this machine's cores, one block per thread.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,11 @@
 
 namespace penumbra {
 
-/// What the vectorised kernels for an instruction set are compiled for.
+/// The target of the vectorised kernels for an instruction set.
 KernelTarget kernel_target(Isa isa);
 
-/// Errors: an instruction set that the machine lacks, no memory for the blocks, Embree does not start.
+/// Errors: an instruction set that the machine lacks, not enough memory for the blocks, Embree does not
+/// start.
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options);
 
 }  // namespace penumbra

@@ -38,7 +38,7 @@ class DeviceWithStages final : public Device {
   }
 
  private:
-  /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
+  /// Unknown if the path cannot be repeated, or is finite natively; the unit is still valid.
   NonFiniteSource source_of(const RenderUnit& unit, const FlaggedSamples& bad) {
     if (!prober_) {
       Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);

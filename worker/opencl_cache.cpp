@@ -19,7 +19,7 @@ constexpr char kMagic[8] = {'P', 'E', 'N', 'U', 'M', 'B', 'C', 'L'};
 constexpr std::size_t kKeyDigits = 32;
 constexpr const char* kSuffix = ".clbin";
 
-/// In front of the binary in a file, in the machine's byte order: a cache is not carried around.
+/// Precedes the binary in a file, in the machine's byte order: cache files are not moved to other machines.
 struct Header {
   char magic[8];
   std::uint32_t version;
@@ -30,7 +30,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-/// The binary in the file, or what is wrong with it.
+/// The binary in the file. Errors: what is wrong with it.
 Expected<std::vector<unsigned char>> read_binary(CacheFile& file, std::string_view key) {
   const auto size = file.size();
   if (!size) return std::unexpected(size.error());

@@ -1,4 +1,4 @@
-// Compiled kernels on disk, so that a worker compiles a set of them once for each device and not at each
+// A cache of compiled kernels on disk, so that a worker compiles them once for each device and not at every
 // start.
 #pragma once
 
@@ -15,32 +15,32 @@
 
 namespace penumbra {
 
-/// The user's choice of folder: PENUMBRA_KERNEL_CACHE, else penumbra/kernels below XDG_CACHE_HOME, else
-/// below
-/// ~/.cache. Empty, which is no cache: PENUMBRA_KERNEL_CACHE=off, or none of these variables is set.
+/// The folder: PENUMBRA_KERNEL_CACHE, else penumbra/kernels below XDG_CACHE_HOME, else below ~/.cache. Empty
+/// (no cache) if PENUMBRA_KERNEL_CACHE=off, or if none of these variables is set.
 std::filesystem::path default_kernel_cache();
 
-/// Files named after what they were compiled from. Several processes may use one folder: a file is written
-/// aside and renamed, and whatever is not whole, or not what its name says, is never returned.
+/// Files are named after the hash of what they were compiled from. Several processes may use one folder: a
+/// file is written under another name and renamed. A file that is incomplete or does not match its name is
+/// never returned.
 class KernelCache {
  public:
-  static constexpr int kMostFiles = 64;  ///< of some 100 kB
+  static constexpr int kMostFiles = 64;  ///< of about 100 kB each
 
-  /// An empty folder: nothing is found and nothing kept.
+  /// With an empty folder nothing is found or stored.
   explicit KernelCache(std::filesystem::path folder, int most_files = kMostFiles);
 
-  /// 32 hexadecimal digits of all the parts, which are told apart: {"ab", "c"} is not {"a", "bc"}.
+  /// A hash of the parts as 32 hexadecimal digits. {"ab", "c"} and {"a", "bc"} differ.
   static std::string key_of(std::span<const std::string> parts);
 
   struct Found {
     std::optional<std::vector<unsigned char>> binary;
-    std::string note;  ///< for people: what was wrong with a file that was there, and is removed; else empty
+    std::string note;  ///< for users: what was wrong with a file, which is removed; else empty
   };
-  /// What was kept under the key. It then counts as the one used last.
+  /// The binary stored under the key, which becomes the most recently used.
   [[nodiscard]] Found find(std::string_view key) const;
 
-  /// Keeps a binary, and of all files only those used last. Fails, in words for a log, if the folder cannot
-  /// be made or written; that is no reason not to go on.
+  /// Stores a binary, and removes the least recently used ones. Errors, for a log: the folder cannot be
+  /// created or written; the caller can go on without the cache.
   Expected<void> keep(std::string_view key, std::span<const unsigned char> binary) const;
 
   void remove(std::string_view key) const { files_.remove(key); }

@@ -17,10 +17,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLaunchSeconds = 0.25;         // a watchdog's patience is some 2 s
+constexpr double kLaunchSeconds = 0.25;         // watchdogs kill after about 2 s
 constexpr double kCpuLaunchSeconds = 1;         // so that the worker can show progress
-constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before anything is known of their time
-constexpr std::size_t kLargestGroup = 64;       // work items; more share no memory, so nothing is won
+constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before any time is known
+constexpr std::size_t kLargestGroup = 64;       // work items; larger groups share no memory and gain nothing
 
 class OpenClDevice final : public Device {
  public:
@@ -35,7 +35,7 @@ class OpenClDevice final : public Device {
     return device;
   }
 
-  /// Nothing may be under way when buffers go: PoCL crashes otherwise.
+  /// Buffers must not be released while commands run: PoCL crashes otherwise.
   ~OpenClDevice() override { session_.wait(); }
 
   std::string description() const override {
@@ -74,8 +74,8 @@ class OpenClDevice final : public Device {
       : session_(std::move(device)),
         scene_(scene),
         shape_(options.opencl_tuning.path_per_item.value_or(!info().is_cpu) ? kGpuShape : kCpuShape),
-        // A CPU device runs a work item a core, so this many keep that many cores busy. (Dividing the device
-        // would say so more plainly, but PoCL 3.1 crashes on sub-devices.)
+        // A CPU device runs one work item per core, so this many keep that many cores busy. (Dividing the
+        // device would be more direct, but PoCL 3.1 crashes on sub-devices.)
         items_(std::max(1, options.threads)),
         features_(scene.header.features) {
     const OpenClTuning& tuning = options.opencl_tuning;
@@ -95,10 +95,10 @@ class OpenClDevice final : public Device {
     if (std::string lacking = lacking_for(info(), features_); !lacking.empty()) return fail(lacking);
     if (!session_.open()) return std::unexpected(error());
     scene_bytes_ = sizeof scene_.header + scene_.words.size() * 4;
-    // Whether anything fits at all, before compiling: one pixel of one sample.
+    // Checks before compiling that one pixel with one sample fits.
     const RenderUnit least{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (auto fits = plan(least); !fits) return std::unexpected(fits.error());
-    // What a CPU device can use where it lies is not copied: the scene outlives the device.
+    // A CPU device uses the scene's memory in place: the scene outlives the device.
     if (!upload_header() ||
         !session_.upload(words_, scene_.words.data(), scene_.words.size() * 4, info().is_cpu) ||
         !session_.allocate(next_block_, sizeof(cl_int)))
@@ -117,14 +117,14 @@ class OpenClDevice final : public Device {
     OpenClSource source =
         opencl_source(info(), "kernels/opencl.cl", {}, needs_of(scene_.header), shape_.lanes);
     if (!info().is_cpu) source.options += " -DINLINE_STAGES";
-    // Twice as many paths at once as with all that the compiler would take.
+    // Allows twice as many paths at once as with all registers that the compiler would use.
     if (info().limits_registers) source.options += " -cl-nv-maxrregcount=128";
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
     const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
     KernelOrigin origin;
     const auto begin = Clock::now();
     program_ = cached_program(session_.context(), info(), source, cache, origin.note);
-    // A binary may be refused as late as at its first launch.
+    // A driver may reject a binary as late as at its first launch.
     origin.cached = program_ && create_kernels() && first_launch();
     if (program_ && !origin.cached) {
       cache.remove(kernel_cache_key(info(), source));
@@ -160,7 +160,7 @@ class OpenClDevice final : public Device {
     return true;
   }
 
-  /// A launch of each kernel that renders nothing: drivers compile what is left to be compiled at the first.
+  /// Launches each kernel without rendering anything: drivers finish compiling at the first launch.
   bool first_launch() {
     const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (!reserve(pixel)) return false;
@@ -184,7 +184,7 @@ class OpenClDevice final : public Device {
     return plan_opencl_memory(shape_, demand_, limits_, info().name);
   }
 
-  /// Block memory and results for the unit; what there is stays where it is large enough.
+  /// Allocates block memory and results for the unit. Buffers that are large enough are kept.
   Expected<void> reserve(const RenderUnit& unit) {
     const Expected<OpenClMemoryPlan> wanted = plan(unit);
     if (!wanted) return std::unexpected(wanted.error());
@@ -193,7 +193,7 @@ class OpenClDevice final : public Device {
                                                             {&slots_, plan_.slot_bytes(demand_)},
                                                             {&bad_, plan_.bad_bytes(demand_)},
                                                             {&out_, plan_.result_bytes(demand_)}};
-    // Each fits, but not beside what is left of larger ones.
+    // Each buffer fits, but not together with larger ones from before.
     std::uint64_t held = scene_bytes_;
     for (const auto& [buffer, bytes] : buffers) held += std::max(buffer->bytes, bytes);
     if (held > limits_.memory && !session_.wait()) return std::unexpected(error());
@@ -208,10 +208,10 @@ class OpenClDevice final : public Device {
 
   // --- Launching
 
-  /// The unit by blocks of paths, mostly in one launch.
+  /// Renders the unit by blocks of paths, mostly in one launch.
   bool launch_blocks(const Unit& unit) {
     const int pixels = unit.width * unit.height, samples = unit.sample_count;
-    // As few pixels a block as keep every work item busy, as many as a block's samples allow.
+    // As few pixels per block as keep every work item busy, and at most as many as a block has slots for.
     const int share = (pixels + plan_.items - 1) / plan_.items;
     const int block_pixels = std::max(1, std::min(slot_pixels(plan_.slots, samples, shape_.lanes), share));
     for (int first = 0; first < pixels;) {
@@ -237,8 +237,8 @@ class OpenClDevice final : public Device {
     return session_.launch(arguments, std::size_t(plan_.items), 1);
   }
 
-  /// The unit by single paths: as many pixels at a time as there are slots for, their paths in launches of a
-  /// moment, then their statistics.
+  /// Renders the unit by single paths: as many pixels at a time as there are slots for, first their paths in
+  /// short launches, then their statistics.
   bool launch_paths(const Unit& unit) {
     const int pixels = unit.width * unit.height, samples = unit.sample_count;
     const int chunk = plan_.slots / samples;
@@ -292,7 +292,7 @@ class OpenClDevice final : public Device {
     return !any || session_.clear(bad_.buffer, bad_.bytes);
   }
 
-  /// The part's planes into those of the unit, whose pixel (x, y) is the part's first.
+  /// Copies the part's planes into those of the unit; (x, y) is the part's first pixel in the unit.
   bool take_pixels(const Unit& part, int x, int y, SampleBuffer& result) {
     const std::size_t area = std::size_t(part.width) * std::size_t(part.height);
     const auto planes = std::size_t(demand_.planes);
@@ -323,7 +323,7 @@ class OpenClDevice final : public Device {
   DevicePreparation preparation_;
 
   ClProgram program_;
-  ClKernel trace_, finish_;  // finish_: where a work item is a path
+  ClKernel trace_, finish_;  // finish_: with one path per work item
   std::size_t group_ = 1;
   std::uint64_t scene_bytes_ = 0;
   OpenClDemand demand_;

@@ -1,4 +1,4 @@
-// Renders on an OpenCL device, a block per work item.
+// Renders on an OpenCL device, one block per work item.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-/// Compiles the kernels with exactly the scene's features, or takes them from the cache. Errors: a scene that
-/// asks for Embree, a compile that fails (with the device's log), not enough memory.
+/// Compiles the kernels for exactly the scene's features, or loads them from the cache. Errors: an Embree
+/// scene, a failed compilation (with the device's log), not enough memory.
 Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options,
                                                      const OpenClDeviceInfo& info);
-/// On the device that the options name; that there is none is an error.
+/// On the device that the options name. Error: there is none.
 Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options);
 
 }  // namespace penumbra

@@ -60,7 +60,7 @@ OpenClDeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   return info;
 }
 
-/// "OpenCL 1.2 ..." or later, with a compiler.
+/// Whether the device has OpenCL 1.2 or later, and a compiler.
 bool runs_our_kernels(cl_device_id device) {
   const std::string version = text_of(device, CL_DEVICE_VERSION);
   int major = 0, minor = 0;
@@ -74,9 +74,9 @@ bool runs_our_kernels(cl_device_id device) {
          value_of<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE) != 0;
 }
 
-/// PoCL compiles a kernel for the size of its launch, and for any size when it is asked for a binary, which
-/// is kept: twice the work for kernels of one work item. Told this it does the second alone, unless the user
-/// says otherwise. Other drivers do not know the variable.
+/// PoCL compiles a kernel for the size of its launch, and again for any size when its binary is requested for
+/// the cache. For kernels of one work item this is twice the work. With this variable it only does the
+/// latter, unless the user has set it. Other drivers ignore it.
 void ask_for_one_compilation() { setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0); }
 
 bool contains_ignoring_case(const std::string& text, const std::string& part) {

@@ -7,8 +7,8 @@
 namespace penumbra {
 namespace {
 
-// With a path a work item: as many as fill the largest devices, and samples whose slots take some 50 to 100
-// MB.
+// With one path per work item: enough items to fill the largest devices, and samples whose slots take some 50
+// to 100 MB.
 constexpr int kMostItems = 1 << 18;
 constexpr int kMostSlots = 1 << 20;
 constexpr int kMostFinishingItems = 1 << 15;
@@ -44,7 +44,7 @@ OpenClMemoryPlan largest_plan(const BlockShape& shape, const OpenClDemand& deman
   return plan;
 }
 
-/// Makes the largest thing smaller; false if nothing can be.
+/// Makes the largest item smaller. Returns false if nothing can be made smaller.
 bool shrink(OpenClMemoryPlan& plan, const BlockShape& shape, const OpenClDemand& demand) {
   const auto halve = [](int& value, int least) {
     if (value <= least) return false;

@@ -1,4 +1,4 @@
-// How much of a unit an OpenCL device takes at once, so that all of it fits the device's memory.
+// Plans how much of a unit an OpenCL device renders at once, so that everything fits the device's memory.
 #pragma once
 
 #include <cstdint>
@@ -8,41 +8,42 @@
 
 namespace penumbra {
 
-/// A CPU device runs blocks of thousands of paths, 16 to a loop; each work item takes one after the other.
-/// Any other device runs a path a work item, and neighbouring items lie side by side in memory.
+/// A CPU device runs blocks of thousands of paths, 16 per vectorised loop; each work item takes one block
+/// after the other. Other devices run one path per work item; neighbouring items are adjacent in memory.
 struct BlockShape {
-  bool blocks = true;  ///< false: a path a work item
+  bool blocks = true;  ///< false: one path per work item
   int lanes = 16;
-  int paths = kBlockPaths + 16;              ///< of a block; no power of two, for the cache's sake
-  int slots = int(kMaxSamplesPerUnit) + 16;  ///< samples of a block
+  int paths = kBlockPaths +
+              16;  ///< paths per block; not a power of two, which would map fields to the same cache set
+  int slots = int(kMaxSamplesPerUnit) + 16;  ///< samples per block
 };
 constexpr BlockShape kCpuShape{};
 constexpr BlockShape kGpuShape{.blocks = false, .lanes = 1, .paths = 1, .slots = 0};
 
-/// Bytes; what a device, its driver or a test allows.
+/// Limits in bytes, of a device, its driver or a test.
 struct OpenClLimits {
-  std::uint64_t memory = 0;      ///< altogether
-  std::uint64_t allocation = 0;  ///< of one buffer
+  std::uint64_t memory = 0;      ///< total
+  std::uint64_t allocation = 0;  ///< per buffer
 };
 
-/// What is to be held.
+/// What must fit.
 struct OpenClDemand {
   std::uint64_t scene_bytes = 0;
-  std::uint64_t path_words = 0;  ///< 4 bytes each, of a path under way
-  std::uint64_t slot_words = 0;  ///< of a sample until its pixel is finished
-  std::uint64_t planes = 0;      ///< floats of a pixel's result
-  std::uint64_t bad_bytes = 0;   ///< counters of a work item
-  int width = 0, height = 0;     ///< pixels of the unit
-  int samples = 0;               ///< of a pixel
+  std::uint64_t path_words = 0;  ///< words of 4 bytes per path under way
+  std::uint64_t slot_words = 0;  ///< words per sample until its pixel is finished
+  std::uint64_t planes = 0;      ///< floats per pixel of the result
+  std::uint64_t bad_bytes = 0;   ///< counters per work item
+  int width = 0, height = 0;     ///< the unit's size in pixels
+  int samples = 0;               ///< samples per pixel
   int items = 1;                 ///< CPU: work items that keep the device busy
 };
 
 struct OpenClMemoryPlan {
-  int part_width = 0, part_height = 0;  ///< the unit is rendered in parts of so many pixels
-  int items = 0;                        ///< work items of a launch; with a path an item: paths of a launch
+  int part_width = 0, part_height = 0;  ///< the unit is rendered in parts of this size, in pixels
+  int items = 0;                        ///< work items per launch; with one path per item: paths per launch
   int paths = 0;                        ///< stride of a block's state
-  int slots = 0;                        ///< of a block; with a path an item: of all paths together
-  int finishing_items = 0;              ///< those that have counters
+  int slots = 0;                        ///< per block; with one path per item: for all paths together
+  int finishing_items = 0;              ///< work items that have counters
 
   [[nodiscard]] std::uint64_t path_bytes(const OpenClDemand& demand) const;
   [[nodiscard]] std::uint64_t slot_bytes(const OpenClDemand& demand) const;
@@ -53,8 +54,8 @@ struct OpenClMemoryPlan {
   friend bool operator==(const OpenClMemoryPlan&, const OpenClMemoryPlan&) = default;
 };
 
-/// The whole unit and as many work items as are wanted if they fit, else fewer items, smaller blocks, and the
-/// unit in parts. The error says what does not fit and both numbers.
+/// Plans the whole unit and all wanted work items if they fit; else fewer items, smaller blocks, and the unit
+/// in parts. The error says what does not fit, with both numbers.
 Expected<OpenClMemoryPlan> plan_opencl_memory(const BlockShape& shape, const OpenClDemand& demand,
                                               const OpenClLimits& limits, const std::string& device);
 

@@ -10,12 +10,13 @@ namespace penumbra {
 
 namespace {
 
-/// An OpenCL source from embedded files.
+/// An OpenCL source, assembled from embedded files.
 class SourceText {
  public:
   explicit SourceText(std::span<const EmbeddedFile> files) : files_(files) {}
 
-  /// Appends a file with its includes in place, each file once. OpenCL C knows no lang_cpp.h.
+  /// Appends a file with its includes inserted, each file once. lang_cpp.h is left out, since OpenCL C does
+  /// not use it.
   void append(std::string_view name) {
     if (name == "kernels/lang_cpp.h" || !seen_.insert(name).second) return;
     constexpr std::string_view kInclude = "#include \"";
@@ -38,7 +39,7 @@ class SourceText {
     for (const auto files : {files_, embedded_kernels()})
       if (const auto file = std::ranges::find(files, name, &EmbeddedFile::name); file != files.end())
         return file->text;
-    return {};  // a host header under a condition that OpenCL C never meets
+    return {};  // a host header, in a conditional that is never true in OpenCL C
   }
 
   std::span<const EmbeddedFile> files_;

@@ -1,4 +1,4 @@
-// Compiling the kernels for an OpenCL device.
+// Compiles the kernels for an OpenCL device.
 #pragma once
 
 #include <CL/cl.h>
@@ -31,37 +31,36 @@ using ClProgram = ClHandle<cl_program, clReleaseProgram>;
 using ClKernel = ClHandle<cl_kernel, clReleaseKernel>;
 using ClBuffer = ClHandle<cl_mem, clReleaseMemObject>;
 
-/// A program as it is to be compiled.
+/// The source of a program.
 struct OpenClSource {
   std::string name;     ///< of the embedded file, for messages
-  std::string text;     ///< with its includes in place
-  std::string options;  ///< for the compiler
+  std::string text;     ///< with all includes inserted
+  std::string options;  ///< compiler options
 };
 
-/// The embedded file of that name, of `files` or the kernels. `lanes`: paths that one vectorised loop
-/// carries.
+/// The source of an embedded file, from `files` or the kernels. `lanes`: paths per vectorised loop.
 OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
                            std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
-/// Compiles. The error holds the device's log.
+/// Compiles it. The error includes the device's log.
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device,
                                    const OpenClSource& source);
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
                                    std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
-/// What compiled source is kept under: its text, its options, and the device, its driver and their versions.
+/// The cache key of compiled source: text, options, device, driver and their versions.
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source);
 
-/// A program from the cache. None if there is none, or none that this device takes, which is then removed;
+/// A program from the cache. Null if there is none, or if the device rejects it; then it is removed, and
 /// `note` says so.
 ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, const OpenClSource& source,
                          const KernelCache& cache, std::string& note);
 
-/// Keeps a program's binary. Drivers may compile a kernel at its first launch only: best after that.
+/// Stores a program's binary. Drivers may finish compiling at the first launch only, so call it after that.
 Expected<void> keep_program(cl_program program, const OpenClDeviceInfo& device, const OpenClSource& source,
                             const KernelCache& cache);
 
-/// "CL_OUT_OF_RESOURCES" and the like.
+/// The name of an error code, such as "CL_OUT_OF_RESOURCES".
 std::string opencl_error_text(cl_int code);
 
 }  // namespace penumbra

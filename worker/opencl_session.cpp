@@ -13,8 +13,8 @@ bool OpenClSession::open() {
   if (!good(status, "make a context")) return false;
   queue_.reset(clCreateCommandQueue(context_.get(), info_.id, 0, &status));
   if (!good(status, "make a queue")) return false;
-  // Context and queue live as long as the process: a thread of PoCL 3.1 may still be releasing the last
-  // command's event, which uses both, when the wait for that command has returned.
+  // Context and queue are never released: when the wait for the last command has returned, a thread of PoCL
+  // 3.1 may still be releasing that command's event, which uses both.
   clRetainContext(context_.get());
   clRetainCommandQueue(queue_.get());
   return true;
@@ -32,7 +32,7 @@ bool OpenClSession::upload(ClBuffer& buffer, const void* data, std::size_t bytes
 
 bool OpenClSession::allocate(ClBuffer& buffer, std::size_t bytes) {
   cl_int status = CL_SUCCESS;
-  // A CPU device's is in the host's memory anyway, where mapping it is no copy.
+  // On a CPU device the buffer is in the host's memory, where mapping needs no copy.
   const cl_mem_flags place = info_.is_cpu ? CL_MEM_ALLOC_HOST_PTR : cl_mem_flags(0);
   buffer.reset(clCreateBuffer(context_.get(), CL_MEM_READ_WRITE | place, bytes, nullptr, &status));
   return good(status, fmt::format("allocate {} bytes on it", bytes)) && clear(buffer, bytes);

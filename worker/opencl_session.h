@@ -1,4 +1,4 @@
-// One device's context and queue, its buffers and launches, and what went wrong with them.
+// The context and queue of a device, its buffers and launches, and their last error.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace penumbra {
 
-/// A buffer that is kept from one use to the next and grows.
+/// A buffer that is reused and grows when needed.
 struct ClReserve {
   ClBuffer buffer;
   std::uint64_t bytes = 0;
 };
 
-/// Sets a kernel's arguments in their order.
+/// Sets a kernel's arguments, in order.
 class ClArguments {
  public:
   explicit ClArguments(cl_kernel kernel) : kernel_(kernel) {}
@@ -44,8 +44,8 @@ class ClArguments {
   cl_int status_ = CL_SUCCESS;
 };
 
-/// What returns bool is true if it went well; `error` says what went wrong last. On a CPU device nothing is
-/// copied that can be used where it lies.
+/// Functions that return bool return true on success; `error` describes the last failure. CPU devices use the
+/// host's memory in place where they can, instead of copies.
 class OpenClSession {
  public:
   explicit OpenClSession(OpenClDeviceInfo info) : info_(std::move(info)) {}
@@ -55,22 +55,22 @@ class OpenClSession {
 
   bool open();
 
-  /// The data must outlive the buffer if it is used in place.
+  /// With `in_place` the data may be used without a copy: it must outlive the buffer.
   bool upload(ClBuffer& buffer, const void* data, std::size_t bytes, bool in_place);
-  /// All zeros.
+  /// Initialised with zeros.
   bool allocate(ClBuffer& buffer, std::size_t bytes);
-  /// At least so many bytes; what there is stays if it is enough, else all is zeros.
+  /// Makes the buffer at least so large. Its content is kept if it was large enough, else it is zeros.
   bool reserve(ClReserve& reserve, std::uint64_t bytes);
   bool clear(const ClBuffer& buffer, std::size_t bytes);
 
-  /// At least so many work items, a multiple of `group`.
+  /// Launches at least `items` work items, rounded up to a multiple of `group`.
   bool launch(const ClArguments& arguments, std::size_t items, std::size_t group);
-  /// Waits for all launches, then copies the first bytes of a buffer.
+  /// Waits for all launches, then copies the first `bytes` of a buffer.
   bool read(const ClReserve& from, void* to, std::size_t bytes);
-  /// Until nothing is under way.
+  /// Waits until all launches are finished.
   bool wait() { return !queue_ || good(clFinish(queue_.get()), "wait for its kernels"); }
 
-  /// Work items of a group, at most so many: a multiple of what the device likes.
+  /// The size of a work group, at most `most`: a multiple of what the device prefers.
   [[nodiscard]] std::size_t group_size(cl_kernel kernel, std::size_t most) const;
 
   bool good(cl_int status, std::string_view what);

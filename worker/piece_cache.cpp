@@ -26,7 +26,7 @@ PieceCache::~PieceCache() {
 
 std::vector<std::string> PieceCache::take_notes() { return std::exchange(notes_, {}); }
 
-/// What is there counts as used, so that it is not removed to make room for the scene's other pieces.
+/// An existing file is marked as used, so that it is not removed to make room for the scene's other pieces.
 bool PieceCache::may_have(const AssetPiece& piece) {
   if (!files_.enabled()) return false;
   CacheFile file(file_of(piece), O_RDONLY | O_NONBLOCK);
@@ -37,7 +37,7 @@ bool PieceCache::may_have(const AssetPiece& piece) {
 
 void PieceCache::expect(std::uint64_t missing, std::uint64_t total) {
   if (!files_.enabled() || missing == 0) return;
-  keeps_ = total <= most_bytes_;  // of a larger one, each piece would drive out the next that is needed
+  keeps_ = total <= most_bytes_;  // pieces of a larger scene would evict each other
   if (keeps_)
     files_.remove_oldest(missing);
   else

@@ -1,4 +1,5 @@
-// Pieces of scenes on disk, so that a worker that starts again, or starts beside others, need not fetch them.
+// A cache of scene pieces on disk, so that a worker that restarts, or runs beside others, need not download
+// them.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +14,21 @@
 
 namespace penumbra {
 
-/// What a worker keeps by default. Home folders of clusters have quotas of some ten GB.
+/// Default size limit. Home folders on clusters have quotas of some ten GB.
 constexpr std::uint64_t kPieceCacheBytes = std::uint64_t(4) << 30;
 
-/// The user's choice of folder: PENUMBRA_CACHE, else penumbra/scenes below XDG_CACHE_HOME or ~/.cache. Empty,
-/// which is no cache: PENUMBRA_CACHE=off, or none of these variables is set; and for a scheduler at a Unix
-/// socket, which is on this machine: its memory is nearer than a disk.
+/// The folder: PENUMBRA_CACHE, else penumbra/scenes below XDG_CACHE_HOME or ~/.cache. Empty (no cache) if
+/// PENUMBRA_CACHE=off, or if none of these variables is set; also for a scheduler at a Unix socket, which is
+/// on this machine: its memory is faster than a disk.
 std::filesystem::path default_piece_cache(const std::string& scheduler_address);
 
-/// A file for each piece, named after its hash. Several workers may use one folder: nothing is locked, and
-/// what is not whole is removed and never returned; what is not what its name
-/// says is removed once whoever reads it finds out. At most `most_bytes` stay
-/// when nobody fetches; while some do, what they are just writing may be there beside. A folder that is full
-/// or cannot be written is none: rendering goes on without it.
+/// One file per piece, named after its hash. Several workers may share a folder without locks. An incomplete
+/// file is removed and never returned; one that does not match its hash is removed when its reader calls
+/// reject(). At most `most_bytes` remain when no worker is downloading; meanwhile there may also be what
+/// workers are writing. If the folder is full or cannot be written, rendering goes on without it.
 class PieceCache final : public PieceStore {
  public:
-  /// An empty folder: nothing is found and nothing kept.
+  /// With an empty folder nothing is found or stored.
   PieceCache(std::filesystem::path folder, std::uint64_t most_bytes);
   ~PieceCache() override;
   PieceCache(const PieceCache&) = delete;
@@ -43,13 +43,13 @@ class PieceCache final : public PieceStore {
   [[nodiscard]] std::filesystem::path file_of(const AssetPiece& piece) const {
     return files_.file_of(piece.hash);
   }
-  /// What is to be said of it, since the last call.
+  /// Messages for users since the last call.
   std::vector<std::string> take_notes();
 
  private:
   const std::uint64_t most_bytes_;
   CacheFolder files_;
-  bool keeps_ = true;  // of the scene that is being fetched
+  bool keeps_ = true;  // whether the scene that is being downloaded is stored
   bool has_written_ = false;
   std::vector<std::string> notes_;
 };

@@ -8,10 +8,10 @@
 namespace penumbra {
 namespace {
 
-/// Cycles, measured by tests/benchmarks/traversal_benchmark.cpp (Zen 4; only their ratios matter).
+/// Costs in cycles, measured by tests/benchmarks/traversal_benchmark.cpp (Zen 4; only their ratios matter).
 struct SearchCosts {
-  double vertex, primitive;  ///< a ray's share of testing the scene whole
-  double node, leaf;         ///< a visit
+  double vertex, primitive;  ///< per ray, when testing every primitive
+  double node, leaf;         ///< per visit
 };
 
 SearchCosts costs_of(KernelTarget target) {
@@ -32,8 +32,8 @@ struct Visits {
   double nodes = 1, leaves = 0;
 };
 
-/// What a ray that meets the scene visits if it goes anywhere: boxes in proportion to their surface
-/// (Goldsmith and Salmon 1987), of which a closed room has larger ones than a plain with a few things on it.
+/// The expected visits of a ray that meets the scene: boxes are visited in proportion to their surface area
+/// (Goldsmith and Salmon 1987). A closed room has larger boxes than a plain with a few objects.
 Visits expected_visits(std::span<const BvhNode> nodes) {
   const auto box_of = [](const BvhNode& node, int child) {
     Box box;
@@ -49,7 +49,7 @@ Visits expected_visits(std::span<const BvhNode> nodes) {
   for (const BvhNode& node : nodes)
     for (int child = 0; child < BVH_WIDTH; ++child) {
       const Box box = box_of(node, child);
-      if (box.low[0] <= box.high[0])  // it is there
+      if (box.low[0] <= box.high[0])  // not an empty slot
         (node.child[child] < 0 ? visits.leaves : visits.nodes) += half_area(box) / half_area(scene);
     }
   return visits;

@@ -1,4 +1,5 @@
-// Which search a native device takes for a scene that has both: no image depends on it.
+// Chooses between BVH traversal and testing every primitive on a native device, for scenes that support both.
+// Images do not depend on it.
 #pragma once
 
 #include "kernels/host/device_scene.h"
@@ -6,8 +7,8 @@
 
 namespace penumbra {
 
-/// Whether bounced and shadow rays of a scene with a hierarchy that could also be tested whole are likely to
-/// be found sooner by testing every triangle, by the target's kernels.
+/// Whether testing every triangle is probably faster than the BVH for bounced and shadow rays, with the
+/// target's kernels.
 bool tests_every_primitive(KernelTarget target, const DeviceScene& scene);
 
 }  // namespace penumbra

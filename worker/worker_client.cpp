@@ -34,19 +34,20 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kBeatInterval{1};
-constexpr std::chrono::milliseconds kTimeToLeave{500};  // for each of: to say so, to be heard
+constexpr std::chrono::milliseconds kTimeToLeave{500};  // to send the message, and to be answered
 
-// Pauses between connections: short for a scheduler on this machine, long where thousands may come back.
+// Pauses between connection attempts: short for a scheduler on this machine, long where thousands of workers
+// may reconnect.
 constexpr std::chrono::milliseconds kFirstPause{100}, kFirstPauseHere{20}, kLongestPause{15'000},
     kLongestPauseHere{500};
-// An attempt is over when it has failed, or after this.
+// An attempt ends when it has failed, or after this time.
 constexpr std::chrono::seconds kTimeToConnect{10};
 constexpr std::chrono::milliseconds kTimeToExplain{2000};
-// A unit whose result nobody waits for any more may take this long to end before another connection.
+// A unit whose result is no longer needed may take this long before the worker reconnects.
 constexpr std::chrono::seconds kTimeToFinish{120};
-constexpr double kLongestRetry = 1e9;  // seconds: for ever
+constexpr double kLongestRetry = 1e9;  // seconds: forever
 
-/// Whether trying again would end the same way.
+/// Whether another attempt would end in the same way.
 bool is_final(grpc::StatusCode code) {
   return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
          code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
@@ -65,14 +66,14 @@ struct FinishedUnit {
   double busy_seconds = 0;
 };
 
-/// A job that the scheduler has given, and not yet told to forget.
+/// A job from the scheduler that it has not told the worker to forget.
 struct KnownJob {
   std::unique_ptr<DeviceScene> scene;
   AssetManifest manifest;
-  std::unique_ptr<Device> device;  // after the scene that it renders
+  std::unique_ptr<Device> device;  // declared after the scene that it renders
 };
 
-/// How a connection ended that was not the worker's last one.
+/// How a connection ended, if the worker may connect again.
 struct Lost {
   Error why;
   bool was_answered = false;  // by the scheduler, at least once
@@ -84,7 +85,7 @@ class Session {
  public:
   Session(const WorkerClientOptions& options, bool may_return) : options_(options), may_return_(may_return) {}
 
-  /// Whether the scheduler is there; and why not, as far as can be told.
+  /// Connects to the scheduler. If that fails, `why_not` says why, as far as it is known.
   bool connect(std::string& why_not);
   SessionEnd run();
 
@@ -111,29 +112,30 @@ class Session {
   std::unique_ptr<grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>> stream_;
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
-  std::atomic<bool> leaving_ = false;              // either side has said that it is over
-  std::atomic<bool> is_over_ = false;              // nothing that came is to be begun any more
-  bool is_answered_ = false, comes_back_ = false;  // of the reading thread
-  // Set by the writing, the reading and the working thread at their ends.
+  std::atomic<bool> leaving_ = false;              // either side has announced the end
+  std::atomic<bool> is_over_ = false;              // nothing that has arrived is started any more
+  bool is_answered_ = false, comes_back_ = false;  // used by the reading thread only
+  // Set by the writing, the reading and the working thread when they end.
   std::promise<void> all_said_, all_heard_, worked_;
   const std::shared_future<void> said_ = all_said_.get_future().share();
   grpc::Status status_;    // of the stream
-  const bool may_return_;  // another connection may follow
+  const bool may_return_;  // whether another connection may follow
   std::mutex views_mutex_;
-  std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
+  std::map<JobId, std::uint32_t>
+      newest_views_;  // the newest that has arrived, even if it is not processed yet
 
-  std::atomic<bool> beat_waits_ = false;  // in the outbox
+  std::atomic<bool> beat_waits_ = false;  // one is in the outbox
 
-  std::mutex jobs_mutex_;  // while it changes: beats come from another thread
+  std::mutex jobs_mutex_;  // for changes: the beat thread reads it
   std::map<JobId, KnownJob> jobs_;
-  std::uint64_t forgotten_parts_ = 0;  // that devices of forgotten jobs have done
+  std::uint64_t forgotten_parts_ = 0;  // parts done by devices of forgotten jobs
   bool was_ready_ = false;
-  std::optional<Error> failure_;  // of the last job that could not be done here
+  std::optional<Error> failure_;  // of the last job that could not be rendered here
 };
 
-/// One attempt of the channel, which says itself when it has failed.
+/// Makes one attempt to connect; the channel reports its failure.
 bool Session::connect(std::string& why_not) {
-  // The channel does not try again by itself.
+  // The channel must not retry by itself.
   channel_ =
       open_channel(options_.address, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
   const auto deadline = std::chrono::system_clock::now() + kTimeToConnect;
@@ -162,7 +164,7 @@ SessionEnd Session::run() {
   std::thread reader([this] { read(); });
   std::thread writer([this] { write(); });
   std::jthread heart([this](const std::stop_token& stop) { beat(stop); });
-  // In a scope, for it waits for a leave() that is under way.
+  // In a scope: the destructor waits for a running leave().
   Expected<void> worked;
   {
     const std::stop_callback when_told(options_.leave, [this] { leave(); });
@@ -175,8 +177,7 @@ SessionEnd Session::run() {
   writer.join();
   reader.join();
   if (!worked) return worked;
-  if (leaving_ && !comes_back_)
-    return worked;  // one that is dismissed in the middle of a unit is not waited for
+  if (leaving_ && !comes_back_) return worked;  // a worker that is dismissed during a unit is not waited for
   Lost lost{lost_text(), is_answered_};
   if (may_return_ && !is_final(status_.error_code())) return lost;
   if (const Expected<void> ended = end_of_work(); !ended) return ended;
@@ -188,7 +189,7 @@ Error Session::lost_text() const {
   if (is_final(status_.error_code()))
     return {
         fmt::format("the scheduler at {} refuses this worker: {}", options_.address, status_text(status_))};
-  // Of a connection that broke there is no more to say.
+  // A broken connection has no further details.
   const bool is_broken = status_.ok() || status_.error_code() == grpc::StatusCode::UNAVAILABLE;
   return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address, is_broken ? "" : ": ",
                       is_broken ? "" : status_text(status_))};
@@ -209,7 +210,7 @@ void Session::read() {
   if (!leaving_) is_over_ = true;
   inbox_.close();
   all_heard_.set_value();
-  // Of one that is leaving the working thread may still write; a stream that broke takes no more.
+  // If the worker is leaving, the working thread may still write; a broken stream accepts nothing more.
   if (!leaving_) outbox_.close();
   said_.wait();
   status_ = stream_->Finish();
@@ -245,11 +246,11 @@ void Session::write_all() {
         message.mutable_unit_failed()->set_message(wire_text(unit.result.error().message, kLongestText));
       }
     }
-    if (!stream_->Write(message)) return;  // broken; the reader says so
+    if (!stream_->Write(message)) return;  // broken; the reading thread reports it
   }
 }
 
-/// Results that are finished go first. Then the stream ends, so that what the scheduler has sent since is not
+/// Finished results are sent first. Then the stream ends, so that the scheduler's last messages are not
 /// waited for.
 void Session::leave() {
   leaving_ = is_over_ = true;
@@ -262,8 +263,8 @@ void Session::leave() {
   inbox_.close();
 }
 
-/// A thread of its own, since the working one is in its device for as long as that takes. One beat at a time
-/// is on its way, so a connection that is stuck does not collect them.
+/// In a thread of its own, since the working thread may be busy in its device for a long time. Only one beat
+/// is in the outbox at a time, so that beats do not pile up if the connection is stuck.
 void Session::beat(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any never;
@@ -283,7 +284,7 @@ void Session::beat(const std::stop_token& stop) {
 }
 
 Expected<void> Session::work() {
-  // What came before the end is nothing to begin with any more, but for the end itself.
+  // After the end, messages that arrived before are ignored, except for the end itself.
   while (std::optional<wire::SchedulerMessage> message = inbox_.take()) {
     if (is_over_ && !message->has_refused() && !message->has_dismiss()) continue;
     switch (message->content_case()) {
@@ -316,7 +317,7 @@ Expected<void> Session::work() {
   return {};
 }
 
-/// A worker that could do nothing has failed.
+/// A worker that could not render any job has failed.
 Expected<void> Session::end_of_work() const {
   return failure_ && !was_ready_ ? Expected<void>(std::unexpected(*failure_)) : Expected<void>();
 }
@@ -329,7 +330,7 @@ bool Session::is_outdated(const wire::UnitId& unit) {
 }
 
 void Session::forget_job(JobId job) {
-  KnownJob forgotten;  // goes when beats need not wait for it
+  KnownJob forgotten;  // destroyed after the lock is released, so that beats need not wait
   const std::lock_guard lock(jobs_mutex_);
   const auto found = jobs_.find(job);
   if (found == jobs_.end()) return;
@@ -366,7 +367,7 @@ Expected<void> Session::take_job(const wire::Job& job) {
   try {
     device = options_.make_device(*known.scene, *device_options);
   } catch (const std::exception& exception) {
-    device = fail(exception.what());  // no memory, say
+    device = fail(exception.what());  // for example, out of memory
   }
   if (!device) return std::unexpected(device.error());
   known.device = std::move(*device);
@@ -392,7 +393,7 @@ Expected<void> Session::take_view(const wire::NumberedView& message) {
   const Expected<View> view = decode(message.view());
   if (!view) return fail("the scheduler sent " + view.error().message);
   const auto job = jobs_.find(message.job());
-  if (job == jobs_.end()) return {};  // it could not be done here
+  if (job == jobs_.end()) return {};  // it could not be rendered here
   apply_view(*view, job->second.scene->header);
   return job->second.device->take_view();
 }

@@ -1,4 +1,5 @@
-// The worker's end of the wire: connects to a scheduler, fetches the scene, renders the units it is given.
+// The worker's side of the protocol: connects to a scheduler, downloads scenes, and renders the units that it
+// gets.
 #pragma once
 
 #include <cstdint>
@@ -22,42 +23,41 @@ using DeviceFactory =
 
 struct WorkerClientOptions {
   std::string address;                    ///< "unix:/path" or "host:port"
-  std::string token;                      ///< of workers; none over a Unix socket
-  std::shared_ptr<const Keys> keys = {};  ///< of an encrypted connection
-  /// Seconds for which a scheduler is looked for that is not there yet, or no more; from its last sign of
+  std::string token;                      ///< access token of workers; empty over a Unix socket
+  std::shared_ptr<const Keys> keys = {};  ///< for an encrypted connection
+  /// Seconds during which the worker tries to reach a scheduler that does not answer, since its last sign of
   /// life.
   double retry_for = 10;
-  /// Whether another connection is tried when one is lost; not by a worker that a scheduler has started,
-  /// which ends with it.
+  /// Whether to reconnect after a lost connection; not for a worker that a scheduler has started, which ends
+  /// with it.
   bool reconnects = false;
-  std::vector<Isa> isas;  ///< what this machine has, for the scheduler's choice
-  // Settings of this machine's owner, which replace those of the job.
+  std::vector<Isa> isas;  ///< supported by this machine, for the scheduler's choice
+  // Settings of this machine's user, which override those of the job.
   std::optional<Backend> backend;
   std::optional<Isa> isa;
   std::optional<int> threads;
   std::optional<std::string> opencl_device;
 
-  std::filesystem::path cache;                   ///< folder for pieces of scenes; empty: none is used
-  std::uint64_t cache_bytes = kPieceCacheBytes;  ///< at most
+  std::filesystem::path cache;                   ///< folder for pieces of scenes; empty: no cache
+  std::uint64_t cache_bytes = kPieceCacheBytes;  ///< size limit of that folder
 
   DeviceFactory make_device;
-  /// When a stop is requested, the worker says that it leaves, and why, and gives back what it has at once.
-  /// When the request returns, that is done; the unit in hand cannot be interrupted, so a process wants to
-  /// end then. Else `run_worker` returns after it.
+  /// On a stop request, the worker tells the scheduler that it leaves and why, and returns its unit at once.
+  /// When the request returns, this is done. The current unit cannot be interrupted, so a process should end
+  /// then; otherwise `run_worker` returns after the unit.
   std::stop_token leave = {};
   std::string leave_reason = "it was told to end";
-  /// Called from another thread when the connection has broken for good, perhaps in the middle of a unit,
-  /// which cannot be interrupted: a process wants to end here. May be empty; then `run_worker` returns after
-  /// the unit.
+  /// Called from another thread when the connection is lost for good, possibly during a unit, which cannot be
+  /// interrupted: a process should end here. May be empty; then `run_worker` returns after the unit.
   std::function<void(const Error&)> on_connection_lost = {};
-  /// What is waited for, for people; may be empty.
+  /// Called with a text for users about what the worker waits for; may be empty.
   std::function<void(const std::string&)> on_waiting = {};
 };
 
-/// Works until the scheduler has no more work. Where the connection breaks, or the scheduler is stopped to be
-/// started again, it fails, or tries another one with pauses that grow. Fails if no scheduler is found for
-/// `retry_for` seconds; at once if it refuses this worker (version, token), or if no job could be done here
-/// (no such device, damaged scene). Results leave from a thread of their own, so that the next unit does not
+/// Works until the scheduler has no more work. If the connection is lost, or the scheduler restarts, it
+/// returns an error or reconnects with growing pauses. Errors: no scheduler is found for `retry_for` seconds;
+/// at once if the scheduler refuses this worker (version, token), or if no job could be rendered here (no
+/// such device, damaged scene). Results are sent by a thread of their own, so that the next unit does not
 /// wait for the network.
 Expected<void> run_worker(const WorkerClientOptions& options);
 

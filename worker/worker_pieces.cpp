@@ -2,7 +2,7 @@
 
 namespace penumbra {
 
-/// Not its head, which a changed view changes.
+/// Not the head of the scene, which a new view changes.
 void WorkerPieces::offer(const DeviceScene& scene, const AssetManifest& manifest) {
   const std::size_t head = manifest.bytes() - scene.body().size();
   std::size_t at = 0;

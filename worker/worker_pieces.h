@@ -1,4 +1,4 @@
-// Where a worker looks for pieces of a scene before it asks for them.
+// Where a worker looks for pieces of a scene before it downloads them.
 #pragma once
 
 #include <map>
@@ -9,12 +9,12 @@
 
 namespace penumbra {
 
-/// The scenes that it holds for other jobs, then its cache on disk.
+/// First the scenes that it has for other jobs, then its cache on disk.
 class WorkerPieces final : public PieceStore {
  public:
   explicit WorkerPieces(PieceCache& cache) : cache_(cache) {}
 
-  /// Both must outlive this; the words of the scene must be as they came.
+  /// Both must outlive this object; the scene's words must be unchanged.
   void offer(const DeviceScene& scene, const AssetManifest& manifest);
 
   bool may_have(const AssetPiece& piece) override;

@@ -1,4 +1,4 @@
-// What a diffuse surface reflects of polygon lights.
+// Reflection of polygon lights by a diffuse surface.
 #include "kernels/polygon/polygon_edge.h"
 
 uniform samplerBuffer polygon_corners;  // p, starts
@@ -16,7 +16,7 @@ Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
   return r;
 }
 
-// Of a radiance of 1 from the outline of those corners.
+// Reflected radiance from the outline of these corners, for a light of radiance 1.
 vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
   vec3 from = texelFetch(polygon_corners, first).xyz - camera_origin;

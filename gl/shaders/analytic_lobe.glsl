@@ -1,4 +1,4 @@
-// One Phong lobe at a time, by the formulas and rules of kernels/polygon/polygon_lobe.h.
+// The Phong lobe, one at a time, with the formulas and rules of kernels/polygon/polygon_lobe.h.
 #include "kernels/polygon/polygon_lobe.h"
 
 CONSTANT float lobe_nodes[24] = float[24](LOBE_NODES_8, LOBE_NODES_16, LOBE_NODES_24);
@@ -7,7 +7,7 @@ CONSTANT float lobe_weights[24] = float[24](LOBE_WEIGHTS_8, LOBE_WEIGHTS_16, LOB
 struct Lobe {
   vec3 n, w;            // the receiver's normal and mirror direction
   float half_exponent;  // of the lobe
-  float steps;          // of 2 up to the quadrature's exponent
+  float steps;  // of 2, up to the quadrature's exponent
   float cut2;           // see lobe_arc
   float height;         // n.w
 };
@@ -23,14 +23,14 @@ Lobe start_lobe(vec3 n, vec3 w, float exponent) {
   return lobe;
 }
 
-// An arc of a light's outline as the receiver sees it, or of its horizon.
+// An arc of a light's outline as the receiver sees it, or of the receiver's horizon.
 struct Arc {
   vec3 from, normal;           // the normal is unit
-  float sine, cosine, angle;  // sine and cosine not normalised
+  float sine, cosine, angle;  // sine and cosine are not normalised
   float weight;                // in the sum
 };
 
-// What it adds to (e + 2) times the lobe's integral.
+// The arc's contribution to (e + 2) times the lobe's integral.
 float lobe_arc_sum(Lobe lobe, Arc a) {
   LobeArc arc = lobe_arc(a.from, a.normal, a.sine, a.cosine, a.angle, lobe.w, lobe.cut2, lobe.steps > 0.0);
   float half_exponent = lobe.half_exponent + (arc.stepped ? lobe.steps : 0.0);
@@ -64,11 +64,11 @@ Arc edge_arc(VisibleEdge e, float angle) {
   return arc;
 }
 
-// Where outlines cross the horizon: see Horizon of kernels/polygon/polygon_light.h.
+// Points where outlines cross the horizon: see Horizon of kernels/polygon/polygon_light.h.
 struct Crossings {
   vec3 a, b;
-  float open;  // not 0: a waits for b
-  float pair;  // 1: a to b is an arc; -1: b to a is; 0: not yet
+  float open;  // not 0: `a` is waiting for `b`
+  float pair;  // 1: the arc is from a to b; -1: from b to a; 0: not yet
 };
 
 Crossings no_crossings() {
@@ -78,7 +78,7 @@ Crossings no_crossings() {
   return c;
 }
 
-// Takes up an edge's crossing, while no pair waits.
+// Adds an edge's crossing, if no pair is waiting.
 Crossings join_crossing(Crossings c, VisibleEdge e) {
   if (e.crossing == 0.0) return c;
   vec3 q = e.crossing > 0.0 ? e.from : e.to;
@@ -92,7 +92,7 @@ Crossings join_crossing(Crossings c, VisibleEdge e) {
   return c;
 }
 
-// Between a pair.
+// The arc along the horizon between the points of a pair.
 Arc horizon_arc(Crossings c, vec3 n) {
   float turn = dot3_d(n, cross3_d(c.a, c.b));
   Arc arc;

@@ -1,8 +1,8 @@
-// What the control lobes of glossy surfaces reflect of polygon lights: kernels/bsdf/control_lobes.h, of each
-// material as curves over the viewer's cosine (scenes/device/ltc/control_knots.h).
+// Reflection of polygon lights by the control lobes of glossy surfaces: kernels/bsdf/control_lobes.h, as
+// curves over the cosine of wo for each material (scenes/device/ltc/control_knots.h).
 #include "kernels/bsdf/ltc.h"
 
-uniform samplerBuffer control_lobes;  // for each knot diffuse, lean; specular, width_x; width_y, 0, 0, 0
+uniform samplerBuffer control_lobes;  // for each knot: diffuse, lean; specular, width_x; width_y, 0, 0, 0
 
 struct Control {
   vec3 diffuse, specular;
@@ -16,7 +16,7 @@ Control control_at(Surface s, vec3 d) {
   float t = column - float(knot);
   vec4 a0 = texelFetch(control_lobes, first), a1 = texelFetch(control_lobes, first + 3);
   vec4 b0 = texelFetch(control_lobes, first + 1), b1 = texelFetch(control_lobes, first + 4);
-  // Matrices are linear in the cosine's root, colours nearly in the cosine.
+  // Matrices are linear in the root of the cosine, colours nearly linear in the cosine.
   float low = float(knot) / float(CONTROL_KNOTS - 1), high = float(knot + 1) / float(CONTROL_KNOTS - 1);
   float share = clamp((cosine - low * low) / (high * high - low * low), 0.0, 1.0);
   float width_y = mix(texelFetch(control_lobes, first + 2).x, texelFetch(control_lobes, first + 5).x, t);
@@ -28,7 +28,7 @@ Control control_at(Surface s, vec3 d) {
   Ltc ltc = make_ltc(mix(a0.w, a1.w, t), c.leans ? width_x : 1.0, c.leans ? width_y : 1.0, 0.5, cosine);
   vec3 along = d + cosine * s.shading, axis = vec3(1.0, 0.0, 0.0);
   if (abs(s.shading.x) > 0.9) axis = vec3(0.0, 1.0, 0.0);
-  // Of a lobe about the normal, which is round, any axis.
+  // A lobe about the normal is round: any axis will do.
   vec3 tangent = dot(along, along) > 1e-12 ? along : cross(s.shading, axis);
   tangent = normalize(tangent - dot(tangent, s.shading) * s.shading);
   c.x = (tangent - ltc.shift * s.shading) / ltc.width_x;
@@ -41,7 +41,7 @@ vec3 to_control_space(Control c, vec3 v) {
   return vec3(dot(c.x, v), dot(c.y, v), dot(c.z, v));
 }
 
-// Of the lobe of a reflectance of 1 under a radiance of 1 from the outline of those corners, seen from p.
+// The lobe's reflection for reflectance 1 of a light of radiance 1 with the outline of these corners, at p.
 float lobe_of_polygon(Control c, vec3 p, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
   vec3 from = texelFetch(polygon_corners, first).xyz - camera_origin;

@@ -1,4 +1,4 @@
-// What a diffuse or glossy surface reflects of polygon lights.
+// Reflection of polygon lights by a diffuse or glossy surface.
 #include "kernels/polygon/polygon_edge.h"
 #include "gl/shaders/analytic_lobe.glsl"
 
@@ -22,8 +22,9 @@ Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
   return r;
 }
 
-// Of a radiance of 1 from the outline of those corners. A turn of the loop is an edge, or an arc of the horizon
-// that the edges so far have closed: one place for both, since neighbouring pixels take turns together.
+// Reflected radiance from the outline of these corners, for a light of radiance 1. One iteration of the loop
+// processes an edge, or an arc of the horizon that the edges so far have closed: one piece of code for both,
+// since neighbouring pixels execute iterations together.
 vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
   Crossings crossings = no_crossings();
@@ -39,7 +40,7 @@ vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
       vec3 to = corner.xyz - camera_origin;
       VisibleEdge e = visible_edge(from - r.p, to - r.p, to - from, r.n);
       from = to;
-      if (corner.w != 0.0) continue;  // another outline
+      if (corner.w != 0.0) continue;  // another loop of the outline
       float angle = atan2_d(e.sine, e.cosine);
       edges = add_irradiance(edges, e, angle, r.n);
       arc = edge_arc(e, angle);

@@ -1,4 +1,4 @@
-// Which sphere or disk, and how deep.
+// ID and depth of the sphere or disk.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 

@@ -1,9 +1,9 @@
-// A box about each sphere or disk, an instance each: the sides that a ray leaves it by, which are in front of
-// a camera inside it, too.
+// Draws a bounding box for each sphere or disk, as an instance: the faces where rays leave it, which are in
+// front of a camera inside of the box, too.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 
-uniform bool look_through;  // emitters are not there
+uniform bool look_through;  // emitters are not drawn
 
 flat out int index;
 

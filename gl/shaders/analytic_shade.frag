@@ -1,6 +1,6 @@
-// What the primitives that the pixels see emit, and what they reflect of all polygon lights without shadows,
-// as unshadowed_lights of kernels/light/light_unshadowed.h says. With PENUMBRA_PHONG lobes are counted too,
-// with PENUMBRA_LTC the control lobes of glossy surfaces.
+// Emission of the primitives that the pixels see, and their unshadowed reflection of all polygon lights, as
+// in unshadowed_lights of kernels/light/light_unshadowed.h. With PENUMBRA_PHONG it includes Phong lobes, with
+// PENUMBRA_LTC the control lobes of glossy surfaces.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 #include "gl/shaders/analytic_surface.glsl"
@@ -21,7 +21,7 @@ uniform samplerBuffer lights;     // radiance, two_sided
 uniform usamplerBuffer polygons;  // radiance, two_sided; first_corner, corner_count, 0, 0
 uniform int triangle_count;
 uniform int polygon_count;
-uniform int environment;  // light, or -1
+uniform int environment;  // index of the light, or -1
 uniform bool hide_emitters;
 
 layout(location = 0) out vec4 closed_form;
@@ -44,7 +44,8 @@ vec3 reflected_radiance(Surface s, vec3 d) {
   Receiver r = receiver_at(s, d, diffuse, specular);
   vec3 sum = vec3(0.0);
   for (int k = 0; k < polygon_count; k++) {
-    // A light does not shine on itself; in its plane rounding would say whether it covers half the sphere.
+    // A light does not illuminate itself; in its plane, rounding would decide whether it covers half of the
+    // sphere.
     if (k == s.polygon) continue;
     uvec4 shine = texelFetch(polygons, 2 * k), outline = texelFetch(polygons, 2 * k + 1);
     int first = int(outline.x), end = int(outline.x + outline.y);
@@ -58,7 +59,7 @@ vec3 reflected_radiance(Surface s, vec3 d) {
   return sum;
 }
 
-// What is not finite counts as black.
+// Replaces non-finite values by black.
 vec3 finite(vec3 v) {
   return vec3(abs(v.x) < 1e38 ? v.x : 0.0, abs(v.y) < 1e38 ? v.y : 0.0, abs(v.z) < 1e38 ? v.z : 0.0);
 }

@@ -1,11 +1,11 @@
-// Where a ray meets a primitive, as kernels/intersect/surface.h says.
+// The surface where a ray meets a primitive, as in kernels/intersect/surface.h.
 struct Surface {
   bool valid, front;
   vec3 p;        // relative to the camera
-  vec3 geometric, shading;  // unit, on the viewer's side
+  vec3 geometric, shading;  // unit, on the camera's side
   int material;
   int light;    // or -1
-  int polygon;  // that it is a part of, or -1
+  int polygon;  // index of its polygon light, or -1
 };
 
 Surface triangle_surface(int index, vec3 o, vec3 d) {
@@ -19,7 +19,8 @@ Surface triangle_surface(int index, vec3 o, vec3 d) {
   Surface s;
   s.valid = true;
   s.front = dot(normal, d) < 0.0;
-  // From a corner the error is that of the triangle's size, from the ray's origin that of its length.
+  // Relative to a corner the error scales with the triangle's size, relative to the ray's origin with the
+  // distance.
   float along = dot(normal, d), distance = along != 0.0 ? -dot(normal, from) / along : 0.0;
   bool is_large = max(dot(e1, e1), dot(e2, e2)) > distance * distance;
   s.p = is_large ? o + distance * d : t.p0 + (b1 * e1 + b2 * e2);
@@ -59,7 +60,7 @@ Surface quadric_surface(int index, vec3 o, vec3 d) {
   return s;
 }
 
-// d is unit; a negative primitive is none.
+// d is unit; a negative primitive means no hit.
 Surface surface_at(int primitive, int triangle_count, vec3 o, vec3 d) {
   Surface s;
   s.valid = false;

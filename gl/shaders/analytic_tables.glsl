@@ -1,4 +1,4 @@
-// The tables of the device scene, packed by gl/analytic_tables.cpp, with positions relative to the camera.
+// The tables of the device scene, packed by gl/analytic_tables.cpp; positions are relative to the camera.
 uniform usamplerBuffer triangles;     // p0, front; p1, back; p2, light; normals, polygon, 0, 0
 uniform usamplerBuffer quadrics;      // center, radius; normal, orientation; kind, front, back, light
 uniform samplerBuffer vertex_normals;  // n0, 0; n1, 0; n2, 0
@@ -39,7 +39,7 @@ Quadric quadric_at(int index) {
   return q;
 }
 
-// As intersect_sphere and intersect_disk of kernels/intersect/quadric.h; negative: no hit.
+// Like intersect_sphere and intersect_disk of kernels/intersect/quadric.h; negative: no hit.
 float intersect_quadric(Quadric q, vec3 o, vec3 d) {
   vec3 f = o - q.center;
   if (q.kind == QUADRIC_DISK) {

@@ -1,5 +1,5 @@
-// Which triangle, and how deep: from its plane rather than from what the rasteriser interpolates, whose error
-// would be that of a corner far away.
+// ID and depth of the triangle. The depth is computed from its plane: the rasteriser's interpolation would
+// have the error of corners that are far away.
 #include "gl/shaders/analytic_camera.glsl"
 
 flat in int primitive;

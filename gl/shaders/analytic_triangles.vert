@@ -1,11 +1,11 @@
-// Triangles without vertex attributes: three vertices each, by number.
+// Triangles without vertex attributes: three vertices each, by vertex number.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 
-uniform bool look_through;  // emitters are not there
+uniform bool look_through;  // emitters are not drawn
 
 flat out int primitive;
-flat out vec3 plane;  // times a direction: the inverse depth at which a ray meets the triangle's plane
+flat out vec3 plane;  // times a direction: the inverse depth where the ray meets the triangle's plane
 
 void main() {
   primitive = gl_VertexID / 3;

@@ -1,26 +1,26 @@
 #version 330 core
-// From linear values to the screen: one film pixel where the picture is magnified, the mean over the film pixels
-// below a screen pixel where it is not. Formulas: composite_pass.h.
+// From linear values to the screen: a single film pixel if the picture is magnified, else the mean over the
+// film pixels below a screen pixel. Formulas: composite_pass.h.
 
-uniform sampler2D linear_values;  // of composite_linear.frag
-uniform sampler2D radiance;       // what the standard error is relative to
+uniform sampler2D linear_values;  // from composite_linear.frag
+uniform sampler2D radiance;  // for relative standard errors
 uniform sampler2D heat;           // linear RGB over [0, 1]
-uniform vec2 origin;              // the picture's upper left corner, pixels from the lower left one of the target
-uniform vec2 film_per_pixel;      // film pixels a screen pixel
+uniform vec2 origin;  // the picture's upper left corner, pixels from the target's lower left
+uniform vec2 film_per_pixel;  // film pixels per screen pixel
 uniform int layer;                // enum class Layer
 uniform int tone_map;             // enum class ToneMap
 uniform float gain;               // 2^exposure
 uniform int relative_error;
-uniform vec2 error_range;         // log10 of what is darkest and brightest
+uniform vec2 error_range;  // log10 of the darkest and the brightest value
 uniform float check_size;         // pixels
 
 out vec4 colour;
 
 const int DIFFERENCE = 2, ERROR = 3;
 const int REINHARD = 1, FILMIC = 2;
-const float HUGE = 1e15;  // as bright as a display needs, and its square is finite
+const float HUGE = 1e15;  // bright enough for a display, and its square is finite
 
-// By bits: compilers may take isnan() for false.
+// By bits: compilers may assume that isnan() is false.
 bool is_finite(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u; }
 bool are_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
@@ -45,13 +45,13 @@ vec3 heat_of(float error, float level) {
   float x = error;
   if (relative_error != 0) x = level > 0.0 ? error / level : (error > 0.0 ? HUGE : 0.0);
   float t = x > 0.0 ? (log(x) / log(10.0) - error_range.x) / (error_range.y - error_range.x) : 0.0;
-  // The first entry's centre is 0, the last one's is 1.
+  // 0 is the centre of the first entry, 1 that of the last one.
   float entries = float(textureSize(heat, 0).x);
   return texture(heat, vec2((clamp(t, 0.0, 1.0) * (entries - 1.0) + 0.5) / entries, 0.5)).rgb;
 }
 
 void main() {
-  vec2 pixel = vec2(gl_FragCoord.x - origin.x, origin.y - gl_FragCoord.y);  // of the picture, at its centre
+  vec2 pixel = vec2(gl_FragCoord.x - origin.x, origin.y - gl_FragCoord.y);  // in the picture, at the pixel's centre
   ivec2 film = textureSize(linear_values, 0);
   vec2 low = (pixel - 0.5) * film_per_pixel, high = (pixel + 0.5) * film_per_pixel;
   ivec2 first = ivec2(floor(low)), last = ivec2(ceil(high)) - 1;

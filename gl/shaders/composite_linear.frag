@@ -1,12 +1,12 @@
 #version 330 core
-// The linear value of a layer, a fragment a film pixel; row 0 is the film's top row, here and in all textures.
-// Alpha is 1 where there is a value, else 0.
+// The linear value of a layer, one fragment per film pixel; row 0 is the film's top row, here and in all
+// textures. Alpha is 1 if there is a value, else 0.
 
 uniform sampler2D radiance;  // rgb: mean; a: samples
 uniform sampler2D difference;
 uniform sampler2D standard_error;
 uniform sampler2D analytic;  // G
-uniform sampler2D emission;  // E, what the camera sees of lights
+uniform sampler2D emission;  // E, the emission that the camera sees
 uniform int layer;           // enum class Layer
 uniform int hybrid;
 uniform float alpha;

@@ -1,5 +1,5 @@
 #version 330 core
-// Rectangles in pixels of the target, y downwards.
+// Rectangles in pixels of the target; y grows downwards.
 
 layout(location = 0) in vec2 position;
 layout(location = 1) in vec3 colour;

@@ -1,7 +1,7 @@
-// The block driver: a block of paths goes through generate, then (intersect, step, occlude, compact) until it
-// is empty, then accumulate. Each stage is a loop over lanes of constant width. Native code runs a block per
-// thread, a CPU OpenCL device a block per work item, a GPU or a debugging session blocks of one path and one
-// lane.
+// The block driver. A block of paths is generated, then repeats (intersect, step, occlude, compact) until it
+// is empty, and is then accumulated. Each stage loops over lanes of constant width. Native code runs one
+// block per thread, an OpenCL CPU device one block per work item. A GPU or a debugging session uses blocks of
+// one path and one lane.
 #ifndef PENUMBRA_BLOCK_H
 #define PENUMBRA_BLOCK_H
 #include "kernels/block/block_accumulate.h"
@@ -22,7 +22,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The scene as this unit samples it.
+/// The scene with the random sequence and the samples per pixel of this unit.
 FN Scene scene_of_unit(SceneHeader header, GLOBAL const uint* words, const PRIVATE Unit* unit) {
   Scene scene = make_scene(header, words);
   PRIVATE SamplerParameters* sampler = &scene.header.sampler;
@@ -31,15 +31,16 @@ FN Scene scene_of_unit(SceneHeader header, GLOBAL const uint* words, const PRIVA
   return scene;
 }
 
-/// Which of a pixel's sequences its samples of odd index, or the others, are points of: one for both, or, for
-/// an alpha for the samples of each from those of the other, two that are independent.
+/// The random sequence of a pixel's samples of odd index, or of even index. Usually both share one sequence.
+/// If alpha for each half of the samples is fitted to the other half (see in_halves), the halves have
+/// independent sequences.
 FN int sequence_of_pixel(const PRIVATE SceneHeader* h, bool odd, int x, int y) {
   const uint seed = in_halves(h) && odd ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
   return (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y);
 }
 
-/// Paths `first_path` ... of the block's pixels: sample `first_sample + path % sample_count` of pixel `path /
-/// sample_count`.
+/// Numbers paths `first_path` ... of the block's pixels. A path is sample `first_sample + path %
+/// sample_count` of pixel `path / sample_count`.
 STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -74,7 +75,7 @@ STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
   }
 }
 
-/// What a path is before its camera ray has met anything.
+/// Initialises a path with its camera ray.
 FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
   set_ray_origin(fields, i, ray.origin);
   set_ray_direction(fields, i, ray.direction);
@@ -86,7 +87,8 @@ FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
   set_depth(fields, i, 0);
 }
 
-// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v): FILTER_SAMPLE(u).
+// Camera rays of LANES paths through points on the film. FILTER_SAMPLE maps each of u, v to an offset from
+// the pixel's centre by the film's filter.
 #define START_PATHS(stage, FILTER_SAMPLE)                                                                \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                    \
                    const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                     \
@@ -121,7 +123,7 @@ FN void start_pinhole_paths(const PRIVATE Scene* scene, const PRIVATE PathState*
     start_paths(scene, paths, i, u, v, slots);
 }
 
-/// The same through lenses, see lens_camera.h.
+/// The same with a lens, see lens_camera.h.
 STAGE void start_lens_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
                             const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
                             const PRIVATE SlotState* slots) {
@@ -199,17 +201,17 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
   }
 }
 
-/// Whether the integrator evaluates BSDFs where the rays of a step end.
+/// Whether the integrator evaluates BSDFs at the hits of a step.
 FN bool hits_scatter(const PRIVATE SceneHeader* h, int step) {
   const int kind = h->integrator.kind;
   return (kind == INTEGRATOR_PATH) | (kind == INTEGRATOR_WHITTED) |
          ((kind == INTEGRATOR_DIRECT) & (step == 0));
 }
 
-/// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
-/// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots. Where
-/// channels have images of their own, each path is traced once for each, by the same numbers, and its sample
-/// takes that channel alone; layers are those of green.
+/// Traces `path_count` paths of the block's pixels, from the `first_path`-th on, and writes their samples to
+/// their slots. The pixels start at the unit's `first_pixel`-th. `batch` paths are traced at a time, at most
+/// the capacity. If the camera has a different image for each channel, each path is traced once per channel
+/// with the same random numbers, and its sample takes only that channel. Layers come from green.
 FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                      int path_count, int batch, const PRIVATE Block* block) {
   const PRIVATE PathState* paths = &block->paths;
@@ -250,7 +252,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   }
 }
 
-/// From the samples in the block's slots to the statistics of its pixels, see render_block.
+/// Computes the statistics of the block's pixels from the samples in its slots, see render_block.
 CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel,
                              int pixels, const PRIVATE Block* block, GLOBAL float* out,
                              GLOBAL BadSamples* bad) {
@@ -271,8 +273,7 @@ CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* uni
 }
 
 /// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
-/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are not as they
-/// should be.
+/// into the planes of `out` (SampleBufferPlane). `bad` has BAD_KINDS entries, which count bad samples.
 CALLED_FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                             const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   render_paths(scene, unit, first_pixel, 0, pixels * unit->sample_count, block->paths.capacity, block);

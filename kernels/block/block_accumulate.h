@@ -1,11 +1,11 @@
-// From a block's samples to the statistics of its pixels.
+// Computes the statistics of a block's pixels from its samples.
 #ifndef PENUMBRA_BLOCK_ACCUMULATE_H
 #define PENUMBRA_BLOCK_ACCUMULATE_H
 #include "kernels/block/block_probe.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Counts `count` more samples of a pixel, the first of which has index `sample` and met that shape.
+/// Counts `count` more bad samples of a pixel. The first of them has index `sample` and met `shape`.
 FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample, uint shape) {
   if (count == 0u) return;
   const bool is_first = (bad->count == 0u) | ((uint)pixel < bad->pixel);
@@ -15,12 +15,12 @@ FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample, uint
   bad->count += count;
 }
 
-// Beyond it 4096 samples' sum, or a difference of two in units of 1e15 when squared, may be more than a float
-// holds.
+// Above this, the sum of 4096 samples, or the square of a difference in units of 1e15, may overflow a float.
 #define HUGE_SAMPLE 1e30f
-#define HUGE_SAMPLE_SCALE 9.094947017729282e-13f  // 2^-40: exact for all that matters beside a huge sample
+#define HUGE_SAMPLE_SCALE \
+  9.094947017729282e-13f  // 2^-40: exact, except for samples that are negligible beside a huge one
 
-/// What rounding has carried past the largest float is that; a NaN stays one.
+/// Clamps results that rounding carried past the largest float. A NaN stays a NaN.
 FN float within_floats(float x) {
   const float most = 3.402823466e+38f;
   const float below = x > most ? most : x;
@@ -28,11 +28,11 @@ FN float within_floats(float x) {
 }
 
 /// Means and, unless `deviations` is null, standard deviations sqrt(mean (v - mean)^2) of a slot field over
-/// each pixel's samples: by the deviations from an estimate of the mean that is corrected once, which leaves
-/// no rounding of the sum behind, and in units of the largest of them, whose square any float holds. Samples
-/// whose sum or whose differences a float might not hold are scaled by a power of two meanwhile: of finite
-/// samples both statistics are finite. Pixel p's samples are values[p], values[p + pitch], ...; a lane for
-/// each pixel.
+/// each pixel's samples. Deviations are taken from an estimate of the mean that is corrected once, which
+/// removes the rounding error of the sum. They are in units of a power of ten, so that their squares do not
+/// overflow. If the sum or the differences might overflow, the samples are temporarily scaled by a power of
+/// two: both statistics of finite samples are finite. Pixel p's samples are values[p], values[p + pitch],
+/// ...; each lane has one pixel.
 STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int pixels, int count,
                             GLOBAL float* RESTRICT means, GLOBAL float* RESTRICT deviations) {
   const float n = (float)count;
@@ -70,7 +70,7 @@ STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int 
       for (int j = 0; j < LANES; j++) {
         estimate[j] += rest[j] / n;
         rest[j] = 0.0f;
-        // A power of ten in the range of common radiance, so that nothing changes there.
+        // A power of ten; it is 1 for common radiance, so that nothing changes there.
         unit[j] = unit[j] > 1e15f ? 1e15f : (unit[j] < 1e-12f ? 1e-12f : 1.0f);
       }
     for (int s = 0; s < count && deviations != 0; s++) {
@@ -93,23 +93,24 @@ STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int 
   }
 }
 
-/// Multiplies a field of neighbouring slots by the samples' filter weights.
+/// Multiplies a field of neighbouring slots by the filter weights of the samples.
 STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRICT weights, int count) {
   LANE_LOOP
     for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
 }
 
-// A sample's values: its radiance, then the layers that have a field and are FILTERED, or those that are not.
+// The values of a sample: its radiance, then those layers with a slot field that are FILTERED, or those that
+// are not.
 #define RADIANCE_VALUES 3
 #define FILTERED 1
 #define UNFILTERED 0
 
 typedef struct {
   GLOBAL float* samples;  ///< an array over the slots; 0: there is no such value
-  int plane;              ///< of their mean
+  int plane;              ///< the plane that gets their mean
 } SampleValue;
 
-/// The k-th value of those layers.
+/// The k-th value of the layers of that kind.
 FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int filtered, int k) {
   SampleValue value;
   value.samples = 0;
@@ -129,7 +130,7 @@ FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int f
   return value;
 }
 
-/// The k-th value that the film's filter weighs.
+/// The k-th value that is weighted by the film's filter.
 FN SampleValue filtered_value(const PRIVATE SlotState* slots, ulong features, int k) {
   SampleValue radiance;
   radiance.samples = slots->sample + k * slots->capacity;
@@ -137,7 +138,7 @@ FN SampleValue filtered_value(const PRIVATE SlotState* slots, ulong features, in
   return k < RADIANCE_VALUES ? radiance : layer_value(slots, features, FILTERED, k - RADIANCE_VALUES);
 }
 
-/// Whether any of neighbouring values is a NaN or an infinity.
+/// Whether any of `count` neighbouring values is NaN or infinite.
 STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
   uint bad = 0u;
   LANE_LOOP
@@ -148,7 +149,7 @@ STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
   return bad != 0u;
 }
 
-/// Samples with a NaN or an infinity in one of their filtered values are noted in `bad`, of BAD_KINDS. Their
+/// Counts samples with a NaN or infinity in a filtered value in `bad`, which has BAD_KINDS entries. Their
 /// radiance becomes 0, and so does each non-finite value of their layers.
 STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch, int first_pixel, int pixels,
                       int count, GLOBAL BadSamples* RESTRICT bad) {
@@ -172,9 +173,9 @@ STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch,
     }
 }
 
-/// Planes from `first_plane` on are not made of the samples' own fields. Where one of them is NaN or
-/// infinite, all of them become 0 for that pixel, and its samples become NaN or infinite, for accumulate() to
-/// count.
+/// Handles planes from `first_plane` on, which are not computed from slot fields. If one of them is NaN or
+/// infinite in a pixel, all of them become 0 there, and the pixel's samples become NaN or infinite, for
+/// accumulate() to count.
 STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixels, int first_plane,
                              int planes, const PRIVATE SlotState* slots, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
@@ -187,7 +188,7 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
       const bool bad = is_nan_bits(bits) | is_infinite_bits(bits);
       worst += bad ? plane[k * area] : 0.0f;
     }
-    const bool any = worst != 0.0f;  // a NaN too
+    const bool any = worst != 0.0f;  // also if NaN
     for (int k = first_plane; any && k < planes; k++) plane[k * area] = 0.0f;
     for (int i = 0; any && i < n; i++) slots->sample[i * pitch + p] = worst;
   }
@@ -218,20 +219,20 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   }
 }
 
-/// The samples whose paths crossed boundaries that contradict each other.
+/// Counts the samples whose paths crossed contradictory boundaries.
 STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pixels,
                                const PRIVATE SlotState* slots, GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++)
     for (int i = 0; i < n; i++) {
-      const int shape = slots->contradiction[i * pitch + p] - 1;  // below 0: none, or unknown
+      const int shape = slots->contradiction[i * pitch + p] - 1;  // negative: none, or unknown
       if (shape >= 0) note_bad(bad + BAD_BOUNDARY, 1u, first_pixel + p, i, (uint)shape);
     }
 }
 
-/// Which mattes the samples hit and how often, whatever their filter weights: NO_MATTE first, then mattes in
-/// the order of the samples; unused pairs are 0. Whoever has no pair left counts as nobody, so the counts of
-/// a pixel are those of its samples.
+/// Counts which mattes a pixel's samples hit, without filter weights. NO_MATTE comes first, then mattes in
+/// the order of the samples; unused pairs are 0. A matte for which no pair is left counts as NO_MATTE, so
+/// that the counts of a pixel add up to its samples.
 STAGE void accumulate_mattes(const PRIVATE Unit* unit, int first_pixel, int pixels,
                              const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height, pairs = matte_pairs(n);

@@ -1,29 +1,33 @@
-// Boundaries of media on the way of rays: which media are behind those that rays cross, and which contradict
-// each other.
+// Boundaries of media along rays: which media are behind the boundaries that rays cross, and which boundaries
+// contradict each other.
 #ifndef PENUMBRA_BLOCK_BOUNDARIES_H
 #define PENUMBRA_BLOCK_BOUNDARIES_H
 #include "kernels/block/block_boundary_offsets.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Of a boundary, or -1, that is crossed in that direction: above 0 or, as long as it contradicts those
-/// before, its negative.
+/// Encodes the crossing of a boundary (an index, or -1) in a direction as a positive number. The path field
+/// `crossed` holds its negative while the crossing contradicts those before it.
 FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 4 : 3); }
 FN int boundary_of_code(int code) { return ((code < 0 ? -code : code) - 3) >> 1; }
 
-// How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
-// crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
-// medium what bounds none.
+// How a ray meets a surface:
+//   IN_PLACE   at the position of the last boundary
+//   CROSSING   it passes a boundary that it has not crossed already
+//   ARRIVING   it ends here
+//   RIGHT      the crossing is consistent with those before
+//   UNENTERED  it leaves a medium that it never entered
+//   WITHIN     it passes a surface inside a medium that is no boundary
 #define MEETS_IN_PLACE 1
 #define MEETS_CROSSING 2
 #define MEETS_ARRIVING 4
 #define MEETS_RIGHT 8
 #define MEETS_UNENTERED 16
 #define MEETS_WITHIN 32
-#define MEETING_FIELDS(F, a)                                       \
-  F(a, int, ways)       /* MEETS_* */                              \
-  F(a, int, code)       /* see crossing_code */                    \
-  F(a, int, behind_low) /* the media behind it, as the ray goes */ \
+#define MEETING_FIELDS(F, a)                                                       \
+  F(a, int, ways)       /* MEETS_* */                                              \
+  F(a, int, code)       /* see crossing_code */                                    \
+  F(a, int, behind_low) /* the media behind the surface, in the ray's direction */ \
   F(a, int, behind_high)
 LANE_RECORD(Meeting, Meetings, meeting, MEETING_FIELDS)
 
@@ -33,9 +37,10 @@ FN MediumStack media_of_rays(const PRIVATE PathState* paths, int i, bool shadow)
 
 /// How rays under way meet these surfaces.
 ///
-/// Of two boundaries in one place both are crossed: a ray goes on a little before a triangle that it crossed
-/// (the error's sign says so to restart_behind), and one that then meets the same boundary again, at an edge
-/// of it, has crossed it already. At a silhouette the back may be met before the front: then both are undone.
+/// Coincident boundaries must both be crossed. So a ray that crossed a triangle restarts slightly in front of
+/// it; the negative sign of the surface's error tells restart_behind. A ray that then meets the same boundary
+/// again, at an edge, has crossed it already. At a silhouette the back may be met before the front; then the
+/// two crossings cancel.
 STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT passes,
                            bool shadow, const PRIVATE Surfaces* RESTRICT surfaces,
@@ -60,7 +65,7 @@ STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* 
           select_media(undone, undoing, select_media(boundary >= 0, crossing.media, media));
       const bool right = crossing.consistent | undone | (near & crossing.overlaps);
       const bool unentered = arrives & (boundary >= 0) & crossing.unentered & !near;
-      // Flights are weighed as far as there.
+      // Such a surface ends a part of the flight, which is weighted up to there.
       const bool within_medium = passing & (boundary < 0) & (innermost(media) != 0);
       Meeting m;
       m.ways = ((meets & same_place) ? MEETS_IN_PLACE : 0) | (crosses ? MEETS_CROSSING : 0) |
@@ -73,12 +78,12 @@ STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
 }
 
-// Of a path that was where a boundary meets another surface, so that rounding says on which side it is:
-// what it crosses from there on says nothing.
+// For a path that arrived where a boundary touches another surface. Rounding decides on which side the path
+// is, so its later crossings prove nothing.
 #define CONTRADICTION_UNKNOWN -1
 
-/// Notes the crossings, and the first of a path that contradicts those before it and that nothing in the same
-/// place sets right: of two touching media the one that is left may be met last.
+/// Records crossings, and the first crossing of a path that contradicts those before it, unless another
+/// crossing at the same position resolves it: where two media touch, the one that is left may be met last.
 STAGE void note_crossings(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Meetings* RESTRICT meetings) {
   const PathState fields = *paths;
@@ -96,16 +101,16 @@ STAGE void note_crossings(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const int found = wrong >= 0 ? 1 + shape : ((arrives & in_place) ? CONTRADICTION_UNKNOWN : 0);
       set_contradiction(&fields, i + j, known != 0 ? known : found);
       const bool settled = doubtful & (was_wrong | arrives);
-      // Places are compared to that of the last surface.
+      // Positions are compared with that of the last surface.
       const bool leaves_place = ((m.ways & MEETS_WITHIN) != 0) & !in_place;
       const int kept = leaves_place ? 0 : (settled ? -crossed : crossed);
       set_crossed(&fields, i + j, crosses ? (right ? m.code : -m.code) : kept);
     }
 }
 
-/// Which media are behind what rays cross, of paths or of their shadow rays, and on either side of the
-/// surfaces where paths arrive. Where a boundary is in the place of such a surface, the side of the path is
-/// that before the boundary.
+/// Updates the media behind boundaries that rays cross (of paths, or of their shadow rays), and the media on
+/// both sides of surfaces where paths arrive. If a boundary coincides with such a surface, the path's side is
+/// the side before the boundary.
 STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, bool shadow,
                             const PRIVATE Meetings* RESTRICT meetings, PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;
@@ -123,7 +128,7 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       MediumStack behind;
       behind.low = (uint)m.behind_low;
       behind.high = (uint)m.behind_high;
-      // Before: those of the ray's side, where it arrives those behind the surface.
+      // A ray that arrives at the position of a crossed boundary is on the side before it, which is `beyond`.
       const MediumStack side = select_media(same_place, beyond, media);
       const MediumStack next = select_media(crosses, behind, select_media(arrives, side, media));
       set_media(&fields, i + j, select_media(shadow, path_media, next));
@@ -142,13 +147,14 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       met.offset = arrives ? s.error : 0.0f;
       met.clearance = safe_distance(s);
       set_boundary(&fields, i + j, select_boundary(along | arrives, met, get_boundary(&fields, i + j)));
-      // The second of two in one place is left behind, or the first would be met again.
+      // After the first of two coincident boundaries the ray restarts in front, after the second behind it;
+      // otherwise it would meet the first again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;
     }
 }
 
-/// All of it, of LANES rays.
+/// All three stages, for LANES rays.
 FN void follow_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* lengths, const PRIVATE int* passes, bool shadow,
                           PRIVATE Surfaces* surfaces) {

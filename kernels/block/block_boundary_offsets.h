@@ -1,6 +1,6 @@
-// The distance of a path to the boundary of its medium, more exact than its position. In a dense medium paths
-// scatter closer to the boundary than a ray can start without missing it. So rays start farther away, and the
-// path keeps its own distance to that surface.
+// The boundary offset: the distance of a path to the boundary of its medium, more exact than its position. In
+// a dense medium, paths scatter closer to the boundary than a ray can start without missing it. So rays start
+// farther away, and the path stores its own distance to the boundary.
 #ifndef PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
 #define PENUMBRA_BLOCK_BOUNDARY_OFFSETS_H
 #include "kernels/block/path_state.h"
@@ -9,20 +9,20 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// How far off the surface, along its normal, a point is surely before it: distances along rays that go
-/// beside it are sums of what is as large as it is wide.
+/// The distance from a surface, along its normal, at which a point is surely in front of it. Distances along
+/// rays that pass beside the surface are sums of terms as large as its extent.
 FN float safe_distance(Surface s) { return max_f(4.0f * s.error, POSITION_ERROR * s.span); }
 
-/// How far it is along the ray from there to the surface, by its plane, from which s.p is off by s.error
-/// alone.
+/// Distance along the ray from `start` to the surface. It uses the surface's plane, from which s.p deviates
+/// by s.error only.
 FN float distance_to_surface(Surface s, vec3 start) {
   const vec3 back = sub(start, s.p);
   const float cosine = dot3(s.geometric, s.wo);
   return cosine > 1e-3f ? dot3(s.geometric, back) / cosine : dot3(back, s.wo);
 }
 
-/// How far it is to the surface from the last that the ray passed, or from where the path is. Of the surface
-/// near that, the depth is better known than by the ray.
+/// Length of the flight that ends at the surface: from the last surface that the ray passed, or from the
+/// path's position. If the path is near this surface, its boundary offset is more exact than the ray.
 FN float flight_to(const PRIVATE PathState* paths, int i, MediumStack media, Surface s, vec3 start) {
   const NearBoundary near = get_boundary(paths, i);
   const float way = get_way(paths, i), to = distance_to_surface(s, start) - way;
@@ -36,10 +36,10 @@ FN float flight_to(const PRIVATE PathState* paths, int i, MediumStack media, Sur
   return max_f(first ? (known ? near.depth / cosine : to - shorter) : to, 0.0f);
 }
 
-/// Where paths scatter, at `reaches` of their flights, if those are not negative.
+/// Moves paths to where they scatter: at `reaches` along their flights; negative: no scattering.
 ///
-/// Origins of rays are clear of the surfaces before and behind, so that the next ray meets them, or between
-/// two in the middle.
+/// Ray origins are kept clear of the surfaces behind and ahead, so that the next ray meets them. Between two
+/// close surfaces the origin is in the middle.
 STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE float* RESTRICT lengths, const PRIVATE float* RESTRICT reaches) {
   const PathState fields = *paths;
@@ -57,7 +57,7 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       const vec3 inwards = select3(turned, negate(near.normal), near.normal);
       const float descent = reach * (turned ? -slope : slope), below = near.depth + descent;
       const bool leaves = near_boundary & (descent >= 0.0f);
-      // Of the ray.
+      // Distances along the ray, without the boundary offset.
       const float to = distance_to_surface(s, start) - way;
       const float ahead = meets ? (to - reach) * cosine : NO_LIMIT,
                   behind = leaves ? below + near.offset : NO_LIMIT;
@@ -67,8 +67,8 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       const vec3 flown = scale(d, way + reach);
       const vec3 lifted = add_scaled(scale(s.geometric, meets ? rise : 0.0f), leaves ? sink : 0.0f, inwards);
       const vec3 p = add(start, add(flown, lifted));
-      const vec3 off = sub(sub(p, start), flown);  // lifted, and by rounding
-      // The nearer of both is kept, or the one that the ray has seen.
+      const vec3 off = sub(sub(p, start), flown);  // by the shift and by rounding
+      // Keeps the nearer of both boundaries, preferring the one that the ray met.
       const float above = (lengths[j] - reach) * cosine;
       const bool stays = near_boundary & (below > 0.0f), changes = meets & !(stays & (above >= 2.0f * below));
       NearBoundary next;

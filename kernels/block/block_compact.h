@@ -1,4 +1,4 @@
-// Closing the gaps that finished paths leave in a block.
+// Closes the gaps that finished paths leave in a block.
 #ifndef PENUMBRA_BLOCK_COMPACT_H
 #define PENUMBRA_BLOCK_COMPACT_H
 #include "kernels/block/path_state.h"
@@ -10,9 +10,9 @@ PENUMBRA_NAMESPACE_BEGIN
   #define PACKS_FIELDS
 #endif
 
-// Moves a field's values to where they go: of paths that are left, in order, to the first lanes.
+// Moves a field's values of the remaining paths, in order, to the first lanes.
 #ifdef PACKS_FIELDS
-/// `going`: of each 8 of `count` lanes a bit for those that are left.
+/// `going` has a mask for each 8 of `count` lanes: the bits of remaining paths are set.
 FN void move_up_words(GLOBAL int* words, const GLOBAL int* RESTRICT going, int count) {
   int left = 0;
   for (int i = 0; i < count; i += 8) {
@@ -24,7 +24,7 @@ FN void move_up_words(GLOBAL int* words, const GLOBAL int* RESTRICT going, int c
   #define MOVE_UP_float(field, capacity, going, count) move_up_words((GLOBAL int*)(field), going, count)
   #define MOVE_UP_int(field, capacity, going, count) move_up_words(field, going, count)
 #else
-/// To lanes [0, count): lane m gets that of lane going[m] >= m.
+/// `count` paths remain: lane m gets the value of lane going[m] >= m.
 CALLED_FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
   LANE_LOOP
     for (int m = 0; m < count; m++) field[m] = field[going[m]];
@@ -40,7 +40,8 @@ CALLED_FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRIC
 #define MOVE_UP_vec3(field, capacity, going, count) \
   for (int k = 0; k < 3; k++) MOVE_UP_float((field) + k * (capacity), capacity, going, count)
 
-/// A field at a time. Of `count` paths `left` go on; where fields are not packed, `going` lists them.
+/// Compacts one field at a time. `left` of `count` paths remain; if fields are not packed, `going` lists
+/// them.
 STAGE void close_gaps(ulong features, const PRIVATE PathState* paths, int count, int left) {
   GLOBAL int* RESTRICT going = paths->going;
 #ifdef PACKS_FIELDS
@@ -68,16 +69,16 @@ FN void copy_lane(ulong features, const PRIVATE PathState* paths, int to, int fr
 #undef COPY_FIELD
 }
 
-// Of a path that is traced for all channels at once.
+// The channel of a path that is traced for all channels at once.
 #define EVERY_CHANNEL -1
 
-/// One channel of `found` beside the others of what is known.
+/// `known` with component `channel` taken from `found`.
 FN vec3 with_channel(vec3 known, vec3 found, int channel) {
   return make_vec3(channel == 0 ? found.x : known.x, channel == 1 ? found.y : known.y,
                    channel == 2 ? found.z : known.z);
 }
 
-/// What a finished path found, of one channel: see camera_channels.
+/// Writes one channel of a finished path to its slot, see camera_channels.
 FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool polygons,
                        const PRIVATE SlotState* slots) {
   const int slot = get_slot(paths, i);
@@ -92,15 +93,16 @@ FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool 
   }
 }
 
-/// What paths crossed of boundaries is of the sample, whatever channel they are of.
+/// Records contradictory crossings of a finished path. They belong to the sample, whatever the path's
+/// channel.
 FN void finish_crossings(const PRIVATE PathState* paths, int i, int channel, const PRIVATE SlotState* slots) {
   const int slot = get_slot(paths, i), found = get_contradiction(paths, i);
   const int known = channel > 0 ? get_slot_contradiction(slots, slot) : 0;
   set_slot_contradiction(slots, slot, known != 0 ? known : found);
 }
 
-/// Finished paths leave what they found in their slots, of one channel or of EVERY_CHANNEL; the others move
-/// up, in order. Returns how many are left.
+/// Finished paths write their results, of one channel or of EVERY_CHANNEL, to their slots. The remaining
+/// paths move to the first lanes, in order. Returns how many remain.
 STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int channel,
                   const PRIVATE SlotState* slots) {
 #ifndef PACKS_FIELDS
@@ -108,7 +110,7 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
 #endif
   GLOBAL int* RESTRICT finished = paths->finished;
   int left = 0, gone = 0;
-  for (int i = 0; i < count; i++) {  // without a branch: which paths end is not predictable
+  for (int i = 0; i < count; i++) {  // no branch: which paths end is unpredictable
     const int alive = get_alive(paths, i) ? 1 : 0;
 #ifndef PACKS_FIELDS
     going[left] = i;

@@ -1,5 +1,5 @@
-// From the samples of polygon lights, with and without shadows, and their closed form to the samples of a
-// pixel: see ESTIMATOR_*.
+// Combines the samples of polygon lights, with and without shadows, and their closed form into the samples of
+// a pixel: see ESTIMATOR_*.
 #ifndef PENUMBRA_BLOCK_CONTROL_H
 #define PENUMBRA_BLOCK_CONTROL_H
 #include "kernels/block/block_accumulate.h"
@@ -8,8 +8,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// A sample of which any part is not finite becomes one NaN or infinity of its plain part, for accumulate()
-/// to count.
+/// If any part of a sample is not finite, its plain part becomes NaN or infinite, for accumulate() to count,
+/// and the other parts become 0.
 FN void check_control(const PRIVATE SlotState* slots, int s) {
   const vec3 plain = get_slot_sample(slots, s), shadowed = get_slot_shadowed(slots, s);
   const vec3 unshadowed = get_slot_unshadowed(slots, s), analytic = get_slot_analytic(slots, s);
@@ -22,9 +22,9 @@ FN void check_control(const PRIVATE SlotState* slots, int s) {
   set_slot_analytic(slots, s, select3(finite, analytic, zero));
 }
 
-/// Completes the samples of the block's pixels by their control variates.
-/// Where they are wanted also the layers of the closed form G, of what shadows take away (the samples' part
-/// of the estimate less G), and of the light samples with and without shadows.
+/// Completes the samples of the block's pixels with their control variates. If the scene has the layers, also
+/// writes the closed form G, the estimate of its light minus G (what shadows take away), and the light
+/// samples with and without shadows.
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                            const PRIVATE SlotState* slots, ulong features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
@@ -50,7 +50,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         all_unshadowed += unshadowed[s] * HUGE_SAMPLE_SCALE;
         const float a = alpha[(parity + i) & 1], weight = slots->filter_weight[p + s];
         const float rest = shadowed[s] - a * unshadowed[s];
-        sample[s] += rest + a * analytic[s];  // which accumulate() weighs
+        sample[s] += rest + a * analytic[s];  // accumulate() applies the filter weight
         shadowed[s] = weight * (rest + (a - 1.0f) * analytic[s]);
         analytic[s] *= weight;
       }

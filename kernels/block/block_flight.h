@@ -1,8 +1,9 @@
-// Many rays through the hierarchy at a time, each in turn a step, while what the others visit next is on its
-// way from memory. Rays wait in one list for their node and in another for their leaf, so that no processor
-// has to guess which it is (after Wald, Benthin and Boulos 2008, Getting Rid of Packets, who filter streams
-// of rays by what they do next). Rays that stay together all the way, a camera's, are faster one by one:
-// their branches are guessed rightly, and what they visit is there already.
+// Interleaved traversal of the BVH: many rays are under way at once, and each advances by one node or leaf
+// per round. What a ray visits next is prefetched while the others advance. Rays wait in one list for nodes
+// and in another for leaves, so that no branch predictor has to guess which it is (after Wald, Benthin and
+// Boulos 2008, Getting Rid of Packets, who filter streams of rays by what they do next). Coherent rays, as
+// from a camera, are faster one after the other: their branches are predicted well, and what they visit is in
+// the cache.
 #ifndef PENUMBRA_BLOCK_FLIGHT_H
 #define PENUMBRA_BLOCK_FLIGHT_H
 #include "kernels/block/path_state.h"
@@ -11,16 +12,16 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The share of light that passes the primitive, if that is known without a look at the place: 1 where there
-/// is none, 0 if none passes; else negative.
+/// The fraction of light that passes a primitive, if it is the same at every point: 1 for no primitive (-1),
+/// 0 if its materials pass no light. Negative if it depends on the point.
 FN float share_behind(const PRIVATE Scene* scene, int primitive) {
   const SideMaterials sides = side_materials(scene, primitive);
   const int front = scene->materials[sides.front].passes, back = scene->materials[sides.back].passes;
   return primitive < 0 ? 1.0f : ((front | back) != PASSES_NONE ? -1.0f : 0.0f);
 }
 
-/// How much of the light of a shadow ray gets through, of which `primitive` is some hit or -1: negative where
-/// what stops it may let some through.
+/// Sets the transmittance of a shadow ray that hit `primitive`, or nothing if that is -1. Negative if the
+/// occluder may let light through.
 FN void set_transmittance_of_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  int primitive) {
   float share = primitive < 0 ? 1.0f : 0.0f;
@@ -31,8 +32,8 @@ FN void set_transmittance_of_hit(const PRIVATE Scene* scene, const PRIVATE PathS
 #ifdef RAYS_IN_FLIGHT
   #define CACHE_LINE 64
 
-/// Those that come next to a node, those that come to a leaf, and those that have ended. A place more, as
-/// every ray is written behind every list.
+/// Rays that visit a node next, rays that visit a leaf next, and rays that have ended. Each list has one more
+/// entry: every ray is written to the end of every list, and only its own list's count advances.
 typedef struct {
   int nodes[RAYS_IN_FLIGHT + 1], leaves[RAYS_IN_FLIGHT + 1], ended[RAYS_IN_FLIGHT + 1];
 } FlightLists;
@@ -40,7 +41,7 @@ typedef struct {
   int nodes, leaves, ended;
 } FlightCounts;
 
-/// Lists the ray by what it visits next, and asks for that.
+/// Adds the ray to the list of its next step, and prefetches what it visits.
 FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, PRIVATE FlightCounts* counts,
                     int k, const PRIVATE RayInFlight* f) {
   const int entry = f->entry;
@@ -60,7 +61,7 @@ FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, PRIVA
   counts->ended += ended ? 1 : 0;
 }
 
-/// The ray of a path, or its shadow ray, of which any hit will do.
+/// Starts the ray of a path, or its shadow ray, for which any hit is enough.
 FN void start_ray_of(PRIVATE RayInFlight* f, const PRIVATE PathState* paths, int i, bool shadow) {
   if (shadow)
     start_flight(f, get_shadow_origin(paths, i), get_shadow_direction(paths, i), get_shadow_tmax(paths, i),
@@ -70,7 +71,8 @@ FN void start_ray_of(PRIVATE RayInFlight* f, const PRIVATE PathState* paths, int
                  get_ray_skip(paths, i), i);
 }
 
-/// Traces the rays of `count` listed paths, which get their hits, or the transmittances of their shadow rays.
+/// Traces the rays of the `count` paths in `listed`. Sets their hits, or the transmittances of their shadow
+/// rays.
 FN void trace_in_flight(const PRIVATE Scene* scene, const PRIVATE PathState* paths, GLOBAL const int* listed,
                         int count, bool shadow) {
   RayInFlight flight[RAYS_IN_FLIGHT];

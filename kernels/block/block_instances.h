@@ -1,5 +1,5 @@
-// What paths keep of instances beside what they keep of primitives: the instances on which rays start and
-// those that they hit. Scenes with instances alone.
+// The instances on which rays start and those that they hit. Paths store them beside primitives, only in
+// scenes with instances.
 #ifndef PENUMBRA_BLOCK_INSTANCES_H
 #define PENUMBRA_BLOCK_INSTANCES_H
 #include "kernels/block/path_state.h"
@@ -7,13 +7,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Camera rays start nowhere.
+/// Camera rays do not start on an instance.
 STAGE void start_outside(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) set_ray_skip_instance(paths, j, -1);
 }
 
-/// Of scenes that are tested whole, which have none whatever their header says.
+/// For scenes whose primitives are all tested: these have no instances, whatever their header says.
 STAGE void clear_hit_instances(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -21,7 +21,7 @@ STAGE void clear_hit_instances(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// The next rays of LANES paths, and their shadow rays, start on these surfaces.
+/// The next rays of LANES paths and their shadow rays start on the instances of these surfaces.
 STAGE void leave_instances(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;
   LANE_LOOP
@@ -41,15 +41,15 @@ STAGE void load_kept_instances(const PRIVATE PathState* paths, int i, PRIVATE Su
     for (int j = 0; j < LANES; j++) surfaces->instance[j] = get_surface_instance(paths, i + j);
 }
 
-/// The rays of step k start on the surfaces that were kept, or are now.
+/// Keeps the surfaces' instances in step 0, loads them in later steps. The rays of the step start there.
 FN void keep_at_instances(const PRIVATE PathState* paths, int i, int k, PRIVATE Surfaces* surfaces) {
   if (k == 0) keep_instances(paths, i, surfaces);
   if (k > 0) load_kept_instances(paths, i, surfaces);
   leave_instances(paths, i, surfaces);
 }
 
-// Rays that pass through surfaces: each of these before, and beside, the function of block_see_through.h that
-// it is named after.
+// Instances of rays that pass through surfaces. Each function is called before, and belongs to, the function
+// of block_see_through.h or block_see_lights.h with a similar name.
 
 STAGE void keep_start_instances(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
@@ -80,8 +80,8 @@ STAGE void arrive_at_instances(const PRIVATE PathState* paths, int i) {
     }
 }
 
-/// Those whose ways end at their own origin start where they did before any step: a step does not need to
-/// know.
+/// `ray_skip_instance` is not restored for rays that return to their original origin: the next step does not
+/// read it.
 STAGE void end_ways_at_instances(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP

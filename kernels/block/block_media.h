@@ -1,6 +1,6 @@
-// Media on the way of rays: where paths scatter before they meet a surface, and what media take from them and
-// from shadow rays. Called by the stage that follows rays through surfaces (block_see_through.h), from
-// surface to surface.
+// Media along rays: where paths scatter before they meet a surface, and how media attenuate paths and shadow
+// rays. The stages that follow rays through surfaces (block_see_through.h, block_see_lights.h) call these
+// functions from surface to surface.
 #ifndef PENUMBRA_BLOCK_MEDIA_H
 #define PENUMBRA_BLOCK_MEDIA_H
 #include "kernels/block/block_boundaries.h"
@@ -14,7 +14,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Camera rays start in the camera's medium, of a channel that a number of their own chooses.
+/// Camera rays start in the camera's medium. `choice`, in [0, 1), selects the channel that samples distances
+/// (hero).
 STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* RESTRICT choice) {
   const MediumStack camera = {(uint)scene->header.camera_medium, 0u};
@@ -29,12 +30,13 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 }
 
-/// Of a path's step, for random numbers of one purpose.
+/// A hash of the path's sample and depth for random numbers of one purpose (`salt`).
 FN uint step_hash(const PRIVATE PathState* paths, int i, uint salt) {
   return hash_uint((uint)get_sample_index(paths, i) + hash_uint((uint)get_depth(paths, i) + salt));
 }
 
-/// Before anything is known of where the rays lead. `u`: of the flights.
+/// Initialises flights before the rays' hits are used. `u`, in [0, 1), chooses the optical depths at which
+/// they scatter.
 STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT u) {
   const PathState fields = *paths;
   LANE_LOOP
@@ -45,15 +47,15 @@ STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE fl
       set_beyond(&fields, i + j, get_media(&fields, i + j));
       set_way(&fields, i + j, 0.0f);
       set_crossed(&fields, i + j, 0);
-      // Through media rays go on that meet no surface.
+      // Rays in a medium go on even if they meet no surface.
       const bool flies = innermost(get_media(&fields, i + j)) != 0;
       const float tmax = get_ray_tmax(&fields, i + j), kept = get_kept_tmax(&fields, i + j);
       set_ray_tmax(&fields, i + j, flies ? kept : tmax);
     }
 }
 
-/// Whether any of the rays under way is in a medium, met a boundary of one, or crossed one: where it arrives
-/// may be in the place of that.
+/// Whether any ray under way is in a medium, met a boundary, or crossed one (the boundary may coincide with
+/// the surface where it arrives).
 FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   int any = 0;
   for (int j = i; j < i + LANES; j++) {
@@ -65,7 +67,8 @@ FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   return any != 0;
 }
 
-/// How far it is from the last boundary, or the ray's start, to these surfaces, or to the ray's end.
+/// The distances from the last boundary, or from the ray's start, to these surfaces; without a surface, to
+/// the ray's end.
 STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                           PRIVATE float* RESTRICT lengths) {
   const PathState fields = *paths;
@@ -79,20 +82,20 @@ STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE S
     }
 }
 
-/// Whether any medium varies from place to place.
+/// Whether any medium is heterogeneous.
 FN bool has_grids(const PRIVATE Scene* scene) { return scene->header.tables.volumes.count > 0; }
 
-/// A state of random numbers of a ray's own, from `way` on.
+/// The random state of one ray from distance `way` on.
 FN uint ray_state(const PRIVATE PathState* paths, int i, float way, uint salt) {
   return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ FLOAT_BITS(way)));
 }
 
-/// A random number in [0, 1) of a ray's own, for what only the medium does in which it scatters.
+/// A random number in [0, 1) of one ray, for choices inside the medium in which it scatters.
 FN float ray_number(const PRIVATE PathState* paths, int i, uint salt) {
   return unit_float(ray_state(paths, i, 0.0f, salt));
 }
 
-/// Of LANES rays the place of lights that each goes by, if it does.
+/// For LANES rays, the light cluster about which each may sample its distance.
 STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE int* RESTRICT chosen) {
   const int centres = scene->header.tables.flight_centres.count;
@@ -109,8 +112,8 @@ STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* p
   }
 }
 
-/// The rays as seen from there. Returns whether any flies through a homogeneous medium that the place matters
-/// to.
+/// The equiangular segments of the rays about these clusters. Returns whether any ray is in a homogeneous
+/// medium for which the cluster matters.
 STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT chosen,
                        PRIVATE EquiangularSegments* RESTRICT segments) {
@@ -133,8 +136,9 @@ STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* path
   return any != 0;
 }
 
-/// Flights through homogeneous media that scatter before the surfaces, by the medium or by where one of the
-/// lights is: sets their `reaches` and weighs them, as `decided` says.
+/// For flights in homogeneous media that scatter before the surfaces: samples their distances, by the
+/// transmittance or equiangularly about a light cluster, into `reaches`, weights the flights and sets
+/// `decided`.
 STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE float* RESTRICT lengths,
                        const PRIVATE EquiangularSegments* RESTRICT segments, PRIVATE float* RESTRICT reaches,
@@ -153,7 +157,7 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const vec3 shares = equiangular_shares(segment, length, extinction);
       const float number = ray_number(&fields, i + j, 0x5be0cd19u);
       const bool equiangular = number < channel_of(shares, hero);
-      // The number that chose the optical depth is uniform among those that scatter.
+      // Among flights that scatter, the number that chose the optical depth is uniform.
       const float u = expm1_f(-left) / min_f(expm1_f(-sigma * length), -1e-37f);
       const float reach = equiangular ? min_f(equiangular_distance(segment, min_f(u, 1.0f)), length)
                                       : left / max_f(sigma, 1e-30f);
@@ -167,7 +171,7 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
     }
 }
 
-/// The same where the scene has such lights.
+/// The same, if the scene has light clusters.
 FN void sample_equiangular(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
   if (scene->header.tables.flight_centres.count == 0) return;
@@ -178,11 +182,11 @@ FN void sample_equiangular(const PRIVATE Scene* scene, const PRIVATE PathState* 
     aim_flights(scene, paths, i, lengths, &segments, reaches, decided);
 }
 
-/// Flights of rays under way through media with grids, as far as the surfaces: sets their `reaches` to where
-/// they scatter, and weighs them, as `decided` says.
+/// For flights of rays under way in heterogeneous media, up to the surfaces: sets `reaches` to where they
+/// scatter (negative: nowhere), weights the flights and sets `decided`.
 FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
-  for (int j = 0; j < LANES; j++) {  // no lane loop: rays go as far as they go
+  for (int j = 0; j < LANES; j++) {  // no lane loop: the number of tracking steps differs
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
     if (!(get_ray_tmax(paths, i + j) > 0.0f) || !is_grid(medium)) continue;
     const float way = get_way(paths, i + j);
@@ -199,11 +203,11 @@ FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* p
   }
 }
 
-/// Flights of rays under way through media as far as the surfaces: those that end before scatter, and have
-/// arrived.
+/// Flights of rays under way in media, up to the surfaces. A flight that ends before its surface scatters
+/// there and has arrived.
 ///
-/// `reaches`: how far from their last boundaries those do that are decided already, then all; negative where
-/// they do not.
+/// `reaches`: on entry the distances, from the last boundary, of flights that are decided; on return those of
+/// all flights; negative: no scattering.
 STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                const PRIVATE int* RESTRICT primitives, const PRIVATE float* RESTRICT lengths,
                const PRIVATE int* RESTRICT decided, PRIVATE float* RESTRICT reaches) {
@@ -235,7 +239,7 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
     }
 }
 
-/// What scattered in media whose albedo varies.
+/// Multiplies throughputs by the albedo of heterogeneous media in which paths scatter.
 FN void apply_grid_albedo(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* reaches) {
   for (int j = 0; j < LANES; j++) {  // no lane loop, as above
@@ -247,7 +251,7 @@ FN void apply_grid_albedo(const PRIVATE Scene* scene, const PRIVATE PathState* p
   }
 }
 
-/// Shadow rays start where they were asked for; what stops none of them lets all through.
+/// Initialises the media of shadow rays: nothing attenuates them yet.
 STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   for (int i = 0; i < count; i += LANES) {
@@ -261,20 +265,20 @@ STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// To the light itself: shadow rays end a little before.
+/// Distance to the light itself; shadow rays end slightly before it.
 FN float shadow_length(const PRIVATE PathState* paths, int i) {
   const float tmax = get_shadow_tmax(paths, i);
   return tmax < NO_LIMIT ? tmax * (1.0f / SHADOW_RAY_END) : NO_LIMIT;
 }
 
-/// Media with grids are dimmed apart.
+/// Transmittance of a homogeneous medium over `length`. 1 in heterogeneous media, which dim_in_grids handles.
 FN vec3 passes_homogeneous(const PRIVATE Scene* scene, MediumStack media, float length) {
   GLOBAL const Medium* medium = scene->media + innermost(media);
   return exp3(scale(load3(&medium->extinction), is_grid(medium) ? 0.0f : -length));
 }
 
-/// What media with grids let through over `lengths` of LANES shadow rays from `ways` on, where that is above
-/// 0.
+/// Multiplies `shadow_passes` of LANES shadow rays by the transmittance of heterogeneous media, over
+/// `lengths` from `ways` on. Rays of length 0 are skipped.
 FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                      const PRIVATE float* ways, const PRIVATE float* lengths) {
   for (int j = 0; j < LANES; j++) {  // no lane loop, as in fly_through_grids
@@ -288,7 +292,7 @@ FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   }
 }
 
-/// What the media of shadow rays that nothing stopped let through.
+/// Transmittance of media along unoccluded shadow rays.
 STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   float ways[LANES], lengths[LANES];
@@ -306,7 +310,7 @@ STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState*
   }
 }
 
-/// What media let through between boundaries; of rays that met no further surface as far as the light.
+/// Transmittance of media up to the next surface, or up to the light for rays that met no further surface.
 STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE float* RESTRICT lengths) {
   const PathState fields = *paths;
@@ -331,9 +335,9 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
   dim_in_grids(scene, paths, i, ways, under_way);
 }
 
-/// Shadow rays' light after what media take from it, and shared with what directions find: a path that took
-/// the light's direction would have got there with the mean density of what media let through of its
-/// channels. Panes count in neither density.
+/// Combines, for shadow rays, the transmittance of media, the tint of panes and the MIS weight against
+/// direction sampling. A path that sampled the light's direction would have reached the light with a density
+/// proportional to the mean transmittance of its channels. Panes are part of neither density.
 STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const int heuristic = scene->header.integrator.heuristic;
   const PathState fields = *paths;
@@ -348,7 +352,8 @@ STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState
   }
 }
 
-/// The same of all but controlled ones, whose light without shadows stays what it is.
+/// Applies this factor to the light of shadow rays. It is not used with control variates, whose unshadowed
+/// light must not change.
 STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   for (int i = 0; i < count; i += LANES) {

@@ -1,4 +1,4 @@
-// Finds where the one path of a block first held a non-finite value: SOURCE_* and the step.
+// Finds where the only path of a block first had a non-finite value: the source (SOURCE_*) and the step.
 #ifndef PENUMBRA_BLOCK_PROBE_H
 #define PENUMBRA_BLOCK_PROBE_H
 #include "kernels/block/path_state.h"
@@ -11,7 +11,7 @@ PENUMBRA_NAMESPACE_BEGIN
 FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
 FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
 
-/// Keeps the first source whose values are not finite.
+/// Stores the first source with non-finite values.
 FN void probe_source(GLOBAL int* probe, bool finite, int source, int step) {
   if (finite | (probe[0] != SOURCE_UNKNOWN)) return;
   probe[0] = source;
@@ -24,7 +24,8 @@ FN void probe_camera(const PRIVATE Block* block) {
   probe_source(block->probe, finite, SOURCE_CAMERA, 0);
 }
 
-/// After an integrator's step: the emission that it added, and the shadow ray and next ray that it requests.
+/// After an integrator's step: checks the emission that it added, and the shadow ray and next ray that it
+/// requests.
 FN void probe_step(const PRIVATE Block* block, bool control, int step) {
   const PRIVATE PathState* paths = &block->paths;
   probe_source(block->probe, is_finite3(get_radiance(paths, 0)), SOURCE_EMISSION, step);
@@ -37,7 +38,7 @@ FN void probe_step(const PRIVATE Block* block, bool control, int step) {
     probe_source(block->probe, is_finite3(get_analytic(paths, 0)), SOURCE_CLOSED_FORM, step);
 }
 
-/// After the shadow ray's light is added.
+/// After the light of the shadow ray was added.
 FN void probe_light(const PRIVATE Block* block, int step) {
   probe_source(block->probe, is_finite3(get_radiance(&block->paths, 0)), SOURCE_LIGHT, step);
 }

@@ -1,13 +1,13 @@
-// What shadow rays pass through, as block_see_through.h for the others: they bring the share of light that
-// gets through.
+// Shadow rays that pass through surfaces: finds the fraction of light that gets through. block_see_through.h
+// does this for the other rays.
 #ifndef PENUMBRA_BLOCK_SEE_LIGHTS_H
 #define PENUMBRA_BLOCK_SEE_LIGHTS_H
 #include "kernels/block/block_see_through.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Exchanges rays and what was kept of them for shadow rays, of which only those that something stops which
-/// may let light through are to be followed.
+/// Saves the paths' rays and replaces them by their shadow rays. Only those whose occluder may let light
+/// through are followed. Returns whether there are any.
 STAGE bool follow_shadow_rays(const PRIVATE PathState* paths, int count) {
   int any = 0;
   const PathState fields = *paths;
@@ -32,7 +32,7 @@ STAGE bool follow_shadow_rays(const PRIVATE PathState* paths, int count) {
   return any != 0;
 }
 
-/// Those that passed too many surfaces bring nothing.
+/// Restores the paths' rays. Shadow rays that passed too many surfaces are occluded.
 STAGE void leave_shadow_rays(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   for (int i = 0; i < count; i += LANES) {
@@ -49,7 +49,8 @@ STAGE void leave_shadow_rays(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Multiplies what shadow rays bring by the shares that get through these surfaces.
+/// Multiplies the transmittances of shadow rays by the `shares` that pass these surfaces. Sets which rays go
+/// on.
 STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE float* RESTRICT shares, PRIVATE int* RESTRICT passes) {
   LANE_LOOP
@@ -62,7 +63,8 @@ STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
-/// What panes colour of what gets through, in all, by `shares`.
+/// Multiplies the tints of shadow rays by the mean tint of the light that passes: all that passes is
+/// `shares`, of which the sum in `walks` is untinted and the rest has the colour of panes.
 STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
                             const PRIVATE PassingShares* RESTRICT walks, const PRIVATE float* RESTRICT shares,
                             const PRIVATE PaneTints* RESTRICT tints) {
@@ -107,7 +109,7 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   return restart_behind(paths, i, &surfaces, passes);
 }
 
-/// After occlude_block: what gets through the surfaces that stopped shadow rays.
+/// After occlude_block: traces shadow rays on through the surfaces that stopped them.
 CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                                   int step) {
   if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);

@@ -1,11 +1,12 @@
-// What rays pass through: surfaces whose chosen leaf is nothing (opacity masks, `null`), for all rays, and
-// hidden emitters, for the camera's, as in Mitsuba from 3.7 on. The step that follows finds the surface where
-// a ray ends, as seen from where it started: whatever it passed counts neither as depth nor for roulette, and
-// densities are those without it. A passed surface that shines adds its light on the way. Shadow rays
-// are followed by block_see_lights.h.
+// Rays that pass through surfaces. All rays pass surfaces whose chosen leaf is empty (opacity masks, `null`);
+// camera rays also pass hidden emitters, as in Mitsuba from 3.7 on. The step that follows finds the surface
+// where a ray ends, as seen from where the ray started. Passed surfaces count neither for the depth nor for
+// Russian roulette, and pdfs are those without them. The emission of a passed surface is added.
+// block_see_lights.h follows shadow rays.
 //
-// A ray is under way while its `ray_tmax` is above 0; one that has arrived is set aside until all have.
-// Surfaces in one place may be passed as one. A ray that has passed MOST_PASSED surfaces is absorbed.
+// A ray is under way (still travels) while its `ray_tmax` is above 0. A ray that has arrived waits until all
+// have arrived. Coincident surfaces may be passed in a single step. A ray that has passed MOST_PASSED
+// surfaces is absorbed.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
 #include "kernels/block/block_instances.h"
@@ -18,7 +19,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Keeps what restarting changes; those that hit nothing have arrived.
+/// Saves what restarting overwrites. Rays that hit nothing have arrived.
 STAGE void keep_starts(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -33,8 +34,8 @@ STAGE void keep_starts(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Where rays that pass through these surfaces go on. Others that were under way have arrived. Returns
-/// whether any goes on.
+/// Restarts rays that pass these surfaces behind them. The others that were under way have arrived. Returns
+/// whether any ray goes on.
 STAGE bool restart_behind(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                           const PRIVATE int* RESTRICT passes) {
   int any = 0;
@@ -59,7 +60,7 @@ STAGE bool restart_behind(const PRIVATE PathState* paths, int i, const PRIVATE S
   return any != 0;
 }
 
-/// Where all have arrived that were under way.
+/// All rays that were under way have arrived.
 STAGE void arrive(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) {
@@ -69,7 +70,7 @@ STAGE void arrive(const PRIVATE PathState* paths, int i) {
     }
 }
 
-/// Which of the rays under way pass: those that end on hidden emitters, where the camera looks through them.
+/// Sets which rays under way pass their hits: those that hit emitters, if `hides` (emitters are hidden).
 STAGE void pass_hidden(const PRIVATE PathState* paths, int i, bool hides,
                        const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE int* RESTRICT passes) {
   LANE_LOOP
@@ -86,7 +87,7 @@ STAGE void clear_leaves(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Whether any of the rays under way met a surface that takes a choice.
+/// Whether any ray under way hit a surface whose leaf is chosen at random or that lets rays pass.
 FN bool any_choice(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   int any = 0;
   for (int j = i; j < i + LANES; j++) {
@@ -100,7 +101,7 @@ FN bool any_choice(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   return any != 0;
 }
 
-/// Notes the leaves where rays arrive; the others that are under way pass.
+/// Stores the leaves of rays that arrive. The other rays under way pass.
 STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE int* RESTRICT leaves,
                        PRIVATE int* RESTRICT passes) {
@@ -110,15 +111,15 @@ STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
       const bool through = hit & ((leaf < 0) | (hidden != 0));
       passes[j] = through ? 1 : 0;
-      // Its side's own is not noted, so that what is does not depend on the other lanes; but a pane is, which
-      // a ray may meet behind another side of the same primitive.
+      // If the leaf is the side's own material, it is not stored, so that the result does not depend on the
+      // other lanes. A pane is stored: a ray may meet it behind another side of the same primitive.
       bool is_chosen = leaf != surfaces->material[j];
       if (HAS(MEDIA)) is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
       set_material(paths, i + j, (hit & !through & is_chosen) ? leaf : before);
     }
 }
 
-/// The light of passed surfaces, in the `step`-th step.
+/// Adds the emission of passed surfaces in the `step`-th step.
 FN void add_passed_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
                          const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
   const int kind = scene->header.integrator.kind;
@@ -133,8 +134,8 @@ FN bool any_passed_light(const PRIVATE Surfaces* surfaces, const PRIVATE int* pa
   return any != 0;
 }
 
-/// The points for the k-th surfaces that the rays of the step meet. Directions of direct light are of depth 0
-/// like the camera's ray, but of the next surface, as it were.
+/// The random point for the k-th surfaces that the rays of a step meet. Directions that the direct integrator
+/// samples have depth 0, like the camera ray; an offset gives them numbers of their own.
 FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
   PairPoint point = met_point(PAIR_RAY_SURFACES, k);
   if (scene->header.integrator.kind != INTEGRATOR_DIRECT || step == 0) return point;
@@ -142,7 +143,7 @@ FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
   return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);
 }
 
-/// What panes colour of the paths that pass them, of leaves of which -1 are those that are passed.
+/// Multiplies the throughputs of paths that pass (leaf -1) by the colours of panes.
 STAGE void tint_paths(const PRIVATE PathState* paths, int i, const PRIVATE int* RESTRICT leaves,
                       const PRIVATE PaneTints* RESTRICT tints) {
   const PathState fields = *paths;
@@ -154,7 +155,7 @@ STAGE void tint_paths(const PRIVATE PathState* paths, int i, const PRIVATE int* 
     }
 }
 
-/// Chooses leaves at the surfaces, the k-th that the rays meet, and adds the light of those that they pass.
+/// Chooses the leaves of the k-th surfaces that the rays meet, and adds the emission of those that they pass.
 FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
                        const PRIVATE Surfaces* surfaces, PRIVATE int* passes) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -182,7 +183,7 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
   if (HAS(MEDIA) && panes) tint_paths(paths, i, leaves, &tints);
 }
 
-/// Starts LANES flights.
+/// Starts the flights of LANES paths.
 FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   const PRIVATE SceneHeader* h = &scene->header;
   float roulette[LANES], flights[LANES];
@@ -190,8 +191,8 @@ FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   start_flights(paths, i, flights);
 }
 
-/// Those of LANES rays from lane i on that pass the k-th surface they meet start behind it. Returns whether
-/// any does.
+/// Of LANES rays from lane i on, those that pass the k-th surface they meet restart behind it; the others
+/// arrive. Returns whether any ray goes on.
 FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
                       bool hides) {
   Surfaces surfaces;
@@ -226,8 +227,9 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   return restart_behind(paths, i, &surfaces, passes);
 }
 
-/// Restores what was kept. Rays that passed too many surfaces see the next hidden emitter, unlit, or black.
-/// Where no leaf was chosen the surfaces are those without anything in between, from the ray's own origin.
+/// Restores what was saved. A ray that passed too many surfaces sees the next hidden emitter without its
+/// light, or black. If no leaf was chosen, nothing was passed by chance, and the surface is found from the
+/// ray's original origin.
 FN void end_way(const PRIVATE PathState* paths, int j, bool restores_origin) {
   const vec3 start = get_kept_origin(paths, j), origin = get_ray_origin(paths, j);
   const int skip = get_ray_skip(paths, j), hit = get_hit(paths, j), kept = get_kept_hit(paths, j);
@@ -249,7 +251,7 @@ STAGE void end_ways_by_choice(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Rays that passed too many surfaces end on black ones.
+/// Rays that passed too many surfaces end on the black material.
 STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -260,7 +262,7 @@ STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// From what the rays of the `step`-th step hit to where they end.
+/// Follows the rays of the `step`-th step from their first hits to where they end.
 CALLED_FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
   const bool nested = NEEDS(scene, NESTED);
   const bool hides = step == 0 && scene->header.integrator.hide_emitters == HIDE_LOOK_THROUGH;

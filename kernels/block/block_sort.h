@@ -1,5 +1,5 @@
-// Paths by the family of the BSDF that they hit: where a scene has several, lanes of a group then mostly
-// share one, and few groups evaluate more. No image depends on it.
+// Sorts paths by the family of the BSDF that they hit. In scenes with several families, the lanes of a group
+// then mostly share one, and few groups evaluate several. Images do not depend on the order.
 #ifndef PENUMBRA_BLOCK_SORT_H
 #define PENUMBRA_BLOCK_SORT_H
 #include "kernels/block/path_state.h"
@@ -10,8 +10,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #if LANES > 1
   #define MAX_FAMILIES 32
 
-/// Family of the primitive's front, or its back where the front is black: which of them is seen is not known
-/// yet. FAMILY_BLACK where there is none.
+/// The family of each hit: that of the primitive's front, or of its back if the front is black, since the
+/// side is not known yet. FAMILY_BLACK for rays that hit nothing.
 STAGE void find_hit_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                              GLOBAL int* RESTRICT families) {
   for (int i = 0; i < count; i += LANES) {
@@ -26,7 +26,7 @@ STAGE void find_hit_families(const PRIVATE Scene* scene, const PRIVATE PathState
   }
 }
 
-/// Where leaves were chosen, theirs.
+/// Replaces the families by those of chosen leaves.
 STAGE void find_leaf_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                               GLOBAL int* RESTRICT families) {
   for (int i = 0; i < count; i += LANES) {
@@ -39,7 +39,7 @@ STAGE void find_leaf_families(const PRIVATE Scene* scene, const PRIVATE PathStat
   }
 }
 
-/// Lists the lanes by family, those of one in order. Returns whether that is another order.
+/// Lists the lanes by family; the sort is stable. Returns whether the order differs from the current one.
 STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBAL int* RESTRICT order) {
   int starts[MAX_FAMILIES];
   for (int k = 0; k < MAX_FAMILIES; k++) starts[k] = 0;
@@ -59,8 +59,8 @@ STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBA
   return changed;
 }
 
-/// Lane m gets the value of lane order[m]. (The lists that never travel are fields as well, so g++ would see
-/// them in both places of RESTRICT.)
+/// Lane m gets the value of lane order[m]. `field` and `buffer` are not RESTRICT: the generated code also
+/// names the buffers, which are fields that never move, and g++ would see one array in both places.
 STAGE void reorder_float(GLOBAL float* field, const GLOBAL int* RESTRICT order, int count,
                          GLOBAL float* buffer) {
   LANE_LOOP
@@ -80,7 +80,7 @@ STAGE void reorder_int(GLOBAL int* field, const GLOBAL int* RESTRICT order, int 
   #define REORDER_vec3(field) \
     for (int k = 0; k < 3; k++) REORDER_float((field) + k * paths->capacity)
 
-/// Of the paths whose rays were just intersected.
+/// Sorts the paths whose rays were just intersected.
 CALLED_FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const ulong features = SCENE_FEATURES(&scene->header);
   const GLOBAL int* order = paths->going;

@@ -1,4 +1,5 @@
-// The surfaces that LANES paths' rays hit, in one lane loop for each part of the work that the scene needs.
+// Finds the surfaces that the rays of LANES paths hit: one lane loop for each part of the work that the scene
+// needs.
 #ifndef PENUMBRA_BLOCK_SURFACE_H
 #define PENUMBRA_BLOCK_SURFACE_H
 #include "kernels/block/block_instances.h"
@@ -8,8 +9,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The triangle that LANES rays hit, those that hit any, as many of a camera's do: its vertices are read
-/// once, not by every lane. -1: they hit several.
+/// The triangle that LANES rays hit, if they all hit the same one or nothing, as many camera rays do. Its
+/// vertices are then read once, not by every lane. -1: they hit several primitives.
 FN int only_triangle(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   int last = -1, others = 0;
   for (int j = i; j < i + LANES; j++) last = max_i(last, get_hit(paths, j));
@@ -19,7 +20,7 @@ FN int only_triangle(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   return only ? last : -1;
 }
 
-/// What a lane hits: `only`, or if that is negative its own triangle.
+/// The triangle of a lane: `only`, or its own triangle if `only` is negative.
 FN int hit_triangle(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only) {
   return only >= 0 ? only : triangle_of(scene, get_hit(paths, i));
 }
@@ -57,8 +58,7 @@ STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathSta
     interpolate_normals_on(scene, paths, i, -1, points);
 }
 
-// Of lanes whose primitive is a quadric and `such` a one, the points by `point_of`, instead of what was
-// found.
+// Replaces the points of lanes whose primitive is a quadric for which `such` holds by `point_of`.
 #define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                     \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                      \
                    PRIVATE PrimitivePoints* RESTRICT points) {                                             \
@@ -76,7 +76,7 @@ FIND_POINTS_OF_QUADRICS(find_quadric_points, quadric_point, is_quadric)
 FIND_POINTS_OF_QUADRICS(find_cylinder_points, cylinder_point, is_cylinder)
 #undef FIND_POINTS_OF_QUADRICS
 
-/// The instance of which a lane's ray hit a primitive, or -1.
+/// The instance whose primitive a lane's ray hit, or -1.
 FN int instance_hit(const PRIVATE PathState* paths, int i) {
   const int hit = get_hit(paths, i), instance = get_hit_instance(paths, i);
   return hit >= 0 ? instance : -1;
@@ -88,7 +88,8 @@ FN bool any_instance_hit(const PRIVATE PathState* paths, int i) {
   return any != 0;
 }
 
-/// Of lanes whose rays hit instances, instead of what was found as if the primitive were the scene's own.
+/// Replaces the points of lanes whose rays hit instances. They were first computed as if the primitive were
+/// not instanced.
 STAGE void find_instance_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                 PRIVATE PrimitivePoints* RESTRICT points) {
   LANE_LOOP
@@ -151,7 +152,7 @@ STAGE void find_quadric_uvs(const PRIVATE Scene* scene, const PRIVATE PathState*
     }
 }
 
-/// The surfaces' instances are known.
+/// The surfaces' instances must be set.
 STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* RESTRICT points,
                              PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -170,7 +171,8 @@ FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
   if (NEEDS(scene, QUADRICS)) find_quadric_uvs(scene, paths, i, points, surfaces);
 }
 
-/// Those that the last rays of LANES paths from lane i on hit, as rays and geometry have them.
+/// The surfaces that the last rays of LANES paths from lane i on hit, without chosen leaves, media and bent
+/// normals.
 CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
@@ -188,7 +190,7 @@ CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
   if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
 }
 
-/// As seen from where rays started, whatever they passed.
+/// Measures distances from where rays started, before any surface that they passed.
 STAGE void see_from_starts(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -198,7 +200,7 @@ STAGE void see_from_starts(const PRIVATE PathState* paths, int i, PRIVATE Surfac
     }
 }
 
-/// Made of the leaves that were chosen.
+/// Replaces the materials by the chosen leaves.
 STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -207,7 +209,7 @@ STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* R
     }
 }
 
-/// Where paths scatter in media.
+/// Replaces the surfaces of paths that scatter in media.
 STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {

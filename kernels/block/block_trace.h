@@ -1,4 +1,4 @@
-// The stages of a block that trace: intersect, occlude, and adding the light of shadow rays that got through.
+// The stages of a block that trace rays: intersect, occlude, and adding the light of unoccluded shadow rays.
 #ifndef PENUMBRA_BLOCK_TRACE_H
 #define PENUMBRA_BLOCK_TRACE_H
 #include "kernels/block/block_flight.h"
@@ -18,16 +18,18 @@ FN bool any_ray(const PRIVATE PathState* paths, int i) {
   return any != 0;
 }
 
-/// What stopped rays of intersectors that do not say what did may let light through.
+/// For intersectors that do not report the occluder: it may let light through, so the transmittance becomes
+/// negative (unknown).
 STAGE void doubt_occluded(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i++)
     if (!(get_shadow_transmittance(paths, i) > 0.0f)) set_shadow_transmittance(paths, i, -1.0f);
 }
 
-/// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
+/// Lists the lanes that have a shadow ray, padded to a multiple of LANES by repeating the last one. Returns
+/// their number.
 STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
   int n = 0;
-  for (int i = 0; i < count; i++) {  // without a branch: which paths have one is not predictable
+  for (int i = 0; i < count; i++) {  // no branch: which paths have one is unpredictable
     wanted[n] = i;
     n += get_shadow_tmax(paths, i) > 0.0f ? 1 : 0;
   }
@@ -37,7 +39,7 @@ STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int
 }
 
 #ifdef RAYS_IN_FLIGHT
-/// Lists the lanes that have a ray; the others hit nothing.
+/// Lists the lanes that have a ray. All hits become -1.
 STAGE int list_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
   int n = 0;
   for (int i = 0; i < count; i++) {
@@ -84,7 +86,7 @@ STAGE void scatter_transmittances(const PRIVATE RayLanes* RESTRICT rays, const P
       set_shadow_transmittance(paths, wanted[j], rays->hit[j] < 0 ? 1.0f : 0.0f);
 }
 
-/// Where what is in the way may let light through: negative.
+/// Sets the transmittances; negative if the occluder may let light through.
 STAGE void doubt_transmittances(const PRIVATE Scene* scene, const PRIVATE RayLanes* RESTRICT rays,
                                 const PRIVATE PathState* paths, const GLOBAL int* RESTRICT wanted) {
   LANE_LOOP
@@ -97,12 +99,12 @@ STAGE void store_hits(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathS
     for (int j = 0; j < LANES; j++) set_hit(paths, i + j, rays->hit[j]);
 }
 
-/// Of lanes without rays.
+/// For lanes without rays.
 FN void clear_hits(const PRIVATE PathState* paths, int i) {
   for (int j = i; j < i + LANES; j++) set_hit(paths, j, -1);
 }
 
-/// Every ray against every primitive.
+/// Tests every ray against every primitive.
 FN void intersect_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
   for (int i = 0; i < count; i += LANES) {
@@ -117,7 +119,7 @@ FN void intersect_block_whole(const PRIVATE Scene* scene, const PRIVATE PathStat
   }
 }
 
-/// The same of shadow rays.
+/// The same for shadow rays.
 FN void occlude_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   GLOBAL int* RESTRICT wanted = paths->going;
   const int rays = list_shadow_rays(paths, count, wanted);
@@ -153,7 +155,7 @@ STAGE void load_packet(const PRIVATE PathState* paths, int i, PRIVATE RayPacket*
     }
 }
 
-/// LANES rays from lane i on that are a camera's, in packets where their directions allow it.
+/// Intersects LANES camera rays from lane i on, as a packet if their directions allow it.
 FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   RayPacket packet;
   float dx[LANES], dy[LANES], dz[LANES];
@@ -166,7 +168,7 @@ FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* 
 }
 #endif
 
-/// Rays through the hierarchy. `together`: neighbours' rays go nearly the same way.
+/// Traces rays through the BVH. `together`: neighbouring rays are coherent.
 FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                             bool together) {
   if (NEEDS(scene, INSTANCES)) {
@@ -193,7 +195,7 @@ FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState*
   for (; i < count; i++) set_hit(paths, i, ray_hit(scene, paths, i));
 }
 
-/// Some hit of the lane's shadow ray.
+/// Any hit of the lane's shadow ray.
 FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
   const float tmax = get_shadow_tmax(paths, i);
@@ -203,7 +205,7 @@ FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   return occlude_bvh(scene, origin, direction, tmax, skip);
 }
 
-/// Shadow rays through the hierarchy.
+/// Traces shadow rays through the BVH.
 FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
 #if defined(RAYS_IN_FLIGHT)
   if (!NEEDS(scene, INSTANCES)) {
@@ -216,7 +218,7 @@ FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* p
     set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
 }
 
-/// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
+/// Finds the primitive that each lane's ray hits. `together`: neighbouring rays are coherent.
 STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                            bool together) {
 #ifdef EXTERNAL_TRACER
@@ -229,16 +231,15 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (!NEEDS(scene, BVH)) intersect_block_whole(scene, paths, count);
 }
 
-/// Intersectors that take one ray at a time leave lanes from `count` on alone: they repeat the last path's
-/// hit too.
+/// Intersectors that take one ray at a time skip the lanes from `count` on, which repeat the last path. This
+/// copies its hit too.
 FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) set_hit(paths, i, get_hit(paths, count - 1));
   if (!NEEDS(scene, INSTANCES)) return;
   for (int i = count; i % LANES != 0; i++) set_hit_instance(paths, i, get_hit_instance(paths, count - 1));
 }
 
-/// Finds how much of the light of each lane's shadow ray gets through; negative where what stops it may let
-/// some through.
+/// Finds the transmittance of each lane's shadow ray; negative if the occluder may let light through.
 STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   if (HAS(DIRECT) && !scene->header.integrator.trace_shadows) {
     for (int i = 0; i < count; i++) set_shadow_transmittance(paths, i, 1.0f);
@@ -255,13 +256,13 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   if (!NEEDS(scene, BVH)) occlude_block_whole(scene, paths, count);
 }
 
-/// What a lane's shadow ray brings, if `wanted`, times the share that gets through.
+/// The contribution of a lane's shadow ray, if `wanted`: its light times `share`.
 FN vec3 shadow_ray_light(const PRIVATE PathState* paths, int i, bool wanted, float share) {
   const bool lit = wanted & (share > 0.0f) & (get_shadow_tmax(paths, i) > 0.0f);
   return select3(lit, scale(get_shadow_radiance(paths, i), share), make_vec3(0.0f, 0.0f, 0.0f));
 }
 
-/// Of shadow rays that got through, what bumps where they start let through.
+/// Multiplies the transmittances by the fraction that bumps at the start of the shadow ray let through.
 STAGE void shade_shadow_rays(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -270,7 +271,7 @@ STAGE void shade_shadow_rays(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Adds the light of shadow rays that got through to what the paths found.
+/// Adds the light of unoccluded shadow rays to the radiance of their paths.
 STAGE void add_light(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -281,9 +282,9 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
-/// into sums of its own. `has_own_control`: what the variate gets is not what the path does. `media`: they
-/// take from the light too.
+/// The same for a path with control variates of polygon lights: their light goes into separate sums, with and
+/// without shadows. `has_own_control`: the unshadowed sum gets `shadow_control` instead of the path's own
+/// light. `media`: media attenuate the light.
 FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_control, bool media) {
   const int kind = get_shadow_controlled(paths, i);
   const bool controlled = kind != CONTROL_NONE;
@@ -305,7 +306,7 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_contr
   set_shadowed(paths, i, add(get_shadowed(paths, i), shadowed));
 }
 
-// Of all lanes.
+// For all lanes.
 #define ADD_CONTROLLED_LIGHT(stage, has_own_control, media)                                   \
   STAGE void stage(const PRIVATE PathState* paths, int count) {                               \
     for (int i = 0; i < count; i += LANES) {                                                  \
@@ -319,7 +320,7 @@ ADD_CONTROLLED_LIGHT(add_controlled_light_in_media, false, true)
 ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
 #undef ADD_CONTROLLED_LIGHT
 
-/// Whichever the scene needs.
+/// Calls the variant that the scene needs.
 FN void add_light_with_control(const PRIVATE Scene* scene, bool has_own_control,
                                const PRIVATE PathState* paths, int count) {
   if (NEEDS_MEDIA(scene)) {

@@ -1,9 +1,9 @@
-// Shading normals bent by normal maps and bump maps: where they lean, in the frame of the surface's own
-// shading normal, decides a texture.
+// Shading normals bent by normal maps and bump maps: a texture decides their direction in the frame of the
+// surface's own shading normal.
 //
-// The normal stays on the side that is seen and faces the viewer. Where the texture's would not, it leans the
-// other way by as much, as in Mitsuba 3 from 3.7 on (Schuessler et al. 2017 discuss why); if it points into
-// the surface, the surface's own takes over.
+// The bent normal stays on the side of wo and faces it. If the texture's normal would not, it is tilted the
+// other way by the same amount, as in Mitsuba 3 from 3.7 on (Schuessler et al. 2017 discuss why). If it
+// points into the surface, the surface's own normal is used.
 #ifndef PENUMBRA_BEND_NORMAL_H
 #define PENUMBRA_BEND_NORMAL_H
 #include "kernels/intersect/surface_uv.h"
@@ -13,13 +13,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// How a surface's shading normal n is bent: to the direction of along + up n, `along` being tangential.
+/// A bent shading normal: the direction of along + up n, where n is the surface's shading normal and `along`
+/// is tangential.
 #define BEND_FIELDS(F, a) \
   F(a, vec3, along)       \
   F(a, float, up)
 LANE_RECORD(Bend, Bends, bend, BEND_FIELDS)
 
-// Changes of position with the texture coordinates.
+// Derivatives of the position by the texture coordinates.
 #define DERIVATIVES_FIELDS(F, a) \
   F(a, vec3, du)                 \
   F(a, vec3, dv)
@@ -41,7 +42,7 @@ FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 
   return d;
 }
 
-/// See sphere_uv, disk_uv and cylinder_uv.
+/// For the coordinates of sphere_uv, disk_uv and cylinder_uv.
 FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const int kind = q->kind;
@@ -60,7 +61,7 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   return d;
 }
 
-/// `d`: as if the primitive were the scene's own.
+/// `d`: the derivatives as if the primitive were not instanced.
 FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Derivatives d) {
   GLOBAL const Instance* at = scene->instances + (s.instance >= 0 ? s.instance : 0);
   const int triangles = scene->header.tables.triangles.count;
@@ -92,7 +93,8 @@ FN Derivatives surface_derivatives(const PRIVATE Scene* scene, Surface s, vec3 f
   return d;
 }
 
-/// The textures of the materials that bend in that way, BEND_*, or -1.
+/// The textures of the materials that bend normals in this way (BEND_*), or -1. Returns whether there are
+/// any.
 STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE Surfaces* RESTRICT surfaces,
                               PRIVATE int* RESTRICT textures) {
   int any = 0;
@@ -104,8 +106,8 @@ STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE
   return any != 0;
 }
 
-/// A normal map's value t means (2 t - 1) in the frame of the tangent, the cross product of the front's
-/// normal and it, and the normal of the side that is seen: seen from behind its bumps are the same ones
+/// A normal map's value t is the vector 2 t - 1 in a frame of three axes: the tangent, the cross product of
+/// the front's normal and the tangent, and the normal of the visible side. From behind, the same bumps appear
 /// mirrored.
 STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE TextureLanes* RESTRICT found, PRIVATE Bends* RESTRICT bends) {
@@ -123,7 +125,7 @@ STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
     }
 }
 
-/// Coordinates moved by `u_steps` and `v_steps` of the materials' steps.
+/// Moves the texture coordinates by `u_steps` and `v_steps` times the materials' steps.
 STAGE void move_coordinates(const PRIVATE Scene* scene, float u_steps, float v_steps,
                             PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -158,8 +160,8 @@ STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE S
           instance_derivatives(scene, load_surface(surfaces, j), load_derivatives(derivatives, j)));
 }
 
-/// Where the surface is displaced along its normal by h(u, v) its normal is that of du + h_u n and dv + h_v n
-/// (Blinn 1978), n's own change left out, as in Mitsuba 3.
+/// If a surface is displaced along its normal n by h(u, v), its new normal is that of du + h_u n and dv + h_v
+/// n (Blinn 1978). The change of n itself is neglected, as in Mitsuba 3.
 STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE DerivativesLanes* RESTRICT derivatives,
                             const PRIVATE float* RESTRICT heights, PRIVATE Bends* RESTRICT bends) {
@@ -184,7 +186,7 @@ STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
     }
 }
 
-/// The bent normal of a surface, on the side that is seen and facing the viewer.
+/// The bent normal of a surface, on the side of wo and facing it.
 FN vec3 bent_normal(Surface s, Bend bend) {
   const vec3 up = scale(s.shading, bend.up);
   const vec3 there = add(bend.along, up), mirrored = sub(up, bend.along);
@@ -195,8 +197,8 @@ FN vec3 bent_normal(Surface s, Bend bend) {
   return select3(good, scale(n, 1.0f / SQRT(good ? length2 : 1.0f)), s.shading);
 }
 
-/// The squared roughness of bumps whose normals lean so: an eighth of the squared tangent (Estevez, Lecocq
-/// and Stein 2019).
+/// The squared roughness of bumps with this bent normal: an eighth of the squared tangent of its angle
+/// (Estevez, Lecocq and Stein 2019).
 FN float bump_roughness(vec3 smooth, vec3 bent) {
   const float cosine2 = sqr(dot3(smooth, bent));
   return min_f(0.125f * max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f), 1.0f);
@@ -215,7 +217,7 @@ STAGE void apply_bends(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT t
     }
 }
 
-/// Bends the shading normals of the surfaces, whose materials are leaves.
+/// Bends the shading normals of the surfaces. Their materials must be leaves.
 FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
   int textures[LANES];
   TextureLanes found;
@@ -249,8 +251,8 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
   }
 }
 
-/// What bumps let through of the light from w, or towards it, as the shadows that they would cast on each
-/// other: masking of GGX about the smooth normal (Estevez, Lecocq and Stein 2019). 1 where nothing is bent.
+/// The fraction of light from or towards w that bumps do not shadow: GGX masking about the smooth normal
+/// (Estevez, Lecocq and Stein 2019). 1 if the normal is not bent.
 FN float bump_shadow(Surface s, vec3 w) {
   const float cosine2 = sqr(dot3(s.smooth, w));
   const float tangent2 = max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f);

@@ -1,6 +1,6 @@
-// Lambert and a normalised Blinn-Phong lobe: f = diffuse / pi + specular k cos^n, of the angle between normal
-// and half vector, with k = (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)), so that a viewer at the normal sees
-// `specular` exactly and every other one less (Giesen 2009).
+// Lambert and a normalised Blinn-Phong lobe: f = diffuse / pi + specular k cos^n of the angle between normal
+// and half vector. With k = (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)) the lobe's albedo is exactly `specular`
+// for wo along the normal, and less for all other directions (Giesen 2009).
 #ifndef PENUMBRA_BLINNPHONG_H
 #define PENUMBRA_BLINNPHONG_H
 #include "kernels/bsdf/families.h"
@@ -21,7 +21,7 @@ FN BsdfValue blinnphong_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   const float norm = 0.125f * (n + 2.0f) * ((n + 4.0f) / (exp_f(-0.346573590f * n) + n));
   BsdfValue value;
   value.f_cos = scale(add(c.diffuse, scale(c.specular, norm * power)), lambert);
-  // Half vectors have the density (n + 1) / (2 pi) cos^n; |wo + wi| = 2 wo . h.
+  // Half vectors have pdf (n + 1) / (2 pi) cos^n; |wo + wi| = 2 wo . h.
   value.pdf = (1.0f - share) * lambert + share * ((n + 1.0f) * power * (0.25f * INV_PI_F) / length);
   return select_bsdf_value(reflects, value, no_bsdf_value());
 }

@@ -1,6 +1,5 @@
-// From materials to closures, and from closures to the functions of their families: LANES at a time, a lane
-// loop for each family that is among them. Which families a scene has is known, so one that it lacks costs
-// nothing.
+// Resolves materials to closures, and calls the functions of the closures' families: LANES at a time, one
+// lane loop for each family among them. The families of a scene are known, so others cost nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
 #include "kernels/bsdf/blinnphong.h"
@@ -33,7 +32,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define MATERIAL_VALUE_float(field) field
 #define MATERIAL_VALUE_vec3(field) load3(&field)
 
-// A field of LANES closures.
+// Copies a field of LANES materials to closures.
 #define RESOLVE_LANES(a, type, name)                                                                   \
   STAGE void resolve_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
                                     PRIVATE Closures* RESTRICT closures) {                             \
@@ -48,7 +47,7 @@ CLOSURE_FIELDS(RESOLVE_LANES, )
 
 #define LANE_OF_float(value) luminance(value)
 #define LANE_OF_vec3(value) (value)
-// Where materials have a texture for a field, its value there.
+// Evaluates a field's texture, for materials that have one.
 #define TEXTURE_LANES(a, type, name)                                                                   \
   STAGE bool note_##name##_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
                                     PRIVATE int* RESTRICT textures) {                                  \
@@ -80,7 +79,7 @@ CLOSURE_FIELDS(RESOLVE_LANES, )
 TEXTURED_FIELDS(TEXTURE_LANES, )
 #undef TEXTURE_LANES
 
-/// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
+/// Resolves the closures of the surfaces' materials. Fields that no material of the scene uses are unchanged.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
   const uint families = NEEDED(FAMILIES, scene->header.families) & compiled_families();
@@ -99,15 +98,16 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
 #undef TEXTURE_IF_USED
 }
 
-/// The families of LANES closures.
+/// A mask of the families of LANES closures.
 FN uint families_among(const PRIVATE Closures* closures) {
   uint families = 0u;
   for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
   return families & compiled_families();
 }
 
-/// The frame in which a family with these properties, a constant, sees a surface: its x axis, or 0 for any.
-/// That of an isotropic closure does not follow the tangent, so that no image depends on whether it is known.
+/// The x axis of the frame in which a family with these `properties` (a constant) is evaluated; 0 if any axis
+/// will do. The frame of an isotropic closure does not follow the tangent, so that images do not depend on
+/// whether the tangent is known.
 FN vec3 family_axis(int properties, Closure c, Surface s) {
   const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
   const vec3 tangent = select3(is_anisotropic(c), s.tangent, none);
@@ -172,7 +172,7 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
     for (int j = 0; j < LANES; j++) store_bsdf_sample(samples, j, no_bsdf_sample());
 }
 
-/// Values of the closures, of these `families`, towards the unit directions `wi`, a lane vec3.
+/// Evaluates closures of these `families` for the unit directions `wi`, a lane vec3.
 CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                           const PRIVATE Surfaces* surfaces, const PRIVATE float* wi,
                           PRIVATE BsdfValues* values) {
@@ -187,7 +187,7 @@ CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVA
   if (first) clear_bsdf_values(values);
 }
 
-/// Directions by the closures, in world space. `uv`: LANES numbers u, then LANES v.
+/// Samples directions by the closures, in world space. `uv` has LANES numbers u, then LANES numbers v.
 CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                             const PRIVATE Surfaces* surfaces, const PRIVATE float* uv,
                             const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
@@ -217,7 +217,7 @@ CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRI
 BRANCHING_FAMILIES(LOBE_PROBABILITY)
 #undef LOBE_PROBABILITY
 
-/// The probabilities of the first lobes of the closures of BRANCHING_FAMILIES; 1 for others.
+/// The probabilities of the first lobes of closures of BRANCHING_FAMILIES; 1 for others.
 FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                            PRIVATE float* probabilities) {
   for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
@@ -228,8 +228,8 @@ FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, cons
 #undef PROBABILITY_IF_THERE
 }
 
-/// One at a time, for the surface's normal n and any tangent: value of the closure for a pair of directions
-/// of world space.
+/// Evaluates a single closure for a pair of world-space directions, with the surface's normal n and any
+/// tangent.
 FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, vec3 wi) {
   const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));
   switch (c.family) {
@@ -244,7 +244,7 @@ FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, v
   }
 }
 
-/// The same of a sample.
+/// Samples a single closure likewise.
 FN BsdfSample sample_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, float u, float v,
                           float choice) {
   const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));

@@ -1,4 +1,4 @@
-// A smooth conductor: a mirror of Fresnel's reflectance.
+// A smooth conductor: a mirror with Fresnel's reflectance.
 #ifndef PENUMBRA_CONDUCTOR_H
 #define PENUMBRA_CONDUCTOR_H
 #include "kernels/bsdf/families.h"

@@ -1,4 +1,4 @@
-// Control lobes of LANES closures, a lane loop for each family that has some.
+// Control lobes of LANES closures: a lane loop for each family that has some.
 #ifndef PENUMBRA_CONTROL_LANES_H
 #define PENUMBRA_CONTROL_LANES_H
 #include "kernels/bsdf/bsdf.h"
@@ -28,7 +28,7 @@ STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
     for (int j = 0; j < LANES; j++) store_control_lobes(controls, j, no_control_lobes());
 }
 
-/// Those of the closures of `families`; none of the others.
+/// Computes the control lobes of closures of `families`; others have none.
 FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                       const PRIVATE Surfaces* surfaces, PRIVATE ControlLanes* controls) {
   clear_controls(controls);
@@ -39,7 +39,7 @@ FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE C
 #undef CONTROL_IF_THERE
 }
 
-/// One at a time, for a viewer at that cosine.
+/// The control lobes of a single closure, for the cosine of wo.
 FN ControlLobes control_of(const PRIVATE Scene* scene, Closure c, float cosine) {
   switch (c.family) {
 #define CONTROL_ONE(name, NAME) \

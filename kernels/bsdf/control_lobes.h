@@ -1,8 +1,8 @@
-// Of a glossy closure under the light of polygons: a Lambert and a linearly transformed cosine that are close
-// to it, and whose light has a closed form. As a control variate any such pair is without bias; how much it
-// saves depends on how close it is.
+// Control lobes of a glossy closure under polygon lights: a Lambert lobe and a linearly transformed cosine
+// that approximate the closure and have closed forms. Used as a control variate, any such pair is unbiased;
+// the variance depends on how close it is.
 //
-// A family that has one has a row of LTC_FAMILIES (families.h) and beside its eval
+// A family with control lobes has a row in LTC_FAMILIES (families.h), and beside its eval
 //   ControlLobes <name>_control(scene, closure, cosine of wo)
 #ifndef PENUMBRA_CONTROL_LOBES_H
 #define PENUMBRA_CONTROL_LOBES_H
@@ -12,13 +12,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// The radiance towards the viewer, times the cosine of wi, is diffuse / pi times that cosine plus specular
-// times the density of the lobe: above the horizon, and 0 below.
-#define CONTROL_LOBES_FIELDS(F, a)                                              \
-  F(a, vec3, diffuse)                                                           \
-  F(a, vec3, specular)                                                          \
-  F(a, float, width_x) /* of the lobe's matrix, see Ltc; 0: there is no lobe */ \
-  F(a, float, width_y)                                                          \
+// f times the cosine of wi: above the horizon it is diffuse / pi times that cosine plus specular times the
+// lobe's density, and 0 below.
+#define CONTROL_LOBES_FIELDS(F, a)                                     \
+  F(a, vec3, diffuse)                                                  \
+  F(a, vec3, specular)                                                 \
+  F(a, float, width_x) /* of the lobe's matrix, see Ltc; 0: no lobe */ \
+  F(a, float, width_y)                                                 \
   F(a, float, shift)
 LANE_RECORD(ControlLobes, ControlLanes, control_lobes, CONTROL_LOBES_FIELDS)
 
@@ -29,14 +29,15 @@ FN ControlLobes no_control_lobes(void) {
   return c;
 }
 
-/// A microfacet reflection as a lobe.
+/// A microfacet reflection, approximated by a linearly transformed cosine.
 typedef struct {
   Ltc ltc;
-  float albedo;   ///< of the reflection without its Fresnel term
-  float schlick;  ///< mean of (1 - cos)^5 over it, of the angle at the microfacets
+  float albedo;   ///< directional albedo without the Fresnel term
+  float schlick;  ///< mean of (1 - cos)^5 over the lobe, cos at the microfacets
 } MicrofacetLobe;
 
-/// From the scene's table, bilinearly; `alpha` > 0 is clamped to what float widths bear, `cosine` in [0, 1].
+/// Interpolates the scene's table bilinearly. `alpha` > 0 is clamped to widths that floats can represent;
+/// `cosine` is in [0, 1].
 FN MicrofacetLobe microfacet_lobe(const PRIVATE Scene* scene, int distribution, float alpha, float cosine) {
   const float most = (float)(LTC_SIZE - 1), a = clamp_f(alpha, 1e-4f, 10.0f);
   const float row = SQRT(min_f(a, 1.0f)) * most, column = SQRT(clamp_f(cosine, 0.0f, 1.0f)) * most;
@@ -55,13 +56,13 @@ FN MicrofacetLobe microfacet_lobe(const PRIVATE Scene* scene, int distribution, 
   return lobe;
 }
 
-/// The cosine at the microfacets for which Schlick's Fresnel term has its mean over the lobe: any other has
-/// about its own there.
+/// The cosine at the microfacets for which Schlick's Fresnel term equals its mean over the lobe. Other
+/// Fresnel terms have about their mean there, too.
 FN float fresnel_cosine(MicrofacetLobe lobe) {
   return 1.0f - exp_f(0.2f * log_f(clamp_f(lobe.schlick, 1e-20f, 1.0f)));
 }
 
-/// The control lobes of a microfacet reflection of that reflectance beside a Lambert.
+/// The control lobes of a microfacet reflection with this reflectance and a Lambert lobe.
 FN ControlLobes make_control_lobes(vec3 diffuse, MicrofacetLobe lobe, vec3 reflectance) {
   ControlLobes c;
   c.diffuse = diffuse;
@@ -80,15 +81,15 @@ FN Ltc ltc_of(ControlLobes c) {
   return ltc;
 }
 
-/// The radiance towards wo, times the cosine of wi; directions of the normal's frame.
+/// f times the cosine of wi. Directions are in the normal's frame.
 FN vec3 control_value(ControlLobes c, vec3 wo, vec3 wi) {
   const float cosine = max_f(wi.z, 0.0f);
   const float density = cosine * ltc_density_over_cosine(ltc_of(c), to_lobe_frame(wo, wi));
   return add(scale(c.diffuse, cosine * INV_PI_F), scale(c.specular, density));
 }
 
-/// Whether samples of polygon lights at such a closure may have the lobes as control variate. Families that
-/// light gets through have none: it would have to be sampled otherwise.
+/// Whether samples of polygon lights at such a closure may use the lobes as control variate. Families that
+/// transmit have none, since their lights are sampled differently.
 FN bool has_ltc_form(Closure c) { return ((ltc_families() >> c.family) & 1u) != 0u; }
 
 PENUMBRA_NAMESPACE_END

@@ -1,5 +1,5 @@
-// A smooth boundary between dielectrics: reflects by Fresnel's equations, refracts the rest by Snell's law.
-// `ior` is the index of the side that the viewer does not see, over that of the side that he sees.
+// A smooth dielectric boundary: reflects by Fresnel's equations and refracts the rest by Snell's law. `ior`
+// is the index of the side opposite wo over that of wo's side.
 #ifndef PENUMBRA_DIELECTRIC_H
 #define PENUMBRA_DIELECTRIC_H
 #include "kernels/bsdf/families.h"
@@ -8,7 +8,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Probability of the reflection, which is sampled for a choice below it.
+/// Probability of reflection, which is sampled if `choice` is below it.
 FN float dielectric_lobe_probability(Closure c, vec3 wo) {
   return dielectric_fresnel(wo.z, c.ior).reflectance;
 }
@@ -17,7 +17,8 @@ FN BsdfValue dielectric_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   return no_bsdf_value();
 }
 
-/// Radiance that crosses into a medium grows by the square of the index (Veach 1997, section 5.2).
+/// Radiance that is refracted into a medium scales with the square of the relative index (Veach 1997, section
+/// 5.2).
 FN BsdfSample dielectric_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
                                 float choice) {
   const DielectricFresnel f = dielectric_fresnel(wo.z, c.ior);

@@ -1,8 +1,8 @@
-// Disney's BRDF (Burley 2012), with the masking of its revision of 2014: that of the anisotropic GGX
-// microfacets themselves. The paper's own widened them; `disney` of Disney's BRDF Explorer has this one.
+// Disney's BRDF (Burley 2012) with the masking of its 2014 revision: that of the anisotropic GGX microfacets
+// themselves, as `disney` of Disney's BRDF Explorer has it. The 2012 paper widened them for masking.
 //
-// Base colour is `diffuse`, subsurface `flatness`, and `specular_level` is specular: 0.08 of it is reflected
-// along the normal.
+// Base colour is `diffuse`, subsurface is `flatness`, and specular is `specular_level`: the reflectance along
+// the normal is 0.08 times it.
 #ifndef PENUMBRA_DISNEY_H
 #define PENUMBRA_DISNEY_H
 #include "kernels/bsdf/disney_lobes.h"
@@ -20,7 +20,7 @@ FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi
   const vec3 h = scale(sum, 1.0f / SQRT(max_f(dot3(sum, sum), 1e-30f)));
   const float cos_h = dot3(wi, h), weight = schlick_weight(cos_h);
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
-  // Disney's weights of the colours, not those of Rec. 709.
+  // Disney's colour weights, not those of Rec. 709.
   const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
 
   const float dielectric = 1.0f - c.metallic;

@@ -1,5 +1,5 @@
-// The families of BSDFs, and what a surface hands them: a resolved closure. A family is one file beside this
-// one.
+// The families of BSDFs, and the resolved closure that a surface passes to them. Each family has a file in
+// this folder.
 #ifndef PENUMBRA_FAMILIES_H
 #define PENUMBRA_FAMILIES_H
 #include "kernels/math/lane_record.h"
@@ -7,17 +7,17 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // Properties of a family.
-#define CLOSED_FORM 1    // its light by polygon lights has a closed form: see light_unshadowed.h
-#define SEVERAL_LOBES 2  // it chooses among lobes by a random number of its own
-#define TRANSMITS 4      // it scatters to the other side
-#define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
-#define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
-#define SOME_DELTA 32    // some of its directions are, others are not
-#define FREE 64          // it needs no surface: its frame is the scene's, and its values have no cosine
+#define CLOSED_FORM 1    // closed form under polygon lights: see light_unshadowed.h
+#define SEVERAL_LOBES 2  // chooses among lobes by a random number of its own
+#define TRANSMITS 4      // scatters to the other side
+#define ANISOTROPIC 8    // the x axis of its frame is the direction of increasing u, see tangent_axis
+#define DELTA 16         // all its directions have DELTA_PDF; eval returns 0
+#define SOME_DELTA 32    // some of its directions have DELTA_PDF
+#define FREE 64          // no surface: its frame is the scene's, and its values include no cosine
 
-// X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
-// kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
-#ifdef EXTRA_BSDF_FAMILY_LIST  // of tests: see tests/support/extra_families
+// X(name, NAME, number, properties, description for users): kernels/bsdf/`name`.h defines `name`_eval and
+// `name`_sample; FAMILY_`NAME` is defined below. Family 0 absorbs everything.
+#ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
 #else
   #define EXTRA_BSDF_FAMILIES(X)
@@ -48,11 +48,11 @@ PENUMBRA_NAMESPACE_BEGIN
   X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
   EXTRA_BSDF_FAMILIES(X)
 
-// X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
-// first: `name`_sample takes it where its choice is less.
+// X(name, NAME): the families with two delta lobes. `name`_lobe_probability(closure, wo) is the probability
+// of the first lobe; `name`_sample takes it if `choice` is below that.
 #define BRANCHING_FAMILIES(X) X(dielectric, DIELECTRIC) X(thindielectric, THINDIELECTRIC)
 
-// Plain macros as well, since the preprocessor has to test them.
+// Plain macros too, since the preprocessor must test them.
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
@@ -75,59 +75,59 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_PRINCIPLED_TRANSMITTING 19
 #define FAMILY_PHASE 20
 
-// What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
-// texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
-// file.
-#define TEXTURED_FIELDS(F, a)                                                              \
-  F(a, vec3, diffuse)     /* diffuse reflectance; base colour */                           \
-  F(a, vec3, specular)    /* reflectance of the other lobe */                              \
-  F(a, vec3, transmitted) /* transmittance of the other lobe */                            \
-  F(a, vec3, eta)         /* conductor: refractive index over that outside */              \
-  F(a, vec3, k)           /* conductor: absorption likewise */                             \
-  F(a, float, ior)        /* refractive index of the inside over that of the outside */    \
-  F(a, float, alpha_u)    /* roughness of the microfacets along the tangent */             \
-  F(a, float, alpha_v)    /* ... and across it */                                          \
-  F(a, float, exponent)   /* Phong exponent n >= 0 */                                      \
-  F(a, float, roughness)  /* these, of Disney's BSDFs, are in [0, 1] (see principled.h) */ \
-  F(a, float, anisotropic)                                                                 \
-  F(a, float, metallic)                                                                    \
-  F(a, float, spec_trans)                                                                  \
-  F(a, float, diff_trans) /* in [0, 2] */                                                  \
-  F(a, float, spec_tint)                                                                   \
-  F(a, float, specular_level)                                                              \
-  F(a, float, sheen)                                                                       \
-  F(a, float, sheen_tint)                                                                  \
-  F(a, float, flatness) /* or subsurface */                                                \
-  F(a, float, clearcoat)                                                                   \
+// The parameters of a material at a point. The record of a material has the same fields, and for each of
+// TEXTURED_FIELDS a texture index or -1. If a field's meaning differs between families, the family's file
+// explains it.
+#define TEXTURED_FIELDS(F, a)                                                                \
+  F(a, vec3, diffuse)     /* diffuse reflectance; base colour */                             \
+  F(a, vec3, specular)    /* reflectance of the other (specular) lobe */                     \
+  F(a, vec3, transmitted) /* transmittance of the other (specular) lobe */                   \
+  F(a, vec3, eta)         /* conductor: refractive index relative to the outside */          \
+  F(a, vec3, k)           /* conductor: absorption, likewise */                              \
+  F(a, float, ior)        /* refractive index of the inside relative to the outside */       \
+  F(a, float, alpha_u)    /* microfacet roughness along the tangent */                       \
+  F(a, float, alpha_v)    /* ... and perpendicular to it */                                  \
+  F(a, float, exponent)   /* Phong exponent n >= 0 */                                        \
+  F(a, float, roughness)  /* of Disney's BSDFs, from here on in [0, 1] (see principled.h) */ \
+  F(a, float, anisotropic)                                                                   \
+  F(a, float, metallic)                                                                      \
+  F(a, float, spec_trans)                                                                    \
+  F(a, float, diff_trans) /* in [0, 2] */                                                    \
+  F(a, float, spec_tint)                                                                     \
+  F(a, float, specular_level)                                                                \
+  F(a, float, sheen)                                                                         \
+  F(a, float, sheen_tint)                                                                    \
+  F(a, float, flatness) /* or subsurface */                                                  \
+  F(a, float, clearcoat)                                                                     \
   F(a, float, clearcoat_gloss)
-#define CLOSURE_FIELDS(F, a)                                                           \
-  F(a, int, family)          /* FAMILY_* */                                            \
-  F(a, int, variant)         /* of the family's formula */                             \
-  F(a, int, curve)           /* where its values begin in the table of curves */       \
-  F(a, int, curve_rows)      /* 1, or CURVE_ROWS: how many curves, over roughness */   \
-  F(a, int, first_lobe)      /* phase functions: in the table of their lobes */        \
-  F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
-  F(a, float, specular_rate) /* principled: how often lobes are sampled, relatively */ \
-  F(a, float, diffuse_rate)                                                            \
-  F(a, float, clearcoat_rate)                                                          \
-  F(a, float, diff_trans_rate)                                                         \
+#define CLOSURE_FIELDS(F, a)                                                         \
+  F(a, int, family)          /* FAMILY_* */                                          \
+  F(a, int, variant)         /* of the family's formula */                           \
+  F(a, int, curve)           /* start of its values in the table of curves */        \
+  F(a, int, curve_rows)      /* 1, or CURVE_ROWS: number of curves over roughness */ \
+  F(a, int, first_lobe)      /* phase functions: index in the table of lobes */      \
+  F(a, float, internal)      /* diffuse reflectance of the boundary from inside */   \
+  F(a, float, specular_rate) /* principled: relative sampling rates of lobes */      \
+  F(a, float, diffuse_rate)                                                          \
+  F(a, float, clearcoat_rate)                                                        \
+  F(a, float, diff_trans_rate)                                                       \
   TEXTURED_FIELDS(F, a)
 LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 
 #define ENUMERATE_TEXTURED(a, type, name) TEXTURED_##name,
-/// Numbers of the fields that may have textures.
+/// Indices of the fields that may have textures.
 enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #undef ENUMERATE_TEXTURED
 
-#define CURVE_KNOTS 64  // values of a curve over the cosines from 0 to 1
-#define CURVE_ROWS 32   // curves of a material whose roughness is a texture's, see roughplastic.h
-#define CURVE_STRIDE (CURVE_KNOTS + 1)  // from curve to curve
+#define CURVE_KNOTS 64                  // values of a curve, at cosines from 0 to 1
+#define CURVE_ROWS 32                   // curves of a material with textured roughness, see roughplastic.h
+#define CURVE_STRIDE (CURVE_KNOTS + 1)  // offset from curve to curve
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
-#define PRINCIPLED_INSIDE 1  // variant: as seen from inside
+#define PRINCIPLED_INSIDE 1  // variant: wo is inside
 
-// Variants of plastics: what is absorbed at the base each time, see plastic.h.
+// Variants of plastics: what each reflection at the base absorbs, see plastic.h.
 #define PLASTIC_LINEAR 0
 #define PLASTIC_NONLINEAR 1
 
@@ -136,8 +136,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define WARD_DUER 1
 #define WARD_BALANCED 2
 
-// The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
-// tests may use all.
+// The families that use each field. A field that no family in the scene uses is not read and keeps its value
+// of black_closure. Families of tests may use all fields.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
@@ -196,22 +196,22 @@ FN Closure black_closure(void) {
 }
 #undef ZERO_FIELD
 
-// Bit masks of families. A kernel is compiled for those of FAMILIES, which comes from the build.
+// Masks of families. A kernel is compiled for the families in FAMILIES, which the build defines.
 #define EVERY_FAMILY (0u BSDF_FAMILIES(FAMILY_BIT))
 #ifndef FAMILIES
   #define FAMILIES EVERY_FAMILY
 #endif
 #define HAS_FAMILY(name) (((FAMILIES) & (1u << FAMILY_##name)) != 0u)
 
-// The same within the expansion of BSDF_FAMILIES, where FAMILIES may not be expanded. A constant: compilers
-// do not look at what is behind `HAS_FAMILY_OF(number) &&` where it is false.
+// The same for use within the expansion of BSDF_FAMILIES, where FAMILIES must not be expanded. It is a
+// compile-time constant: compilers drop the code behind `HAS_FAMILY_OF(number) &&` if it is false.
 enum { COMPILED_FAMILIES = FAMILIES };
 #define HAS_FAMILY_OF(number) ((COMPILED_FAMILIES & (1u << (number))) != 0u)
 
 FN uint compiled_families(void) { return FAMILIES; }
 
 #define FAMILY_WITH(name, NAME, number, properties, text) | (((properties)&wanted) != 0 ? 1u << (number) : 0u)
-/// Those with any of the wanted properties.
+/// The families with any of the wanted properties.
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
@@ -222,7 +222,7 @@ FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMIL
 /// Whether the closure is of one of the families.
 FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
 
-/// Whether light from behind comes through: of a family that transmits, some of principled BSDFs do not.
+/// Whether light from behind is transmitted. Some closures of the principled families do not transmit.
 FN bool lets_light_through(Closure c) {
   const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN));
   return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
@@ -230,11 +230,11 @@ FN bool lets_light_through(Closure c) {
 
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
-/// Whether it matters how its frame lies about the normal.
+/// Whether the orientation of its frame about the normal matters.
 FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
 
-// The families whose light by polygon lights is nearly known in closed form: X(name, NAME), `name`_control in
-// their files, see control_lobes.h.
+// The families with control lobes for polygon lights: X(name, NAME); their files define `name`_control, see
+// control_lobes.h.
 #ifndef EXTRA_LTC_FAMILIES
   #define EXTRA_LTC_FAMILIES(X)
 #endif
@@ -251,27 +251,27 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
 #define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 
-/// What it reflects altogether, as far as its colours say.
+/// Approximate albedo, from the closure's colours.
 FN vec3 closure_albedo(Closure c) {
-  // Of a coat's boundary, what it reflects along the normal.
+  // The boundary of a coat reflects this much along the normal.
   const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE)) >> c.family) & 1u) != 0u;
   const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
   return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
 }
 
-// --- What a family's functions return. Directions are in the frame of the shading normal, whose z is on the
-// viewer's side; f is in 1/sr, pdfs per solid angle.
+// --- Results of a family's functions. Directions are in the frame of the shading normal, whose z axis is on
+// the side of wo; f is in 1/sr, pdfs are per solid angle.
 
 #define BSDF_VALUE_FIELDS(F, a)                             \
   F(a, vec3, f_cos) /* f times the absolute cosine of wi */ \
-  F(a, float, pdf)  /* with which the family samples wi */
+  F(a, float, pdf)  /* pdf with which the family samples wi */
 LANE_RECORD(BsdfValue, BsdfValues, bsdf_value, BSDF_VALUE_FIELDS)
 
-#define BSDF_SAMPLE_FIELDS(F, a)                                                                    \
-  F(a, vec3, wi)                                                                                    \
-  F(a, vec3, weight) /* f cos / pdf */                                                              \
-  F(a, float, pdf)   /* 0: no direction; DELTA_PDF: one of finitely many, which eval never finds */ \
-  F(a, float, eta)   /* refractive index where wi leads over that where wo does; 1 if reflected */
+#define BSDF_SAMPLE_FIELDS(F, a)                                                                   \
+  F(a, vec3, wi)                                                                                   \
+  F(a, vec3, weight) /* f cos / pdf */                                                             \
+  F(a, float, pdf)   /* 0: no direction; DELTA_PDF: a delta direction, for which eval returns 0 */ \
+  F(a, float, eta)   /* refractive index on wi's side over that on wo's side; 1 if reflected */
 LANE_RECORD(BsdfSample, BsdfSamples, bsdf_sample, BSDF_SAMPLE_FIELDS)
 
 #define DELTA_PDF BITS_FLOAT(0x7f800000u)
@@ -292,7 +292,7 @@ FN BsdfSample no_bsdf_sample(void) {
   return s;
 }
 
-/// Of the reflected direction wi, for which the family's own eval says this.
+/// A sample of the reflected direction wi, given the family's own eval.
 FN BsdfSample sample_of_value(vec3 wi, BsdfValue value) {
   BsdfSample s = no_bsdf_sample();
   s.wi = wi;

@@ -1,4 +1,4 @@
-// Fresnel's equations for unpolarised light, in forms whose differences do not cancel.
+// Fresnel's equations for unpolarised light, in forms without cancellation.
 #ifndef PENUMBRA_FRESNEL_H
 #define PENUMBRA_FRESNEL_H
 #include "kernels/math/math.h"
@@ -11,9 +11,9 @@ typedef struct {
   float cosine;       ///< >= 0, between the refracted direction and the normal of its side
 } DielectricFresnel;
 
-/// For light under `cosine` >= 0 at the boundary to a medium of refractive index `ior` > 0, over that of its
-/// own. By (c - n t)(c + n t) = 1 - n^2 and (n c - t)(n c + t) = (n^2 - 1) ((n^2 + 1) c^2 - 1) / n^2, with
-/// t^2 = (c^2 + n^2 - 1) / n^2: exact for n next to 1, and at grazing angles.
+/// For light at `cosine` >= 0 at the boundary to a medium of refractive index `ior` > 0, relative to its own.
+/// By (c - n t)(c + n t) = 1 - n^2 and (n c - t)(n c + t) = (n^2 - 1) ((n^2 + 1) c^2 - 1) / n^2, with t^2 =
+/// (c^2 + n^2 - 1) / n^2: accurate for n near 1, and at grazing angles.
 FN DielectricFresnel dielectric_fresnel(float cosine, float ior) {
   const float excess = (ior - 1.0f) * (ior + 1.0f), ior2 = ior * ior, cosine2 = cosine * cosine;
   const float refracted2 = (cosine2 + excess) / ior2;
@@ -27,7 +27,7 @@ FN DielectricFresnel dielectric_fresnel(float cosine, float ior) {
   return f;
 }
 
-/// Reflectance of a conductor of refractive index eta - i k, over that outside, under `cosine` >= 0. With
+/// Reflectance of a conductor of refractive index eta - i k, relative to the outside, at `cosine` >= 0. With
 /// a - i b = sqrt((eta - i k)^2 - sin^2), all terms are sums of squares (Born and Wolf 1999, section 14.2).
 FN float conductor_reflectance(float cosine, float eta, float k) {
   const float cosine2 = cosine * cosine, sine2 = (1.0f - cosine) * (1.0f + cosine);
@@ -43,7 +43,7 @@ FN float conductor_reflectance(float cosine, float eta, float k) {
   return min_f(0.5f * s * (1.0f + p), 1.0f);
 }
 
-/// The same for the colours.
+/// The same for RGB.
 FN vec3 conductor_fresnel(float cosine, vec3 eta, vec3 k) {
   return make_vec3(conductor_reflectance(cosine, eta.x, k.x), conductor_reflectance(cosine, eta.y, k.y),
                    conductor_reflectance(cosine, eta.z, k.z));

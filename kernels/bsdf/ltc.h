@@ -1,10 +1,11 @@
-// Linearly transformed cosines (Heitz, Dupuy, Hill and Neubelt 2016): densities of directions that are close
-// to glossy reflections and are cosines in another space, so polygons have closed forms and samples there.
+// Linearly transformed cosines (Heitz, Dupuy, Hill and Neubelt 2016): densities of directions that
+// approximate glossy reflections. In another space they are cosines, so that closed forms and sampling of
+// polygons are possible there.
 //
-// In the frame of the normal whose x axis is the side to which the mirror direction leans, the matrix from
-// cosines to the lobe has the rows (width_x, 0, shift), (0, width_y, 0), (0, 0, 1). It maps the horizon to
-// itself: nothing is lost below it, one clipping serves both spaces, and the density ends there in proportion
-// to the cosine, as reflections do.
+// The frame is that of the normal, with the x axis towards the mirror direction. The matrix from cosines to
+// the lobe has the rows (width_x, 0, shift), (0, width_y, 0), (0, 0, 1). It maps the horizon to itself:
+// nothing is lost below it, one clipping serves both spaces, and near the horizon the density is proportional
+// to the cosine, as for reflections.
 #ifndef PENUMBRA_LTC_H
 #define PENUMBRA_LTC_H
 #include "kernels/math/math.h"
@@ -15,8 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
 /// The matrix.
 STRUCT(Ltc) { float width_x, width_y, shift; };
 
-/// From the fields of a cell, see LTC_CELL_FIELDS, for roughness alpha > 0 and a viewer at `cosine` in [0,
-/// 1].
+/// The matrix from the fields of a cell, see LTC_CELL_FIELDS, for roughness alpha > 0 and a wo at `cosine` in
+/// [0, 1].
 FN Ltc make_ltc(float lean, float width_x, float width_y, float alpha, float cosine) {
   const float c = max_f(cosine, 1e-6f), s = safe_sqrt((1.0f - c) * (1.0f + c));
   const float sine = s * lean, upright = safe_sqrt(1.0f - sine * sine);
@@ -27,8 +28,8 @@ FN Ltc make_ltc(float lean, float width_x, float width_y, float alpha, float cos
   return ltc;
 }
 
-/// A unit direction of the frame of the normal in that of the lobe of a viewer at `wo` in the same frame.
-/// Where wo is the normal, any axis serves: the lobe is round.
+/// Rotates a unit direction from the normal's frame to the frame of the lobe of `wo`, both in the normal's
+/// frame. If wo is the normal, any axis will do: the lobe is round.
 FN vec3 to_lobe_frame(vec3 wo, vec3 w) {
   const float s2 = wo.x * wo.x + wo.y * wo.y;
   const bool leans = s2 > 0.0f;
@@ -44,7 +45,7 @@ FN vec3 from_lobe_frame(vec3 wo, vec3 w) {
   return make_vec3(x * w.x - y * w.y, y * w.x + x * w.y, w.z);
 }
 
-/// A direction of the lobe's frame in the space of cosines, and back; not normalised.
+/// From the lobe's frame to the space of cosines, and back; the results are not normalised.
 FN vec3 to_cosine_space(Ltc ltc, vec3 w) {
   return make_vec3((w.x - ltc.shift * w.z) / ltc.width_x, w.y / ltc.width_y, w.z);
 }
@@ -52,7 +53,7 @@ FN vec3 from_cosine_space(Ltc ltc, vec3 w) {
   return make_vec3(ltc.width_x * w.x + ltc.shift * w.z, ltc.width_y * w.y, w.z);
 }
 
-/// Density per solid angle of the unit direction w of the lobe's frame over the cosine w.z; for widths above
+/// Pdf per solid angle of the unit direction w in the lobe's frame, over the cosine w.z. Widths must be above
 /// 0.
 FN float ltc_density_over_cosine(Ltc ltc, vec3 w) {
   const vec3 c = to_cosine_space(ltc, w);

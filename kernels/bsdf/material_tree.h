@@ -1,7 +1,7 @@
-// Materials that are one of two others at each point of a surface, by chance: trees, whose leaves scatter, or
-// are nothing, so that rays pass through. A walk down a tree ends, since children have lower indices. In
-// scenes of volpath thin panes are leaves that rays pass by chance, and mirrors for the others: what gets
-// through is a matter of the way alone, for shadow rays too.
+// Material trees: at each point of a surface, an inner node is one of two other materials at random. A leaf
+// scatters, or is empty, so that rays pass through. Descents end, since children have lower indices. With
+// volpath, thin panes are leaves that rays pass at random, and mirrors for the other rays: transmission then
+// does not depend on the path's BSDF samples, so that shadow rays pass, too.
 #ifndef PENUMBRA_MATERIAL_TREE_H
 #define PENUMBRA_MATERIAL_TREE_H
 #include "kernels/bsdf/thindielectric.h"
@@ -11,13 +11,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// PASSES_* of the material of that index, or -1.
+/// PASSES_* of a material; -1 (empty) passes all.
 FN int passes_of(const PRIVATE Scene* scene, int material) {
   const int passes = scene->materials[material >= 0 ? material : 0].passes;
   return material >= 0 ? passes : PASSES_ALL;
 }
 
-/// Whether the material of that index, or -1, is one of two others.
+/// Whether the material, an index or -1, is an inner node.
 FN bool is_branch(const PRIVATE Scene* scene, int material) {
   const int branches = scene->materials[material >= 0 ? material : 0].branches;
   return (material >= 0) & (branches != 0);
@@ -29,7 +29,7 @@ FN bool any_branch(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   return any != 0;
 }
 
-/// The relative index of the thin pane that the material of that index, or -1, is, or 0.
+/// The relative refractive index of the material (an index, or -1) if it is a thin pane, else 0.
 FN float pane_of(const PRIVATE Scene* scene, int material) {
   const float pane = scene->materials[material >= 0 ? material : 0].pane;
   return material >= 0 ? pane : 0.0f;
@@ -41,7 +41,7 @@ FN bool any_pane(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   return any != 0;
 }
 
-/// Whether any of the materials takes a number to choose.
+/// Whether any of the materials needs a random number.
 FN bool any_chance(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   if (NEEDS_MEDIA(scene) && any_pane(scene, materials)) return true;
   return any_branch(scene, materials);
@@ -78,7 +78,7 @@ STAGE void textured_weights(const PRIVATE int* RESTRICT textures, const PRIVATE 
     }
 }
 
-/// With which materials, which are no leaves, are the second of their two.
+/// The probabilities of the second child, for materials that are inner nodes.
 FN void branch_weights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                        const PRIVATE int* materials, PRIVATE float* weights) {
   plain_weights(scene, materials, weights);
@@ -90,7 +90,7 @@ FN void branch_weights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfa
   }
 }
 
-/// What is left of a number in [0, 1) that was below `weight`, or was not: uniform in [0, 1) again.
+/// The remainder of a number in [0, 1) that was below `weight` or not: again uniform in [0, 1).
 FN float rest_of_number(float number, float weight, bool below) {
   const float rest = below ? number / (weight > 0.0f ? weight : 1.0f)
                            : (number - weight) / (weight < 1.0f ? 1.0f - weight : 1.0f);
@@ -137,14 +137,14 @@ STAGE void pane_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTR
     }
 }
 
-/// With which probabilities rays pass the leaves.
+/// The probabilities that rays pass the leaves.
 FN void leaf_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
                     PRIVATE float* shares) {
   plain_leaf_shares(scene, leaves, shares);
   if (NEEDS_MEDIA(scene) && any_pane(scene, leaves)) pane_shares(scene, surfaces, leaves, shares);
 }
 
-/// From the surfaces' materials to leaves of theirs, which the numbers, uniform in [0, 1), choose.
+/// Descends from the surfaces' materials to leaves, chosen by `numbers`, uniform in [0, 1).
 FN void walk_to_leaves(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
                        PRIVATE int* materials) {
   float weights[LANES];
@@ -154,7 +154,7 @@ FN void walk_to_leaves(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfa
   }
 }
 
-/// Those that rays pass become -1: of each its share of what is left of the numbers.
+/// Leaves that rays pass become -1: each with its share as probability, by the remaining numbers.
 STAGE void pass_leaves(const PRIVATE float* RESTRICT numbers, const PRIVATE float* RESTRICT shares,
                        PRIVATE int* RESTRICT leaves) {
   LANE_LOOP
@@ -164,7 +164,8 @@ STAGE void pass_leaves(const PRIVATE float* RESTRICT numbers, const PRIVATE floa
     }
 }
 
-// A walk for the share of light that gets through a material: sum + factor * the share of `material`.
+// State of a descent for the fraction of light that passes a material: it is sum + factor * the fraction that
+// `material` passes.
 #define PASSING_SHARE_FIELDS(F, a) \
   F(a, float, sum)                 \
   F(a, float, factor)              \
@@ -182,7 +183,7 @@ STAGE void start_shares(const PRIVATE int* RESTRICT materials, PRIVATE PassingSh
     }
 }
 
-/// One step: exact where at most one of the two passes some, by the number where both do.
+/// One step: exact if at most one child passes a part of the light; if both do, the number chooses one.
 STAGE void descend_shares(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT weights,
                           PRIVATE float* RESTRICT numbers, PRIVATE PassingShares* RESTRICT shares) {
   LANE_LOOP
@@ -218,8 +219,8 @@ STAGE void finish_shares(const PRIVATE PassingShares* RESTRICT shares, PRIVATE f
     }
 }
 
-/// The shares of light that get through the surfaces, in [0, 1]; where the numbers have to choose, their
-/// means are. `shares`: the walks, which end at leaves.
+/// The fractions of light that pass the surfaces, in [0, 1]; unbiased where numbers choose. `shares` are the
+/// descents, which end at leaves.
 FN void passing_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
                        PRIVATE PassingShares* shares, PRIVATE float* passing) {
   float weights[LANES];
@@ -268,7 +269,7 @@ STAGE void textured_tints(const PRIVATE int* RESTRICT textures, const PRIVATE Te
     }
 }
 
-/// By what the leaves colour what passes them: 1 where they are no panes.
+/// The tints of light that passes the leaves: 1 for leaves that are no panes.
 FN void find_tints(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
                    PRIVATE PaneTints* tints) {
   plain_tints(scene, leaves, tints);

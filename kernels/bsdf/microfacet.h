@@ -1,6 +1,5 @@
-// Distributions of microfacets: Beckmann's and GGX (Walter et al. 2007), anisotropic (Heitz 2014), and their
-// normals as a viewer sees them. Directions are in the frame of the mean normal z, cosines of viewers above
-// 0.
+// Microfacet distributions: Beckmann and GGX (Walter et al. 2007), anisotropic (Heitz 2014), and sampling of
+// visible normals. Directions are in the frame of the mean normal z; the cosine of wo is above 0.
 #ifndef PENUMBRA_MICROFACET_H
 #define PENUMBRA_MICROFACET_H
 #include "kernels/bsdf/families.h"
@@ -8,13 +7,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Roughness is at least this: below it, directions in single precision are coarser than the lobe.
+// Minimum roughness: below it, directions in single precision are coarser than the lobe.
 #define LEAST_ALPHA 1e-4f
 #define MOST_ALPHA 100.0f
 #define INV_SQRT_PI_F 0.564189583547756f
 
 typedef struct {
-  int distribution;  ///< DISTRIBUTION_*; where it is a constant, the other one costs nothing
+  int distribution;  ///< DISTRIBUTION_*; if it is a constant, the other distribution costs nothing
   float alpha_u, alpha_v;
 } Microfacets;
 
@@ -26,8 +25,8 @@ FN Microfacets make_microfacets(int distribution, float alpha_u, float alpha_v) 
   return m;
 }
 
-/// D(h), of area per solid angle, for a unit normal h with h.z > 0: by the squares of the slopes, since
-/// 1 - cos^2 loses all digits where roughness is small.
+/// D(h), area per solid angle, for a unit normal h with h.z > 0. It uses squared slopes, since 1 - cos^2
+/// loses all digits at low roughness.
 FN float microfacet_density(Microfacets m, vec3 h) {
   const float x = h.x / m.alpha_u, y = h.y / m.alpha_v, across = x * x + y * y;
   const float cosine2 = max_f(h.z * h.z, 1e-14f), area = PI_F * (m.alpha_u * m.alpha_v);
@@ -37,7 +36,7 @@ FN float microfacet_density(Microfacets m, vec3 h) {
   return m.distribution == DISTRIBUTION_GGX ? ggx : beckmann;
 }
 
-/// Length of the part of w along the surface, in units of the roughness.
+/// Length of w's tangential part, in units of the roughness.
 FN float microfacet_slant(Microfacets m, vec3 w) { return SQRT(sqr(m.alpha_u * w.x) + sqr(m.alpha_v * w.y)); }
 
 /// erfc(x) / exp(-x^2) for x >= 0, with an absolute error of 1.5e-7 in erfc (Abramowitz and Stegun 1964,
@@ -70,9 +69,9 @@ FN float inverse_erfc(float w) {
   return (l < 5.0f ? low : high) * (1.0f - w);
 }
 
-/// Smith's masking G1(w) / w.z, for w.z > 0: the share of the microfacets facing w that w sees. Beckmann's is
-/// Walter's rational approximation, off by up to 0.35% and above
-/// 1 by up to 6e-5, which Mitsuba has made part of the model.
+/// Smith's masking G1(w) / w.z, for w.z > 0: G1 is the fraction of the microfacets facing w that w sees. For
+/// Beckmann it is Walter's rational approximation, with an error of up to 0.35% and values above 1 by up to
+/// 6e-5, which Mitsuba has made part of the model.
 FN float microfacet_masking_over_cosine(Microfacets m, vec3 w) {
   const float slant = microfacet_slant(m, w);
   const float ggx = 2.0f / (w.z + SQRT(w.z * w.z + slant * slant));
@@ -84,7 +83,7 @@ FN float microfacet_masking_over_cosine(Microfacets m, vec3 w) {
 }
 FN float microfacet_masking(Microfacets m, vec3 w) { return microfacet_masking_over_cosine(m, w) * w.z; }
 
-/// The same without approximation, as the normals that sample_microfacet chooses are distributed.
+/// The same without approximation: the distribution of the normals that sample_microfacet samples.
 FN float microfacet_visible_over_cosine(Microfacets m, vec3 w) {
   const float slant = microfacet_slant(m, w), c = w.z / max_f(slant, 1e-6f * w.z);
   const float gauss = exp_f(-c * c), below = 2.0f - erfc_over_gauss(c) * gauss;  // 1 + erf c
@@ -93,21 +92,21 @@ FN float microfacet_visible_over_cosine(Microfacets m, vec3 w) {
   return m.distribution == DISTRIBUTION_GGX ? ggx : beckmann;
 }
 
-/// Density per solid angle with which sample_microfacet chooses the unit normal h, which faces wo.
+/// Pdf per solid angle with which sample_microfacet samples the unit normal h, which faces wo.
 FN float microfacet_pdf(Microfacets m, vec3 wo, vec3 h) {
   return microfacet_density(m, h) * (microfacet_visible_over_cosine(m, wo) * max_f(dot3(wo, h), 0.0f));
 }
 
-/// What microfacet_masking(m, wo) is over the masking that sampling has, 1 but for Beckmann's approximation.
+/// microfacet_masking(m, wo) over the exact masking; 1 except for Beckmann's approximation.
 FN float microfacet_masking_ratio(Microfacets m, vec3 wo) {
   const float ratio = microfacet_masking_over_cosine(m, wo) / microfacet_visible_over_cosine(m, wo);
   return m.distribution == DISTRIBUTION_GGX ? 1.0f : ratio;
 }
 
-/// Slope of a visible normal along the viewer's, whose stretched cotangent is c > 0; roughness 1. Its
-/// distribution function is (c w + exp(-x^2) / sqrt(pi)) / (the same at c), w = erfc(-x): solved for w, in
-/// which it is nearly straight, by three Newton steps (after Jakob 2014; there in 1 - w, which has no digits
-/// left in the tail). Off by 3e-6 in u.
+/// Samples the slope of a visible normal along the direction of wo, whose stretched cotangent is c > 0;
+/// roughness 1. The distribution function is (c w + exp(-x^2) / sqrt(pi)) / (the same at c), with w =
+/// erfc(-x). It is solved for w, in which it is nearly linear, by three Newton steps (after Jakob 2014, who
+/// uses 1 - w, which has no digits left in the tail). The error is 3e-6 in u.
 FN float beckmann_visible_slope(float c, float u) {
   const float gauss = exp_f(-c * c), most = 2.0f - erfc_over_gauss(c) * gauss;
   const float target = u * (c * most + INV_SQRT_PI_F * gauss);
@@ -121,17 +120,17 @@ FN float beckmann_visible_slope(float c, float u) {
   return -inverse_erfc(min_f(w, 1.9999999f));
 }
 
-/// A normal that wo sees, unit, z > 0, in proportion to D(h) max(0, wo . h): see microfacet_pdf. GGX: Dupuy
-/// and Benyoub 2023, as a cap of the sphere; Beckmann: Heitz and d'Eon 2014.
+/// Samples a visible normal, unit, z > 0, with density proportional to D(h) max(0, wo . h): see
+/// microfacet_pdf. GGX: Dupuy and Benyoub 2023, as a spherical cap; Beckmann: Heitz and d'Eon 2014.
 FN vec3 sample_microfacet(Microfacets m, vec3 wo, float u, float v) {
   const vec3 stretched = normalize3(make_vec3(m.alpha_u * wo.x, m.alpha_v * wo.y, wo.z));
-  // GGX: the sum of the stretched viewer and a point of the cap opposite it, of height -stretched.z and more.
+  // GGX: the sum of the stretched wo and a point of the cap with heights from -stretched.z on.
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const float depth = u * (1.0f + stretched.z), r = safe_sqrt(depth * (2.0f - depth));
   const vec3 ggx =
       make_vec3(r * cosine + stretched.x, r * sine + stretched.y, (1.0f - u) * (1.0f + stretched.z));
-  // Beckmann: slopes along and across the stretched viewer.
+  // Beckmann: slopes along and perpendicular to the stretched wo.
   const float slant = SQRT(sqr(stretched.x) + sqr(stretched.y));
   const bool slanted = slant > 1e-6f * stretched.z;
   const float shorten = 1.0f / (slanted ? slant : 1.0f);
@@ -146,11 +145,11 @@ FN vec3 sample_microfacet(Microfacets m, vec3 wo, float u, float v) {
   return normalize3(make_vec3(m.alpha_u * h.x, m.alpha_v * h.y, h.z));
 }
 
-/// A lobe of mirrors that all reflect everything: between wo and wi, both above the surface.
+/// Reflection by perfectly reflecting microfacets, between wo and wi, both above the surface.
 typedef struct {
-  float f_cos;   ///< f cos(wi), without Fresnel's factor
-  float pdf;     ///< of wi, if a normal is sampled and wo mirrored about it
-  float cosine;  ///< between either and the normal: the angle of Fresnel's factor
+  float f_cos;   ///< f cos(wi), without the Fresnel factor
+  float pdf;     ///< of wi, by sampling a visible normal and mirroring wo about it
+  float cosine;  ///< between either direction and the half vector: the angle of the Fresnel factor
 } MicrofacetReflection;
 
 FN MicrofacetReflection microfacet_reflection(Microfacets m, vec3 wo, vec3 wi) {
@@ -164,17 +163,18 @@ FN MicrofacetReflection microfacet_reflection(Microfacets m, vec3 wo, vec3 wi) {
   return r;
 }
 
-/// The direction mirrored about the unit normal h.
+/// wo mirrored about the unit normal h.
 FN vec3 mirror_about(vec3 wo, vec3 h) { return sub(scale(h, 2.0f * dot3(wo, h)), wo); }
 
-/// The direction refracted by a facet of unit normal h, under `cosine` to it before and `refracted` after;
-/// `ior` as for dielectric_fresnel. Made unit: the rounding of wo would grow by 1 / ior each time.
+/// wo refracted by a facet with unit normal h, at `cosine` before and `refracted` after; `ior` as for
+/// dielectric_fresnel. The result is normalised: otherwise rounding errors of wo would grow by 1 / ior each
+/// time.
 FN vec3 refract_about(vec3 wo, vec3 h, float cosine, float refracted, float ior) {
   const float shrink = 1.0f / ior;
   return normalize3(sub(scale(h, cosine * shrink - refracted), scale(wo, shrink)));
 }
 
-/// f cos / pdf of it, without Fresnel's factor.
+/// f cos / pdf of a reflection, without the Fresnel factor.
 FN float microfacet_weight(Microfacets m, vec3 wo, vec3 wi) {
   return microfacet_masking(m, wi) * microfacet_masking_ratio(m, wo);
 }

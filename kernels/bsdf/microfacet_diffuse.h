@@ -1,6 +1,6 @@
-// Lambert and a rough dielectric boundary beside it, as in Nori: f = diffuse / pi + specular F D G / (4 cos
-// cos) of Beckmann's distribution, roughness alpha_u. Nothing ties the two parts together: `specular` is what
-// the diffuse one leaves.
+// Lambert and a rough dielectric reflection, as in Nori: f = diffuse / pi + specular F D G / (4 cos cos),
+// with Beckmann's distribution and roughness alpha_u. The two parts are independent; `specular` is usually
+// what the diffuse part leaves.
 #ifndef PENUMBRA_MICROFACET_DIFFUSE_H
 #define PENUMBRA_MICROFACET_DIFFUSE_H
 #include "kernels/bsdf/control_lobes.h"

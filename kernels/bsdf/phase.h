@@ -1,5 +1,5 @@
-// Phase functions: mixtures of PHASE_LOBES lobes, each by the angle between the directions before and after.
-// A closure of this family scatters a path within a medium, where no surface is. Its values are densities, so
+// Phase functions: mixtures of PHASE_LOBES lobes, which depend on the angle between the directions before and
+// after. A closure of this family scatters a path inside a medium, not at a surface. Its values are pdfs, so
 // sampled directions have weight 1.
 #ifndef PENUMBRA_PHASE_H
 #define PENUMBRA_PHASE_H
@@ -9,17 +9,17 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Henyey and Greenstein 1941, per solid angle: (1 - g^2) / (4 pi (1 + g^2 - 2 g mu)^(3/2)). `versine` is
-/// 1 - mu for g >= 0, else 1 + mu: near the peak of |g| near 1 the cosine itself has no digits left.
+/// Henyey and Greenstein 1941, per solid angle: (1 - g^2) / (4 pi (1 + g^2 - 2 g mu)^(3/2)). `versine` is 1 -
+/// mu for g >= 0, else 1 + mu: near the peak of |g| near 1 the cosine has no digits left.
 FN float henyey_greenstein(float g, float versine) {
   const float m = FABS(g), rest = 1.0f - m;
   const float square = sqr(rest) + 2.0f * m * versine;
   return rest * (1.0f + m) * (0.25f * INV_PI_F) / (square * SQRT(square));
 }
 
-/// A direction by its density about the unit vector `forward`: the inverse of its distribution function
-/// (Pharr, Jakob and Humphreys 2016, section 15.2.3) as 1 - mu and the sine, both without cancellation for
-/// any g of (-1, 1).
+/// Samples a direction by it about the unit vector `forward`. The distribution function is inverted (Pharr,
+/// Jakob and Humphreys 2016, section 15.2.3) to 1 - mu and the sine, both without cancellation for any g in
+/// (-1, 1).
 FN vec3 sample_henyey_greenstein(vec3 forward, float g, float u, float v) {
   const float m = FABS(g), rest = 1.0f - m, inverse = 1.0f / (rest + 2.0f * m * u);
   const float versine = 2.0f * sqr(rest * inverse) * (1.0f - u) * (1.0f + m * u);
@@ -31,11 +31,11 @@ FN vec3 sample_henyey_greenstein(vec3 forward, float g, float u, float v) {
   return from_frame(scale(forward, sign), radius * cosine, radius * sine, 1.0f - versine);
 }
 
-/// Rayleigh's, of unpolarised light: 3 / (16 pi) (1 + mu^2).
+/// Rayleigh's phase function for unpolarised light: 3 / (16 pi) (1 + mu^2).
 FN float rayleigh_phase(float mu) { return 3.0f / 16.0f * INV_PI_F * (1.0f + sqr(mu)); }
 
-/// The cosine whose distribution function mu (mu^2 + 3) / 8 + 1/2 is u: the real root of a cubic equation
-/// (Frisvad 2011, "Importance sampling the Rayleigh phase function").
+/// Samples a direction by it: mu inverts the distribution function mu (mu^2 + 3) / 8 + 1/2, as the real root
+/// of a cubic equation (Frisvad 2011, "Importance sampling the Rayleigh phase function").
 FN vec3 sample_rayleigh(vec3 forward, float u, float v) {
   const float z = 4.0f * u - 2.0f;
   const float root = exp_f(log_f(FABS(z) + SQRT(sqr(z) + 1.0f)) * (1.0f / 3.0f));
@@ -48,7 +48,7 @@ FN vec3 sample_rayleigh(vec3 forward, float u, float v) {
 }
 
 FN BsdfValue phase_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  // wi is where the path goes on, -wo where it came along: 1 - mu and 1 + mu from sum and difference.
+  // The path arrives along -wo and continues along wi: 1 - mu and 1 + mu from their sum and difference.
   const vec3 sum = add(wi, wo), difference = sub(wi, wo);
   const float forward = 0.5f * dot3(sum, sum), backward = 0.5f * dot3(difference, difference);
   float density = 0.0f;

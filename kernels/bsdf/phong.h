@@ -8,8 +8,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// max(0, cos alpha)^exponent, alpha between the unit vectors a and b: from their difference, since the power
-/// of a rounded cosine near 1 loses all digits at exponents of 1e4.
+/// max(0, cos alpha)^exponent for the angle alpha between the unit vectors a and b. It uses their difference,
+/// since the power of a rounded cosine near 1 loses all digits at exponents of 1e4.
 FN float cosine_power(vec3 a, vec3 b, float exponent) {
   const vec3 difference = sub(a, b);
   const float versine = 0.5f * dot3(difference, difference);
@@ -17,7 +17,7 @@ FN float cosine_power(vec3 a, vec3 b, float exponent) {
   return versine < 1.0f ? power : 0.0f;
 }
 
-/// Probability of sampling the lobe: its share of the reflectances' means.
+/// Probability of sampling the lobe: its share in the mean reflectances.
 FN float phong_lobe_share(Closure c) {
   const float lobe = (c.specular.x + c.specular.y) + c.specular.z;
   const float sum = ((c.diffuse.x + c.diffuse.y) + c.diffuse.z) + lobe;
@@ -35,7 +35,7 @@ FN BsdfValue phong_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi)
   return select_bsdf_value(reflects, value, no_bsdf_value());
 }
 
-/// Density (n + 1) / (2 pi) cos^n about the unit vector `axis`, n the exponent.
+/// Samples the pdf (n + 1) / (2 pi) cos^n about the unit vector `axis`, n the exponent.
 FN vec3 sample_cosine_power(vec3 axis, float exponent, float u, float v) {
   const float power = log_f(1.0f - u) / (exponent + 1.0f);
   float sine, cosine;

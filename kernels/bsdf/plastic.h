@@ -1,6 +1,7 @@
-// A diffuse base under a smooth dielectric boundary (Mitsuba's plastic): a mirror of the boundary's
-// reflectance F beside f = d (1 - F(wo)) (1 - F(wi)) / (pi ior^2 (1 - internal)), what is reflected back
-// inside scattering again and again; d internal in place of internal where variant is PLASTIC_NONLINEAR.
+// A diffuse base under a smooth dielectric boundary (Mitsuba's plastic): a mirror with the boundary's
+// reflectance F, and f = d (1 - F(wo)) (1 - F(wi)) / (pi ior^2 (1 - internal)). The last factor accounts for
+// light that is reflected back inside and scatters again and again; it has d internal in place of internal if
+// the variant is PLASTIC_NONLINEAR.
 #ifndef PENUMBRA_PLASTIC_H
 #define PENUMBRA_PLASTIC_H
 #include "kernels/bsdf/control_lobes.h"
@@ -11,7 +12,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// pi f of the base for boundaries that let everything through once.
+/// pi f of the base for a boundary with a transmittance of 1 in each direction.
 FN vec3 base_reflectance(Closure c) {
   const vec3 tint = select3(c.variant == PLASTIC_NONLINEAR, c.diffuse, make_vec3(1.0f, 1.0f, 1.0f));
   const float ior2 = c.ior * c.ior;
@@ -20,8 +21,8 @@ FN vec3 base_reflectance(Closure c) {
                    c.diffuse.z / (ior2 * (1.0f - c.internal * tint.z)));
 }
 
-/// Probability of sampling what the boundary reflects, where it lets `through` as much of the viewer's light:
-/// by the reflectances' means.
+/// Probability of sampling the boundary's reflection, where its transmittance for wo is `through`: by the
+/// mean reflectances.
 FN float boundary_share(Closure c, float through) {
   const float boundary = (1.0f - through) * ((c.specular.x + c.specular.y) + c.specular.z);
   const float sum = boundary + through * ((c.diffuse.x + c.diffuse.y) + c.diffuse.z);
@@ -56,14 +57,14 @@ FN BsdfSample plastic_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, flo
   return select_bsdf_sample(wo.z > 0.0f, s, no_bsdf_sample());
 }
 
-/// The base as a Lambert, for a viewer whose light the boundary lets `through`: what arrives from all around
-/// gets through it as much as diffuse light from inside does, times ior^2.
+/// The base as a Lambert lobe, for a wo with boundary transmittance `through`. The boundary's transmittance
+/// for uniform light from outside is that for diffuse light from inside, times ior^2.
 FN vec3 base_as_lambert(Closure c, float through) {
   const float around = min_f((1.0f - c.internal) * (c.ior * c.ior), 1.0f);
   return scale(base_reflectance(c), through * around);
 }
 
-/// Of the mirror there is none: its directions count for themselves.
+/// The mirror has no control lobe; its directions are sampled by the BSDF.
 FN ControlLobes plastic_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   ControlLobes lobes = no_control_lobes();
   lobes.diffuse = base_as_lambert(c, smooth_transmittance(c, cosine));

@@ -1,14 +1,14 @@
-// The principled BSDF of Mitsuba 3, after Burley (2012, 2015): by `metallic` from a metal to a dielectric,
-// which by `spec_trans` is opaque and diffuse or transmits; its GGX microfacets reflect and refract. A
-// clearcoat and sheen go on top.
+// The principled BSDF of Mitsuba 3, after Burley (2012, 2015). `metallic` interpolates from a dielectric to a
+// metal; `spec_trans` interpolates the dielectric from opaque and diffuse to transmitting. Its GGX
+// microfacets reflect and refract. A clearcoat and sheen are on top.
 //
-// A family for those that are opaque, and one for those that transmit.
+// There is a family for opaque ones and one for those that transmit.
 //
-// From inside (`variant`) it is a rough dielectric alone, without colour, as far as it transmits. Base colour
-// is `diffuse`, and `ior` as of smooth dielectrics.
+// From inside (`variant`) it is only a rough dielectric without colour, as far as it transmits. Base colour
+// is `diffuse`; `ior` is as for smooth dielectrics.
 //
-// It is Mitsuba's to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model: brighter than that
-// of `disney` along the normal, darker at grazing angles.
+// It follows Mitsuba down to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model: it is
+// brighter than that of `disney` along the normal, and darker at grazing angles.
 #ifndef PENUMBRA_PRINCIPLED_H
 #define PENUMBRA_PRINCIPLED_H
 #include "kernels/bsdf/disney_lobes.h"
@@ -16,16 +16,16 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What of it does not depend on directions.
+/// The parts that do not depend on directions.
 typedef struct {
   bool inside;
-  float brdf, bsdf;     // how much of it is diffuse, how much transmits
-  DisneyShares shares;  // in which the specular lobe reflects and transmits,
-  float transmits;      // times what Fresnel lets through: the share of it that transmits
+  float brdf, bsdf;     // weights of diffuse reflection and of transmission
+  DisneyShares shares;  // sampling probabilities; the specular lobe reflects and transmits,
+  float transmits;      // the latter with this times the Fresnel transmittance as probability
   Microfacets facets;
 } Principled;
 
-/// `can_transmit`: a constant, for which the family stands.
+/// `can_transmit` is a constant: which of the two families it is.
 FN Principled principled_of(Closure c, bool can_transmit) {
   Principled p;
   p.inside = can_transmit & (c.variant == PRINCIPLED_INSIDE);
@@ -41,8 +41,8 @@ FN Principled principled_of(Closure c, bool can_transmit) {
   return p;
 }
 
-/// What the microfacets reflect where those of a dielectric reflect `fresnel`: by Schlick's approximation, of
-/// this weight, for what is metallic or tinted.
+/// Reflectance of the microfacets, where those of a dielectric reflect `fresnel`. Metallic and tinted parts
+/// use Schlick's approximation with this weight.
 FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float weight, vec3 tint) {
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
   const float dielectric = 1.0f - c.metallic;
@@ -80,14 +80,14 @@ FN BsdfValue principled_lobes_eval(Closure c, Principled p, bool can_transmit, v
   const float specular_pdf = p.shares.specular * density;
   float pdf = facets_reflect ? specular_pdf * (1.0f - share_transmitted) : 0.0f;
 
-  // Transmission: radiance is that of the other side over eta^2.
+  // Transmission: the radiance is that of the other side over eta^2.
   const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
   const float through = p.bsdf * (1.0f - fresnel) * masked * jacobian;
   const vec3 root = make_vec3(SQRT(c.diffuse.x), SQRT(c.diffuse.y), SQRT(c.diffuse.z));
   f_cos = add_scaled(f_cos, facets_transmit ? through : 0.0f, root);
   pdf += facets_transmit ? specular_pdf * share_transmitted * (c.ior * c.ior) * jacobian : 0.0f;
 
-  // What is outside alone.
+  // Lobes that exist outside only.
   const bool outside = there & (wi.z > 0.0f) & !p.inside;
   const float cosine = outside ? wi.z : 0.0f;
   const float diffuse = disney_diffuse(wo.z, FABS(wi.z), cos_i, c.roughness, c.flatness);
@@ -125,7 +125,7 @@ FN BsdfSample principled_lobes_sample(Closure c, bool can_transmit, vec3 wo, flo
   s.wi = select3(is_diffuse, cosine_hemisphere(u, v), select3(transmits, refracted, reflected));
   s.eta = transmits ? c.ior : 1.0f;
   const BsdfValue value = principled_lobes_eval(c, p, can_transmit, wo, s.wi);
-  // A facet may send light to the wrong side of the surface.
+  // A facet may scatter to the wrong side of the surface.
   s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
   s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
   return s;

@@ -1,8 +1,9 @@
 // The thin principled BSDF of Mitsuba 3, after Burley (2015, section 5.4): a sheet without thickness, the
-// same from both sides. By `spec_trans` from one that scatters light diffusely, of which half of `diff_trans`
-// goes through, to one that GGX microfacets reflect and, less rough and unbent, let through.
+// same from both sides. `spec_trans` interpolates between two models: diffuse scattering, of which the
+// fraction diff_trans / 2 is transmitted, and GGX microfacets that reflect and transmit; transmission is less
+// rough and not refracted.
 //
-// Base colour is `diffuse`; `clearcoat_rate` is that of sampling specular transmission.
+// Base colour is `diffuse`; `clearcoat_rate` is the rate of sampling specular transmission.
 #ifndef PENUMBRA_PRINCIPLEDTHIN_H
 #define PENUMBRA_PRINCIPLEDTHIN_H
 #include "kernels/bsdf/disney_lobes.h"
@@ -10,10 +11,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What of it does not depend on directions.
+/// The parts that do not depend on directions.
 typedef struct {
-  float diffuse, through;                 // how much is scattered diffusely to either side
-  float facets_reflect, facets_transmit;  // how often each is sampled; the four sum to 1
+  float diffuse, through;                 // weights of diffuse reflection and diffuse transmission
+  float facets_reflect, facets_transmit;  // sampling probabilities; the four sum to 1
   float diffuse_reflects, diffuse_passes;
 } ThinSheet;
 
@@ -34,8 +35,8 @@ FN ThinSheet thin_sheet(Closure c) {
   return t;
 }
 
-/// Roughness of what is let through: refraction out of the sheet undoes some of that into it (Burley 2015,
-/// figure 15).
+/// Roughness of transmission: the refraction out of the sheet partly undoes that into it (Burley 2015, figure
+/// 15).
 FN float thin_roughness(Closure c, bool transmits) {
   return transmits ? (0.65f * c.ior - 0.35f) * c.roughness : c.roughness;
 }
@@ -47,7 +48,7 @@ FN BsdfValue principledthin_eval(const PRIVATE Scene* scene, Closure c, vec3 wo,
   const vec3 h = scale(sum, 1.0f / SQRT(max_f(dot3(sum, sum), 1e-30f)));
   const float cos_o = dot3(wo, h), cos_i = dot3(wi, h), cosine = FABS(wi.z);
   const bool there = (wo.z > 0.0f) & (wi.z != 0.0f);
-  // Facets towards which wi is on the side that it leaves from.
+  // Facets for which wi is on the side to which they scatter.
   const bool facets = there & (cos_o > 0.0f) & (reflects ? cos_i > 0.0f : cos_i < 0.0f);
 
   const Microfacets m = disney_microfacets(thin_roughness(c, !reflects), c.anisotropic);
@@ -86,7 +87,7 @@ FN BsdfSample principledthin_sample(const PRIVATE Scene* scene, Closure c, vec3 
   BsdfSample s = no_bsdf_sample();
   s.wi = make_vec3(above.x, above.y, transmits ? -above.z : above.z);
   const BsdfValue value = principledthin_eval(scene, c, wo, s.wi);
-  // A facet may send light to the wrong side of the surface, or to that of its own from where it came.
+  // A facet may scatter to the wrong side of the surface, or to its own wrong side.
   const float cosine = dot3(s.wi, facet);
   const bool lost = is_facet & ((above.z <= 0.0f) | (transmits ? cosine >= 0.0f : cosine <= 0.0f));
   s.pdf = lost ? 0.0f : value.pdf;

@@ -1,4 +1,4 @@
-// Rough conductors: microfacets of Fresnel's reflectance, a family for each distribution.
+// Rough conductors: microfacets with Fresnel's reflectance, one family for each distribution.
 #ifndef PENUMBRA_ROUGHCONDUCTOR_H
 #define PENUMBRA_ROUGHCONDUCTOR_H
 #include "kernels/bsdf/control_lobes.h"
@@ -44,7 +44,7 @@ ROUGH_CONDUCTOR(roughconductor_ggx, GGX)
 ROUGH_CONDUCTOR(roughconductor_beckmann, BECKMANN)
 #undef ROUGH_CONDUCTOR
 
-/// Of an anisotropic lobe the round one of the same size.
+/// An anisotropic lobe is replaced by an isotropic one of the same area.
 #define ROUGH_CONDUCTOR_CONTROL(name, NAME)                                                 \
   FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {     \
     const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_v);      \

@@ -1,6 +1,6 @@
-// Rough boundaries between dielectrics (Walter et al. 2007): microfacets that reflect or refract by Fresnel's
-// equations, a family for each distribution. `ior` as of smooth ones, and not next to 1, where normals no
-// longer follow from directions.
+// Rough dielectric boundaries (Walter et al. 2007): microfacets that reflect or refract by Fresnel's
+// equations, one family for each distribution. `ior` is as for smooth dielectrics, but must not be close to
+// 1, where directions no longer determine normals.
 #ifndef PENUMBRA_ROUGHDIELECTRIC_H
 #define PENUMBRA_ROUGHDIELECTRIC_H
 #include "kernels/bsdf/fresnel.h"
@@ -17,8 +17,8 @@ FN BsdfValue dielectric_lobe_eval(Microfacets m, Closure c, vec3 wo, vec3 wi) {
   const vec3 h = scale(sum, (sum.z < 0.0f ? -1.0f : 1.0f) / SQRT(length2));
   const float cosine = dot3(wo, h), other = dot3(wi, h);
   const float reflectance = dielectric_fresnel(cosine, c.ior).reflectance;
-  // Per solid angle of wi instead of h: 1 / (4 cosine), or n^2 |other| / |wo + n wi|^2 (Walter et al.,
-  // equation 17). Radiance that crosses is larger by 1 / n^2 than what arrives.
+  // The Jacobian from h to wi: 1 / (4 cosine), or n^2 |other| / |wo + n wi|^2 (Walter et al., equation 17).
+  // Refracted radiance is larger than the arriving one by 1 / n^2.
   const float share = reflects ? reflectance : 1.0f - reflectance;
   const float stretch = reflects ? 0.25f : cosine * (FABS(other) / length2);
   const float density = microfacet_density(m, h) * (share * stretch);

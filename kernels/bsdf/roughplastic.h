@@ -1,8 +1,8 @@
 // A diffuse base under a rough dielectric boundary (Mitsuba 3's roughplastic): F D G / (4 cos cos) of
-// isotropic microfacets, roughness alpha_u, a family for each distribution, beside what plastic.h has for the
-// base, with the boundary's transmittance from a curve over the cosine and, after its knots, what the
-// boundary reflects of diffuse light from inside: for one roughness, or rows of them.
-// scenes/bsdfs/rough_boundary.h makes them.
+// isotropic microfacets with roughness alpha_u, one family for each distribution, plus the base of plastic.h.
+// The boundary's transmittance is a curve over the cosine; after its knots follows the boundary's reflectance
+// for diffuse light from inside. There is one curve for one roughness, or rows of curves.
+// scenes/bsdfs/rough_boundary.h computes them.
 #ifndef PENUMBRA_ROUGHPLASTIC_H
 #define PENUMBRA_ROUGHPLASTIC_H
 #include "kernels/bsdf/microfacet.h"
@@ -12,9 +12,9 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define FIRST_ROW_PLACE 0.1f  // fourth root of LEAST_ALPHA
 
-/// The two rows, by where they begin in the table of curves, between which a roughness is. Rows are even in
-/// its fourth root, from LEAST_ALPHA to 1, beyond which the last one counts: what is between them is off by
-/// up to 0.003, and by 0.005 where light from outside may be reflected totally.
+/// The two rows (offsets in the table of curves) between which a roughness lies. Rows are equidistant in the
+/// fourth root of the roughness, from LEAST_ALPHA to 1; larger values use the last row. The interpolation
+/// error is up to 0.003, and up to 0.005 where light from outside may be totally reflected.
 typedef struct {
   int first, second;
   float w;
@@ -32,12 +32,12 @@ FN CurveRows curve_rows(Closure c) {
   return rows;
 }
 
-/// Between the rows, the value that is as far from their beginnings.
+/// The value at offset `at`, interpolated between the rows.
 FN float between_rows(const PRIVATE Scene* scene, CurveRows rows, int at) {
   return (1.0f - rows.w) * scene->curves[rows.first + at] + rows.w * scene->curves[rows.second + at];
 }
 
-/// The curve's value between its knots.
+/// The curve's value, interpolated between its knots.
 FN float curve_at(const PRIVATE Scene* scene, CurveRows rows, float cosine) {
   const float x = clamp_f(cosine, 0.0f, 1.0f) * (float)(CURVE_KNOTS - 1);
   const int knot = min_i((int)x, CURVE_KNOTS - 2);

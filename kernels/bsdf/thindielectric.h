@@ -1,5 +1,5 @@
-// A pane between two smooth boundaries, so thin that it moves no ray: what is reflected within it any number
-// of times comes out as well.
+// A pane of two parallel smooth boundaries, so thin that it does not displace rays. Light that is reflected
+// inside any number of times is included.
 #ifndef PENUMBRA_THINDIELECTRIC_H
 #define PENUMBRA_THINDIELECTRIC_H
 #include "kernels/bsdf/families.h"
@@ -8,14 +8,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What a pane of that relative index reflects at a cosine above 0: with Fresnel's r and t = 1 - r,
-/// r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r).
+/// Reflectance of a pane with this relative index at a cosine above 0. With Fresnel's r and t = 1 - r it is r
+/// + t^2 r + t^2 r^3 + ... = 2 r / (1 + r).
 FN float pane_reflectance(float cosine, float ior) {
   const float r = dielectric_fresnel(cosine, ior).reflectance;
   return 2.0f * r / (1.0f + r);
 }
 
-/// Probability of the reflection, which is sampled for a choice below it.
+/// Probability of reflection, which is sampled if `choice` is below it.
 FN float thindielectric_lobe_probability(Closure c, vec3 wo) { return pane_reflectance(wo.z, c.ior); }
 
 FN BsdfValue thindielectric_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {

@@ -1,4 +1,4 @@
-// The perspective camera.
+// The pinhole camera.
 #ifndef PENUMBRA_CAMERA_H
 #define PENUMBRA_CAMERA_H
 #include "kernels/math/math.h"
@@ -12,9 +12,9 @@ typedef struct {
   float tmax;
 } Ray;
 
-/// The ray through the point (dx, dy) pixels off the centre of pixel (x, y), from the near to the far
-/// clipping plane. Positions are taken from the film's centre in integers first, so that wide films keep
-/// their sub-pixel bits.
+/// The ray through the point (dx, dy) pixels off the centre of pixel (x, y), between the near and far
+/// clipping planes. Pixel positions relative to the film's centre are computed in integers first, so that
+/// wide films keep their sub-pixel bits.
 FN Ray camera_ray(Camera camera, FilmParameters film, int x, int y, float dx, float dy) {
   float sx = -((float)(2 * x + 1 - film.width) + 2.0f * dx) / (float)film.width;
   float sy = -((float)(2 * y + 1 - film.height) + 2.0f * dy) / (float)film.height;

@@ -1,9 +1,10 @@
-// Cameras beyond the pinhole: lenses of a radius, round or with blades, that are sharp in one plane; parallel
-// projection; an axis beside the film's centre; radial distortion; and channels whose images differ in size
-// and focus. The effects are independent of each other: a ray takes them in turn, from its point of the film.
-// With chromatic aberration a sample traces three rays by the same random numbers, one for each channel, so
-// colours have no noise of their own. (One ray of a random channel with weight 3 needs three times as many
-// samples for the same noise.) Albedo, normal, depth and alpha are those of the green ray.
+// Cameras beyond the pinhole: thin lenses with a round or bladed aperture, focused on one plane; parallel
+// projection; an optical axis off the film's centre; radial distortion; and chromatic aberration, where each
+// channel's image has its own size and focus. The effects are independent of each other: a ray takes one
+// after the other, from its point on the film. With chromatic aberration, a sample traces three rays with the
+// same random numbers, one for each channel, so that colours have no noise of their own. (One ray of a random
+// channel with weight 3 needs three times as many samples for the same noise.) Albedo, normal, depth and
+// alpha are those of the green ray.
 #ifndef PENUMBRA_LENS_CAMERA_H
 #define PENUMBRA_LENS_CAMERA_H
 #include "kernels/camera/camera.h"
@@ -11,7 +12,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Of a scene with one image for all channels, 1; of one with an image for each, 3: so many rays a sample.
+/// Rays per sample: 3 if the camera has an image for each channel, else 1.
 FN int camera_channels(const PRIVATE SceneHeader* h) {
   const bool split = ((SCENE_FEATURES(h) & FEATURE_CAMERA) != 0u) & (h->camera.split != 0.0f);
   return split ? 3 : 1;
@@ -19,13 +20,13 @@ FN int camera_channels(const PRIVATE SceneHeader* h) {
 
 FN float of_channel(vec3 v, int channel) { return channel == 1 ? v.y : (channel == 2 ? v.z : v.x); }
 
-/// In half widths to the left and half heights upwards, from the axis.
+/// A point relative to the optical axis, in half widths to the left and half heights upwards.
 typedef struct {
   float x, y;
 } FilmPoint;
 
-/// The point (dx, dy) pixels off the centre of pixel (x, y), of an image that is larger than the film by a
-/// factor. As in camera_ray, positions start from the film's centre in integers.
+/// The film point (dx, dy) pixels off the centre of pixel (x, y), for an image that is magnified by
+/// `image_scale`. As in camera_ray, positions relative to the film's centre are integers first.
 FN FilmPoint film_point(Camera camera, FilmParameters film, float image_scale, int x, int y, float dx,
                         float dy) {
   const float smaller = 1.0f / image_scale;
@@ -38,18 +39,19 @@ FN FilmPoint film_point(Camera camera, FilmParameters film, float image_scale, i
 }
 
 // Radial distortion (Brown 1971; OpenCV and Mitsuba 0.6's perspective_rdist have the same two terms): what a
-// pinhole shows at r from the axis is at d(r) = r (1 + k1 r^2 + k2 r^4). On the film d grows with r, so the r
-// of a d is sought by Newton's method within bounds that close in on it. They are halved instead where
-// Newton's step leaves them, or where the last one did not halve what is left, until that is rounding. Of
-// three million random searches, up to the fold, none took more than 12 steps.
+// pinhole images at radius r from the axis is imaged at d(r) = r (1 + k1 r^2 + k2 r^4). On the film d grows
+// with r, so Newton's method finds the r of a given d within bounds that shrink. The bounds are bisected
+// instead where Newton's step leaves them, or where the last step did not halve the remaining error, until
+// that is rounding. Of three million random searches, up to the radius where d stops growing, none took more
+// than 12 steps.
 #define DISTORTION_STEPS 16
 
 // clang-format off
-#define DISTORTION_SEARCH_FIELDS(F, a)                   \
-  F(a, float, low)  /* bounds of r */                    \
-  F(a, float, high)                                      \
-  F(a, float, r)                                         \
-  F(a, float, off)  /* |d(r) - d| one step before */
+#define DISTORTION_SEARCH_FIELDS(F, a) \
+  F(a, float, low)  /* bounds of r */  \
+  F(a, float, high)                    \
+  F(a, float, r)                       \
+  F(a, float, off)  /* |d(r) - d| in the step before */
 // clang-format on
 LANE_RECORD(DistortionSearch, DistortionSearches, distortion_search, DISTORTION_SEARCH_FIELDS)
 
@@ -77,12 +79,12 @@ FN DistortionSearch narrowed(Camera camera, float d, DistortionSearch s) {
   return t;
 }
 
-/// How far off the axis it is: the tangent of the angle, of a film that is not distorted.
+/// The tangent of the angle between the axis and the film point, without distortion.
 FN float film_radius(Camera camera, float x, float y) {
   return length3(add(scale(camera.x, x), scale(camera.y, y)));
 }
 
-/// Moves LANES points of the film to where they would be without distortion.
+/// Moves LANES film points to where they would be without distortion.
 STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RESTRICT y) {
   float d[LANES];
   DistortionSearches searches;
@@ -107,13 +109,13 @@ STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RE
     }
 }
 
-/// A point of the lens, in lens radii along x and y.
+/// A point on the lens, in lens radii along x and y.
 typedef struct {
   float x, y;
 } LensPoint;
 
-/// Uniform over the lens: the disk by rings of squares (Shirley and Chiu 1997), a lens with blades by its
-/// triangles about the centre, whose corners lie on the circle.
+/// A uniform sample of the lens. A round lens uses the concentric map (Shirley and Chiu 1997); a bladed one
+/// uses its triangles about the centre, whose corners lie on the circle.
 FN LensPoint lens_point(Camera camera, float u, float v) {
   const float a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;
   const bool wide = FABS(a) > FABS(b);
@@ -137,9 +139,9 @@ FN LensPoint lens_point(Camera camera, float u, float v) {
   return p;
 }
 
-/// The ray through the point (x, y) of the film, see FilmPoint, from the point (lens_x, lens_y) of the lens,
-/// which is sharp at distance `focus` along z, from the near to the far clipping plane. With the lens' centre
-/// and parallel 0 it is that of camera_ray.
+/// The ray from the lens point (lens_x, lens_y) through the film point (x, y), see FilmPoint, between the
+/// near and far clipping planes. The lens is in focus at distance `focus` along z. For the centre of the lens
+/// and `parallel` 0 it is the ray of camera_ray.
 FN Ray lens_ray(Camera camera, float focus, float x, float y, float lens_x, float lens_y) {
   const vec3 on_film = add(scale(camera.x, x), scale(camera.y, y));
   const vec3 on_lens = add(scale(camera.x, lens_x * (camera.lens_radius / length3(camera.x))),

@@ -1,10 +1,11 @@
-// Edges of lights that the camera sees, without noise. A camera ray that ends on a light brings its radiance
-// L, the next one beside it next to nothing: in a pixel with the light's edge that is most of the noise. How
-// much of the pixel the light takes up is known in closed form, though, so every sample gets
-//   L (share - inside), inside = 1 where its film position is within the light's outline, else 0,
-// whose mean is 0: where nothing is in front of the light, light and share add up to the share without
-// noise. Where something is, the mean stays right, but there is noise for nothing, so L is 0 where rays to
-// the edge say so (scenes/device/light_edges.h).
+// Noise-free edges of lights that the camera sees. A camera ray that hits a light brings its radiance L, and
+// a ray beside it almost nothing: in a pixel that contains the light's edge, this is most of the noise. But
+// the fraction (share) of the pixel that the light covers has a closed form. So every sample gets the control
+// variate
+//   L (share - inside), with inside = 1 if its film position is within the light's outline, else 0.
+// Its mean is 0. Where nothing occludes the light, the sum of light and control variate is L share, without
+// noise. Where the light is occluded the mean is still right, but the control variate only adds noise. So L
+// is 0 where rays to the edge are occluded (scenes/device/light_edges.h).
 #ifndef PENUMBRA_LIGHT_EDGES_H
 #define PENUMBRA_LIGHT_EDGES_H
 #include "kernels/sampler/filter.h"
@@ -12,7 +13,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The first of a row's pixels with edges that is not left of x.
+/// The first pixel with edges of a row that is not left of x; `first` and `end` bound the row's pixels.
 FN int find_edge_pixel(const PRIVATE Scene* scene, int first, int end, int x) {
   while (first < end) {
     const int middle = (first + end) / 2;
@@ -23,13 +24,13 @@ FN int find_edge_pixel(const PRIVATE Scene* scene, int first, int end, int x) {
   return first;
 }
 
-/// Adds the edges of a light in pixel (pixel.x, y) to the paths among LANES that are the pixel's.
+/// Adds the edges of a light in pixel (pixel.x, y) to those of LANES paths that belong to this pixel.
 STAGE void add_edges_in_pixel(const PRIVATE Scene* scene, LightEdgePixel pixel, int y,
                               const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT u,
                               const PRIVATE float* RESTRICT v) {
   const int filter = scene->header.film.filter;
   const PathState fields = *paths;  // see step.h
-  // How many times the light's outline winds about film positions: 1 within it, 0 outside.
+  // The winding number of the light's outline about each film position: 1 inside, 0 outside.
   float film_x[LANES], film_y[LANES], windings[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -54,14 +55,14 @@ STAGE void add_edges_in_pixel(const PRIVATE Scene* scene, LightEdgePixel pixel, 
     }
 }
 
-/// Adds the edges of lights to LANES paths that have just started, at film positions chosen by (u, v).
+/// Adds the edges of lights to LANES paths that have just started, at the film positions of (u, v).
 FN void add_light_edges(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                         const PRIVATE float* u, const PRIVATE float* v) {
   int last_x = -1, last_y = -1;
   for (int j = 0; j < LANES; j++) {
     const int x = get_film_x(paths, i + j), y = get_film_y(paths, i + j);
     if ((x == last_x) & (y == last_y)) continue;
-    const bool on_film = (y >= 0) & (y < scene->header.film.height);  // a unit may come from anywhere
+    const bool on_film = (y >= 0) & (y < scene->header.film.height);  // units may be outside of the film
     const int first = on_film ? scene->light_edge_rows[y] : 0,
               end = on_film ? scene->light_edge_rows[y + 1] : 0;
     int k = find_edge_pixel(scene, first, end, x);

@@ -12,7 +12,7 @@ namespace penumbra {
 /// Arrays start at cache lines if the capacities are multiples of 16.
 class BlockMemory {
  public:
-  /// For scenes with these FEATURE_* bits: `capacity` paths under way, `slot_capacity` samples.
+  /// For scenes with these FEATURE_* bits: `capacity` paths under way, and slots for `slot_capacity` samples.
   BlockMemory(std::uint64_t features, int capacity, int slot_capacity)
       : paths_(std::size_t(path_words(features)) * std::size_t(capacity)),
         slots_(std::size_t(slot_words(features)) * std::size_t(slot_capacity)),
@@ -25,7 +25,7 @@ class BlockMemory {
   }
 
  private:
-  AlignedVector<uint> paths_;  // zeros: lanes that no path ever used hold finite values too
+  AlignedVector<uint> paths_;  // zeros: unused lanes contain finite values, too
   AlignedVector<uint> slots_;
   std::uint64_t features_;
   int capacity_, slot_capacity_;

@@ -1,4 +1,4 @@
-// Axis-aligned boxes of primitives, for building hierarchies.
+// Axis-aligned bounding boxes of primitives, for building BVHs.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct Box {
   }
 };
 
-/// Half the surface of a box, to which the number of lines that meet it is proportional.
+/// Half the surface area of a box: the number of lines that meet it is proportional to it.
 inline double half_area(const Box& box) {
   const double x = double(box.high[0]) - box.low[0], y = double(box.high[1]) - box.low[1],
                z = double(box.high[2]) - box.low[2];
@@ -52,12 +52,12 @@ inline Box bounds_of(const Triangle& t) {
   return box;
 }
 
-/// By how far outside the box about its vertices a ray may seem to hit the triangle, along each axis. A ray
-/// sees a vertex with up to 5 roundings of how wide the triangle is (two of the difference to its origin
-/// along the shear's axis, times the shear, one of that along another, two of what is left), and edges
-/// through them with half a one more. That moves hits within the triangle's plane; out of it there is no
-/// margin, and no more than that, or rays would visit the walls that they leave. What grows with the hit's
-/// distance from the origin is left to SLAB_MARGIN (intersect/bvh.h).
+/// How far outside of the box of its vertices a ray may hit the triangle by rounding, along each axis. A ray
+/// computes a vertex with up to 5 roundings of the triangle's extent (two of the difference to its origin
+/// along the shear's axis, times the shear, one of that along another axis, two of the result), and edges
+/// between vertices with half a rounding more. This moves hits within the triangle's plane only. There is no
+/// margin out of the plane, and no larger one, or rays would visit the surfaces that they leave. Errors that
+/// grow with the hit's distance from the origin are covered by SLAB_MARGIN (intersect/bvh.h).
 inline vec3 hit_margin(const Triangle& t) {
   const double a[3] = {double(t.p1.x) - t.p0.x, double(t.p1.y) - t.p0.y, double(t.p1.z) - t.p0.z},
                b[3] = {double(t.p2.x) - t.p0.x, double(t.p2.y) - t.p0.y, double(t.p2.z) - t.p0.z};
@@ -76,20 +76,20 @@ inline vec3 hit_margin(const Triangle& t) {
   return make_vec3(along(0), along(1), along(2));
 }
 
-/// Where rays may seem to hit the triangle.
+/// The box in which rays may hit the triangle, including rounding.
 inline Box hit_bounds(const Triangle& t) {
   Box box = bounds_of(t);
   box.widen(hit_margin(t));
   return box;
 }
 
-/// A little more than the sphere, disk or cylinder, for the rounding of centre, normal and radius.
+/// Slightly larger than the sphere, disk or cylinder, for the rounding of centre, normal and radius.
 inline Box bounds_of(const Quadric& q) {
   constexpr float kMargin = 1e-5f;
   const float center[3] = {q.center.x, q.center.y, q.center.z};
   const float axis[3] = {q.normal.x, q.normal.y, q.normal.z};
-  // Along an axis a disk reaches as far as its normal leans away from it; the axis's own component would hide
-  // small leans.
+  // A disk's extent along an axis depends on the sine of the normal's angle to it. It is computed from the
+  // other two components: the axis's own component would hide small angles.
   const float lean[3] = {std::hypot(q.normal.y, q.normal.z), std::hypot(q.normal.z, q.normal.x),
                          std::hypot(q.normal.x, q.normal.y)};
   Box box;

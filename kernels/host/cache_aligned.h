@@ -1,5 +1,6 @@
-// Memory that starts at a cache line, so that vectors of a table or a block never straddle two. Of the
-// largest tables in large pages, where the system has some: first touching them costs half as much.
+// Vectors whose memory starts at a cache line, so that registers loaded from a table or a block never span
+// two lines. The largest tables use large pages where the system has them: touching these first costs half as
+// much.
 #pragma once
 
 #include <sys/mman.h>

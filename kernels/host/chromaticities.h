@@ -1,4 +1,4 @@
-// What the red, green and blue of an image are, and how one set becomes another.
+// Chromaticities of an image's red, green and blue, and conversion between them.
 #pragma once
 
 #include <array>
@@ -7,20 +7,20 @@
 
 namespace penumbra {
 
-/// What red, green, blue and white are, each as CIE 1931 x and y.
+/// CIE 1931 x and y of red, green, blue and white.
 using Chromaticities = std::array<float, 8>;
 /// Rec. 709 (ITU-R BT.709-6, item 1.3), whose primaries and white are sRGB's.
 constexpr Chromaticities kRec709 = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
 using Color = std::array<double, 3>;
-using ColorMatrix = std::array<Color, 3>;  ///< of rows
+using ColorMatrix = std::array<Color, 3>;  ///< three rows
 
 constexpr Color transformed(const ColorMatrix& m, const Color& v) {
   return {m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2], m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
           m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2]};
 }
 
-/// Of a singular matrix, numbers that are not finite.
+/// The elements are not finite for a singular matrix.
 constexpr ColorMatrix inverse(const ColorMatrix& m) {
   const auto cofactor = [&](int i, int j) {
     const auto &a = m[(i + 1) % 3], &b = m[(i + 2) % 3];
@@ -34,13 +34,13 @@ constexpr ColorMatrix inverse(const ColorMatrix& m) {
   return result;
 }
 
-/// XYZ of white, of Y = 1.
+/// XYZ of white, with Y = 1.
 constexpr Color white_of(const Chromaticities& c) {
   const double x = c[6], y = c[7];
   return {x / y, 1, (1 - x - y) / y};
 }
 
-/// Linear RGB of such primaries to CIE XYZ, in which white has Y = 1: primaries of any luminance, scaled so
+/// From linear RGB with these primaries to CIE XYZ, in which white has Y = 1. The primaries are scaled so
 /// that together they are white.
 constexpr ColorMatrix xyz_from_rgb(const Chromaticities& c) {
   ColorMatrix primaries{};
@@ -54,8 +54,8 @@ constexpr ColorMatrix xyz_from_rgb(const Chromaticities& c) {
   return primaries;
 }
 
-/// Linear RGB of such primaries to that of Rec. 709, white as it is seen (no adaptation), as OpenEXR's own
-/// conversion. Nothing where the chromaticities define no colours.
+/// From linear RGB with these primaries to Rec. 709, without adaptation of the white point, like OpenEXR's
+/// own conversion. Empty if the chromaticities define no colours.
 inline std::optional<ColorMatrix> rec709_from_rgb(const Chromaticities& c) {
   const ColorMatrix to_xyz = xyz_from_rgb(c), from_xyz = inverse(xyz_from_rgb(kRec709));
   ColorMatrix result{};

@@ -27,7 +27,7 @@ struct Console {
   int answer_error = 0;  ///< errno of the first answer that could not be written
 };
 
-/// Never destroyed: threads of libraries may have something to say while the program ends.
+/// Never destroyed: threads of libraries may print while the program ends.
 Console& console() {
   static Console& the_one = *new Console;
   return the_one;
@@ -49,7 +49,7 @@ int write_all(int descriptor, std::string_view bytes) {
   return 0;
 }
 
-/// To stderr, in place of a line that is drawn.
+/// Writes to stderr, in place of a line that is drawn.
 void write_message(std::string_view text) {
   Console& c = console();
   const std::lock_guard lock(c.mutex);
@@ -68,7 +68,7 @@ void print_kind(std::string_view text, std::string_view kind) noexcept {
     if (names_its_place(text, kind)) return print_message(text);
     if (text.starts_with(fmt::format("{}: ", kind))) text.remove_prefix(kind.size() + 2);
     print_message(fmt::format("{}: {}: {}", console().name, kind, text));
-  } catch (const std::exception&) {  // no memory
+  } catch (const std::exception&) {  // out of memory
     print_message(text);
   }
 }
@@ -77,7 +77,8 @@ void print_kind(std::string_view text, std::string_view kind) noexcept {
 
 void begin_program(std::string_view name) {
   console().name = name;
-  // The lowest free descriptor is the closed one. For reading only: who writes there is told that it fails.
+  // open() returns the lowest free descriptor, which is the closed one. It is opened for reading only, so
+  // that writing to it fails.
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) (void)open("/dev/null", O_RDONLY);
   }
@@ -87,7 +88,7 @@ void begin_program(std::string_view name) {
 int end_program(int code) {
   clear_line();
   Console& c = console();
-  // What a file system puts off it tells when the file is closed.
+  // Some file systems report write errors only when the file is closed.
   if (c.has_answered && c.answer_error == 0 && close(dup(STDOUT_FILENO)) != 0) c.answer_error = errno;
   if (c.answer_error == 0) return code;
   if (c.answer_error != EPIPE)
@@ -99,7 +100,7 @@ int end_program(int code) {
 void print_message(std::string_view text) noexcept {
   try {
     write_message(visible_text(text) + "\n");
-  } catch (const std::exception&) {  // no memory: this much can be said without any
+  } catch (const std::exception&) {  // out of memory: this message needs none
     constexpr std::string_view kNoMemory = "out of memory\n";
     write_all(STDERR_FILENO, kNoMemory);
   }

@@ -1,5 +1,5 @@
-// All that the programs print goes through here: messages for people to stderr, where one that cannot be
-// written is dropped, and answers to stdout, where one that cannot be written makes the program fail.
+// All output of the programs to the console. Messages for users go to stderr and are dropped if they cannot
+// be written. Answers go to stdout, and the program fails if they cannot be written.
 #pragma once
 
 #include <string>
@@ -9,34 +9,34 @@
 
 namespace penumbra {
 
-/// The first call of main. Opens descriptors 0 to 2 where they are closed, so that no file of ours becomes
-/// one of them, and ignores the signals of a reader that went away and of a file that grew too large: the
-/// write that fails says the same, and an image is not lost for it. `name` begins the program's messages.
+/// Must be called first in main. Opens descriptors 0 to 2 if they are closed, so that no file of the program
+/// becomes one of them. Ignores SIGPIPE and SIGXFSZ: the failing write reports the same, and no image is
+/// lost. `name` precedes the program's messages.
 void begin_program(std::string_view name);
 
-/// The exit code at the end of main: `code`, or 1 instead of 0 where an answer could not be written. Says so,
-/// unless it is the reader that went away.
+/// The exit code at the end of main: `code`, or 1 instead of 0 if an answer could not be written. Reports
+/// that, unless the reader has closed the pipe.
 [[nodiscard]] int end_program(int code);
 
-/// A line or more for people, on stderr, as it is but for control characters. Any thread may call it.
+/// Prints one or more lines for users to stderr; control characters are made visible. Thread-safe.
 void print_message(std::string_view text) noexcept;
-/// The message after `NAME: error: `, unless it names a place in a file itself.
+/// Prints the message after `NAME: error: `, unless it starts with a file position itself.
 void print_error(const Error& error) noexcept;
-/// The text after `NAME: warning: `, unless it names a place in a file itself.
+/// Prints the text after `NAME: warning: `, unless it starts with a file position itself.
 void print_warning(std::string_view text) noexcept;
 
-/// What was asked for, on stdout.
+/// Prints requested output to stdout.
 void print_answer(std::string_view text);
-/// Output that was not requested, on stdout: a render's summary. A failure to write it is ignored.
+/// Prints unrequested output to stdout, such as a render's summary. Write errors are ignored.
 void print_remark(std::string_view text);
 
-/// Redraws one line of stderr's terminal; messages take its place.
+/// Redraws one line of the terminal on stderr; messages replace it.
 void redraw_line(std::string_view text);
-/// Clears it, if there is one.
+/// Clears that line, if there is one.
 void clear_line();
 
-/// The text with what a terminal would obey made visible: control characters other than newline and tab as
-/// \u001b, which JSON reads as well, and bytes that are no UTF-8 as \x9b.
+/// The text with everything that a terminal would interpret made visible: control characters other than
+/// newline and tab become \u001b, which JSON can read as well, and bytes that are not UTF-8 become \x9b.
 std::string visible_text(std::string_view text);
 
 }  // namespace penumbra

@@ -1,6 +1,6 @@
-// The scene as the kernels read it: one header and one flat array of 32-bit words. It is built once, from a
-// scene description, by the scheduler, and shipped to every worker as it is, so that all of them trace the
-// same bits.
+// The device scene, which kernels read: one header and one flat array of 32-bit words. The scheduler builds
+// it once from a scene description and sends it unchanged to every worker, so that all of them trace the same
+// bits.
 #pragma once
 
 #include <cstddef>
@@ -16,40 +16,40 @@
 
 namespace penumbra {
 
-/// Paths that a thread of a CPU has under way at once: enough that compaction leaves few lanes idle, few
-/// enough that their state shares a second-level cache of 1 MiB with the scene. 512 are 20 % slower, 8192
-/// some 5 %.
+/// Paths that a CPU thread has under way at once: enough that few lanes are idle after compaction, and few
+/// enough that their state fits a 1 MiB L2 cache together with the scene. 512 are 20 % slower, 8192 some 5 %.
 constexpr int kBlockPaths = 2048;
 constexpr std::uint32_t kMaxSamplesPerUnit = 4096;  ///< a block holds all samples of a pixel at once
 
 struct DeviceScene {
   SceneHeader header{};
-  AlignedVector<std::uint32_t> words;  ///< the tables whose offsets the header holds
+  AlignedVector<std::uint32_t> words;  ///< the tables, at the offsets in the header
 
-  /// Header and words with a magic number and a version in front; little-endian: `head` and then `body`.
+  /// Serialised form: `head` (magic number, version and header), then `body` (the words), little-endian.
   [[nodiscard]] std::vector<std::uint8_t> serialize() const;
   [[nodiscard]] std::vector<std::uint8_t> head() const;
   [[nodiscard]] std::span<const std::uint8_t> body() const;  ///< the words
-  /// Checks magic, version, sizes and that every offset, index and count stays inside the data.
+  /// Errors: wrong magic number, version or size; an offset, index or count that points outside of the data.
   static Expected<DeviceScene> deserialize(std::span<const std::uint8_t> bytes);
 };
 
-/// Takes a serialized scene in pieces, so that it is never there twice.
+/// Deserialises a scene from pieces, so that there are never two copies of it.
 class DeviceSceneReader {
  public:
-  /// `total`, where it is known: how many bytes there will be.
+  /// `total`: the number of bytes, if it is known.
   explicit DeviceSceneReader(std::optional<std::size_t> total = {}) : total_(total) {}
 
-  /// Errors: what DeviceScene::deserialize says of the beginning; no memory for what it announces.
+  /// Errors: those of DeviceScene::deserialize that the header shows; not enough memory for the announced
+  /// size.
   Expected<void> add(std::span<const std::uint8_t> bytes);
-  /// After all pieces. Errors: as of DeviceScene::deserialize.
+  /// Call it after all pieces. Errors: as DeviceScene::deserialize.
   Expected<DeviceScene> finish();
 
  private:
   Expected<void> begin();
 
   std::optional<std::size_t> total_;
-  std::vector<std::uint8_t> head_;  ///< until it is whole
+  std::vector<std::uint8_t> head_;  ///< the head's bytes, until it is complete
   std::size_t received_ = 0, expected_ = 0;
   DeviceScene scene_;
 };

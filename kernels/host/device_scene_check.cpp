@@ -19,7 +19,7 @@
 namespace penumbra {
 namespace {
 
-// How many records of each table kernels read whatever it holds.
+// How many records of each table kernels read, whatever its count.
 enum {
 #define LEAST_RECORDS(_, name, record, least, what) LEAST_##name = least,
   SCENE_TABLES(LEAST_RECORDS, _)
@@ -44,7 +44,7 @@ class Checker {
     if (!ok && problem_.empty()) problem_ = what;
   }
   static bool in(int value, int low, int high) { return value >= low && value <= high; }
-  /// Whether the number is that of a bit which the mask has.
+  /// Whether the mask has the bit with that number.
   static bool holds(std::uint32_t mask, int number) {
     return in(number, 0, 31) && (mask >> number & 1u) != 0;
   }
@@ -111,8 +111,8 @@ class Checker {
   [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0; }
   static TableSpan at_least_one(TableSpan span) { return {std::max(span.count, 1), span.offset}; }
 
-  /// Of every record of `from`, and of those that kernels read of an empty table: the member is an index into
-  /// `to`, or at least `least`.
+  /// Checks every record of `from`, and those that kernels read of an empty table: the member is an index
+  /// into `to`, and at least `least`.
   template <typename Record>
   void check_index(TableSpan from, int least_from, int Record::*member, TableSpan to, int least_to, int least,
                    const char* what) {
@@ -178,7 +178,7 @@ class Checker {
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }
 
-  /// Walks down trees of materials end, and reach leaves that say what they are.
+  /// Checks that descents in material trees end, at leaves of known kinds.
   void check_material_trees() {
     const auto materials = table<Material>(scene_, h_.tables.materials);
     for (int i = 0; i < int(materials.size()); ++i) {
@@ -199,7 +199,7 @@ class Checker {
     }
   }
 
-  /// Media and their boundaries are there, and scatter by phase functions that are.
+  /// Checks media and boundaries, and that media refer to existing phase functions.
   void check_media() {
     const TableSpans& t = h_.tables;
     const auto materials = table<Material>(scene_, t.materials);
@@ -240,7 +240,7 @@ class Checker {
               "a phase function of implausible lobes");
   }
 
-  /// Volumes have numbers and majorants, of which none is implausible.
+  /// Checks that volumes have valid numbers and majorants.
   void check_volumes() {
     const TableSpans& t = h_.tables;
     const auto usable = [](float value) { return value >= 0 && value <= std::numeric_limits<float>::max(); };
@@ -266,11 +266,11 @@ class Checker {
   }
 
   void check_textures() {
-    int colours = 0;  // of a triangle
+    int colours = 0;  // largest number per triangle
     const auto textures = table<TextureNode>(scene_, h_.tables.textures);
     for (std::size_t i = 0; i < textures.size(); ++i) {
       const TextureNode& t = textures[i];
-      // Walks from one to the next end.
+      // So chains of textures end.
       require(t.texture0 < int(i) && t.texture1 < int(i), "a texture holds one that does not come before it");
       check_texture(t);
       if (t.kind == TEXTURE_MESH_ATTRIBUTE) {
@@ -295,11 +295,13 @@ class Checker {
     const bool bytes = t.kind == TEXTURE_BYTE_BITMAP, shorts = t.kind == TEXTURE_SHORT_BITMAP;
     const std::uint64_t values = std::uint64_t(t.width) * std::uint64_t(t.height) * std::uint64_t(t.channels);
     const int size = bytes ? 1 : t.kind == TEXTURE_FLOAT_BITMAP ? 4 : 2, words = h_.tables.texels.count;
-    // Kernels count values in 32 bits, and may read the word beyond the last texel.
+    // Kernels number values with 32 bits, and may read one word beyond the last texel.
     require(values < std::uint64_t{1} << 32 && t.texels >= 0 &&
                 std::uint64_t(t.texels) + (values * std::uint64_t(size) + 3) / 4 < std::uint64_t(words),
             "a bitmap's texels are not there");
-    const int decoded = bytes ? 256 : shorts ? 65536 : INT_MAX;  // values of the table, which bytes have
+    const int decoded = bytes    ? 256
+                        : shorts ? 65536
+                                 : INT_MAX;  // values in the table, which 8-bit bitmaps must have
     require((t.decoding == -1 && !bytes) || in(t.decoding, 0, words - decoded),
             "a bitmap's table of values is not there");
   }
@@ -332,7 +334,7 @@ class Checker {
     }
   }
 
-  /// Whatever a ray meets has one of the mattes that there are.
+  /// Checks that every primitive has a valid matte.
   void check_mattes() {
     const TableSpans& t = h_.tables;
     if (!has(FEATURE_MATTES)) {
@@ -347,10 +349,10 @@ class Checker {
     if (!problem_.empty()) return;
     const auto mattes = table<int>(scene_, t.mattes), firsts = table<int>(scene_, t.instance_mattes);
     const auto groups = table<PrimitiveGroup>(scene_, t.groups);
-    // What an instance adds: at least so much, at most so much.
+    // The range of what the instances of each group add.
     std::vector<std::pair<int, int>> added(std::max<std::size_t>(groups.size(), 1),
                                            {std::numeric_limits<int>::max(), 0});
-    added[0] = {0, 0};  // what is there once
+    added[0] = {0, 0};  // shapes that are not instanced
     const auto instances = table<Instance>(scene_, t.instances);
     for (std::size_t i = 0; i < instances.size(); ++i) {
       auto& [least, most] = added[std::size_t(instances[i].group)];
@@ -370,13 +372,13 @@ class Checker {
     }
   }
 
-  /// What an environment map's light reads of its tables, see envmap_light.h.
+  /// Checks the tables that the environment map reads, see envmap_light.h.
   void check_envmap() {
     const TableSpans& t = h_.tables;
     require(t.envmaps.count == 1, "an environment map is not there");
     if (!problem_.empty()) return;
     const EnvironmentMap map = table<EnvironmentMap>(scene_, t.envmaps)[0];
-    constexpr int kMostTexels = 1 << 15;  // of a side
+    constexpr int kMostTexels = 1 << 15;  // along one side
     const bool sized = in(map.width, 2, kMostTexels) && in(map.height, 2, kMostTexels);
     const std::int64_t texels = std::int64_t{map.width} * map.height;
     require(sized && t.envmap_texels.count == texels &&
@@ -391,7 +393,7 @@ class Checker {
             "a light's beam is not there");
   }
 
-  /// What its texture needs, and its grid, see light_grid.h.
+  /// Checks the light's texture and its grid, see light_grid.h.
   void check_light_texture(const Light& l) {
     if (h_.tables.lights.count == 0) return;
     require(l.texture < 0 || has(FEATURE_LIGHT_TEXTURES), "a light's texture without its feature bit");
@@ -421,7 +423,7 @@ class Checker {
     }
   }
 
-  /// Every number that a sampler can give is of a cell.
+  /// Checks that every number of a sampler selects a cell.
   void check_light_cells() {
     const int count = h_.tables.light_cells.count;
     require(count == 0 || (count <= int(LIGHT_NUMBERS) && (count & (count - 1)) == 0),
@@ -446,7 +448,7 @@ class Checker {
           "a pixel names edges of lights that are not there");
   }
 
-  /// Walks end at a light, whatever the numbers of the nodes.
+  /// Checks that every descent ends at a light.
   void check_light_tree() {
     require(in(h_.light_cut, 1, LIGHT_CUT) && h_.light_cut <= h_.tables.light_nodes.count,
             "a hierarchy of lights without a root");
@@ -483,7 +485,7 @@ class Checker {
     }
   }
 
-  /// Numbers of a leaf of several lights take each of them, whatever they are.
+  /// Checks that every number selects a light in a leaf that has several.
   void check_light_leaf(int first, int count) {
     const auto members = table<LightMember>(scene_, h_.tables.light_members);
     const auto numbers = table<int>(scene_, h_.tables.light_numbers);
@@ -519,8 +521,8 @@ class Checker {
         std::int64_t{h_.tables.triangle_leaves.count} + h_.tables.quadric_leaves.count;
     require(shapes > 0, "a hierarchy without leaves");
     const auto nodes = table<BvhNode>(scene_, h_.tables.nodes);
-    // Children follow their only parent, empty slots too: every ray's way through them ends, whatever its
-    // numbers. What is below the root of a group has no instances.
+    // Children come after their only parent, in empty slots too, so that every traversal ends. The subtree of
+    // a group has no instances.
     std::vector<int> depth(nodes.size(), 0);
     std::vector<bool> in_group(nodes.size(), false);
     if (!depth.empty()) depth[0] = 1;

@@ -1,12 +1,12 @@
-// Whether a device scene that came over the wire can be traced without reading outside it.
+// Checks that a device scene from the network can be traced without reading outside of it.
 #pragma once
 
 #include "kernels/host/device_scene.h"
 
 namespace penumbra {
 
-/// Every table inside the words (with the records that kernels read unasked), every
-/// index inside its table, every enumerated value known.
+/// Checks that every table is inside the words (including the records that kernels read in empty tables),
+/// every index is inside its table, and every enumerated value is known.
 Expected<void> check_device_scene(const DeviceScene& scene);
 
 }  // namespace penumbra

@@ -11,9 +11,9 @@ namespace penumbra {
 
 /// A row of SCENE_TABLES.
 struct SceneTable {
-  const char* what;  ///< its name for people
+  const char* what;  ///< name for users
   std::size_t record_bytes;
-  int least;  ///< records that are there whatever the count
+  int least;  ///< records that exist whatever the count
   TableSpan TableSpans::*span;
 
   [[nodiscard]] std::uint64_t bytes(const TableSpans& tables) const {

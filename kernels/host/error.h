@@ -1,4 +1,4 @@
-// The one error style of the project: a value with a text for people, carried by std::expected.
+// The error type of the project: a message for users, returned by std::expected.
 #pragma once
 
 #include <expected>
@@ -7,8 +7,8 @@
 
 namespace penumbra {
 
-/// What went wrong, where, and what would be right, as one message for the user (it may hold several lines:
-/// an error in a scene file carries the source line and a caret). No trailing newline, no "error:" prefix
+/// What went wrong, where, and what would be right, as one message for the user. It may have several lines:
+/// an error in a scene file includes the source line and a caret. No trailing newline, and no "error:" prefix
 /// unless a file position precedes it.
 struct Error {
   std::string message;

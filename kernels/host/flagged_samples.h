@@ -1,4 +1,4 @@
-// Samples that are not as they should be: how many of a kind, and where the first of them is.
+// Counts of bad samples of each kind, and where the first one is.
 #pragma once
 
 #include <array>
@@ -10,46 +10,45 @@
 
 namespace penumbra {
 
-/// Where a path first held a non-finite value.
+/// Where a path first had a non-finite value.
 struct NonFiniteSource {
   int where = SOURCE_UNKNOWN;  ///< SOURCE_*
-  int step = 0;                ///< of the integrator, from 0: the bounce
+  int step = 0;                ///< step of the integrator, from 0: the bounce
 
   friend auto operator<=>(const NonFiniteSource&, const NonFiniteSource&) = default;
 };
 
-/// "camera ray", "light sample", ... for a SOURCE_*.
+/// Name for users of a SOURCE_*: "camera ray", "light sample", ...
 std::string_view source_name(int source);
 
-/// Samples of one kind; those that are not finite count as 0 radiance. The first is that of the first row, in
-/// it of the first column, in that pixel of the lowest index.
+/// Bad samples of one kind; non-finite ones count as 0 radiance. The first one is the lowest in the order
+/// row, column, sample index.
 struct FlaggedSamples {
   std::uint64_t count = 0;
-  int x = 0, y = 0;             ///< film pixel of the first; means nothing where there is none, as the rest
+  int x = 0, y = 0;             ///< film pixel of the first one; all fields are arbitrary if count is 0
   std::uint32_t sample = 0;     ///< its index
-  NonFiniteSource source = {};  ///< where it first held the value, if it is not finite
-  int shape = 0;                ///< of BAD_BOUNDARY: whose boundary it met, see boundary_names
+  NonFiniteSource source = {};  ///< where it first became non-finite
+  int shape = 0;                ///< BAD_BOUNDARY: index of the contradictory shape, see boundary_names
 
-  /// Adds others, in any order.
+  /// Adds other samples, in any order.
   void add(const FlaggedSamples& others);
 
   friend bool operator==(const FlaggedSamples&, const FlaggedSamples&) = default;
 };
 
-/// Whether a kernel can have found its source and shape; where they are is for those to check who know the
-/// pixels.
+/// Whether a kernel can have reported this source and shape. Pixels are checked where the unit is known.
 bool is_possible(const FlaggedSamples& samples);
 
-/// Those of every kind, BAD_*.
+/// Bad samples of every kind, BAD_*.
 using FlaggedByKind = std::array<FlaggedSamples, BAD_KINDS>;
 
-/// Adds others, kind by kind.
+/// Adds others of each kind.
 void add(FlaggedByKind& to, const FlaggedByKind& others);
 
-/// How many there are that are not finite.
+/// Number of non-finite samples.
 std::uint64_t non_finite_count(const FlaggedByKind& flagged);
 
-/// From the counts of a block, with pixels and indices of the unit, to those of the film.
+/// Converts a block's counts, whose pixels and indices are relative to the unit, to film coordinates.
 FlaggedSamples flagged_samples(const Unit& unit, const BadSamples& bad);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// What kernels are compiled with.
+// The features, families and kinds that kernels are compiled for.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ inline KernelNeeds needs_of(const SceneHeader& h) {
   return {h.features, h.families, h.light_kinds, h.texture_kinds};
 }
 
-/// Everything that such a scene could need: a hierarchy that it does not have cannot be traced.
+/// Everything that a scene with the same intersector could need. The BVH is included only if the scene has
+/// one.
 inline KernelNeeds every_need(const SceneHeader& h) {
   if (h.intersector == INTERSECTOR_EMBREE) return {};
   return {.features = (FEATURE_ALL ^ FEATURE_BVH) | (h.features & FEATURE_BVH)};

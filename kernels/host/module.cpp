@@ -10,7 +10,7 @@ namespace penumbra {
 Expected<const void*> load_module(const char* file, const char* object) {
   std::error_code unknown;
   const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-  // Where it is built, and where it is installed; else where the system looks for libraries.
+  // The build folder, or the installed folder; else where the system looks for libraries.
   std::filesystem::path path = file;
   for (const auto& place : {folder / file, folder.parent_path() / "lib" / "penumbra" / file})
     if (!path.has_parent_path() && std::filesystem::exists(place, unknown)) path = place;

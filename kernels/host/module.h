@@ -1,13 +1,13 @@
-// Parts of the program that are loaded at their first use, since what stands behind them is large.
+// Shared libraries that are loaded on first use, since they depend on large libraries.
 #pragma once
 
 #include "kernels/host/error.h"
 
 namespace penumbra {
 
-/// The object of that name in a module, which is a file beside the executable, or in ../lib/penumbra from
-/// there, or else where the system looks for libraries. It stays loaded. Errors: there is no such file, or no
-/// such object in it.
+/// The object of that name in a module, which stays loaded. The module is a file beside the executable, or in
+/// ../lib/penumbra relative to it, or where the system looks for libraries. Errors: no such file, or no such
+/// object in it.
 Expected<const void*> load_module(const char* file, const char* object);
 
 }  // namespace penumbra

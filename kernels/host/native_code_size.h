@@ -1,4 +1,4 @@
-// How large the precompiled native kernels are, as the build measured it.
+// Size of the precompiled native kernels, as measured by the build.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-/// Bytes of machine code and constants of the kernel's object file.
+/// Bytes of machine code and constants in the kernel's object file.
 std::uint64_t native_code_bytes(const NativeKernel& kernel);
 
 }  // namespace penumbra

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kVectorLanes = 16;
 
-// Which of them this build has, CMakeLists.txt says.
+// CMakeLists.txt decides which of them this build has.
 constexpr NativeKernel kKernels[] = {
     {KernelTarget::kScalar, 1, render_block_scalar},
     {KernelTarget::kSse2, kVectorLanes, render_block_sse2},

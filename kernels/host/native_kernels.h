@@ -1,4 +1,4 @@
-// The block driver as native code, for each instruction set that this build has.
+// The block driver as native code, for each instruction set in this build.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ using NativeRenderBlock = void(const SceneHeader& header, const uint* words, con
                                const Unit& unit, int first_pixel, int pixels, const Block& block, float* out,
                                BadSamples* bad);
 
-/// kScalar: one lane, no vector instructions beyond the baseline's; the block of one that debugging uses.
+/// kScalar: one lane, no vector instructions beyond the baseline's; used for debugging, with blocks of one
+/// path.
 enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };
 
 struct NativeKernel {
@@ -26,13 +27,13 @@ struct NativeKernel {
   NativeRenderBlock* render_block;
 };
 
-/// All in this binary: the scalar and SSE2 ones, and the sets that the build was configured for.
+/// All kernels in this binary: scalar, SSE2, and those that the build was configured for.
 std::span<const NativeKernel> native_kernels();
 
 /// Whether this machine can run code built for the target.
 bool machine_has(KernelTarget target);
 
-/// Null if this binary has none for the target.
+/// Null if this binary has no kernel for the target.
 const NativeKernel* find_native_kernel(KernelTarget target);
 
 }  // namespace penumbra

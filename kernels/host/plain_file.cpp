@@ -13,7 +13,8 @@ namespace {
 
 struct Descriptor {
   explicit Descriptor(const std::filesystem::path& file)
-      : number(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}  // a pipe's open() may wait as well
+      : number(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+  }  // O_NONBLOCK: open() of a pipe might wait
   ~Descriptor() {
     if (number >= 0) close(number);
   }

@@ -1,5 +1,5 @@
-// Reading a whole file whose name comes from outside: never a device, a pipe or more than was expected. And
-// writing to one that is open.
+// Reads a whole file whose name is untrusted: never a device, a pipe or more bytes than expected. Also writes
+// to an open file.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace penumbra {
 
-/// All bytes of the file. Errors: not there, not a plain file (a device or a pipe might never end), larger
-/// than `max_bytes`, unreadable.
+/// All bytes of the file. Errors: it does not exist, is not a regular file (a device or a pipe might never
+/// end), is larger than `max_bytes`, or cannot be read.
 Expected<std::string> read_plain_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
-/// Writes all of it to an open plain file; false with errno set.
+/// Writes all bytes to an open regular file. Returns false, with errno set, on failure.
 bool write_whole(int descriptor, std::span<const std::uint8_t> bytes);
 
 }  // namespace penumbra

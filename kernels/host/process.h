@@ -13,15 +13,15 @@
 
 namespace penumbra {
 
-/// The machine's name as the system knows it, or empty.
+/// The host name, or empty.
 inline std::string host_name() {
   char name[256] = {};
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// A folder of the user's: what the variable says, as XDG_CACHE_HOME, where that is absolute (a relative one
-/// is to be ignored, XDG Base Directory Specification); else that folder of the user's home; empty without a
-/// home.
+/// A folder of the user: the path in the environment variable (such as XDG_CACHE_HOME) if it is absolute
+/// (relative ones must be ignored, XDG Base Directory Specification), else `within_home` in the user's home;
+/// empty without a home.
 inline std::filesystem::path user_folder(const char* variable, std::string_view within_home) {
   if (const char* folder = std::getenv(variable); folder != nullptr && *folder == '/') return folder;
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
@@ -29,17 +29,18 @@ inline std::filesystem::path user_folder(const char* variable, std::string_view 
   return {};
 }
 
-/// The most bytes that this process has had resident; 0 if the system does not say. (ru_maxrss of getrusage
-/// is no answer: it keeps what the process had between fork and exec, which is all of its parent's memory.)
+/// Peak resident memory of this process in bytes; 0 if unknown. (ru_maxrss of getrusage does not work: it
+/// includes what the process had between fork and exec, which is all of its parent's memory.)
 std::uint64_t peak_memory_bytes();
 
-/// Seconds that have passed, on the clock that is never set.
+/// Seconds since `begin` on the monotonic clock.
 inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Between fork and exec, or right before an exec: signals that this program ignores or blocks act in the
-/// next one as they do by default; those that it catches do by themselves. Async-signal-safe.
+/// To be called between fork and exec, or right before exec: signals that this program ignores or blocks get
+/// their default behaviour in the next program. (exec itself resets those that are caught.)
+/// Async-signal-safe.
 inline void restore_default_signals() {
   sigset_t none;
   sigemptyset(&none);

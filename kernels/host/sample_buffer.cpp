@@ -13,7 +13,7 @@ Expected<void> check_statistics(const SampleBuffer& buffer) {
     const bool is_deviation = p >= kDeviationR && p <= kDeviationB;
     const float least = is_deviation ? 0.0f : std::numeric_limits<float>::lowest();
     const std::span<const float> plane = buffer.plane(p);
-    // A NaN is in no range.
+    // The comparison also finds NaN.
     const auto bad = std::ranges::find_if(plane, [least](float value) {
       return !(value >= least && value <= std::numeric_limits<float>::max());
     });

@@ -1,4 +1,4 @@
-// What a worker returns for one work unit: per-pixel statistics of the unit's samples.
+// The result of a work unit: per-pixel statistics of its samples.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-/// The first planes of a result, one float per pixel each; those of the layers follow
+/// The first planes of a result, one float per pixel each. Those of the layers follow
 /// (kernels/film_layers.h).
 enum SampleBufferPlane : int {
   kMeanR,
@@ -22,25 +22,24 @@ enum SampleBufferPlane : int {
   kMeanB,  ///< mean radiance over the unit's samples, linear Rec. 709
   kDeviationR,
   kDeviationG,
-  kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2): its square may be more than a float
-                ///< holds
+  kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2); the variance may overflow a float
   kRadiancePlanes
 };
 static_assert(kRadiancePlanes == RADIANCE_PLANES);
 
-/// The layers and mattes that results of a scene have, and films of them.
+/// The layers and mattes of a scene's results and films.
 class FilmLayers {
  public:
   constexpr FilmLayers() = default;  ///< none
-  /// Of a scene with these FEATURE_* bits, and so many mattes.
+  /// For a scene with these FEATURE_* bits and this number of mattes.
   constexpr explicit FilmLayers(std::uint64_t features, int mattes = 0)
       : features_(features), mattes_(mattes) {}
 
   [[nodiscard]] constexpr bool has(int layer) const { return has_layer(features_, layer); }
   [[nodiscard]] constexpr int mattes() const { return mattes_; }
-  /// The first plane of a layer that is there.
+  /// The first plane of a layer; the layer must exist.
   [[nodiscard]] constexpr int plane(int layer) const { return layer_plane(features_, layer); }
-  /// How many planes there are, those of radiance among them.
+  /// The number of planes, including those of radiance.
   [[nodiscard]] constexpr int planes() const { return plane(FILM_LAYERS); }
 
  private:
@@ -48,10 +47,10 @@ class FilmLayers {
   int mattes_ = 0;
 };
 
-/// How a layer is called, and how many planes it has.
+/// Name and number of planes of a layer.
 struct FilmLayerInfo {
-  std::string_view name;      ///< of its channels in an image, before a dot; may be empty
-  std::string_view channels;  ///< a letter each; none where it is not shown by itself
+  std::string_view name;      ///< prefix of its channel names in an image, before a dot; may be empty
+  std::string_view channels;  ///< one letter each; empty if the layer is not shown by itself
   int planes;
 };
 #define LAYER_INFO(NAME, planes, needs, samples, mean, layer, channels) \
@@ -59,25 +58,26 @@ struct FilmLayerInfo {
 inline constexpr FilmLayerInfo kFilmLayers[] = {PENUMBRA_FILM_LAYERS(LAYER_INFO)};
 #undef LAYER_INFO
 
-/// How many planes a device writes for so many samples of a pixel: those, and pairs of mattes
-/// (FEATURE_MATTES), which take_mattes takes out of them.
+/// The number of planes that a device writes for `sample_count` samples per pixel, including the pairs of
+/// planes for mattes (FEATURE_MATTES), which take_mattes removes.
 inline int device_plane_count(std::uint64_t features, std::uint32_t sample_count) {
   return plane_count(features) + ((features & FEATURE_MATTES) != 0 ? 2 * matte_pairs(int(sample_count)) : 0);
 }
 
-/// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
-/// the rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel
-/// and the range of sample indices: the same bytes from any worker. All values are finite: samples that are
-/// not are counted and left out by the device, see block_accumulate.h.
+/// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), relative to
+/// the rectangle's corner, is `values[(p * height + y) * width + x]`. It is a pure function of scene, seed,
+/// pixel and the range of sample indices: every worker returns the same bytes. All values are finite: the
+/// device counts non-finite samples and leaves them out, see block_accumulate.h.
 struct SampleBuffer {
   int width = 0;
   int height = 0;
   int planes = kRadiancePlanes;
   std::uint32_t sample_count = 0;
-  FlaggedByKind flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
+  FlaggedByKind flagged = {};  ///< bad samples by kind, BAD_*
   std::vector<float> values;
-  /// With FEATURE_MATTES, of one pixel after the other: how many pairs, then those, a matte and how many of
-  /// the samples met it, at least one. Mattes ascend, from NO_MATTE on; the counts are those of all samples.
+  /// With FEATURE_MATTES, for each pixel: the number of pairs, then the pairs: a matte number and how many
+  /// samples hit it, at least one. Matte numbers ascend from NO_MATTE on; the counts of a pixel add up to its
+  /// samples.
   std::vector<std::uint32_t> mattes = {};
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
@@ -89,14 +89,15 @@ struct SampleBuffer {
   }
 };
 
-/// Whether the values are statistics at all: every one finite, no deviation below 0. What goes into a film
-/// from outside has been through this.
+/// Checks that the values are valid statistics: all finite, no negative deviation. Results from outside must
+/// pass this before they go into a film.
 Expected<void> check_statistics(const SampleBuffer& buffer);
 
-/// Makes `mattes` of the planes that a device has written for them, behind the others, which remain.
+/// Converts the planes of mattes, which a device has written after the others, to `mattes`. The other planes
+/// remain.
 void take_mattes(SampleBuffer& buffer);
 
-/// Whether `mattes` is what it should be, of a scene with so many of them; with 0, nothing.
+/// Checks `mattes` for a scene with `matte_count` mattes; for 0 there must be none.
 Expected<void> check_mattes(const SampleBuffer& buffer, int matte_count);
 
 }  // namespace penumbra

@@ -23,7 +23,7 @@ std::size_t character_length(std::string_view text, std::size_t at) {
   for (std::size_t k = 1; k < length; ++k) {
     if ((byte(k) & 0xC0u) != 0x80u) return 0;
   }
-  // Overlong forms, surrogates, and beyond the last code point.
+  // Rejects overlong forms, surrogates, and numbers beyond the last code point.
   const unsigned second = byte(1);
   const bool good = !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second > 0x9F) &&
                     !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second > 0x8F);
@@ -56,7 +56,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates) {
-  constexpr std::size_t kLongestName = 64;  // longer ones are no misspelling of ours
+  constexpr std::size_t kLongestName = 64;  // longer names are no misspellings
   if (name.empty() || name.size() > kLongestName) return std::nullopt;
   std::optional<std::string> best;
   std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;

@@ -1,4 +1,4 @@
-// Words and characters of messages.
+// Helpers for the text of messages.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,15 +17,15 @@ std::string counted(Integer count, std::string_view thing) {
   return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
-/// Bytes of the well-formed UTF-8 (RFC 3629) character at `at`, which is inside the text; 0 where there is
-/// none.
+/// Number of bytes of the well-formed UTF-8 character (RFC 3629) at `at`, which must be inside of the text; 0
+/// if there is none.
 std::size_t character_length(std::string_view text, std::size_t at);
 
-/// The candidate with the fewest edits (insertions, deletions, replacements, swaps of neighbours; case
-/// ignored) to `name`, if it is near enough to be a likely misspelling.
+/// The candidate with the smallest edit distance to `name` (insertions, deletions, replacements, swaps of
+/// neighbours; case ignored), if it is small enough for a likely misspelling.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
 
-/// "; did you mean 'x'?" or nothing.
+/// "; did you mean 'x'?", or empty.
 std::string suggestion(std::string_view name, std::span<const std::string> candidates);
 
 }  // namespace penumbra

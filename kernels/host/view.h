@@ -1,6 +1,6 @@
-// What may change of a scene while its device goes on: the camera, and what else a viewer may adjust. No
-// kernel and no table depends on it, but those of light edges, which are left out once the camera moves. A
-// field more in either list is all that another parameter takes here and on the wire.
+// What may change in a scene while a device keeps it: the camera, and other parameters that a viewer may
+// adjust. No kernel and no table depends on them, except the tables of light edges, which are ignored once
+// the camera moves. A new parameter only needs a new field in either list, here and on the wire.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ CAMERA_FIELDS(REQUIRE_FLOATS)
 ADJUSTABLE_FIELDS(REQUIRE_FLOATS)
 #undef REQUIRE_FLOATS
 
-/// The numbers of a part or a field of a view.
+/// The numbers of a part, or of a field, of a view.
 template <typename Part>
 std::array<float, sizeof(Part) / sizeof(float)> as_floats(const Part& part) {
   return std::bit_cast<std::array<float, sizeof(Part) / sizeof(float)>>(part);
@@ -33,14 +33,15 @@ std::array<float, sizeof(Part) / sizeof(float)> as_floats(const Part& part) {
 
 inline View view_of(const SceneHeader& h) { return {h.camera, h.adjustable}; }
 
-/// Cameras that differ have different ones, but for one of 2^32.
+/// A hash of a camera, to detect whether two cameras are the same (false positives: one in 2^32).
 inline std::uint32_t camera_key(const Camera& camera) {
   std::uint32_t key = 2166136261u;  // FNV-1a over words
   for (const float value : as_floats(camera)) key = (key ^ std::bit_cast<std::uint32_t>(value)) * 16777619u;
   return key;
 }
 
-/// Edges of lights are in the tables as one camera sees them: from elsewhere they do not count.
+/// Sets camera and adjustable parameters. The tables of light edges are ignored unless the camera is the one
+/// that they were made for.
 inline void apply_view(const View& view, SceneHeader& h) {
   h.camera = view.camera;
   h.adjustable = view.adjustable;
@@ -48,7 +49,7 @@ inline void apply_view(const View& view, SceneHeader& h) {
   h.sees_edges = known && camera_key(view.camera) == h.edges_camera ? 1 : 0;
 }
 
-/// To the bit.
+/// Whether they are equal to the bit.
 inline bool is_same(const View& a, const View& b) { return std::memcmp(&a, &b, sizeof(View)) == 0; }
 
 /// The name of the first field that is not finite, or null.

@@ -1,14 +1,14 @@
-// The branches that paths have left for later, where an integrator follows several: a path takes one of them,
-// stacks the others, and when it ends takes the last of those. Depth first, so one for each surface on the
-// way from the camera is all that a path ever has.
+// Branches that paths have left for later, for integrators that follow several. A path takes one branch and
+// stacks the others; when it ends, it takes the last one stacked. The order is depth first, so a path never
+// has more than one stacked branch for each surface between it and the camera.
 #ifndef PENUMBRA_BRANCHES_H
 #define PENUMBRA_BRANCHES_H
 #include "kernels/integrator/step.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The random numbers of another branch of a path of pixel sequence `hash`: a sequence of its own, whose
-/// points are spread over the same pixels' neighbours.
+/// The random sequence of another branch of a path with sequence `hash`. Its samples are distributed over the
+/// same neighbouring pixels.
 FN int branch_sequence(int hash, int branch) {
   const uint other = hash_uint((uint)hash ^ hash_uint((uint)branch));
   return (int)((other & ~TILE_PLACE) | ((uint)hash & TILE_PLACE));
@@ -23,7 +23,7 @@ STAGE void start_branches(const PRIVATE PathState* paths, int i) {
     }
 }
 
-/// The branch that starts with the path's last ray, again.
+/// The branch that traces the path's last ray again.
 FN Branch arriving_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int more) {
   Branch b;
   b.origin = get_ray_origin(paths, i);
@@ -46,8 +46,8 @@ FN void push_branch(const PRIVATE PathState* paths, int i, Branch b) {
   set_branch_count(paths, i, count + 1);
 }
 
-/// The path goes on along the branch. No light on its next hit is found by another strategy too: the ray
-/// leaves a mirror or leads back to a surface.
+/// The path continues along the branch. Lights on its next hit get full weight, since no other strategy
+/// samples them: the ray leaves a mirror or leads back to a surface.
 FN void follow_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Branch b) {
   set_ray_origin(paths, i, b.origin);
   set_ray_direction(paths, i, b.direction);
@@ -64,8 +64,8 @@ FN void follow_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (NEEDS(scene, POLYGONS)) set_left_controlled(paths, i, false);
 }
 
-/// Paths from lane i on that have ended take their last branch, if they have one. `count`: of the lanes that
-/// are paths. (Those beyond repeat the last path, and its branches are not theirs.)
+/// Paths from lane i on that have ended take their last branch, if they have one. `count` is the number of
+/// lanes with paths; lanes beyond repeat the last path, whose branches are not theirs.
 STAGE void take_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int count) {
   for (int j = i; j < min_i(i + LANES, count); j++) {
     const int branches = get_branch_count(paths, j), place = get_branch_place(paths, j);

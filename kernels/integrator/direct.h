@@ -1,5 +1,5 @@
-// Direct light with n_g emitter samples and n_f direction samples for each camera ray, in steps: step k
-// traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
+// Direct light with n_g emitter samples and n_f direction samples for each camera ray. Step k traces the k-th
+// direction and requests the k-th shadow ray, both from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
 #include "kernels/integrator/directions.h"
@@ -8,7 +8,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Random numbers for a step's light and direction samples.
+/// Random numbers for the light and direction samples of step k.
 FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathState* paths, int i,
                        PRIVATE float* u) {
   const uint spp = sequence_length(h);
@@ -35,7 +35,8 @@ STAGE void load_kept_uvs(const PRIVATE PathState* paths, int i, PRIVATE Surfaces
       store_surface_uv(surfaces, j, with_kept_uv(paths, i + j, load_surface(surfaces, j)));
 }
 
-/// Adds what the last rays found: at `first` the camera's, then those of the direction samples.
+/// Adds the emission that the last rays hit: camera rays if `first`, else direction samples with their MIS
+/// weights.
 STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
                                const PRIVATE FoundLights* RESTRICT lights,
                                const PRIVATE Emissions* RESTRICT emissions) {
@@ -56,8 +57,8 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
-/// Adds the light of surfaces that the k-th rays pass, in the lanes with `passes`. The surfaces are as seen
-/// from where the rays started.
+/// Adds the emission of surfaces that the rays of step k pass, in the lanes with `passes`. The surfaces are
+/// as seen from where the rays started.
 FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
                             const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
   FoundLights found;
@@ -107,7 +108,7 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
     }
 }
 
-/// Direction samples as the next rays.
+/// Requests the direction samples as next rays.
 STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               const PRIVATE StepLanes* RESTRICT step) {
   const float share = 1.0f / (float)scene->header.integrator.bsdf_samples;
@@ -138,7 +139,7 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
   StepLanes step;
   start_step(&step);
   for (int i = 0; i < count; i += LANES) {
-    // At first the last rays are the camera's.
+    // In step 0 the last rays are camera rays.
     bool finds = false;
     if (k == 0 || balances) {
       find_surfaces(scene, paths, i, &step.surfaces);

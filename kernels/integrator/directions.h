@@ -1,19 +1,19 @@
-// Directions that an integrator chooses itself, about the shading normal, instead of leaving them to the
-// BSDFs.
+// Directions that an integrator samples itself, about the shading normal, instead of sampling the BSDFs.
 #ifndef PENUMBRA_DIRECTIONS_H
 #define PENUMBRA_DIRECTIONS_H
 #include "kernels/integrator/step.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Density of the scene's way of choosing directions about the surface's shading normal.
+/// The pdf, per solid angle, of the scene's direction sampling (DIRECTION_*) about the shading normal n.
 FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
   const float cosine = max_f(dot3(n, wi), 0.0f);
   const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
   return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
 }
 
-/// Where directions of the hemisphere would miss light, the BSDFs' own are used.
+/// The BSDF families that are always sampled by themselves, because directions of the hemisphere would miss
+/// some of their light.
 FN uint families_with_own_directions(const PRIVATE SceneHeader* h) {
   return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
                                                        : families_with(DELTA | SOME_DELTA | TRANSMITS);
@@ -45,7 +45,7 @@ STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
     }
 }
 
-/// Samples of directions about the hemisphere where the closures are not of these families.
+/// Replaces the samples by the `chosen` hemisphere samples where the closure is in none of these families.
 STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themselves,
                        const PRIVATE BsdfSamples* RESTRICT chosen, PRIVATE BsdfSamples* RESTRICT samples) {
   LANE_LOOP
@@ -56,8 +56,8 @@ STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themse
     }
 }
 
-/// Directions that the scene does not leave to the BSDFs, and the values of the closures of these families
-/// for them, as samples.
+/// Samples directions about the hemisphere, and evaluates closures of these families for them, as BSDF
+/// samples.
 FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVATE StepLanes* step,
                           PRIVATE BsdfSamples* samples) {
   const PRIVATE SceneHeader* h = &scene->header;

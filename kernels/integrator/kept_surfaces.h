@@ -1,4 +1,5 @@
-// Integrators whose samples all start at the surface that the camera ray hit: step k takes the k-th of them.
+// For integrators whose samples all start at the surface that the camera ray hit: the surface is kept, and
+// step k takes the k-th sample.
 #ifndef PENUMBRA_KEPT_SURFACES_H
 #define PENUMBRA_KEPT_SURFACES_H
 #include "kernels/block/block_surface.h"
@@ -14,7 +15,7 @@ STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Sur
     for (int j = 0; j < LANES; j++) store_surface_hit(surfaces, j, kept_surface(paths, i + j));
 }
 
-/// Before a step's samples ask for rays: none, and a path goes on if a step is left and there is a surface.
+/// Before a step requests rays: there are none yet. A path continues if a surface was hit and a step is left.
 STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                        bool is_last) {
   LANE_LOOP

@@ -1,5 +1,5 @@
-// The light sampling stage, before an integrator's step of LANES paths and only where the scene asks for it:
-// choice of a light by its contribution, closed forms, directions by projected solid angle.
+// The light sampling stage, which runs before an integrator's step of LANES paths where the scene needs it:
+// choice of a light by its unshadowed contribution, closed forms, and sampling by projected solid angle.
 #ifndef PENUMBRA_LIGHT_REQUEST_H
 #define PENUMBRA_LIGHT_REQUEST_H
 #include "kernels/integrator/step.h"
@@ -10,19 +10,20 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What a step requests of the light sampling stage. A kernel may be compiled for more than its scene needs.
+/// What a step requests from the light sampling stage. A kernel may be compiled for more than its scene
+/// needs.
 typedef struct {
-  bool choice;      ///< a light, chosen by its contribution
-  bool closed;      ///< the closed form, added to the path's sum
-  bool projected;   ///< directions by projected solid angle
-  bool found;       ///< their densities for the light that the last ray hit
-  bool tree;        ///< a light, chosen by the hierarchy
-  bool tree_found;  ///< its probability for the light that the last ray hit
-  bool path;        ///< the surface is the last ray's hit, and that ray left another one
+  bool choice;      ///< choose a light by its unshadowed contribution
+  bool closed;      ///< add the closed form to the path's sum
+  bool projected;   ///< sample directions by projected solid angle
+  bool found;       ///< compute their pdfs for the light that the last ray hit
+  bool tree;        ///< choose a light through the hierarchy
+  bool tree_found;  ///< compute that choice's probability for the light that the last ray hit
+  bool path;        ///< the last ray started at another surface than this one, which it hit
 } LightRequest;
 
-/// `emits`: the step samples a light. `first`: the step is the first one at its surface. `balances`: other
-/// samples may hit lights too.
+/// `path`: see LightRequest. `emits`: the step samples a light. `first`: the step is the first one at its
+/// surface. `balances`: direction samples may hit lights too (MIS).
 FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
   LightRequest request;
   request.path = path;
@@ -53,7 +54,7 @@ STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
                           load_control_lobes(controls, j), points, j);
 }
 
-/// Adds the closed form to the sums of the paths, times their throughput.
+/// Adds the closed form, times the throughput, to the paths' sums.
 STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -65,8 +66,8 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE dou
 }
 
 /// Unshadowed light at the surfaces of LANES paths: the closed form, and the choice of a light. The choice
-/// shares its random number with the point on the light and replaces it by the remainder, which is uniform in
-/// [0, 1) again.
+/// uses the random number of the point on the light, and replaces it by the remainder, which is again uniform
+/// in [0, 1).
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
                             const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
@@ -91,15 +92,15 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
   if (request.closed) add_analytic(paths, i, analytic);
 }
 
-// Projection is onto one side of a surface. Where light comes through, points on lights are sampled
-// otherwise.
+// Solid angles are projected for one side of a surface. Points on lights are sampled otherwise for closures
+// that transmit light.
 
-/// The normal about which lights are projected; 0 for none, and no density.
+/// The normal for projected solid angles; 0 for closures that transmit light: they have no such pdf.
 FN vec3 projected_about(vec3 normal, Closure c) {
   return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
 }
 
-/// Projected solid angles of the lights that are chosen by power, or by the hierarchy.
+/// Projected solid angles of the lights that were chosen by power, or through the hierarchy.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
@@ -117,7 +118,7 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
     }
 }
 
-/// Samples directions by projected solid angle to the lights that were chosen.
+/// Samples directions by projected solid angle towards the chosen lights.
 STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                    const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
                                    PRIVATE LightSamplings* RESTRICT samplings) {
@@ -133,7 +134,7 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Sur
     }
 }
 
-/// Densities for the lights that the last rays found, for multiple importance sampling: from these surfaces.
+/// Pdfs, for MIS, of the lights that the last rays hit, as sampled at these surfaces.
 STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                          const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
@@ -142,7 +143,7 @@ STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
       found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n);
     }
 }
-/// From the surfaces that the paths left.
+/// The same, as sampled at the surfaces that the paths left.
 STAGE void project_found_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                   PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
@@ -151,7 +152,7 @@ STAGE void project_found_of_paths(const PRIVATE Scene* scene, const PRIVATE Path
           projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j));
 }
 
-/// The next rays leave these surfaces.
+/// Stores the surfaces' normals: the next rays leave these surfaces.
 STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                              const PRIVATE Closures* RESTRICT closures) {
   LANE_LOOP
@@ -160,7 +161,7 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVAT
                       projected_about(LOAD_LANE_vec3(surfaces->shading, j), load_closure(closures, j)));
 }
 
-// The same three where closures have control lobes.
+// The same three functions for closures with control lobes.
 STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                const PRIVATE Closures* RESTRICT closures,
                                const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
@@ -222,7 +223,8 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
-/// Densities for lights found, from the surfaces that the paths left; from these surfaces.
+/// Pdfs of the lights that were hit, as sampled at the surfaces that the paths left; the second function: at
+/// these surfaces.
 FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE FoundLights* found) {
   if (NEEDS_LTC(scene)) {
@@ -242,7 +244,8 @@ FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const P
   project_found(scene, surfaces, closures, found);
 }
 
-/// What the choice among lights depends on: where light comes through, no side counts.
+/// What the choice of lights depends on: position and normal. The normal is 0 for closures that transmit
+/// light, since both sides receive light.
 STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures, PRIVATE LitPlaces* RESTRICT places) {
   LANE_LOOP
@@ -256,7 +259,7 @@ STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
     }
 }
 
-/// Those that the last rays left.
+/// Loads those of the surfaces that the last rays left.
 STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPlaces* RESTRICT places,
                             PRIVATE LightScales* RESTRICT scales) {
   LANE_LOOP
@@ -272,7 +275,7 @@ STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPl
     }
 }
 
-/// The next rays leave these.
+/// Stores them: the next rays leave these surfaces.
 STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE LitPlaces* RESTRICT places,
                             const PRIVATE LightScales* RESTRICT scales) {
   LANE_LOOP
@@ -286,7 +289,7 @@ STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE
     }
 }
 
-/// Probabilities of lights that rays found from the surfaces that paths left.
+/// Probabilities of the lights that rays hit, as chosen at the surfaces that the paths left.
 FN void find_previous_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            PRIVATE FoundLights* found) {
   LitPlaces places;
@@ -295,14 +298,14 @@ FN void find_previous_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* 
   find_tree_pmfs(scene, &places, &scales, found);
 }
 
-/// Chooses lights at the surfaces, and finds the probabilities of the lights that rays have found.
+/// Chooses lights at the surfaces, and computes the probabilities of the lights that rays have hit.
 FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
                         const PRIVATE PathState* paths, int i) {
   LitPlaces places;
   LightScales scales;
   const bool finds_here = request.tree_found & finds & !request.path;
   if (request.tree_found & finds & request.path) find_previous_pmfs(scene, paths, i, &step->found);
-  if (!(request.tree | finds_here)) return;  // nor does a path go on
+  if (!(request.tree | finds_here)) return;  // then no path continues either
   find_lit_places(&step->surfaces, &step->closures, &places);
   if (request.tree)
     choose_by_tree(scene, &places, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_FINE * LANES,
@@ -324,8 +327,8 @@ FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* s
   }
 }
 
-/// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
-/// start_step left it. With `finds` their last rays found lights.
+/// Runs the light sampling stage for LANES paths from lane i on. Samplings that are not requested stay as
+/// start_step left them. `finds`: some of the last rays hit lights.
 CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds,
                               PRIVATE StepLanes* step, const PRIVATE PathState* paths, int i) {
   double projected[LANES];

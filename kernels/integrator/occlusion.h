@@ -1,7 +1,7 @@
-// How open the surroundings of what the camera sees are: ambient occlusion, the share of directions in which
-// nothing is near, and reflection occlusion, the same of a lobe about the mirror direction. Lights and
-// materials play no part, as they do not in the image of the normals (WEIGHTING_NORMALS). In steps: step k
-// asks for the k-th ray from the surface that the camera ray hit.
+// Occlusion integrators. Ambient occlusion is the fraction of directions in which nothing is near the surface
+// that the camera sees; reflection occlusion is the same for a lobe about the mirror direction.
+// WEIGHTING_NORMALS shows normals instead. Lights and materials have no effect. Step k requests the k-th ray
+// from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_OCCLUSION_H
 #define PENUMBRA_INTEGRATOR_OCCLUSION_H
 #include "kernels/bsdf/phong.h"
@@ -10,7 +10,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// A direction about the unit normal n by its DIRECTION_*; `mirror` is that of the viewer.
+/// A sample of direction kind DIRECTION_* about the unit normal n; `mirror` is the mirror direction of wo.
 FN vec3 occlusion_direction(int kind, float exponent, vec3 n, vec3 mirror, float u, float v) {
   const vec3 cosine = sample_cosine_hemisphere(n, u, v), hemisphere = sample_uniform_hemisphere(n, u, v);
   const vec3 sphere = sample_uniform_sphere(u, v), lobe = sample_cosine_power(mirror, exponent, u, v);
@@ -19,17 +19,18 @@ FN vec3 occlusion_direction(int kind, float exponent, vec3 n, vec3 mirror, float
   return select3((kind == DIRECTION_COSINE) | (kind == DIRECTION_UNIFORM), about_normal, elsewhere);
 }
 
-/// What a direction at this cosine to the normal counts for over its density: cos / pi, or 1 / (2 pi), above
-/// the surface; with DIRECTION_LOBE (n + 2) / (2 pi) cos^n alpha cos, alpha being its angle to the mirror
-/// direction and n the exponent.
+/// Weight of a direction over its pdf, at this cosine to the normal. The weight is cos / pi, or 1 / (2 pi),
+/// above the surface. With DIRECTION_LOBE it is (n + 2) / (2 pi) cos^n alpha cos, where alpha is the angle to
+/// the mirror direction and n the exponent.
 FN float occlusion_weight(int kind, int weighting, float exponent, float cosine) {
-  const float wanted = weighting == WEIGHTING_UNIFORM ? 0.5f : cosine;  // times 1 / pi
+  const float wanted = weighting == WEIGHTING_UNIFORM ? 0.5f : cosine;  // 1 / pi cancels
   const float density = kind == DIRECTION_COSINE ? cosine : (kind == DIRECTION_SPHERE ? 0.25f : 0.5f);
   const float of_lobe = (exponent + 2.0f) / (exponent + 1.0f) * cosine;
   return kind == DIRECTION_LOBE ? of_lobe : wanted / density;
 }
 
-/// What camera rays see that meet nothing; with WEIGHTING_NORMALS what they see otherwise, too.
+/// Sets the radiance of camera rays that hit nothing to the background; with WEIGHTING_NORMALS, of the others
+/// to the normal.
 STAGE void add_background(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Surfaces* RESTRICT surfaces) {
   const float background = scene->header.integrator.background;

@@ -1,17 +1,17 @@
 // Path tracing with next-event estimation and multiple importance sampling (J. T. Kajiya, "The rendering
 // equation", 1986; E. Veach, "Robust Monte Carlo methods for light transport simulation", 1997).
 //
-// An integrator is a step function. Given the hits of the paths' last rays it adds the light that they found,
-// and asks for at most one shadow ray and one next ray of each path. It never traces: block/block.h does that
-// between the steps. LANES paths go through each stage together; a stage that the scene does not need is not
-// called (NEEDS). The stages are in path_stages.h and step.h.
+// An integrator is a step function. Given the hits of the paths' last rays, it adds the emission that they
+// found, and requests at most one shadow ray and one next ray for each path. It never traces rays:
+// block/block.h does so between the steps. LANES paths go through each stage together. A stage that the scene
+// does not need is not called (NEEDS). The stages are in path_stages.h and step.h.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
 #include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The next vertex of `count` paths, each of which has `vertices` at most.
+/// Processes the next vertex of `count` paths; each has at most `vertices` vertices so far.
 CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int vertices,
                           const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -27,7 +27,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     resolve_step_closures(scene, &step);
     if (vertices == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
 
-    // Light that the rays found themselves, weighed against light samples that might have found it.
+    // Emission that the rays hit, weighted against the light samples that could have found it.
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_lights(scene, light_request(scene, true, scatters, scatters, balances), finds, &step, paths, i);
@@ -50,7 +50,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (HAS(LTC) && has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
     if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
 
-    // The next direction by the BSDF, and Russian roulette.
+    // The next direction, by BSDF sampling, and Russian roulette.
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
     shade_bumps(scene, &step.surfaces, &step.samples);

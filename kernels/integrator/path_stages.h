@@ -9,24 +9,25 @@ PENUMBRA_NAMESPACE_BEGIN
 // Russian roulette: see roulette_survival.
 #define ROULETTE_LASTS 100.0f
 
-/// Probability of going on after the k-th throw, k = 0, 1 ... Paths that carry little end sooner, but later
-/// than their throughput asks for, which costs some steps and saves more variance: sqrt(2 t) was the best of
-/// t, sqrt t, 2 t, 4 t, the fourth root of t, mean and luminance. The cap ends paths that lose nothing, where
-/// albedo is 1: n throws are survived with at most (100 / n)^2, so weights grow like n^2 and no faster, which
-/// any albedo below 1 outweighs. A constant cap has infinite variance beyond albedo sqrt(cap).
+/// Survival probability of the k-th round of Russian roulette, k = 0, 1 ... It is larger than the throughput
+/// t: this costs some steps and saves more variance. sqrt(2 t) was the best of t, sqrt t, 2 t, 4 t, the
+/// fourth root of t, mean and luminance. The cap ends paths that lose nothing, where the albedo is 1: n
+/// rounds are survived with probability at most (100 / n)^2, so weights grow only like n^2, which any albedo
+/// below 1 outweighs. A constant cap would have infinite variance for albedos above sqrt(cap).
 FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-/// Of a path that was thrown on to `depth`, whose strongest channel carries `strongest` into a medium of the
-/// relative index `eta`. Radiance is larger in denser media, by the square of the index; what arrives is not.
+/// Survival probability of a path that scattered to `depth`. `strongest` is its largest throughput component,
+/// in a medium of relative refractive index `eta`. Radiance scales with the square of the index, and the
+/// radiance that arrives at the camera does not; eta^2 compensates.
 FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
   const bool roulette = depth >= rr_depth;
   const int throws = roulette ? depth - rr_depth : 0;
   return roulette ? roulette_survival(strongest * (eta * eta), throws) : 1.0f;
 }
 
-/// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
+/// Random numbers for a step of LANES paths from lane i on. Numbers that the step does not need are not
 /// written.
 CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths,
                             int i, PRIVATE float* u) {
@@ -35,7 +36,7 @@ CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const P
               u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, step_point(PAIR_BSDF), paths, i, u + DIM_BSDF_U * LANES,
               u + DIM_BSDF_V * LANES);
-  const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
+  const bool chooses = h->tables.lights.count > 1;  // a single light needs no second number
   if (chooses | ((NEEDED(FAMILIES, h->families) & families_with(SEVERAL_LOBES)) != 0u))
     sample_pair(h->sampler.kind, spp, step_point(PAIR_CHOICE), paths, i,
                 u + (chooses ? DIM_LIGHT_FINE : DIM_UNUSED) * LANES, u + DIM_LOBE_CHOICE * LANES);
@@ -53,7 +54,7 @@ FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* path
   return any != 0;
 }
 
-/// Where none does.
+/// Ends LANES paths of which none scatters.
 STAGE void end_paths(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) {
@@ -62,8 +63,9 @@ STAGE void end_paths(const PRIVATE PathState* paths, int i) {
     }
 }
 
-/// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
-/// light; directions of no density it never samples.
+/// Drops emission that rays hit, if the surface that they left uses the closed form of that light: only
+/// next-event estimation may sample it. Emission found by delta directions is kept, since next-event
+/// estimation never samples those.
 STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
                            PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
@@ -75,7 +77,7 @@ STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
-/// Notes whether the next rays leave such surfaces.
+/// Stores whether the next rays leave such surfaces.
 STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE Closures* RESTRICT closures) {
   LANE_LOOP
@@ -83,14 +85,14 @@ STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* 
       set_left_controlled(paths, i + j, is_controlled(scene, load_closure(closures, j), true));
 }
 
-/// Whether light is kept that `bounces` surfaces scattered and a sample of that technique found.
+/// Whether light that scattered at `bounces` surfaces and was found by that technique is kept.
 FN bool is_kept_part(const PRIVATE SceneHeader* h, int bounces, int technique) {
   const int only = h->integrator.only_technique;
   return ((h->integrator.only_bounces < 0) | (h->integrator.only_bounces == bounces)) &
          ((only == TECHNIQUE_ALL) | (only == technique));
 }
 
-/// Of what the last rays found.
+/// Drops emission that the last rays found.
 STAGE void drop_found_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                             PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
@@ -100,7 +102,7 @@ STAGE void drop_found_parts(const PRIVATE Scene* scene, const PRIVATE PathState*
     }
 }
 
-/// Of samples of emitters: rays are not asked for.
+/// Drops samples of emitters: no shadow rays are requested.
 STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               PRIVATE LightSamples* RESTRICT lights) {
   LANE_LOOP
@@ -110,7 +112,7 @@ STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathStat
     }
 }
 
-/// Adds what the last rays found.
+/// Adds the emission that the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE FoundLights* RESTRICT lights,
                          const PRIVATE Emissions* RESTRICT emissions) {
@@ -132,8 +134,8 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
-/// Adds the light of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The surfaces
-/// are as seen from where the rays started.
+/// Adds the emission of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The
+/// surfaces are as seen from where the rays started.
 FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
   const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
@@ -152,7 +154,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
                          const PRIVATE StepLanes* RESTRICT step) {
   const int sampling = scene->header.integrator.direct_sampling,
             heuristic = scene->header.integrator.heuristic;
-  // In media what directions might have found is weighed when it is known what gets through.
+  // In media, the MIS weight is applied later, when the transmittance is known.
   const bool balances = sampling == SAMPLING_MIS && !NEEDS_MEDIA(scene);
   const int max_depth = scene->header.integrator.max_depth;
   const PathState fields = *paths;  // see step.h
@@ -174,7 +176,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
-/// The media into which the next rays lead.
+/// Updates the refractive indices for the next rays.
 STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE BsdfSamples* RESTRICT samples,
                        PRIVATE float* RESTRICT etas) {
   LANE_LOOP
@@ -185,7 +187,7 @@ STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE Bsdf
     }
 }
 
-/// The media in which shadow rays start, and what directions have to do with lights: see weigh_shadow_rays.
+/// The media in which shadow rays start, and the pdf ratio for the MIS weights in weigh_shadow_rays.
 STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  const PRIVATE StepLanes* RESTRICT step) {
   const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
@@ -202,7 +204,7 @@ STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathS
     }
 }
 
-/// The media into which the next rays lead.
+/// The media in which the next rays start.
 STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;
   LANE_LOOP
@@ -213,7 +215,7 @@ STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE S
     }
 }
 
-/// The next rays, or the ends of the paths.
+/// Requests the next rays, or ends the paths.
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE StepLanes* RESTRICT step) {
   const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;

@@ -1,5 +1,5 @@
-// What the steps of all integrators share: LANES paths at a time go through short stages, each a lane loop
-// over records that stay in the first-level cache. A stage that the scene does not need is not called.
+// What the steps of all integrators share. LANES paths at a time go through short stages, each of which is a
+// lane loop over records that stay in the L1 cache. A stage that the scene does not need is not called.
 #ifndef PENUMBRA_STEP_H
 #define PENUMBRA_STEP_H
 #include "kernels/block/block_surface.h"
@@ -11,42 +11,42 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Stages that write many fields of paths copy the pointers to them first: to compilers of OpenCL drivers
-// every store might change them.
+// Stages that write many fields of paths copy the pointers to the fields first: otherwise OpenCL compilers
+// assume that every store may change the pointers.
 
-/// LANES paths in a step.
+/// LANES paths during a step.
 typedef struct {
   float u[STEP_DIMENSIONS * LANES];  ///< random numbers, DIM_* of lane j at DIM_* * LANES + j
   Surfaces surfaces;                 ///< where they scatter
-  Closures closures;                 ///< what they scatter at there
+  Closures closures;                 ///< their BSDFs at those surfaces
   uint families;                     ///< of the closures
-  FoundLights found;                 ///< the lights on which their last rays ended
-  Emissions emissions;               ///< what those add
+  FoundLights found;                 ///< the lights that their last rays hit
+  Emissions emissions;               ///< the emission of those lights
   LightSamplings samplings;
   LightSamples lights;
-  ControlLanes controls;  ///< of the closures, see request_lights
-  BsdfValues values;      ///< towards the lights
-  BsdfSamples samples;    ///< of a next direction
-  float eta[LANES];       ///< refractive index where that leads over that at the camera
+  ControlLanes controls;  ///< control lobes of the closures, see request_lights
+  BsdfValues values;      ///< BSDF values towards the lights
+  BsdfSamples samples;    ///< samples of a next direction
+  float eta[LANES];       ///< refractive index after that sample, relative to the one at the camera
 } StepLanes;
 
 FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
   return step->u[dimension * LANES + j];
 }
 
-/// Nothing known.
+/// Initialises a step.
 FN void start_step(PRIVATE StepLanes* step) {
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step->u[k] = 0.0f;
   for (int j = 0; j < LANES; j++) store_closure(&step->closures, j, black_closure());
   for (int j = 0; j < LANES; j++) step->eta[j] = 1.0f;
-  // Without a tangent, for scenes that have none.
+  // For scenes without tangents.
   const Surface nothing = surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f));
   for (int j = 0; j < LANES; j++) store_surface_uv(&step->surfaces, j, nothing);
   for (int j = 0; j < LANES; j++) step->surfaces.instance[j] = -1;
   clear_light_samplings(&step->samplings);
 }
 
-/// What the paths scatter at.
+/// Resolves the BSDFs of the paths' surfaces.
 CALLED_FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   resolve_closures(scene, &step->surfaces, &step->closures);
   step->families = families_among(&step->closures);
@@ -58,21 +58,21 @@ FN void sample_step_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* step) 
                 step->u + DIM_LIGHT_FINE * LANES, &step->samplings, &step->lights);
 }
 
-/// Whether samples of polygon lights have their closed form as control variate.
+/// Whether samples of polygon lights use their closed form as control variate.
 FN bool has_control(const PRIVATE Scene* scene) {
   return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
 }
 
-/// Whether some of them have one whose value is not the closure's own.
+/// Whether the control variate of some BSDFs differs from the BSDF (linearly transformed cosines).
 FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS_LTC(scene) && has_control(scene); }
 
-/// Whether samples of the light at a surface of the closure have their closed form as control variate.
+/// Whether light samples of polygons at a surface with this closure use the closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
   const bool nearly = HAS(LTC) && (NEEDS_LTC(scene) & has_ltc_form(c));
   return has_control(scene) & (has_closed_form(c) | nearly) & of_polygon;
 }
 
-/// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.
+/// Requests the shadow ray of lane i's light sample. `arriving` is its contribution if it is unoccluded.
 /// `controlled`: see is_controlled.
 FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Surface s,
                            LightSample light, vec3 arriving, bool lit, bool controlled) {
@@ -88,8 +88,8 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
                           controlled ? (beneath ? CONTROL_BENEATH : CONTROL_IN_SIGHT) : CONTROL_NONE);
 }
 
-/// Light samples whose control variate is not the closure's own value count wherever that variate is above 0,
-/// whatever the closure's value.
+/// If the control variate differs from the BSDF, light samples are valid wherever the variate is above 0,
+/// even if the BSDF's value is 0.
 STAGE void admit_controls(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -102,8 +102,8 @@ STAGE void admit_controls(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRIC
     }
 }
 
-/// What shadow rays bring to the control variate if nothing is in the way: of exact closed forms what they
-/// bring to the path. A light's sample is one of `samples`; `path`: paths carry throughput.
+/// The unoccluded contribution of shadow rays to the control variate. For exact closed forms it equals the
+/// contribution to the path. Each light sample is one of `samples`; `path`: paths have a throughput.
 STAGE void request_controls(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, float samples,
                             bool path, const PRIVATE StepLanes* RESTRICT step) {
   LANE_LOOP
@@ -121,7 +121,7 @@ STAGE void request_controls(const PRIVATE Scene* scene, const PRIVATE PathState*
     }
 }
 
-/// What bumps let through in the directions that are sampled.
+/// Multiplies the weights of sampled directions by the fraction that bumps let through.
 STAGE void shade_samples(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE BsdfSamples* RESTRICT samples) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -131,16 +131,16 @@ STAGE void shade_samples(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Bsdf
     }
 }
 
-/// After directions are sampled.
+/// The same, if the scene has bumps.
 FN void shade_bumps(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                     PRIVATE BsdfSamples* samples) {
   if (NEEDS(scene, BENT)) shade_samples(surfaces, samples);
 }
 
-/// Albedo, normal and depth of what the camera rays hit.
+/// Albedo, normal and depth of the camera rays' hits.
 STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE Closures* RESTRICT closures,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
-  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are anywhere
+  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are scattered
     const Surface s = load_surface(surfaces, j);
     const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
     const int slot = get_slot(paths, i + j);
@@ -150,19 +150,19 @@ STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVAT
   }
 }
 
-/// Whether camera rays met something.
+/// Alpha: whether camera rays hit something.
 STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   const float sky = scene->header.film.sky_coverage;
-  for (int j = 0; j < LANES; j++)  // no lane loop: slots are anywhere
+  for (int j = 0; j < LANES; j++)  // no lane loop: slots are scattered
     set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] != NOTHING_HIT ? 1.0f : sky);
 }
 
-/// The mattes that camera rays hit: NO_MATTE where there is none. Kernels may be compiled for more than a
-/// scene has: without the tables nobody is there.
+/// The mattes that camera rays hit, or NO_MATTE. Kernels may be compiled for more than the scene has: without
+/// the tables there are no mattes.
 STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
-  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are anywhere
+  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are scattered
     const int primitive = surfaces->primitive[j];
     const bool known = (primitive >= 0) & (primitive < scene->header.tables.mattes.count);
     int matte = scene->mattes[known ? primitive : 0];
@@ -174,7 +174,7 @@ STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
   }
 }
 
-/// What the film keeps of the surfaces that camera rays hit.
+/// Writes what the film stores of the camera rays' hits.
 FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                           const PRIVATE Closures* closures, const PRIVATE PathState* paths, int i,
                           const PRIVATE SlotState* slots) {

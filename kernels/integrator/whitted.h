@@ -1,7 +1,8 @@
-// Recursive ray tracing after Whitted 1980, without recursion: at mirrors and glass both branches are
-// followed, each with its exact weight; at other surfaces light is sampled as path does it, and
-// `bsdf_samples` directions of the hemisphere look for the rest. A path branches at its first `branch_depth`
-// surfaces; beyond them it chooses one branch by its probability, as path does. Its light is that of path.
+// Recursive ray tracing after Whitted 1980, without recursion. At mirrors and glass both branches are
+// followed, each with its exact weight. At other surfaces light is sampled as by the path integrator, and
+// `bsdf_samples` directions of the hemisphere sample the rest. A path branches at its first `branch_depth`
+// surfaces; beyond them it chooses one branch by its probability, as the path integrator does. The expected
+// radiance is that of the path integrator.
 #ifndef PENUMBRA_INTEGRATOR_WHITTED_H
 #define PENUMBRA_INTEGRATOR_WHITTED_H
 #include "kernels/integrator/branches.h"
@@ -10,11 +11,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// A density that takes no weight from any other, where no direction is sampled.
+// A pdf for light samples where no direction is sampled: it gives competing strategies no MIS weight.
 #define NO_RIVAL 1e-37f
 
-/// How many directions a path samples at a surface that scatters in all of them. (Camera rays that look
-/// through emitters, and rays that pass surfaces by chance, would not find back to what they see.)
+/// The number of directions that a path samples at a surface that scatters in all directions. (It is 1 at the
+/// hits of camera rays that look through emitters, and of rays that pass surfaces at random: these rays would
+/// not return to the same surface.)
 FN int directions_at(const PRIVATE SceneHeader* h, int depth) {
   const int samples = h->integrator.bsdf_samples;
   const bool leads_back =
@@ -22,20 +24,20 @@ FN int directions_at(const PRIVATE SceneHeader* h, int depth) {
   return ((depth < h->integrator.branch_depth) & leads_back) ? samples : min_i(samples, 1);
 }
 
-/// Whether any of LANES paths from lane i on may end by roulette.
+/// Whether any of LANES paths from lane i on may end by Russian roulette.
 FN bool any_roulette(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
   int deepest = 0;
   for (int j = i; j < i + LANES; j++) deepest = get_depth(paths, j) > deepest ? get_depth(paths, j) : deepest;
   return deepest + 1 >= h->integrator.rr_depth;
 }
 
-/// Paths that are back at a surface found its light before.
+/// Paths that return to a surface have already added its emission.
 STAGE void drop_found_again(const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) found->light[j] = get_revisit(paths, i + j) != 0 ? -1 : found->light[j];
 }
 
-/// While the surfaces' closed forms are added, paths that are back or end there carry nothing ...
+/// While the surfaces' closed forms are added, paths that return, or end there, have throughput 0 ...
 STAGE void hide_throughputs(int max_depth, const PRIVATE PathState* paths, int i,
                             PRIVATE float* RESTRICT hidden) {
   LANE_LOOP
@@ -46,13 +48,13 @@ STAGE void hide_throughputs(int max_depth, const PRIVATE PathState* paths, int i
       set_throughput(paths, i + j, select3(adds, throughput, make_vec3(0.0f, 0.0f, 0.0f)));
     }
 }
-/// ... and then what they did.
+/// ... and afterwards their own again.
 STAGE void restore_throughputs(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT hidden) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_throughput(paths, i + j, LOAD_LANE_vec3(hidden, j));
 }
 
-/// The lights that a step of the integrator asks for.
+/// Requests the lights of a step.
 FN void request_whitted_lights(const PRIVATE Scene* scene, bool scatters, bool finds, PRIVATE StepLanes* step,
                                const PRIVATE PathState* paths, int i) {
   const bool balances = scene->header.integrator.bsdf_samples > 0;
@@ -67,8 +69,8 @@ FN void request_whitted_lights(const PRIVATE Scene* scene, bool scatters, bool f
   request_lights(scene, request, finds, step, paths, i);
 }
 
-/// Makes the densities of the values those with which directions towards the lights are sampled, all samples
-/// together; 0 where the path is back at a surface, so that it asks for no light again.
+/// Replaces the values' pdfs by the pdf with which all direction samples together sample the light's
+/// direction. It is 0 for paths that return to a surface, so that they request no light again.
 STAGE void balance_values(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -86,7 +88,8 @@ STAGE void balance_values(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 }
 
-/// Whether each path branches here: at a mirror with two lobes, or for `more` samples of directions than one.
+/// Whether each path branches here: at a surface with two delta lobes (`lobes`), or by `more` direction
+/// samples than one.
 typedef struct {
   int lobes[LANES];
   int more[LANES];
@@ -115,13 +118,15 @@ FN bool any_of(const PRIVATE int* flags) {
   return any != 0;
 }
 
-/// Paths that take the first lobe.
+/// Paths that branch take the first lobe.
 STAGE void choose_first_lobes(const PRIVATE Branching* RESTRICT branching, PRIVATE float* RESTRICT choice) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) choice[j] = branching->lobes[j] != 0 ? 0.0f : choice[j];
 }
 
-/// Weighs samples as one of several, or as a lobe that is taken for certain.
+/// Divides the weight of a sample by the number of samples at its vertex, and multiplies its pdf by that
+/// number. Where both lobes are followed, the weight is multiplied by the probability of choosing its lobe
+/// instead: the sample's weight contains the inverse of that probability.
 STAGE void weigh_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Branching* RESTRICT branching,
                           const PRIVATE float* RESTRICT probabilities, PRIVATE StepLanes* RESTRICT step) {
@@ -140,7 +145,7 @@ STAGE void weigh_branches(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 }
 
-/// The branches of second lobes; of no throughput where there is none.
+/// The branches of second lobes; without a second lobe the throughput is 0.
 STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE StepLanes* RESTRICT step,
                            const PRIVATE Branching* RESTRICT branching,
@@ -157,7 +162,7 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
       const vec3 throughput = mul(b.throughput, scale(next.weight, 1.0f - probabilities[j]));
       const float strongest = max_component(throughput);
       const float survival = path_survival(rr_depth, b.depth, strongest, b.eta);
-      // The first branch has this number for its own.
+      // The first branch uses this number itself.
       const float number = ONE_MINUS_EPSILON - lane_number(step, DIM_ROULETTE, j);
       const bool alive = (branching->lobes[j] != 0) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (number < survival);
@@ -172,7 +177,7 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
 }
 
-/// Leaves second lobes for later.
+/// Stacks second lobes for later.
 STAGE void push_second_branches(const PRIVATE PathState* paths, int i, int count,
                                 const PRIVATE Branches* RESTRICT branches) {
   for (int j = 0; j < min_i(LANES, count - i); j++) {
@@ -181,7 +186,7 @@ STAGE void push_second_branches(const PRIVATE PathState* paths, int i, int count
   }
 }
 
-/// Notes that paths will be back for more samples of directions.
+/// Stacks the rays that lead paths back for more direction samples.
 STAGE void push_revisits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int count,
                          const PRIVATE Branching* RESTRICT branching) {
   for (int j = 0; j < min_i(LANES, count - i); j++) {
@@ -190,8 +195,8 @@ STAGE void push_revisits(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   }
 }
 
-/// Directions of LANES paths from lane i on: of each the one that it takes, in step->samples; the others
-/// wait.
+/// Samples directions for LANES paths from lane i on. step->samples gets the one that each path takes; the
+/// others are stacked.
 FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int count,
                         PRIVATE StepLanes* step) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -224,13 +229,13 @@ FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   push_second_branches(paths, i, count, &branches);
 }
 
-/// Paths that were back at a surface have left it.
+/// Paths that returned to a surface have left it.
 STAGE void end_revisits(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = i; j < i + LANES; j++) set_revisit(paths, j, 0);
 }
 
-/// The paths' surfaces are where their last rays ended.
+/// Processes the surfaces where the paths' last rays ended.
 CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
                             const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;

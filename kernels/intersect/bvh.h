@@ -1,4 +1,4 @@
-// One ray through the wide bounding volume hierarchy, BVH_WIDTH children or triangles at a time.
+// Traversal of the wide BVH by one ray, BVH_WIDTH children or triangles at a time.
 #ifndef PENUMBRA_BVH_H
 #define PENUMBRA_BVH_H
 #include "kernels/intersect/bvh_limits.h"
@@ -8,16 +8,16 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// The scene's hierarchy, and within it that of one group.
+// Levels: the scene's BVH, and inside an instance that of its group.
 #define BVH_LEVELS (HAS(INSTANCES) ? 2 : 1)
 #define BVH_STACK (BVH_LEVELS * (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + BVH_WIDTH))
-// 1 + 2 gamma(3): a slab test that never misses a box through rounding (Ize 2013).
+// 1 + 2 gamma(3): with it a slab test never misses a box by rounding (Ize 2013).
 #define SLAB_MARGIN 1.0000005f
 
 typedef struct {
-  int primitive;  ///< -1: nothing before tmax
+  int primitive;  ///< -1: no hit before tmax
   float t;
-  int instance;  ///< that the primitive is a part of, or -1
+  int instance;  ///< the instance of the primitive, or -1
 } Hit;
 
 FN Hit closer_hit(Hit best, float t, int primitive) {
@@ -27,16 +27,16 @@ FN Hit closer_hit(Hit best, float t, int primitive) {
   return best;
 }
 
-/// What the traversal needs to know of a ray.
+/// A ray, prepared for traversal.
 typedef struct {
   vec3 o, d;
-  float ix, iy, iz;  ///< 1 / d
-  float fx, fy, fz;  ///< ... by which the distance of where the ray leaves a box is never too small
-  uint near_x, near_y, near_z;  ///< where the rows of a node's bounds begin that the ray meets first
+  float ix, iy, iz;             ///< 1 / d
+  float fx, fy, fz;             ///< 1 / d times SLAB_MARGIN: the exit distance of a box is never too small
+  uint near_x, near_y, near_z;  ///< offsets of the rows of a node's bounds that the ray meets first
   Shear shear;
-  uint kx, ky, kz;   ///< where the rows of a leaf's vertices begin that are the axes of the sheared space
-  float ox, oy, oz;  ///< the origin, in that order
-  int skip;          ///< primitive that the ray does not hit, or -1
+  uint kx, ky, kz;   ///< offsets of the rows of a leaf's vertices for the axes of the sheared space
+  float ox, oy, oz;  ///< the origin, in the order of those axes
+  int skip;          ///< a primitive that the ray must not hit, or -1
 } BvhRay;
 
 FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
@@ -52,7 +52,7 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   r.near_x = (r.ix < 0.0f ? 3u : 0u) * BVH_WIDTH;
   r.near_y = (r.iy < 0.0f ? 4u : 1u) * BVH_WIDTH;
   r.near_z = (r.iz < 0.0f ? 5u : 2u) * BVH_WIDTH;
-  // As make_shear does, without selects: which axis it is cannot be guessed.
+  // The same as make_shear without selects: the axis is unpredictable.
   const float from[3] = {o.x, o.y, o.z}, to[3] = {d.x, d.y, d.z};
   const int kz = largest_axis(d), kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
   r.shear.axis = kz;
@@ -69,18 +69,19 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   return r;
 }
 
-// What orders children along a ray: the bits of where it enters them, which as integers are in the order of
-// the distances, but for the lowest, which are the child's number; and of a child that it does not enter.
+// Keys order children along a ray. A key is the bits of the entry distance (as integers they are in the order
+// of the distances), with the child's number in the lowest bits. NO_KEY: the ray does not enter the child.
 #define KEY_CHILD (BVH_WIDTH - 1)
 #define NO_KEY 0x7fffffff
 
-/// Of where a ray has been found to end, the key up to which children are visited. A triangle's distance and
-/// that of the box about it are rounded in other ways: the margin lets every triangle that is as near as the
-/// nearest be tested, in whatever order leaves are visited, so that the hit is that of a test of all.
+/// The largest key of children that are visited if the ray ends at t. The distances of a triangle and of its
+/// box are rounded differently: the margin makes sure that all triangles as near as the nearest are tested,
+/// whatever the order of leaves, so that the hit is the same as if all were tested.
 #define END_MARGIN 1.0000153f  // 1 + 2^-16
 FN int key_of_end(float t) { return (int)FLOAT_BITS(t * END_MARGIN); }
 
-/// Bit j says whether the ray enters child j before `end`, a bound of key_of_end; keys[j] is its key.
+/// Bit j of the result is set if the ray enters child j before `end` (see key_of_end); keys[j] is the child's
+/// key.
 FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int end, PRIVATE int* keys) {
   GLOBAL const float* rows = node->bounds[0];
   GLOBAL const float* nx = rows + r->near_x;
@@ -93,7 +94,7 @@ FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int 
   const vec3 in = make_vec3(r->ix, r->iy, r->iz), out = make_vec3(r->fx, r->fy, r->fz);
   const float limit = BITS_FLOAT(end);
   REGISTER_ARRAY int entered[BVH_WIDTH];
-  // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
+  // If 0 * infinity gives NaN, comparisons keep the other operand or none: such a box is visited, never
   // missed.
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
@@ -108,13 +109,13 @@ FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int 
   return mask_of_8(entered);
 }
 
-/// Bit j says whether the ray hits triangle j in (0, limit], be it the one to skip; distances[j] is where, as
-/// bits, or NO_KEY.
+/// Bit j of the result is set if the ray hits triangle j in (0, limit], even if it is the skipped one.
+/// distances[j] has the bits of the distance, or NO_KEY.
 FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, float limit,
                            PRIVATE int* distances) {
   const Shear s = r->shear;
   const float ox = r->ox, oy = r->oy, oz = r->oz;
-  GLOBAL const float* a = leaf->p[0][0];  // the rows of a vertex, one after the other
+  GLOBAL const float* a = leaf->p[0][0];  // the rows of a vertex are consecutive
   GLOBAL const float* b = leaf->p[1][0];
   GLOBAL const float* c = leaf->p[2][0];
   GLOBAL const float* ax = a + r->kx;
@@ -139,7 +140,7 @@ FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay
   return mask_of_8(inside);
 }
 
-/// The closest of `best` and those of `hits` that are not of the primitive to skip.
+/// The closest of `best` and the `hits`, without the skipped primitive.
 FN Hit closest_of(GLOBAL const TriangleLeaf* leaf, const PRIVATE int* distances, uint hits, int skip,
                   Hit best) {
   for (; hits != 0u; hits &= hits - 1u) {
@@ -154,7 +155,7 @@ FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE Bv
   return closest_of(leaf, distances, triangle_leaf_hits(leaf, r, best.t, distances), r->skip, best);
 }
 
-/// Distance in units of the direction's length; `any_length`: it may be another than 1.
+/// Distance in units of the direction's length. `any_length`: this may not be 1.
 FN float quadric_distance(const PRIVATE Scene* scene, int primitive, const PRIVATE BvhRay* r,
                           bool any_length) {
   const Quadric q = scene->quadrics[primitive - scene->header.tables.triangles.count];
@@ -190,15 +191,16 @@ FN Hit no_hit(float tmax) {
   return none;
 }
 
-/// Where a traversal is: in the scene, or in one of its instances.
+/// The state of a traversal: in the scene, or inside one of its instances.
 typedef struct {
   BvhRay ray;
   BvhRay outside;  ///< the ray in the scene
-  int instance;    ///< or -1
-  int bottom;      ///< of the part of the stack that is the instance's
+  int instance;    ///< the current instance, or -1
+  int bottom;      ///< bottom of the instance's part of the stack
 } Traversal;
 
-/// `instances`: whether the scene has some. Skipped is the primitive `skip` of `skip_instance`, or of none.
+/// `instances`: whether the scene has instances. Primitive `skip` of `skip_instance` (-1: not instanced) is
+/// not hit.
 FN Traversal start_traversal(vec3 o, vec3 d, int skip, int skip_instance, bool instances) {
   Traversal t;
   t.ray = make_bvh_ray(o, d, skip);
@@ -211,12 +213,12 @@ FN Traversal start_traversal(vec3 o, vec3 d, int skip, int skip_instance, bool i
   return t;
 }
 
-/// Of a leaf, its instance, or negative.
+/// The instance of a leaf, or a negative number.
 FN int instance_of_leaf(const PRIVATE Scene* scene, int leaf) {
   return leaf - scene->header.tables.triangle_leaves.count - scene->header.tables.quadric_leaves.count;
 }
 
-/// Into the instance; the node that is its root.
+/// Enters the instance. Returns the root node of its group.
 FN int enter_instance(const PRIVATE Scene* scene, PRIVATE Traversal* t, int instance, int skip_instance,
                       int top) {
   GLOBAL const Instance* at = scene->instances + instance;
@@ -227,7 +229,7 @@ FN int enter_instance(const PRIVATE Scene* scene, PRIVATE Traversal* t, int inst
   return scene->groups[at->group].root;
 }
 
-/// Out of the instance if all of it was visited.
+/// Leaves the instance if all of it was visited.
 FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
   if (t->instance < 0 || top > t->bottom) return;
   t->ray = t->outside;
@@ -235,8 +237,9 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
   t->instance = -1;
 }
 
-/// The closest hit in (0, tmax), but of primitive `skip` of `skip_instance`, which are -1 for none.
-/// `instances`: whether the scene has some; a constant, for code without where it has none.
+/// The closest hit in (0, tmax), except primitive `skip` of `skip_instance`; both are -1 for none.
+/// `instances`: whether the scene has instances; a constant, so that the code for them is left out where it
+/// is false.
 FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                         bool instances) {
   int stack[BVH_STACK], distances[BVH_STACK];
@@ -250,7 +253,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
       GLOBAL const BvhNode* node = scene->nodes + entry;
       uint hits = enter_children(node, &at.ray, end, entries);
       if (hits != 0u) {
-        // The nearest child next, the others on the stack by falling distance.
+        // The nearest child is visited next; the others go on the stack by decreasing distance.
         const int base = top;
         int first = LOWEST_BIT(hits);
         int nearest = entries[first];
@@ -293,9 +296,9 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
   }
 }
 
-/// Some hit in (0, tmax), likewise. A node's last child has the fewest primitives: it is
-/// visited first, since few large ones are what blocks most rays (distances would find the clutter around the
-/// ray's origin first).
+/// Any hit in (0, tmax); parameters as for intersect_levels. A node's last child has the fewest primitives
+/// and is visited first, since few large primitives occlude most rays. (In the order of distance, clutter
+/// around the ray's origin would come first.)
 FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                       bool instances) {
   int stack[BVH_STACK];
@@ -322,7 +325,7 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
   return no_hit(tmax);
 }
 
-/// In a scene without instances.
+/// For scenes without instances.
 FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
   return intersect_levels(scene, o, d, tmax, skip, -1, false);
 }

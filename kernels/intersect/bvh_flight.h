@@ -1,6 +1,6 @@
-// What a ray does between two others that are under way with it, in scenes without instances: one step into a
-// node or a leaf (block/block_flight.h calls them in turn). Steps have no branch that processors guess
-// wrongly but those that are rarely taken. The hits are those of bvh.h.
+// Interleaved traversal: one step of a ray into a node or a leaf, in scenes without instances.
+// block/block_flight.h interleaves the steps of several rays. Steps have only branches that are rarely taken,
+// which processors predict well. The hits are those of bvh.h.
 #ifndef PENUMBRA_BVH_FLIGHT_H
 #define PENUMBRA_BVH_FLIGHT_H
 #include "kernels/intersect/bvh.h"
@@ -8,19 +8,19 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #ifdef RAYS_IN_FLIGHT
-  // pack_8 writes a whole register at the top of a stack, whose lowest entry stands for the end.
+  // pack_8 writes a whole register at the top of the stack. The lowest entry marks the end.
   #define FLIGHT_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + 2 * BVH_WIDTH + 2)
 
 typedef struct {
   BvhRay ray;
-  float t;        ///< where it ends, so far
-  int primitive;  ///< there, or -1
-  int end;        ///< key_of_end
-  int path;       ///< that it is the ray of
-  int entry;      ///< that it visits next
-  int top;        ///< where that was on the stack; 0: the ray has ended
+  float t;        ///< distance of the closest hit so far
+  int primitive;  ///< the primitive of that hit, or -1
+  int end;        ///< key_of_end of `t`
+  int path;       ///< the path of the ray
+  int entry;      ///< node or leaf to visit next
+  int top;        ///< its position on the stack; 0: the traversal has ended
   int stack[FLIGHT_STACK];
-  int keys[FLIGHT_STACK];  ///< of the entries, unless any hit is wanted
+  int keys[FLIGHT_STACK];  ///< keys of the entries; unused if any hit is wanted
 } RayInFlight;
 
 FN void start_flight(PRIVATE RayInFlight* f, vec3 o, vec3 d, float tmax, int skip, int path) {
@@ -35,7 +35,7 @@ FN void start_flight(PRIVATE RayInFlight* f, vec3 o, vec3 d, float tmax, int ski
   f->top = 1;
 }
 
-/// The next entry is the uppermost that is not behind the end.
+/// The next entry is the topmost one that is not beyond the end.
 FN void pop_entry(PRIVATE RayInFlight* f, int top, bool any) {
   top--;
   while (!any && f->keys[top] > f->end) top--;
@@ -43,7 +43,7 @@ FN void pop_entry(PRIVATE RayInFlight* f, int top, bool any) {
   f->entry = f->stack[top];
 }
 
-/// The nearest child comes next, the others in the order of their numbers; for any hit, the last child.
+/// The nearest child is next, the others follow by number. For any hit, the last child is next.
 FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
   GLOBAL const BvhNode* node = scene->nodes + f->entry;
   REGISTER_ARRAY int keys[BVH_WIDTH];
@@ -65,7 +65,8 @@ FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool 
   pop_entry(f, top, any);
 }
 
-/// As closest_of, without a loop but where the nearest is the primitive to skip or one of several.
+/// Like closest_of. It only loops if the nearest triangle is the skipped one, or one of several at that
+/// distance.
 FN void find_closest(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
   REGISTER_ARRAY int distances[BVH_WIDTH];
   REGISTER_ARRAY int same[BVH_WIDTH];
@@ -90,7 +91,7 @@ FN void find_closest(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
   f->primitive = closer ? primitive : best;
 }
 
-/// Some hit, likewise. Not at the very end of the ray, which is where none is.
+/// Likewise for any hit. A hit exactly at the end of the ray does not count.
 FN void find_any_hit(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
   REGISTER_ARRAY int distances[BVH_WIDTH];
   REGISTER_ARRAY int before[BVH_WIDTH];

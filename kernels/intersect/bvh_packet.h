@@ -1,6 +1,6 @@
-// LANES rays through the hierarchy together, lanes over rays: what any of them enters is visited once for
-// all, in scenes without instances. For rays that go nearly the same way, as a camera's do. Boxes only say
-// what is tested, so the hits are those of bvh.h.
+// Packet traversal: LANES rays, one per lane, visit together what any of them enters, in scenes without
+// instances. It is for coherent rays, as from a camera. Boxes only decide what is tested, so the hits are
+// those of bvh.h.
 #ifndef PENUMBRA_BVH_PACKET_H
 #define PENUMBRA_BVH_PACKET_H
 #include "kernels/intersect/bvh.h"
@@ -13,15 +13,15 @@ typedef struct {
   float ix[LANES], iy[LANES], iz[LANES];  ///< see BvhRay
   float fx[LANES], fy[LANES], fz[LANES];
   float sx[LANES], sy[LANES], sz[LANES];  ///< shears
-  float px[LANES], py[LANES], pz[LANES];  ///< origins in the order of the sheared space's axes
-  float t[LANES];                         ///< where each ray ends, so far; at most 0: it is none
-  float end[LANES];                       ///< beyond which its boxes are not visited, see END_MARGIN
+  float px[LANES], py[LANES], pz[LANES];  ///< origins, in the order of the sheared space's axes
+  float t[LANES];                         ///< end of each ray so far; at most 0: there is no ray
+  float end[LANES];                       ///< limit beyond which its boxes are not visited, see END_MARGIN
   int hit[LANES];                         ///< primitive, or -1
   int skip[LANES];
 } RayPacket;
 
-/// Begins with rays whose directions have no zeros. Returns whether all meet boxes by the same sides and are
-/// sheared along the same axis; of one that is none nothing is asked. `lead` is one of them.
+/// Prepares a packet for rays whose directions have no zero components. Returns whether all rays meet boxes
+/// by the same sides and have the same shear axis as `lead`, one of them. Lanes without a ray are ignored.
 STAGE bool prepare_packet(PRIVATE RayPacket* RESTRICT p, const PRIVATE BvhRay* RESTRICT lead,
                           const PRIVATE float* RESTRICT dx, const PRIVATE float* RESTRICT dy,
                           const PRIVATE float* RESTRICT dz) {
@@ -54,8 +54,8 @@ STAGE bool prepare_packet(PRIVATE RayPacket* RESTRICT p, const PRIVATE BvhRay* R
   return apart == 0;
 }
 
-/// The key of where the first of the rays enters the box between the corners `low` and `high`, which are
-/// those that they meet first and last; NO_KEY if none does.
+/// The smallest entry key of the rays into the box, or NO_KEY if none enters it. `low` and `high` are the
+/// corners that the rays meet first and last.
 FN int packet_key(const PRIVATE RayPacket* p, vec3 low, vec3 high) {
   int least = NO_KEY;
   LANE_LOOP
@@ -70,7 +70,7 @@ FN int packet_key(const PRIVATE RayPacket* p, vec3 low, vec3 high) {
   return least;
 }
 
-/// The rays against triangle `k` of the leaf.
+/// Intersects the rays with triangle `k` of the leaf.
 FN void intersect_packet_triangle(GLOBAL const TriangleLeaf* leaf, int k, const PRIVATE BvhRay* lead,
                                   PRIVATE RayPacket* p) {
   GLOBAL const float* a = leaf->p[0][0] + k;
@@ -100,7 +100,7 @@ FN void intersect_packet_triangle(GLOBAL const TriangleLeaf* leaf, int k, const 
     }
 }
 
-/// The key of the farthest end.
+/// The largest end key of the rays.
 FN int packet_end(const PRIVATE RayPacket* p) {
   int farthest = 0;
   LANE_LOOP
@@ -132,7 +132,7 @@ STAGE void intersect_packet_leaf(const PRIVATE Scene* scene, int number, const P
   for (int k = 0; k < BVH_WIDTH && leaf->primitive[k] >= 0; k++) intersect_packet_triangle(leaf, k, lead, p);
 }
 
-/// Finds where the packet's rays end.
+/// Finds the closest hits of the packet's rays.
 STAGE void intersect_packet(const PRIVATE Scene* scene, PRIVATE RayPacket* p, const PRIVATE BvhRay* lead,
                             const PRIVATE float* dx, const PRIVATE float* dy, const PRIVATE float* dz) {
   int stack[BVH_STACK], keys[BVH_STACK];

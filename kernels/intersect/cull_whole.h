@@ -1,6 +1,7 @@
-// Which triangles of a small scene a bundle of rays can meet: LANES rays that go nearly the same way, as a
-// camera's do, and those from what it sees to a light. What is left out has a margin far above the roundings
-// by which a ray may seem to meet a triangle beside it, so the hits are those of a test of every triangle.
+// Culls the triangles of a small scene that a bundle of rays cannot meet. A bundle is LANES coherent rays:
+// camera rays, or shadow rays from their hits to one light. Culling has a margin far above the rounding
+// errors by which a ray may hit a triangle beside it, so the hits are the same as if every triangle were
+// tested.
 #ifndef PENUMBRA_CULL_WHOLE_H
 #define PENUMBRA_CULL_WHOLE_H
 #include "kernels/intersect/bvh_limits.h"
@@ -9,8 +10,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// LANES rays, in arrays that stay in the first-level cache. On return `tmax` is where each ray ends and
-/// `hit` the primitive there, or -1.
+/// LANES rays, in arrays that stay in the L1 cache. On return `tmax` is the distance of the hit and `hit` its
+/// primitive, or -1.
 typedef struct {
   float ox[LANES], oy[LANES], oz[LANES], dx[LANES], dy[LANES], dz[LANES];
   float tmax[LANES];  ///< at most 0: there is no ray
@@ -19,13 +20,13 @@ typedef struct {
 } RayLanes;
 
 #if LANES > 1
-  // The least cosine between rays of a bundle and its axis: others are wide, and meet most of a scene.
+  // The smallest cosine between a bundle's rays and its axis: wider bundles meet most of a scene.
   #define BUNDLE_COSINE 0.9f
-  // Of coordinates: 512 times what the test of a triangle rounds them by.
+  // Relative margin of coordinates: 512 times the rounding error of the triangle test.
   #define BUNDLE_MARGIN 6.1035156e-5f
 
-/// In the frame (s, t, d) about o all rays are at z in [-back, front], and there |x| is at most
-/// wide_x + slope_x z, |y| at most wide_y + slope_y z.
+/// In the frame (s, t, d) about o all rays are at z in [-back, front], with |x| <= wide_x + slope_x z and |y|
+/// <= wide_y + slope_y z.
 typedef struct {
   vec3 o, s, t, d;
   float wide_x, wide_y, slope_x, slope_y, back, front;
@@ -42,20 +43,20 @@ FN vec3 lane_direction(const PRIVATE RayLanes* rays, int j) {
   return make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]);
 }
 
-/// The greater: of floats that are not negative the bits are in their order. NaN is greater than all.
+/// The larger of two non-negative floats, by their bits, which are in the same order. NaN is larger than all.
 FN int max_bits(int bits, float x) {
   const int other = (int)FLOAT_BITS(x);
   return other > bits ? other : bits;
 }
 
-/// A look at two rays, which tells most that are no bundle.
+/// A quick test of two rays, which rejects most that are no bundle.
 FN bool may_be_bundle(const PRIVATE RayLanes* rays) {
   const vec3 d = lane_direction(rays, 0);
   return (dot3(d, lane_direction(rays, LANES / 2)) > BUNDLE_COSINE) &
          (dot3(d, lane_direction(rays, LANES - 1)) > BUNDLE_COSINE);
 }
 
-/// Whether the rays are a bundle.
+/// Whether the rays are a bundle; if so, sets `bundle`.
 STAGE bool make_bundle(const PRIVATE RayLanes* RESTRICT rays, PRIVATE RayBundle* RESTRICT bundle) {
   int lead = 0, apart = 0, slope_x = 0, slope_y = 0, wide_x = 0, wide_y = 0, back = 0, front = 0;
   while (lead < LANES - 1 && !(rays->tmax[lead] > 0.0f)) lead++;
@@ -93,7 +94,8 @@ STAGE bool make_bundle(const PRIVATE RayLanes* RESTRICT rays, PRIVATE RayBundle*
   return true;
 }
 
-/// For each of LANES vertices from `first` on, bits for the planes about the bundle beyond which it is.
+/// For each of LANES vertices from `first` on: a bit for each plane around the bundle beyond which the vertex
+/// lies.
 STAGE void find_sides(const PRIVATE Scene* scene, const PRIVATE RayBundle* RESTRICT bundle, int first,
                       PRIVATE int* RESTRICT sides) {
   const RayBundle b = *bundle;
@@ -114,8 +116,8 @@ STAGE void find_sides(const PRIVATE Scene* scene, const PRIVATE RayBundle* RESTR
     }
 }
 
-/// Lists the triangles that the rays may meet; how many they are. Negative: test all, as the rays are no
-/// bundle, or meet too much.
+/// Lists the triangles that the rays may meet, and returns their number. Negative: test all, because the rays
+/// are no bundle or may meet more than half.
 STAGE int cull_in_bundle(const PRIVATE Scene* scene, const PRIVATE RayLanes* rays, PRIVATE int* listed) {
   RayBundle bundle;
   int sides[MAX_WHOLE_VERTICES];

@@ -1,5 +1,5 @@
-// Groups of shapes that scenes have in several places, stored once. Rays go into a group's own space, and
-// what they find comes back.
+// Instances: groups of shapes that are stored once and placed several times. Rays are transformed to a
+// group's own space, and hits are transformed back.
 #ifndef PENUMBRA_INSTANCE_H
 #define PENUMBRA_INSTANCE_H
 #include "kernels/math/math.h"
@@ -21,21 +21,21 @@ FN vec3 from_group_point(GLOBAL const Instance* at, vec3 p) {
   return add(from_group_vector(at, p), load3(&at->at));
 }
 
-/// Of any length that floats hold.
+/// Normalises vectors of any length that floats can hold.
 FN vec3 normalize_any(vec3 v) {
   const vec3 w = scale(v, 1.0f / max_f(max_component(abs3(v)), 1e-37f));
   const float length2 = dot3(w, w);
   return scale(w, 1.0f / SQRT(length2 > 0.0f ? length2 : 1.0f));
 }
 
-/// A unit normal in the scene, on the side where the group's is.
+/// The group's normal as a unit normal in the scene, on the same side.
 FN vec3 from_group_normal(GLOBAL const Instance* at, vec3 n) {
   return normalize_any(
       add(add(scale(load3(&at->row_x), n.x), scale(load3(&at->row_y), n.y)), scale(load3(&at->row_z), n.z)));
 }
 
-/// A ray in the space of a group. Its direction is not of unit length, so that distances along it are those
-/// in the scene.
+/// A ray in the space of a group. Its direction is not normalised, so that distances along it are those in
+/// the scene.
 typedef struct {
   vec3 o, d;
 } GroupRay;
@@ -47,7 +47,7 @@ FN GroupRay group_ray(GLOBAL const Instance* at, vec3 o, vec3 d) {
   return r;
 }
 
-/// The unit direction, and the length that it had.
+/// A direction, normalised, and its length before.
 typedef struct {
   vec3 d;
   float length;
@@ -63,9 +63,10 @@ FN UnitDirection unit_direction(vec3 d) {
   return u;
 }
 
-/// Bounds by coordinate what a position was computed from that is that of a group's point, whose own bounds
-/// are `extent`. What the transform adds: at most 5 roundings of either way's products, where a position has
-/// 7 (see POSITION_ERROR). A ray that starts there goes the other way first.
+/// An error bound for a position in the scene that is transformed from a group's point, by coordinate: the
+/// sum of the absolute values that it was computed from, where `extent` is that of the group's point. The
+/// transforms add at most 5 roundings in each direction, where a position has 7 (see POSITION_ERROR). A ray
+/// that starts there goes through the inverse transform first.
 FN vec3 from_group_extent(GLOBAL const Instance* at, vec3 extent, vec3 p) {
   const vec3 q = abs3(sub(p, load3(&at->at)));
   const vec3 back = make_vec3(dot3(abs3(load3(&at->row_x)), q), dot3(abs3(load3(&at->row_y)), q),

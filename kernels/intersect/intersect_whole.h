@@ -1,5 +1,5 @@
-// Intersection without a hierarchy: every ray against every primitive, LANES rays at a time. For small scenes
-// this vectorises best: each distinct vertex is sheared once for all triangles that share it.
+// Intersection without BVH: every ray is tested against every primitive, LANES rays at a time. For small
+// scenes this vectorises best. Each distinct vertex is sheared once for all triangles that share it.
 #ifndef PENUMBRA_INTERSECT_WHOLE_H
 #define PENUMBRA_INTERSECT_WHOLE_H
 #include "kernels/intersect/cull_whole.h"
@@ -8,8 +8,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// A triangle of the scene against the ray of lane j. It waits for those before it with no more than a
-/// minimum.
+/// Tests triangle k against the ray of lane j. Only a minimum depends on the triangles before it.
 FN void meet_triangle(PRIVATE RayLanes* rays, int j, int k, bool skipped, vec3 a, vec3 b, vec3 c) {
   const TriangleHit h = intersect_sheared(a, b, c);
   const float t = (h.inside & (h.t > 0.0f) & !skipped) ? h.t : INFINITE;
@@ -22,10 +21,11 @@ FN vec3 shear_vertex(const PRIVATE Shears* shears, const PRIVATE RayLanes* rays,
                      make_vec3(p.x - rays->ox[j], p.y - rays->oy[j], p.z - rays->oz[j]));
 }
 
-/// Every triangle, with each vertex sheared once.
+/// Tests every triangle; each vertex is sheared once.
 FN void meet_all(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVATE RayLanes* rays) {
   float vx[MAX_WHOLE_VERTICES * LANES], vy[MAX_WHOLE_VERTICES * LANES], vz[MAX_WHOLE_VERTICES * LANES];
-  int before_skip[LANES];  // triangles; counted down, since the loop's counter would be compared in 64 bits
+  int before_skip[LANES];  // triangles before `skip`; a countdown, since comparing the loop counter would use
+                           // 64 bits
   LANE_LOOP
     for (int j = 0; j < LANES; j++) before_skip[j] = rays->skip[j];
   const int vertex_count = scene->header.tables.vertices.count;
@@ -53,7 +53,7 @@ FN void meet_all(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVA
   }
 }
 
-/// Some of the triangles.
+/// Tests the listed triangles.
 FN void meet_listed(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVATE RayLanes* rays,
                     const PRIVATE int* listed, int count) {
   for (int n = 0; n < count; n++) {

@@ -7,8 +7,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// Distance along the unit direction `d` to the nearest point of the sphere in front of `o`, or a negative
-/// number. The discriminant is that of the ray's closest point to the centre, which keeps distant and large
-/// spheres round (Haines, Guenther and Akenine-Moeller, Ray Tracing Gems 2019, ch. 7).
+/// number. The discriminant uses the ray's closest point to the centre, which is accurate for distant and
+/// large spheres (Haines, Guenther and Akenine-Moeller, Ray Tracing Gems 2019, ch. 7).
 FN float intersect_sphere(vec3 o, vec3 d, vec3 center, float radius) {
   vec3 f = sub(o, center);
   float b = -dot3(f, d);
@@ -32,9 +32,9 @@ FN float intersect_disk(vec3 o, vec3 d, vec3 center, vec3 normal, float radius) 
   return dot3(offset, offset) <= sqr(radius) ? t : -1.0f;
 }
 
-/// Distance along the unit direction `d` to the nearest point in front of `o` of the cylinder, without caps,
-/// about the line from `center` along the unit `axis`, as far as `length`; or a negative number. As for
-/// spheres the discriminant is that of the ray's closest point to the axis.
+/// Distance along the unit direction `d` to the nearest point in front of `o` of a cylinder without caps, or
+/// a negative number. The cylinder's axis starts at `center` and extends by `length` along the unit `axis`.
+/// As for spheres, the discriminant uses the ray's closest point to the axis.
 FN float intersect_cylinder(vec3 o, vec3 d, vec3 center, vec3 axis, float radius, float length) {
   const vec3 f = sub(o, center);
   const float height = dot3(f, axis), climb = dot3(d, axis);
@@ -55,7 +55,7 @@ FN float intersect_cylinder(vec3 o, vec3 d, vec3 center, vec3 axis, float radius
   return near_is_there ? near : (far_is_there ? far : -1.0f);
 }
 
-/// Not of cylinders.
+/// Quadrics that are no cylinders.
 FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
   float sphere = intersect_sphere(o, d, q.center, q.radius);
   float disk = intersect_disk(o, d, q.center, q.normal, q.radius);

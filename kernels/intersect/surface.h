@@ -1,5 +1,5 @@
-// Where a ray meets a primitive. The intersector answers which primitive; this recomputes where from the
-// primitive itself, so that all intersectors agree and positions stay exact far along a ray.
+// The surface where a ray meets a primitive. The intersector only says which primitive it is. The position is
+// recomputed from the primitive, so that all intersectors agree and positions are accurate far along a ray.
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
 #include "kernels/intersect/instance.h"
@@ -9,17 +9,17 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Rounding of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled: it also covers the rounding
+// Rounding error of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled to cover the rounding
 // of the offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
 #define POSITION_ERROR (16.0f * HALF_EPSILON)
 
-/// Record 0 stands in where the primitive is no triangle.
+/// The index of a triangle; record 0 is a placeholder for primitives that are no triangle.
 FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
   const bool is_triangle = (primitive >= 0) & (primitive < scene->header.tables.triangles.count);
   return is_triangle ? primitive : 0;
 }
 
-/// The materials of a primitive's sides; of one that is not there, of some.
+/// The materials of a primitive's sides. For no primitive (-1) they are arbitrary.
 typedef struct {
   int front, back;
 } SideMaterials;
@@ -40,7 +40,7 @@ FN SideMaterials side_materials(const PRIVATE Scene* scene, int primitive) {
   return sides;
 }
 
-/// Where the ray from `o` along `d` meets the plane of the triangle.
+/// Where the ray from `o` along `d` meets the triangle's plane.
 FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Triangle* triangle = scene->triangles + index;
   const vec3 p0 = load3(&triangle->p0), p1 = load3(&triangle->p1), p2 = load3(&triangle->p2);
@@ -63,7 +63,7 @@ FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, 
   return r;
 }
 
-/// The interpolated normal of the triangle at the point, where it has one.
+/// The triangle's interpolated normal at the point; without vertex normals, the flat normal.
 FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoint r) {
   const int at = scene->triangles[index].normals;
   GLOBAL const VertexNormals* n = scene->normals + (at >= 0 ? at : 0);
@@ -73,7 +73,7 @@ FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoin
   return select3((at >= 0) & (length2 > 1e-12f), blend, r.normal);
 }
 
-/// Whether a primitive's index, less the number of triangles, is that of a quadric.
+/// Whether a primitive is a quadric; `quadric` is its index minus the number of triangles.
 FN bool is_quadric(const PRIVATE Scene* scene, int quadric) { return quadric >= 0; }
 
 FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
@@ -81,7 +81,7 @@ FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
   return (quadric >= 0) & (kind == QUADRIC_CYLINDER);
 }
 
-/// Where the ray from `o` along `d` meets the cylinder of that index.
+/// Where the ray from `o` along `d` meets the cylinder `index`.
 FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const vec3 center = load3(&q->center), axis = load3(&q->normal);
@@ -93,7 +93,7 @@ FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, 
   const float height = dot3(from, axis);
   const vec3 across = add_scaled(from, -height, axis);
   const vec3 outward = scale(across, 1.0f / SQRT(max_f(dot3(across, across), 1e-37f)));
-  // Back onto the surface, away from the axis.
+  // Moves the point radially onto the surface.
   r.p = add_scaled(add_scaled(center, height, axis), radius, outward);
   r.extent = add(abs3(center), make_vec3(radius + length, radius + length, radius + length));
   r.normal = r.shading = scale(outward, q->orientation);
@@ -103,7 +103,7 @@ FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, 
   return r;
 }
 
-/// Where the ray from `o` along `d` meets the sphere or disk of that index.
+/// Where the ray from `o` along `d` meets the sphere or disk `index`.
 FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const bool sphere = q->kind == QUADRIC_SPHERE;
@@ -116,7 +116,7 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
   r.distance = sphere ? t_sphere : t_disk;
   const vec3 at = add_scaled(o, r.distance, d);
   const vec3 outward = normalize3(sub(at, center));
-  // Back onto the surface: radially for a sphere, along the normal for a disk.
+  // Moves the point onto the surface: radially for a sphere, along the normal for a disk.
   const vec3 on_sphere = add_scaled(center, radius, outward);
   const vec3 on_disk = add_scaled(at, -dot3(sub(at, center), disk_normal), disk_normal);
   r.p = select3(sphere, on_sphere, on_disk);
@@ -128,7 +128,7 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
   return r;
 }
 
-/// Where the ray from `o` along `d` meets the primitive of the instance, in the scene.
+/// Where the ray from `o` along `d` meets the instance's primitive; the result is in scene space.
 FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   GLOBAL const Instance* at = scene->instances + instance;
   const GroupRay ray = group_ray(at, o, d);
@@ -153,7 +153,7 @@ FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int 
   return r;
 }
 
-/// The surface of a ray that met the primitive, or nothing (-1), at that point, without texture coordinates.
+/// The surface of a ray that met `primitive` at the point `r`, without texture coordinates; -1: no hit.
 FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   Surface s;
   s.primitive = primitive;
@@ -166,8 +166,8 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   const float side = s.front ? 1.0f : -1.0f;
   s.geometric = scale(r.normal, side);
   s.shading = scale(r.shading, side);
-  // The geometric normal alone says which side is seen: it is what rays meet. An interpolated one shapes the
-  // light of that side as long as it faces the viewer, which at the rim of a mesh it need not.
+  // The geometric normal alone decides which side is seen, since rays meet the geometry. The shading normal
+  // is used if it faces the viewer, which it may not near the silhouette of a mesh.
   const bool faces = (dot3(s.shading, s.wo) > 0.0f) & (dot3(s.shading, s.geometric) > 0.0f);
   s.shading = select3(faces, s.shading, s.geometric);
   s.material = primitive >= 0 ? (s.front ? r.front : r.back) : 0;
@@ -175,7 +175,7 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   return without_uv(s);
 }
 
-/// The same as surface_at of a primitive of an instance.
+/// Like surface_at, for a primitive of an instance.
 FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   const PrimitivePoint r = instance_point(scene, primitive, instance, o, d);
   Surface s = seen_surface(primitive, o, d, r);
@@ -184,8 +184,8 @@ FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int in
   return s;
 }
 
-/// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages
-/// that have LANES of them use surfaces_at.
+/// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: no hit. Stages
+/// for LANES paths use find_hit_surfaces.
 FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, o, d);
@@ -199,15 +199,15 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   return s;
 }
 
-/// Whether the direction is on the one side of the surface and, by the interpolated normal, on the other.
-/// Nothing gets through there: every strategy takes light from there to be in the surface's own shadow, so
-/// that they agree, and none leaks into closed rooms or through sheets.
+/// Whether the direction is on one side of the surface by the geometric normal and on the other by the
+/// shading normal. No light passes there: every strategy treats the direction as shadowed by the surface
+/// itself. So the strategies agree, and no light leaks into closed rooms or through sheets.
 FN bool is_beneath(Surface s, vec3 wi) {
   return (dot3(s.geometric, wi) > 0.0f) != (dot3(s.shading, wi) > 0.0f);
 }
 
-/// An origin for a ray that leaves the surface along `direction`, on the right side of it whatever the
-/// rounding.
+/// An origin for a ray that leaves the surface along `direction`: offset by `error`, so that it is on the
+/// correct side despite rounding.
 FN vec3 leave_surface(vec3 p, vec3 normal, float error, vec3 direction) {
   return add_scaled(p, dot3(direction, normal) < 0.0f ? -error : error, normal);
 }

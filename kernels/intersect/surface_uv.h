@@ -1,4 +1,4 @@
-// Texture coordinates and tangents, as Mitsuba 3 has them.
+// Texture coordinates and tangents, with Mitsuba 3's conventions.
 #ifndef PENUMBRA_SURFACE_UV_H
 #define PENUMBRA_SURFACE_UV_H
 #include "kernels/intersect/instance.h"
@@ -12,7 +12,7 @@ typedef struct {
   float b0, b1, b2;
 } Barycentric;
 
-/// Of a point in the plane of three others.
+/// Barycentric coordinates of a point in the plane of p0, p1, p2.
 FN Barycentric barycentric_among(vec3 p0, vec3 p1, vec3 p2, vec3 p) {
   const vec3 e1 = sub(p1, p0), e2 = sub(p2, p0), d = sub(p, p0);
   const vec3 n = cross3(e1, e2);
@@ -23,7 +23,7 @@ FN Barycentric barycentric_among(vec3 p0, vec3 p1, vec3 p2, vec3 p) {
   b.b0 = (1.0f - b.b1) - b.b2;
   return b;
 }
-/// Of a point in the triangle's plane.
+/// The same in the triangle's plane.
 FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
   return barycentric_among(load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2), p);
 }
@@ -32,7 +32,7 @@ typedef struct {
   float u, v;
 } TexturePoint;
 
-/// Of a triangle's vertices; record 0 where the scene has none.
+/// Texture coordinates of a triangle's vertices; record 0 if the scene has none.
 FN GLOBAL const VertexUvs* uvs_of(const PRIVATE Scene* scene, int triangle) {
   return scene->vertex_uvs + (triangle < scene->header.tables.vertex_uvs.count ? triangle : 0);
 }
@@ -44,7 +44,7 @@ FN TexturePoint triangle_uv(GLOBAL const VertexUvs* at, float b0, float b1, floa
   return t;
 }
 
-/// Along dp/du of a triangle, or nothing.
+/// The direction of dp/du of a triangle, or 0.
 FN vec3 triangle_du(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle) {
   const vec3 p0 = load3(&triangle->p0);
   const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
@@ -54,23 +54,23 @@ FN vec3 triangle_du(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle)
   return select3(determinant != 0.0f, along, make_vec3(0.0f, 0.0f, 0.0f));
 }
 
-/// dp/du of a triangle about its unit normal.
+/// Unit tangent along dp/du of a triangle, perpendicular to its unit normal.
 FN vec3 triangle_tangent(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle, vec3 normal) {
   return tangent_axis(normal, triangle_du(at, triangle));
 }
 
-/// Of the angle of (x, y), in [0, 1).
+/// The angle of (x, y) in turns, in [0, 1).
 FN float turns_of(float x, float y) {
   const float turns = atan2_f(y, x) * (0.5f * INV_PI_F);
   return min_f(turns < 0.0f ? turns + 1.0f : turns, ONE_MINUS_EPSILON);
 }
 
-/// A direction, or an offset from the centre, in the frame of a sphere or a disk.
+/// A vector in the frame of a quadric.
 FN vec3 to_quadric_frame(GLOBAL const Quadric* q, vec3 v) {
   return make_vec3(dot3(v, load3(&q->x_axis)), dot3(v, load3(&q->y_axis)), dot3(v, load3(&q->normal)));
 }
 
-/// Of the point of a sphere in that unit direction of its frame: longitude, and angle from its z axis.
+/// The point of a sphere in the unit direction `outward` of its frame: longitude, and angle to the z axis.
 FN TexturePoint sphere_uv(vec3 outward) {
   TexturePoint t;
   t.u = turns_of(outward.x, outward.y);
@@ -78,7 +78,7 @@ FN TexturePoint sphere_uv(vec3 outward) {
   return t;
 }
 
-/// Of a disk's point, as seen from its centre in its frame: distance over the radius, and angle.
+/// A point of a disk, relative to its centre in its frame: distance over radius, and angle.
 FN TexturePoint disk_uv(vec3 from_center, float radius) {
   TexturePoint t;
   t.u = min_f(SQRT(sqr(from_center.x) + sqr(from_center.y)) / radius, 1.0f);
@@ -86,7 +86,7 @@ FN TexturePoint disk_uv(vec3 from_center, float radius) {
   return t;
 }
 
-/// Of a cylinder's point, as seen from its first end in its frame: angle, and height over the length.
+/// A point of a cylinder, relative to its first end in its frame: angle, and height over length.
 FN TexturePoint cylinder_uv(vec3 from_center, float length) {
   TexturePoint t;
   t.u = turns_of(from_center.x, from_center.y);
@@ -94,7 +94,7 @@ FN TexturePoint cylinder_uv(vec3 from_center, float length) {
   return t;
 }
 
-/// The frame of a light that is a sphere or a disk: its primitive's.
+/// The quadric of a light that is a sphere, disk or cylinder.
 FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light) {
   GLOBAL const LightTriangles* parts =
       scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
@@ -102,7 +102,7 @@ FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light)
   return scene->quadrics + (quadric >= 0 ? quadric : 0);
 }
 
-/// The surface with what only scenes with FEATURE_UV know of it.
+/// Adds texture coordinates and tangent to the surface.
 FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitivePoint r, Surface s) {
   GLOBAL const VertexUvs* at = uvs_of(scene, triangle);
   const TexturePoint t = triangle_uv(at, r.b0, r.b1, r.b2);
@@ -134,7 +134,7 @@ FN QuadricUv quadric_uv(GLOBAL const Quadric* q, vec3 p) {
     r.at.u = kind == QUADRIC_CYLINDER ? on_cylinder.u : r.at.u;
     r.at.v = kind == QUADRIC_CYLINDER ? on_cylinder.v : r.at.v;
   }
-  // Away from the centre on a disk, to the east on the others.
+  // u grows away from the centre on a disk, with longitude on the others.
   const float x = disk ? from_center.x : -from_center.y, y = disk ? from_center.y : from_center.x;
   r.du = add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis));
   return r;
@@ -150,7 +150,7 @@ FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint
   return s;
 }
 
-/// Of a primitive of an instance. `r` is in the scene.
+/// For a primitive of an instance; `r` is in scene space.
 FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int instance, PrimitivePoint r,
                             Surface s) {
   GLOBAL const Instance* at = scene->instances + instance;

@@ -7,10 +7,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The affine map that takes a ray to the positive z axis (Woop, Benthin and Wald 2013): permute so that the
-/// largest direction component is z, shear x and y, scale z. A vertex maps to the same point for every
-/// triangle that shares it, and the sign of an edge function of two rounded products is never wrong, only
-/// sometimes 0; with 0 counted as inside no ray slips between neighbours.
+/// The affine map that takes a ray to the positive z axis (Woop, Benthin and Wald 2013): permute the axes so
+/// that the direction's largest component is z, shear x and y, scale z. A vertex maps to the same point for
+/// every triangle that shares it. An edge function is the difference of two rounded products: its sign is
+/// never wrong, it may only become 0. Since 0 counts as inside, no ray slips between neighbours.
 #define SHEAR_FIELDS(F, a)                                         \
   F(a, int, axis) /* 0, 1, 2: the direction's largest component */ \
   F(a, float, x)                                                   \
@@ -18,7 +18,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, z)
 LANE_RECORD(Shear, Shears, shear, SHEAR_FIELDS)
 
-/// 0, 1 or 2; of equal ones the last.
+/// 0, 1 or 2; the last one if components are equal.
 FN int largest_axis(vec3 d) {
   const float ax = FABS(d.x), ay = FABS(d.y), az = FABS(d.z);
   const int first = (ax > ay) & (ax > az), second = (ay > az) & !first;
@@ -39,12 +39,12 @@ FN Shear make_shear(vec3 d) {
   return s;
 }
 
-/// Shears a point whose axes are permuted already.
+/// Shears a point whose axes are already permuted.
 FN vec3 shear_permuted(Shear s, float x, float y, float z) {
   return make_vec3(x - s.x * z, y - s.y * z, s.z * z);
 }
 
-/// `r`: a point relative to the ray's origin.
+/// Permutes and shears `r`, a point relative to the ray's origin.
 FN vec3 shear_point(Shear s, vec3 r) {
   bool first = s.axis == 0, second = s.axis == 1;
   float x = first ? r.y : (second ? r.z : r.x);
@@ -53,9 +53,9 @@ FN vec3 shear_point(Shear s, vec3 r) {
   return shear_permuted(s, x, y, z);
 }
 
-/// `t` is where the ray meets the plane; `inside` whether within the triangle, seen from either side. With
-/// `inside`, u / det, v / det and w / det are the barycentric coordinates of a, b and c. A triangle seen
-/// edge-on has det 0 and a `t` that is not finite, so that no comparison accepts it.
+/// `t` is the distance to the triangle's plane. `inside`: the ray meets the triangle, from either side. If
+/// so, u / det, v / det and w / det are the barycentric coordinates of a, b and c. A triangle seen edge-on
+/// has det 0 and a `t` that is not finite, so that no comparison accepts it.
 typedef struct {
   float u, v, w, det, t;
   bool inside;

@@ -1,19 +1,20 @@
-// What spot lights and projectors share: directions in the light's own frame, in which z is the middle of the
-// beam, and the samples of a light at a point whose radiant intensity depends on them.
+// What spot lights and projectors share: the light's own frame, whose z axis is the centre of the beam, and
+// samples of a point light whose radiant intensity depends on the direction.
 #ifndef PENUMBRA_BEAM_H
 #define PENUMBRA_BEAM_H
 #include "kernels/light/kind_functions.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Of a spot light or a projector; of another light some beam.
+/// The beam of a spot light or projector; of other lights an arbitrary one.
 FN GLOBAL const Beam* beam_of(const PRIVATE Scene* scene, GLOBAL const Light* light) {
   const int index = light->beam;
   const bool has_beam = (index >= 0) & (index < scene->header.tables.beams.count);
   return scene->beams + (has_beam ? index : 0);
 }
 
-/// The light's point as seen by the receiver, and its texture coordinates for that direction.
+/// The light's position as seen in direction wi from the receiver, with its texture coordinates for that
+/// direction.
 FN LightPoint beam_point(GLOBAL const Light* light, GLOBAL const Beam* beam, vec3 wi) {
   LightPoint at = light_point(load3(&light->p0), negate(wi));
   const float z = -dot3(load3(&beam->z), wi), inverse = 1.0f / (z > 0.0f ? z : 1.0f);
@@ -22,7 +23,7 @@ FN LightPoint beam_point(GLOBAL const Light* light, GLOBAL const Beam* beam, vec
   return at;
 }
 
-// sample_<name>_light of a light with a beam.
+// Defines sample_<name>_light for a light with a beam.
 #define SAMPLE_LIGHT_BY_BEAM(name)                                                                      \
   FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
                                        float v, LightSampling sampling, ulong strategies) {             \

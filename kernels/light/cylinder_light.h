@@ -1,4 +1,4 @@
-// Cylinder lights, by area.
+// Cylinder lights, sampled by area.
 #ifndef PENUMBRA_CYLINDER_LIGHT_H
 #define PENUMBRA_CYLINDER_LIGHT_H
 #include "kernels/intersect/surface_uv.h"

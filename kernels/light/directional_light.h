@@ -1,11 +1,11 @@
-// Directional lights, which no ray finds: irradiance across one direction, from beyond the scene.
+// Directional lights: irradiance perpendicular to one direction, from infinity. Rays never hit them.
 #ifndef PENUMBRA_DIRECTIONAL_LIGHT_H
 #define PENUMBRA_DIRECTIONAL_LIGHT_H
 #include "kernels/light/kind_functions.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Irradiance on a surface across the direction.
+/// Irradiance on a surface perpendicular to the direction.
 LIGHT_SHINES_ALIKE(directional)
 
 FN LightSample sample_directional_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,

@@ -1,4 +1,4 @@
-// Disk lights, by area.
+// Disk lights, sampled by area.
 #ifndef PENUMBRA_DISK_LIGHT_H
 #define PENUMBRA_DISK_LIGHT_H
 #include "kernels/intersect/surface_uv.h"

@@ -1,4 +1,4 @@
-// The environment, the same from all directions.
+// A constant environment.
 #ifndef PENUMBRA_ENVIRONMENT_LIGHT_H
 #define PENUMBRA_ENVIRONMENT_LIGHT_H
 #include "kernels/light/kind_functions.h"

@@ -1,9 +1,8 @@
-// The grid of an environment map's texels: where on the sphere they are, and what they weigh when directions
-// are chosen.
+// The grid of an environment map's texels: their directions, and their weights for direction sampling.
 //
 // Texel (x, y) of W x H is at longitude 2 pi (x + 1/2) / W about the y axis and at the angle pi y / (H - 1)
-// from it, so the first and the last row are the poles; between texels radiance is bilinear, and the columns
-// close (Mitsuba 3's envmap).
+// to it, so the first and the last row are the poles. Radiance is bilinear between texels, and the columns
+// wrap around (Mitsuba 3's envmap).
 #ifndef PENUMBRA_ENVMAP_GRID_H
 #define PENUMBRA_ENVMAP_GRID_H
 #include "kernels/light/sum_search.h"
@@ -11,8 +10,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Of a row, the sine of its angle from the axis; of the poles that a quarter of a row away, since light from
-/// the cells about them has to be found.
+/// The sine of a row's angle to the axis. For the poles it is that of a quarter of a row, so that the cells
+/// around them are sampled.
 FN float envmap_row_sine(int y, int height) {
   const bool pole = (y == 0) | (y == height - 1);
   float sine, cosine;
@@ -20,10 +19,10 @@ FN float envmap_row_sine(int y, int height) {
   return FABS(sine);
 }
 
-/// Where the shares of the rows begin in the table of the rows: behind the whole and a sum for each row.
+/// Offset of the rows' cumulative shares in the table of rows: after the total and a sum for each row.
 FN int envmap_shares(int height) { return search_padded(1 + height); }
 
-/// Directions are chosen with a density, over the grid, that is bilinear between these.
+/// Weight of a texel. The pdf over the grid is proportional to the bilinear interpolation of these weights.
 FN float envmap_weight(vec3 texel, float row_sine) { return ((texel.x + texel.y) + texel.z) * row_sine; }
 
 PENUMBRA_NAMESPACE_END

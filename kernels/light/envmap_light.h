@@ -1,10 +1,10 @@
-// An environment map: radiance bilinear over the grid of envmap_grid.h, and directions whose density over
-// that grid is bilinear as well, exactly.
+// An environment map. Radiance is bilinear over the grid of envmap_grid.h. Directions are sampled exactly
+// from a pdf that is bilinear over the grid, too.
 //
-// Tables: the texels row by row; for each row y of the grid and each column x the sum of the row's weights,
-// of columns as between texels, up to x (envmap_columns, W + 1 a row from 0 on, with the levels of
-// sum_search.h); and in envmap_rows the whole, the sums of all rows, and, from envmap_shares on, those of the
-// rows likewise, in shares of the whole (H from 0 to 1, with levels).
+// Tables: the texels, row by row. envmap_columns: for each row y and column x, the cumulative sum of the
+// row's weights (interpolated between columns) up to x; W + 1 sums per row, from 0 on, with the levels of
+// sum_search.h. envmap_rows: the total, the sums of all rows and, from envmap_shares on, the cumulative
+// shares of the rows in the total (H numbers from 0 to 1, with levels).
 #ifndef PENUMBRA_ENVMAP_LIGHT_H
 #define PENUMBRA_ENVMAP_LIGHT_H
 #include "kernels/light/envmap_grid.h"
@@ -13,7 +13,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The cell that holds a point of the grid, and where in it.
+/// The cell that contains a point of the grid, and the position in it.
 typedef struct {
   int x, next_x, y;
   float s, t;
@@ -30,7 +30,7 @@ FN EnvmapPoint envmap_point(EnvironmentMap map, float x, float y) {
   return p;
 }
 
-/// The point of the grid in the unit direction, and the sine of its angle from the axis.
+/// The grid point of the unit direction, and the sine of its angle to the axis.
 FN EnvmapPoint envmap_at(GLOBAL const Light* light, EnvironmentMap map, vec3 wi, PRIVATE float* sine) {
   const float x = dot3(load3(&light->p0), wi), y = dot3(load3(&light->p1), wi),
               z = dot3(load3(&light->p2), wi);
@@ -43,7 +43,7 @@ FN EnvmapPoint envmap_at(GLOBAL const Light* light, EnvironmentMap map, vec3 wi,
                       clamp_f(angle, 0.0f, 1.0f) * (float)(map.height - 1));
 }
 
-/// The direction of a point of the grid, and the sine of its angle from the axis.
+/// The direction of a grid point, and the sine of its angle to the axis.
 FN vec3 envmap_direction(GLOBAL const Light* light, EnvironmentMap map, float x, float y,
                          PRIVATE float* sine) {
   float sine_u, cosine_u, cosine;
@@ -63,7 +63,7 @@ FN vec3 envmap_radiance(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPo
   return mix3(mix3(a, b, p.s), mix3(c, d, p.s), p.t);
 }
 
-/// Weights of the grid along one column of it, between the rows of p.
+/// The weight at column x, interpolated between the rows of p.
 FN float envmap_column_weight(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPoint p, int x) {
   const float above = envmap_weight(envmap_texel(scene, map, x, p.y), envmap_row_sine(p.y, map.height));
   const float below =
@@ -71,7 +71,7 @@ FN float envmap_column_weight(const PRIVATE Scene* scene, EnvironmentMap map, En
   return mix_f(above, below, p.t);
 }
 
-/// Per solid angle, at a point of that weight.
+/// Pdf per solid angle at a point of this weight.
 FN float envmap_density(const PRIVATE Scene* scene, EnvironmentMap map, float weight, float sine) {
   const float whole = scene->envmap_rows[0];
   const float cells = (float)map.width * (float)(map.height - 1);
@@ -85,14 +85,14 @@ FN vec3 envmap_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* li
   return envmap_radiance(scene, map, envmap_at(light, map, wi, &sine));
 }
 
-/// Where in [0, 1] a density that goes from a to b >= 0 in a straight line has the share u of itself below.
+/// Samples a linear density on [0, 1] from a to b, both >= 0: the point below which lies the fraction u.
 FN float sample_linear(float u, float a, float b) {
   const float root = SQRT(mix_f(sqr(a), sqr(b), u));
   const float sum = a + root;
   return min_f(sum > 0.0f ? u * (a + b) / sum : u, ONE_MINUS_EPSILON);
 }
 
-/// Sums of two neighbouring rows, altogether.
+/// The sums of two neighbouring rows.
 typedef struct {
   float first, second;
 } EnvmapRowSums;
@@ -105,7 +105,7 @@ FN EnvmapRowSums envmap_row_sums(const PRIVATE Scene* scene, int y) {
   return two;
 }
 
-/// Where between row y and the next one v is, and what u is of the sums there.
+/// Samples the position between row y and the next one by v, and scales u to the sum of weights there.
 STAGE void choose_between_envmap_rows(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT u,
                                       const PRIVATE float* RESTRICT v,
                                       PRIVATE LightSamplings* RESTRICT samplings,
@@ -126,7 +126,7 @@ STAGE void choose_between_envmap_rows(const PRIVATE Scene* scene, const PRIVATE 
     }
 }
 
-/// The cells of the grid that u and v choose, in the lanes whose light is the map.
+/// Samples cells of the grid by u and v, in the lanes whose light is the environment map.
 FN void choose_envmap_cells(const PRIVATE Scene* scene, const PRIVATE int* kinds, const PRIVATE float* u,
                             const PRIVATE float* v, PRIVATE LightSamplings* samplings) {
   const EnvironmentMap map = scene->envmaps[0];

@@ -1,4 +1,4 @@
-// What triangle and rectangle lights share: points of a plane.
+// What triangle and rectangle lights share: points in a plane.
 #ifndef PENUMBRA_FLAT_LIGHT_H
 #define PENUMBRA_FLAT_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
@@ -20,15 +20,15 @@ FN FlatLight flat_light(GLOBAL const Light* light) {
   return f;
 }
 
-/// The point b0 p0 + b1 p1 + b2 p2, as if it were uniform by area.
+/// The point b0 p0 + b1 p1 + b2 p2, with the pdf of uniform sampling by area.
 FN SampledPoint flat_light_point(FlatLight f, vec3 from, float b0, float b1, float b2) {
   SampledPoint s;
   const vec3 q0 = scale(f.p0, b0), q1 = scale(f.p1, b1), q2 = scale(f.p2, b2);
   s.at = light_point(add(add(q0, q1), q2), f.normal);
   s.pdf = 0.0f;
   const vec3 extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
-  // Where a ray meets a triangle is known to a few roundings of its vertices seen from the ray's origin: a
-  // point close to a large light would lie in its shadow otherwise.
+  // The position where a ray meets a triangle is known to a few roundings of the vertices relative to the
+  // ray's origin. Without this bound, a point close to a large light would be shadowed by the light itself.
   const float reach =
       max_f(max_component(abs3(sub(f.p0, from))),
             max_f(max_component(abs3(sub(f.p1, from))), max_component(abs3(sub(f.p2, from)))));
@@ -36,7 +36,7 @@ FN SampledPoint flat_light_point(FlatLight f, vec3 from, float b0, float b1, flo
   return s;
 }
 
-/// The point of the light's plane that is seen in direction w.
+/// The point of the light's plane in direction w from `from`.
 FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
   const float along = dot3(w, f.normal);
   const float distance = dot3(sub(f.p0, from), f.normal) / (along != 0.0f ? along : 1.0f);
@@ -45,7 +45,7 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
 
 FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
 
-/// The point of the light of that index with the texture coordinates of the triangle on which it lies.
+/// Sets the point's texture coordinates from the triangle of light `light` on which it lies.
 FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, LightPoint at) {
   GLOBAL const LightTriangles* parts =
       scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);

@@ -1,19 +1,19 @@
-// Functions of kinds of lights that are the same for several of them; `name` as in LIGHT_KINDS.
+// Functions that several kinds of lights share; `name` is that of LIGHT_KINDS.
 #ifndef PENUMBRA_KIND_FUNCTIONS_H
 #define PENUMBRA_KIND_FUNCTIONS_H
 #include "kernels/light/light_found.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// <name>_light_radiance of a light that shines alike from all its points into all directions, but for its
-// texture: radiance; radiant intensity of a point, irradiance across the direction of a directional light.
+// Defines <name>_light_radiance for a light that emits the same from all points into all directions, except
+// for its texture: radiance; radiant intensity of a point light; irradiance of a directional light.
 #define LIGHT_SHINES_ALIKE(name)                                                                      \
   FN vec3 name##_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, \
                                 vec3 wi) {                                                            \
     return load3(&light->radiance);                                                                   \
   }
 
-// sample_<name>_light of a light that has a surface, by sample_<name>_point.
+// Defines sample_<name>_light for a light with a surface, by sample_<name>_point.
 #define SAMPLE_LIGHT_BY_POINT(name)                                                                     \
   FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
                                        float v, LightSampling sampling, ulong strategies) {             \
@@ -24,14 +24,14 @@ PENUMBRA_NAMESPACE_BEGIN
     return s;                                                                                           \
   }
 
-// <name>_light_pdf of a light whose points are uniform by area.
+// Defines <name>_light_pdf for a light that is sampled uniformly by area.
 #define FIND_LIGHT_BY_AREA(name)                                                                     \
   FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
                             ulong strategies) {                                                      \
     return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);                      \
   }
 
-// <name>_light_pdf of a light that no ray finds.
+// Defines <name>_light_pdf for a delta light, which rays never hit.
 #define NO_RAY_FINDS_LIGHT(name)                                                                     \
   FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
                             ulong strategies) {                                                      \

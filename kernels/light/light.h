@@ -1,6 +1,6 @@
-// Lights, LANES receivers or rays at a time: points on them, what rays find of them, and the densities that
-// multiple importance sampling compares. Each kind that the scene has goes through all lanes in a loop of its
-// own; a kind that it lacks costs nothing.
+// Lights, for LANES receivers or rays at a time: samples of points on them, their emission at the hits of
+// rays, and the pdfs for multiple importance sampling. Each kind of light that the scene has goes through all
+// lanes in a loop of its own; other kinds cost nothing.
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
 #include "kernels/light/cylinder_light.h"
@@ -22,20 +22,20 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // The light that a lane samples.
-#define CHOSEN_LIGHT_FIELDS(F, a)                                      \
-  F(a, int, light)                                                     \
-  F(a, int, kind)                                                      \
-  F(a, bool, own) /* the receiver is a part of it, and gets nothing */ \
-  F(a, bool, of_polygon)                                               \
-  F(a, float, u) /* what is left of the number that chose it */        \
+#define CHOSEN_LIGHT_FIELDS(F, a)                                                   \
+  F(a, int, light)                                                                  \
+  F(a, int, kind)                                                                   \
+  F(a, bool, own) /* the receiver is part of the light and gets no light from it */ \
+  F(a, bool, of_polygon)                                                            \
+  F(a, float, u) /* remainder of the number that chose the light */                 \
   F(a, float, pmf)
 LANE_RECORD(LaneLight, ChosenLights, chosen_light, CHOSEN_LIGHT_FIELDS)
 
-/// Whether the scene's only light is the table's first: then lanes read it once, instead of each its own.
+/// Whether the scene has only one light. If so, all lanes share its record instead of loading their own.
 FN bool has_one_light(const PRIVATE Scene* scene) { return scene->header.tables.lights.count == 1; }
 
-// By `number` and `fine`, see choose_light, or as the samplings say. `kind` is that of all lights, or of
-// some of them: then see detail_choices.
+// Chooses lights by `number` and `fine`, see choose_light, or as the samplings say. `kind` is that of all
+// lights; if there are several kinds, detail_choices sets them.
 #define CHOOSE_LANES(stage, by_power_of_lane)                                                        \
   STAGE void stage(const PRIVATE Scene* scene, int kind, const PRIVATE Surfaces* RESTRICT receivers, \
                    const PRIVATE float* RESTRICT number, const PRIVATE float* RESTRICT fine,         \
@@ -60,7 +60,7 @@ CHOOSE_LANES(choose_lights, choose_light(scene, number[j], fine[j]))
 CHOOSE_LANES(choose_only_light, take_light(scene, 0, number[j], fine[j]))
 #undef CHOOSE_LANES
 
-/// What scenes of several kinds of lights, of spheres or of polygons need besides.
+/// Completes the choices in scenes with several kinds of lights, with spheres, cylinders or polygons.
 STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                           PRIVATE ChosenLights* RESTRICT chosen) {
   LANE_LOOP
@@ -73,8 +73,8 @@ STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RE
     }
 }
 
-/// Makes `s` lane j's sample if its light is of that kind; otherwise it stays, or becomes none if it is the
-/// first.
+/// Stores `s` as lane j's sample if its light is of that kind. Otherwise the sample is unchanged or, if
+/// `first`, becomes empty.
 FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, ulong strategies,
                           PRIVATE LightSamples* samples, int j) {
   s.pdf *= choice.pmf;
@@ -87,15 +87,15 @@ FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first,
   if (BY(strategies, LIGHT_TEXTURES)) store_light_sample_place(samples, j, kept);
 }
 
-/// Where there is no light.
+/// For scenes without lights.
 STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
 }
 
-// For each kind loops over lanes: for the plain strategies, by the numbers alone, and by solid angle, for
-// scenes that want nothing else, both also where the scene has no other light; and for all of the kind's
-// features. `light`: the lane's.
+// Loops over lanes for each kind of light: the plain strategy, and sampling by solid angle for scenes that
+// need nothing else, each with a variant for a single light; and all strategies of the kind. `light` is the
+// lane's light.
 #define SAMPLE_LANES(stage, name, NAME, light, strategies)                                          \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,          \
                    const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,    \
@@ -141,23 +141,23 @@ LIGHT_KINDS(KIND_LANES)
 #undef FOUND_LANES
 #undef SAMPLE_LANES
 
-/// Whether the scene is one whose lights of a kind are sampled by these strategies.
+/// Whether the scene needs any of these sampling strategies.
 #define NEEDS_STRATEGIES(scene, strategies) \
   ((COMPILED_FEATURES & (strategies)) != 0 && (SCENE_FEATURES(&(scene)->header) & (strategies)) != 0)
-/// Whether it is, and of its strategies only those of `few` are wanted.
+/// Whether it does, and needs exactly those of `few`.
 #define NEEDS_FEW_STRATEGIES(scene, strategies, few)  \
   ((COMPILED_FEATURES & (strategies) & (few)) != 0 && \
    (SCENE_FEATURES(&(scene)->header) & (strategies)) == (few))
 
-/// The kinds, of those of the scene, among LANES; negative ones are none.
+/// A mask of the kinds among LANES that the scene has; negative kinds are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
   uint among = 0u;
   for (int j = 0; j < LANES; j++) among |= kinds[j] >= 0 ? 1u << kinds[j] : 0u;
   return among & SCENE_LIGHT_KINDS(&scene->header) & LIGHT_KINDS_MASK;
 }
 
-/// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
-/// left of `number` and by `v`; or as the samplings say.
+/// Chooses a light for each receiver by `number` and `fine`, see choose_light, and samples a point on it by
+/// the remainder of `number` and by `v`; or as the samplings say.
 CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
                              const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
                              PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
@@ -202,7 +202,7 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
 }
 
-/// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
+/// The emission of the lights that rays hit. Pdfs are 0 unless `compared`.
 CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                               PRIVATE Emissions* emissions) {
   const uint among = kinds_among(scene, found->kind);

@@ -1,4 +1,4 @@
-// Choosing one of the scene's lights.
+// Chooses one of the scene's lights by power.
 #ifndef PENUMBRA_LIGHT_CHOICE_H
 #define PENUMBRA_LIGHT_CHOICE_H
 #include "kernels/math/math.h"
@@ -8,11 +8,11 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   int light;
-  float u;    ///< what is left of the number that chose it, uniform in [0, 1) again
+  float u;    ///< remainder of the number that chose it, again uniform in [0, 1)
   float pmf;  ///< probability of the choice
 } ChosenLight;
 
-/// Takes the light of that index, one of whose numbers u is: what is left of it for a point on the light.
+/// Takes light `light`, which u selects. The remainder of u samples a point on it.
 FN ChosenLight take_light(const PRIVATE Scene* scene, int light, float u, float fine) {
   ChosenLight choice;
   choice.light = light;
@@ -23,10 +23,10 @@ FN ChosenLight take_light(const PRIVATE Scene* scene, int light, float u, float 
   return choice;
 }
 
-/// By power, and u, a multiple of 2^-24: by its cell in a table of 2^k. A light's cells are neighbours, and
-/// neighbours in space are near each other in the table, so numbers that are well spread give points that are
-/// well spread on each light, and over lights that are parts of one light. `fine` in [0, 1) are the digits
-/// below, of which a light that is rarely chosen leaves few.
+/// Chooses a light by power and u, a multiple of 2^-24, through its cell in a table of 2^k. A light's cells
+/// are consecutive, and lights that are near each other in space are near each other in the table. So
+/// stratified numbers give stratified points on each light, and over lights that are parts of one light.
+/// `fine`, in [0, 1), has the digits below those of u; a light that is rarely chosen leaves few digits of u.
 FN ChosenLight choose_light(const PRIVATE Scene* scene, float u, float fine) {
   return take_light(scene, scene->light_cells[(int)(u * (float)scene->header.tables.light_cells.count)], u,
                     fine);

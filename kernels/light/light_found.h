@@ -1,4 +1,4 @@
-// What rays find of lights.
+// Lights that rays hit, and their emission.
 #ifndef PENUMBRA_LIGHT_FOUND_H
 #define PENUMBRA_LIGHT_FOUND_H
 #include "kernels/light/light_receiver.h"
@@ -7,33 +7,33 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// What a ray found of a light; point, normal and distance mean nothing for an environment.
+// The light that a ray hit. Point, normal and distance are arbitrary for an environment.
 // clang-format off
-#define FOUND_LIGHT_FIELDS(F, a)                                                                             \
-  F(a, vec3, from)           /* where the ray started */                                                     \
-  F(a, vec3, wi)             /* unit, its direction */                                                       \
-  F(a, vec3, p)                                                                                              \
-  F(a, vec3, normal)                                                                                         \
-  F(a, float, distance)                                                                                      \
-  F(a, float, u)             /* see Surface; 0 in scenes without texture coordinates */                      \
-  F(a, float, v)                                                                                             \
-  F(a, float, cosine)        /* at the light */                                                              \
-  F(a, float, projected_pdf) /* by projected solid angle, without the choice of the light; negative: not so */ \
-  F(a, float, pmf)           /* of choosing it by power */                                                   \
-  F(a, int, light)           /* index, or negative: none */                                                  \
+#define FOUND_LIGHT_FIELDS(F, a)                                                                   \
+  F(a, vec3, from)           /* origin of the ray */                                               \
+  F(a, vec3, wi)             /* unit, direction of the ray */                                      \
+  F(a, vec3, p)                                                                                    \
+  F(a, vec3, normal)                                                                               \
+  F(a, float, distance)                                                                            \
+  F(a, float, u)             /* texture coordinates, 0 in scenes without FEATURE_UV */             \
+  F(a, float, v)                                                                                   \
+  F(a, float, cosine)        /* at the light */                                                    \
+  F(a, float, projected_pdf) /* by projected solid angle, without pmf; negative: not sampled so */ \
+  F(a, float, pmf)           /* probability of choosing the light */                               \
+  F(a, int, light)           /* index, or negative: none */                                        \
   F(a, int, kind)            /* LIGHT_*, or negative */
 // clang-format on
 LANE_RECORD(FoundLight, FoundLights, found_light, FOUND_LIGHT_FIELDS)
 
-/// Index of the light that a ray hits if it ends on this surface, or of the environment if it leaves the
-/// scene; negative: none, or the light's back.
+/// The light that a ray hits if it ends on this surface, or the environment if it leaves the scene. Negative:
+/// no light, or the light's back.
 FN int light_found(const PRIVATE Scene* scene, Surface s) {
   const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
   const int index = (s.front | (two_sided != 0)) ? s.light : -1;
   return is_hit(s) ? index : scene->header.environment;
 }
 
-/// Whether any of the rays that ended on these surfaces found a light.
+/// Whether any of the rays that ended on these surfaces may have hit a light.
 FN bool any_finds_light(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces) {
   const int environment = scene->header.environment;
   int any = 0;
@@ -74,15 +74,15 @@ STAGE void store_found_uvs(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Fo
     }
 }
 
-/// What the rays that ended on these surfaces found of lights.
+/// The lights that the rays that ended on these surfaces hit.
 FN void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                     PRIVATE FoundLights* found) {
   store_found_lights(scene, surfaces, found);
   if (NEEDS(scene, UV)) store_found_uvs(surfaces, found);
 }
 
-// Radiance that a ray brings when it ends on a light, or leaves the scene; `pdf` is the density with which
-// sample_lights chooses the ray's direction from its origin. 0 where no light is there.
+// The radiance that a ray brings from the light that it hits, or from the environment. `pdf` is the density
+// with which sample_lights samples the ray's direction from its origin. Both are 0 if there is no light.
 #define EMISSION_FIELDS(F, a) \
   F(a, vec3, radiance)        \
   F(a, float, pdf)            \
@@ -101,7 +101,7 @@ STAGE void no_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* R
     }
 }
 
-/// Makes these lane j's if the light found is of that kind.
+/// Stores these as lane j's emission if its light is of that kind.
 FN void keep_emission(FoundLight found, int kind, vec3 radiance, float pdf, PRIVATE Emissions* emissions,
                       int j) {
   const Emission before = load_emission(emissions, j);

@@ -1,12 +1,12 @@
-// Textured lights whose points are chosen by how bright they are. A kind of light makes of two numbers (u, v)
-// a point that is uniform by area; of a light with a grid, the square of those numbers is cut into
-// grid_side x grid_side cells, which are chosen by their share of the light's power, and then a place in the
-// cell. So the density is that of the area times a step function, which is known of a point that a ray finds
-// as well: the kind's way from numbers to points, taken backwards.
+// Importance sampling of textured lights by a grid. Each kind of light maps two numbers (u, v) to a point
+// that is uniform by area. For a light with a grid, the unit square of (u, v) is divided into grid_side x
+// grid_side cells; a cell is chosen by its share of the light's power, then a position in the cell. So the
+// pdf is that of uniform sampling times a step function. It can also be evaluated at a point that a ray hits,
+// by inverting the mapping.
 //
-// A light's numbers in the table: where the cells begin in u, from 0 to 1 (grid_side + 1); then for each of
-// these rows where its cells begin in v, likewise. All are multiples of 2^-24, the numbers that samplers
-// give, so differences of them are the probabilities.
+// Table of a light: the cumulative shares of the rows (cells in u), from 0 to 1 (grid_side + 1 numbers); then
+// for each row those of its cells in v. All are multiples of 2^-24, like the numbers of samplers, so that
+// differences are exact probabilities.
 #ifndef PENUMBRA_LIGHT_GRID_H
 #define PENUMBRA_LIGHT_GRID_H
 #include "kernels/intersect/surface_uv.h"
@@ -17,13 +17,13 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   float u, v;
-  float density;  ///< over that of points which are uniform by area
+  float density;  ///< relative to uniform sampling by area
 } GridPoint;
 
-/// Number k of a row of `side` cells: the row begins at word `first` of the table.
+/// Cumulative share k of a row of cells; the row starts at `first` in the table.
 FN float grid_edge(const PRIVATE Scene* scene, int first, int k) { return scene->light_grids[first + k]; }
 
-/// The cell of a row whose share holds x in [0, 1).
+/// The cell of a row that x in [0, 1) selects.
 FN int grid_cell(const PRIVATE Scene* scene, int first, int side, float x) {
   int cell = 0, size = side;
   UNROLL
@@ -36,8 +36,8 @@ FN int grid_cell(const PRIVATE Scene* scene, int first, int side, float x) {
   return cell;
 }
 
-/// The numbers that choose a point of a light with a grid, from numbers of [0, 1). Of others: nothing that
-/// counts.
+/// Maps numbers in [0, 1) to those that select a point of a light with a grid. The result is arbitrary for
+/// other lights.
 FN GridPoint sample_light_grid(const PRIVATE Scene* scene, GLOBAL const Light* light, float u, float v) {
   const bool has_grid = light->grid >= 0;
   const int side = has_grid ? light->grid_side : 0, rows = has_grid ? light->grid : 0;
@@ -57,7 +57,7 @@ FN GridPoint sample_light_grid(const PRIVATE Scene* scene, GLOBAL const Light* l
   return p;
 }
 
-/// The density at the point of those numbers.
+/// The density at the point of these numbers, relative to uniform sampling.
 FN float light_grid_density(const PRIVATE Scene* scene, GLOBAL const Light* light, float u, float v) {
   const bool has_grid = light->grid >= 0;
   const int side = has_grid ? light->grid_side : 0, rows = has_grid ? light->grid : 0;
@@ -70,8 +70,8 @@ FN float light_grid_density(const PRIVATE Scene* scene, GLOBAL const Light* ligh
   return (share_u * cells) * (share_v * cells);
 }
 
-/// The numbers of a point of a light, with which sample_triangle_light, sample_disk_light or
-/// sample_sphere_light would find it.
+/// The numbers with which sample_triangle_light, sample_disk_light or sample_sphere_light would sample this
+/// point: the inverse of the mapping.
 FN TexturePoint numbers_of_light_point(GLOBAL const Light* light, vec3 p) {
   const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
   const bool triangle = light->kind == LIGHT_TRIANGLE, disk = light->kind == LIGHT_DISK;

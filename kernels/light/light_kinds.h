@@ -1,4 +1,4 @@
-// The kinds of lights: their numbers, which of them kernels are compiled with and which a scene has.
+// The kinds of lights: their numbers, the kinds that kernels are compiled for, and those that a scene has.
 #ifndef PENUMBRA_LIGHT_KINDS_H
 #define PENUMBRA_LIGHT_KINDS_H
 #include "kernels/features.h"
@@ -6,10 +6,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// X(name, NAME, number, strategies, what it is for people). What a kind is stands in <name>_light.h, which
-// light.h includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `strategies`: the
-// features of which each scene has its own that change how the kind is sampled, or what is known of its
-// points.
+// X(name, NAME, number, strategies, description for users). The file <name>_light.h implements a kind:
+// sample_<name>_light, <name>_light_pdf and <name>_light_radiance; light.h includes it. `strategies`: the
+// features that change how the kind is sampled or what its points store; a scene has some of them or none.
 #define LIGHT_KINDS(X)                                                                                    \
   X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES, \
     "triangles that emit")                                                                                \
@@ -26,9 +25,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7
-#define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way
+#define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light along one axis
 
-// Rows of SCENE_TABLES for what single kinds have many numbers of.
+// Rows of SCENE_TABLES for tables that only some kinds have.
 #define LIGHT_TABLES(T, A)                                                            \
   /* See envmap_light.h. */                                                           \
   T(A, envmaps, EnvironmentMap, 1, "environment maps")                                \
@@ -48,15 +47,15 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 
 #define KIND_BIT(name, NAME, number, strategies, description) | 1u << (number)
 #define ALL_LIGHT_KINDS (0u LIGHT_KINDS(KIND_BIT))
-// Bits 1 << LIGHT_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
-// that the scene lacks is not called.
+// Bits 1 << LIGHT_*. OpenCL kernels are compiled for exactly the kinds of a scene. Native code is compiled
+// for all kinds and does not call those that the scene lacks.
 #ifndef LIGHT_KINDS_MASK
   #define LIGHT_KINDS_MASK ALL_LIGHT_KINDS
 #endif
-// Within the expansion of LIGHT_KINDS that mask may not be expanded.
+// A copy of the mask, since it must not be expanded within the expansion of LIGHT_KINDS.
 enum { COMPILED_LIGHT_KINDS = LIGHT_KINDS_MASK };
 #define HAS_LIGHT_OF(number) ((COMPILED_LIGHT_KINDS & (1u << (number))) != 0u)
-/// Whether light of that kind comes from one point.
+/// Whether light of that kind comes from a single point.
 FN bool is_point_of_light(int kind) {
   return (kind == LIGHT_POINT) | (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
 }

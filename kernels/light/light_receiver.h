@@ -1,4 +1,4 @@
-// What is lit: a point of a surface, or of a medium.
+// The receiver of light: a point on a surface, or in a medium.
 #ifndef PENUMBRA_LIGHT_RECEIVER_H
 #define PENUMBRA_LIGHT_RECEIVER_H
 #include "kernels/intersect/surface.h"
@@ -8,15 +8,15 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   vec3 p;
-  float error;      ///< see Surface; 0 without a normal, so that no ray's origin is offset
-  vec3 geometric;   ///< likewise; 0 without a normal
-  vec3 shading;     ///< likewise
-  bool has_normal;  ///< false: a point of a medium, which light reaches from all directions
-  bool front;       ///< the surface is seen from its front side
-  int light;        ///< that the surface is a part of, or -1
+  float error;      ///< see Surface; 0 without a normal, so that ray origins are not offset
+  vec3 geometric;   ///< see Surface; 0 without a normal
+  vec3 shading;     ///< see Surface; 0 without a normal
+  bool has_normal;  ///< false: a point in a medium, which light reaches from all directions
+  bool front;       ///< wo is on the surface's front side
+  int light;        ///< the light that the surface is part of, or -1
 } LightReceiver;
 
-/// A point of a medium has no normal: see surface_in_medium.
+/// The receiver at this surface. A point in a medium has no normal: see surface_in_medium.
 FN LightReceiver receiver_of(Surface s) {
   LightReceiver r;
   r.p = s.p;
@@ -29,15 +29,15 @@ FN LightReceiver receiver_of(Surface s) {
   return r;
 }
 
-/// Index of the polygon light that the light of that index, or -1, is a part of, or -1.
+/// The polygon light that light `light` is part of, or -1; `light` may be -1.
 FN int own_polygon(const PRIVATE Scene* scene, int light) {
   const int polygon = scene->lights[light >= 0 ? light : 0].polygon;
   return light >= 0 ? polygon : -1;
 }
 
-/// Whether the receiver is a part of that light and gets nothing from it: a part of a flat light, or of a
-/// sphere or cylinder except its emitting inside. Formulas cannot tell: rounding puts the surface to either
-/// side of the light's plane or sphere, which covers half the directions or nothing.
+/// Whether the receiver is part of that light and gets no light from it: it is on a flat light, or on a
+/// sphere or cylinder, except on an inside that emits. Formulas cannot decide this: rounding puts the surface
+/// on either side of the light's plane or sphere, which then covers half of the directions or none.
 FN bool is_own_light(const PRIVATE Scene* scene, LightReceiver r, int light) {
   bool own = light == r.light;
   if (NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER)) {

@@ -1,27 +1,26 @@
-// The result of sampling a light, and what all kinds of lights make it with.
+// The result of sampling a light, and functions that all kinds of lights use to make it.
 #ifndef PENUMBRA_LIGHT_SAMPLE_H
 #define PENUMBRA_LIGHT_SAMPLE_H
 #include "kernels/light/light_receiver.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// A shadow ray ends this much before the light.
+// A shadow ray ends slightly before the light.
 #define SHADOW_RAY_END (1.0f - 64.0f * HALF_EPSILON)
 
 // clang-format off
-#define LIGHT_SAMPLE_FIELDS(F, a)                                                                                 \
-  F(a, vec3, origin)     /* where the shadow ray starts */                                                        \
-  F(a, vec3, toward)     /* unit, its direction */                                                                \
-  F(a, vec3, wi)         /* unit, direction of the light: the same but for the offset of the origin, which counts \
-                            near a light */                                                                       \
-  F(a, float, tmax)      /* of the shadow ray; negative: no contribution possible */                              \
-  F(a, float, pdf)       /* per solid angle, the choice of the light included; of a delta light the choice's */   \
-  F(a, bool, delta)      /* a light of one point or direction: no other strategy finds it */                                          \
-  F(a, bool, of_polygon) /* a part of a polygon light, whose closed form is known */                              \
-  F(a, vec3, radiance)   /* arriving along wi if nothing is in the way, the inverse square law included */        \
+#define LIGHT_SAMPLE_FIELDS(F, a)                                                                         \
+  F(a, vec3, origin)     /* start of the shadow ray */                                                    \
+  F(a, vec3, toward)     /* unit, direction of the shadow ray */                                          \
+  F(a, vec3, wi)         /* unit, direction to the light, without the offset of the origin */             \
+  F(a, float, tmax)      /* length of the shadow ray; negative: no contribution */                        \
+  F(a, float, pdf)       /* per solid angle, times that of choosing the light; delta light: the latter */ \
+  F(a, bool, delta)      /* a delta light: no other strategy samples it */                                \
+  F(a, bool, of_polygon) /* part of a polygon light, which has a closed form */                           \
+  F(a, vec3, radiance)   /* arriving along wi if unoccluded, including the inverse square law */          \
   F(a, int, light)       /* index of the light */
 // clang-format on
-// Where on the light it is, for scenes with FEATURE_LIGHT_TEXTURES. Elsewhere lanes hold nothing here.
+// The position on the light, with FEATURE_LIGHT_TEXTURES only. Otherwise lanes do not store these fields.
 #define LIGHT_SAMPLE_PLACE_FIELDS(F, a)          \
   F(a, vec3, place)                              \
   F(a, float, place_u) /* texture coordinates */ \
@@ -31,7 +30,7 @@ LANE_RECORD(LightSample, LightSamples, light_sample, LIGHT_SAMPLE_ALL_FIELDS)
 LANE_RECORD_PART(LightSample, LightSamples, light_sample_direction, LIGHT_SAMPLE_FIELDS)
 LANE_RECORD_PART(LightSample, LightSamples, light_sample_place, LIGHT_SAMPLE_PLACE_FIELDS)
 
-/// Of a light that gives nothing.
+/// A sample without contribution.
 FN LightSample no_light_sample(void) {
   LightSample s;
   s.origin = s.radiance = make_vec3(0.0f, 0.0f, 0.0f);
@@ -45,11 +44,11 @@ FN LightSample no_light_sample(void) {
   return s;
 }
 
-/// A point of a light. What it emits may depend on where it is: on its place on the light as well.
+/// A point on a light, on which its emission may depend.
 typedef struct {
   vec3 p;
-  vec3 normal;  ///< unit, of the side that shines
-  float u, v;   ///< as of a surface there (FEATURE_UV); 0 if the light is none
+  vec3 normal;  ///< unit, of the side that emits
+  float u, v;   ///< texture coordinates of the surface there (FEATURE_UV), or 0 if the light is no surface
 } LightPoint;
 
 FN LightPoint light_point(vec3 p, vec3 normal) {
@@ -60,17 +59,17 @@ FN LightPoint light_point(vec3 p, vec3 normal) {
   return at;
 }
 
-/// A point of a light's surface as it is sampled.
+/// A sampled point on the surface of a light.
 typedef struct {
   LightPoint at;
-  float spread;  ///< how far it may be off the light, in units of POSITION_ERROR
-  float pdf;     ///< per solid angle; 0 for points that are uniform by area
+  float spread;  ///< bound of its distance from the surface, in units of POSITION_ERROR
+  float pdf;     ///< per solid angle; 0: the point is uniform by area
 } SampledPoint;
 
-/// Whether a scene's lights are sampled in this way, of `strategies`, a constant.
+/// Whether lights are sampled by this strategy; `strategies` is a constant.
 #define BY(strategies, name) (HAS(name) && ((strategies)&FEATURE_##name) != 0)
 
-/// The sample of a light that is there, with the place on it.
+/// Sets the position on the light.
 FN LightSample at_place(LightSample s, LightPoint at) {
   s.place = at.p;
   s.place_u = at.u;
@@ -78,13 +77,12 @@ FN LightSample at_place(LightSample s, LightPoint at) {
   return s;
 }
 
-/// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
-/// by area.
+/// Converts uniform sampling by area to a pdf per solid angle: squared distance `d2`, `cosine` at the light.
 FN float area_to_solid_angle(float d2, float cosine, float area) {
   return cosine > 0.0f ? d2 / (cosine * area) : 0.0f;
 }
 
-/// The sample of a light at infinity in the unit direction. Density and radiance are up to the caller.
+/// The sample of a light at infinity in direction wi (unit). The caller sets pdf and radiance.
 FN LightSample toward_infinity(LightReceiver r, vec3 wi) {
   LightSample s = no_light_sample();
   s.wi = s.toward = wi;
@@ -93,8 +91,7 @@ FN LightSample toward_infinity(LightReceiver r, vec3 wi) {
   return s;
 }
 
-/// The shadow ray from the receiver to a point, and distance^2 of it from the ray's origin. Density and
-/// radiance are up to the caller.
+/// The shadow ray from the receiver to a point, and its squared length. The caller sets pdf and radiance.
 FN LightSample toward_point(LightReceiver r, vec3 target, PRIVATE float* d2) {
   LightSample s = no_light_sample();
   s.origin = leave_surface(r.p, r.geometric, r.error, sub(target, r.p));
@@ -106,11 +103,11 @@ FN LightSample toward_point(LightReceiver r, vec3 target, PRIVATE float* d2) {
   return s;
 }
 
-/// The same to a point of a light's surface, with its density.
+/// The same to a point on a light's surface; sets the pdf.
 FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledPoint point) {
   const LightPoint at = point.at;
-  // At most half the way to the point's side: one that is closer to the light than its position's error would
-  // look the wrong way.
+  // The offset is at most half of the receiver's distance to the light's plane: a receiver closer to the
+  // light than the position's error would otherwise see the wrong side.
   const vec3 back = sub(r.p, at.p);
   const float error = min_f(POSITION_ERROR * point.spread, 0.5f * FABS(dot3(back, at.normal)));
   float d2;
@@ -122,8 +119,8 @@ FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledP
   return at_place(s, at);
 }
 
-/// The sample of a light that is a point, but for its radiance, which is intensity times `inverse_d2`.
-/// Nothing where the receiver is that point itself.
+/// The sample of a point light. The caller sets the radiance: intensity times `inverse_d2`. No contribution
+/// if the receiver is at the light itself.
 FN LightSample toward_delta_point(GLOBAL const Light* light, LightReceiver r, PRIVATE float* inverse_d2) {
   float d2;
   LightSample s = toward_point(r, load3(&light->p0), &d2);

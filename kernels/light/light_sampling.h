@@ -1,22 +1,22 @@
-// The result of the light sampling stage, which precedes an integrator's step. The stage takes many times the
-// arithmetic of the step, so it is separate: scenes that do not need it do not pay for it.
+// The result of the light sampling stage, which precedes an integrator's step. The stage is separate because
+// it costs many times as much arithmetic as the step; scenes that do not need it skip it.
 #ifndef PENUMBRA_LIGHT_SAMPLING_H
 #define PENUMBRA_LIGHT_SAMPLING_H
 #include "kernels/light/light_receiver.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// A light sample as far as the stage decides it. Densities by projected solid angle do not include the
+// The part of a light sample that the stage decides. Pdfs by projected solid angle do not include the
 // probability of choosing the light.
-#define LIGHT_SAMPLING_FIELDS(F, a)                                                                       \
-  F(a, int, light)   /* index of the light that the step samples; negative: the step chooses by power */  \
-  F(a, float, pmf)   /* probability of choosing it */                                                     \
-  F(a, vec3, wi)     /* direction towards it */                                                           \
-  F(a, float, scale) /* the density of wi is its cosine times this; negative: the step samples a point */ \
-  /* Of an environment map, once its cell is chosen: */                                                   \
-  F(a, int, column)                                                                                       \
-  F(a, int, row)                                                                                          \
-  F(a, float, between) /* how far from that row to the next */
+#define LIGHT_SAMPLING_FIELDS(F, a)                                                              \
+  F(a, int, light)   /* index of the light to sample; negative: the step chooses one by power */ \
+  F(a, float, pmf)   /* probability of choosing the light */                                     \
+  F(a, vec3, wi)     /* direction towards the light */                                           \
+  F(a, float, scale) /* pdf of wi over its cosine; negative: the step samples a point */         \
+  /* For an environment map, once its cell is chosen: */                                         \
+  F(a, int, column)                                                                              \
+  F(a, int, row)                                                                                 \
+  F(a, float, between) /* position between that row and the next */
 LANE_RECORD(LightSampling, LightSamplings, light_sampling, LIGHT_SAMPLING_FIELDS)
 
 FN LightSampling no_light_sampling(void) {

@@ -1,6 +1,5 @@
-// Lights with textures: points on them chosen by their grids (light_grid.h), and their radiance where rays
-// and samples meet them. Stages of scenes with FEATURE_LIGHT_TEXTURES alone, before and after those of the
-// kinds.
+// Textured lights: points sampled by their grids (light_grid.h), and textured radiance at hits and samples.
+// These stages run only in scenes with FEATURE_LIGHT_TEXTURES, before and after those of the kinds.
 #ifndef PENUMBRA_LIGHT_TEXTURE_H
 #define PENUMBRA_LIGHT_TEXTURE_H
 #include "kernels/light/light_grid.h"
@@ -8,8 +7,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Of lanes whose light has a grid: turns the numbers that choose a point into those of the grid, and
-/// multiplies the probability of the light by the density of those.
+/// In lanes whose light has a grid: maps the numbers that sample a point to those of the grid, and multiplies
+/// the probability of the light by the grid's density.
 STAGE void choose_by_light_grids(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT lights,
                                  PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v,
                                  PRIVATE float* RESTRICT pmf) {
@@ -24,8 +23,8 @@ STAGE void choose_by_light_grids(const PRIVATE Scene* scene, const PRIVATE int* 
     }
 }
 
-/// Lane j of places and textures: where the texture of that light, an index or negative, is evaluated.
-/// Colours of meshes are those of the triangle that the light is.
+/// Sets lane j of `places` and `textures`: where the texture of that light (an index, or negative) is
+/// evaluated. Mesh colours are those of the light's triangle.
 FN void set_light_place(const PRIVATE Scene* scene, int light, vec3 p, float u, float v,
                         PRIVATE Surfaces* places, PRIVATE int* textures, int j) {
   const int index = light >= 0 ? light : 0;
@@ -57,7 +56,7 @@ STAGE void place_found_lights(const PRIVATE Scene* scene, const PRIVATE FoundLig
     }
 }
 
-/// Emission is not below 0.
+/// Clamps negative emission to 0.
 FN vec3 emitted_share(const PRIVATE TextureLanes* values, int j) {
   const vec3 value = LOAD_LANE_vec3(values->value, j);
   return make_vec3(max_f(value.x, 0.0f), max_f(value.y, 0.0f), max_f(value.z, 0.0f));
@@ -88,7 +87,7 @@ STAGE void colour_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLight
     }
 }
 
-/// Multiplies what the samples bring by the textures of their lights.
+/// Multiplies the samples' radiance by the textures of their lights.
 FN void texture_light_samples(const PRIVATE Scene* scene, PRIVATE LightSamples* samples) {
   Surfaces places;
   TextureLanes values;
@@ -98,7 +97,7 @@ FN void texture_light_samples(const PRIVATE Scene* scene, PRIVATE LightSamples* 
   colour_light_samples(&values, samples);
 }
 
-/// Likewise what rays found, and its densities by those of the grids.
+/// The same for emission that rays hit; also multiplies its pdfs by the grids' densities.
 FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found,
                           PRIVATE Emissions* emissions) {
   Surfaces places;

@@ -1,14 +1,14 @@
-// Choosing one of many lights by what it may contribute at a point: a hierarchy over all lights, whose nodes
-// bound where their lights are and into which directions they shine (Conty Estevez and Kulla, "Importance
-// Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
-// the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
-// taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
-// so with few lights one of those; from there on one of two children. A leaf may hold a cluster of
-// lights, which have fixed probabilities within it (scenes/device/light_groups.h). Infinite lights
-// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/pilot_paths.h.
+// Chooses one of many lights by its possible contribution at a point, through a hierarchy over all lights.
+// Nodes bound the positions and the emission directions of their lights (Conty Estevez and Kulla, "Importance
+// Sampling of Many Lights with Adaptive Tree Splitting", 2018). A node is chosen in proportion to a bound of
+// the irradiance from it; a node that cannot reach the surface's side is never chosen. The upper part of the
+// hierarchy is flat: first one of the nodes of the cut (LIGHT_CUT or fewer) is chosen, which with few lights
+// are the lights themselves, and from there on one of two children. A leaf may contain a light cluster, whose
+// lights have fixed probabilities (scenes/device/light_groups.h). Infinite lights (skies, directional lights)
+// are nodes whose intensities are irradiances: see scenes/device/pilot_paths.h.
 //
-// Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
-// for multiple importance sampling repeat the same arithmetic along the way to the light.
+// LANES points descend one level at a time. A descent depends only on the point, so that pdfs for MIS repeat
+// the same arithmetic along the path to the light.
 #ifndef PENUMBRA_LIGHT_TREE_H
 #define PENUMBRA_LIGHT_TREE_H
 #include "kernels/light/light_found.h"
@@ -18,12 +18,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Where infinite lights and others meet, neither gets less than this if it may contribute: the estimate that
-// compares them is one of the whole scene.
+// If both infinite and finite lights may contribute, each kind gets at least this probability: the estimates
+// that compare them are averages over the whole scene.
 #define LEAST_LIGHT_SHARE 0.05f
 
-/// Of the LIGHT_NUMBERS numbers that choose, how many take the first of a pair of nodes; `any` becomes
-/// whether there is anything to choose.
+/// How many of the LIGHT_NUMBERS numbers choose the first node of a pair. `any`: whether either node has any
+/// importance.
 FN int numbers_of_first(GLOBAL const LightNode* pair, LitPlace place, PRIVATE bool* any) {
   const float first = light_importance(pair, place), second = light_importance(pair + 1, place);
   const float sum = first + second;
@@ -34,7 +34,8 @@ FN int numbers_of_first(GLOBAL const LightNode* pair, LitPlace place, PRIVATE bo
   return first > 0.0f ? (second > 0.0f ? inside : all) : 0;
 }
 
-/// A number in [0, 1) of twice the digits of a float: (high + low) / LIGHT_NUMBERS, high a whole number.
+/// A number in [0, 1) with twice the digits of a float: (high + low) / LIGHT_NUMBERS, where high is an
+/// integer.
 typedef struct {
   int high;
   float low;
@@ -47,9 +48,9 @@ FN LongNumber long_number(float u, float fine) {
   return x;
 }
 
-/// What is left of a number below `width` / LIGHT_NUMBERS when it is stretched to [0, 1): well spread numbers
-/// stay so, digit by digit. The quotient is corrected by its remainder, which is small and so exact modulo
-/// 2^32. Lanes without such a number get some: bounds keep theirs from what no int holds.
+/// The remainder of a number below `width` / LIGHT_NUMBERS, stretched to [0, 1): stratified numbers stay
+/// stratified, digit by digit. The quotient is corrected by its remainder, which is small and therefore exact
+/// modulo 2^32. Lanes without such a number get an arbitrary one; clamping keeps conversions to int valid.
 FN LongNumber stretched(LongNumber x, int width) {
   const float w = (float)width;
   const int quotient = (int)clamp_f((float)x.high / w * LIGHT_NUMBERS, 0.0f, LIGHT_NUMBERS);
@@ -65,16 +66,16 @@ FN LongNumber stretched(LongNumber x, int width) {
   return left;
 }
 
-// A walk from a node of the cut: to a leaf by a number, or towards a light by its trail, whose lowest bit
-// is the next turn.
-#define LIGHT_WALK_FIELDS(F, a)                            \
-  F(a, int, node)                                          \
-  F(a, int, high) /* the number, or the rest of a trail */ \
-  F(a, float, low)                                         \
-  F(a, float, pmf) /* of the way so far */
+// A descent from a node of the cut: to a leaf by a random number, or to a known light by its trail, whose
+// lowest bit is the next choice of a child.
+#define LIGHT_WALK_FIELDS(F, a)                              \
+  F(a, int, node)                                            \
+  F(a, int, high) /* the number, or the rest of the trail */ \
+  F(a, float, low)                                           \
+  F(a, float, pmf) /* probability of the descent so far */
 LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
 
-/// By what importances of nodes of the cut are multiplied to be counts of numbers.
+/// The factors from importances of the cut's nodes to counts of LIGHT_NUMBERS.
 #define LIGHT_SCALES_FIELDS(F, a) \
   F(a, float, finite)             \
   F(a, float, infinite)
@@ -96,7 +97,7 @@ WEIGH_CUT_NODE(weigh_infinite_node, NODE_INFINITE)
 WEIGH_CUT_NODE(weigh_all_around_node, NODE_ISOTROPIC)
 #undef WEIGH_CUT_NODE
 
-/// Makes sums scales. Rounding leaves some numbers over, 5e-6 of all, which take no light.
+/// Converts sums to scales. Rounding leaves a few numbers (5e-6 of all) that choose no light.
 STAGE void scale_cut(PRIVATE LightScales* RESTRICT scales) {
   const float numbers = LIGHT_NUMBERS - 4.0f * (float)LIGHT_CUT;
   LANE_LOOP
@@ -111,7 +112,7 @@ STAGE void scale_cut(PRIVATE LightScales* RESTRICT scales) {
     }
 }
 
-/// What the nodes of the cut may contribute: of lane j at node * LANES + j.
+/// Computes the importances of the cut's nodes; that of lane j is at node * LANES + j.
 FN void weigh_cut(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE float* importances,
                   PRIVATE LightScales* scales) {
   for (int j = 0; j < LANES; j++) scales->finite[j] = scales->infinite[j] = 0.0f;
@@ -136,19 +137,19 @@ FN void find_light_scales(const PRIVATE Scene* scene, const PRIVATE LitPlaces* p
   weigh_cut(scene, places, importances, scales);
 }
 
-/// How many numbers take a node of the cut: some, if anything may arrive.
+/// How many numbers choose a node of the cut: at least one if any light may arrive.
 FN int numbers_of_node(float importance, float scale) {
   const int some = (int)clamp_f(importance * scale, 0.0f, LIGHT_NUMBERS);
   return importance > 0.0f ? (some < 1 ? 1 : some) : 0;
 }
 
-/// Which of the numbers take which node, as they are dealt out node by node.
+/// Which numbers choose which node; assigned node by node.
 typedef struct {
-  int below[LANES];  ///< that are dealt out
+  int below[LANES];  ///< how many are assigned
   int node[LANES], start[LANES], width[LANES];
 } CutNumbers;
 
-/// Deals out those of the k-th node. A walk takes the node that its number is of.
+/// Assigns numbers to the k-th node. A descent takes the node that its number belongs to.
 STAGE void deal_numbers(int k, const PRIVATE float* RESTRICT importance, const PRIVATE float* RESTRICT scales,
                         const PRIVATE LightWalks* RESTRICT walks, PRIVATE CutNumbers* RESTRICT dealt) {
   LANE_LOOP
@@ -164,7 +165,7 @@ STAGE void deal_numbers(int k, const PRIVATE float* RESTRICT importance, const P
     }
 }
 
-/// Walks begin at a node of the cut; those of numbers that take none have probability 0.
+/// Starts descents at their nodes of the cut. Numbers that choose no node get probability 0.
 STAGE void enter_cut(const PRIVATE CutNumbers* RESTRICT dealt, PRIVATE LightWalks* RESTRICT walks) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -183,7 +184,7 @@ STAGE void enter_cut(const PRIVATE CutNumbers* RESTRICT dealt, PRIVATE LightWalk
     }
 }
 
-/// Walks take a turn each unless they are at a leaf. Returns whether any goes on. `by_trail`, a constant.
+/// Descends by one level, except at leaves. Returns whether any descent continues. `by_trail` is a constant.
 FN bool step_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* RESTRICT places,
                    PRIVATE LightWalks* RESTRICT walks) {
   int any_left = 0;
@@ -228,7 +229,7 @@ STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* R
   return step_walks(scene, true, places, walks);
 }
 
-/// Whether a walk has turns to take.
+/// Whether any descent continues.
 FN bool any_turns_left(const PRIVATE Scene* scene, const PRIVATE LightWalks* walks) {
   int any = 0;
   for (int j = 0; j < LANES; j++)
@@ -250,11 +251,11 @@ STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float
     }
 }
 
-/// Of the leaves where walks ended the lights, whose shares are the same for all places: the search for the
-/// one that a number takes.
+/// Search in the leaves where descents ended: which light the number chooses. The shares of a leaf's lights
+/// are the same for all places.
 typedef struct {
-  int first[LANES], count[LANES];  ///< of the leaf's members; one of them if it has none
-  int at[LANES];                   ///< that of the number is among those from here on
+  int first[LANES], count[LANES];  ///< the leaf's members; count is 1 for a leaf without members
+  int at[LANES];                   ///< index of the first light that may be the one
 } LeafSearch;
 
 STAGE void start_search(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
@@ -270,7 +271,7 @@ STAGE void start_search(const PRIVATE Scene* scene, const PRIVATE LightWalks* RE
     }
 }
 
-/// Moves on by `step` lights, if the number is not of one before that.
+/// Advances by `step` lights if the number does not belong to a light before that.
 STAGE void turn_search(const PRIVATE Scene* scene, int step, const PRIVATE LightWalks* RESTRICT walks,
                        PRIVATE LeafSearch* RESTRICT search) {
   LANE_LOOP
@@ -282,7 +283,7 @@ STAGE void turn_search(const PRIVATE Scene* scene, int step, const PRIVATE Light
     }
 }
 
-/// Notes the lights that walks took in leaves of several.
+/// Stores the lights chosen in leaves that have several.
 STAGE void take_members(const PRIVATE Scene* scene, const PRIVATE LeafSearch* RESTRICT search,
                         const PRIVATE LightWalks* RESTRICT walks, PRIVATE float* RESTRICT u,
                         PRIVATE LightSamplings* RESTRICT samplings) {
@@ -308,7 +309,7 @@ STAGE void take_members(const PRIVATE Scene* scene, const PRIVATE LeafSearch* RE
     }
 }
 
-/// Notes the lights where walks ended; none, of probability 0, where no light can arrive.
+/// Stores the lights where descents ended. If no light can arrive, the probability is 0.
 STAGE void end_by_numbers(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
                           PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
@@ -322,8 +323,8 @@ STAGE void end_by_numbers(const PRIVATE Scene* scene, const PRIVATE LightWalks* 
     }
 }
 
-/// Chooses a light for each place by u and the digits below it, `fine` in [0, 1). What is left of them
-/// replaces u: uniform in [0, 1) again, and as well spread. `scales` become those of the places.
+/// Chooses a light for each place by u and the digits below it, `fine` in [0, 1). The remainder replaces u:
+/// it is again uniform in [0, 1), and as well stratified. Sets the `scales` of the places.
 FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE float* u,
                        const PRIVATE float* fine, PRIVATE LightSamplings* samplings,
                        PRIVATE LightScales* scales) {
@@ -356,11 +357,12 @@ FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
   take_members(scene, &search, &walks, u, samplings);
 }
 
-/// Walks towards the lights found begin at their nodes of the cut.
+/// Starts descents towards known lights at their nodes of the cut.
 STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
                            const PRIVATE LightScales* RESTRICT scales,
                            const PRIVATE FoundLights* RESTRICT found, PRIVATE LightWalks* RESTRICT walks) {
-  const int last = scene->header.light_cut > 0 ? scene->header.light_cut - 1 : 0;  // a scene may have no tree
+  const int last =
+      scene->header.light_cut > 0 ? scene->header.light_cut - 1 : 0;  // the scene may have no hierarchy
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int light = found->light[j];
@@ -389,7 +391,7 @@ STAGE void end_by_trails(const PRIVATE Scene* scene, const PRIVATE LightWalks* R
     }
 }
 
-/// The same where leaves have several lights.
+/// The same for leaves with several lights.
 STAGE void end_at_members(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
                           PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
@@ -405,8 +407,8 @@ STAGE void end_at_members(const PRIVATE Scene* scene, const PRIVATE LightWalks* 
     }
 }
 
-/// Makes the probabilities of the lights found those with which choose_by_tree chooses them for the places,
-/// whose scales these are.
+/// Sets the probabilities with which choose_by_tree chooses the found lights at these places; `scales` are
+/// those of the places.
 FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places,
                        const PRIVATE LightScales* scales, PRIVATE FoundLights* found) {
   LightWalks walks;

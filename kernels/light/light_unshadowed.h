@@ -1,6 +1,6 @@
-// Unshadowed light at a shading point: the closed form of the polygon lights, and the choice of one light in
-// proportion to its unshadowed contribution. LANES points at a time, in double: errors of a closed form are a
-// bias of the image.
+// Unshadowed light at a shading point: the closed form of polygon lights, and the choice of one light in
+// proportion to its unshadowed contribution. LANES points at a time, in double, since errors of a closed form
+// are a bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
 #include "kernels/bsdf/control_lobes.h"
@@ -12,18 +12,17 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Shading points and their reflectances, one a lane.
+/// Shading points and their reflectances, one per lane.
 typedef struct {
   Receivers receivers;
-  double diffuse[3 * LANES];  ///< reflectance, channel c of lane j at c * LANES + j; 0 if it reflects nothing
+  double diffuse[3 * LANES];   ///< channel c of lane j is at c * LANES + j; 0 if there is no reflection
   double specular[3 * LANES];  ///< likewise
-  int closed[LANES];      ///< 0: the surface's BSDF has no closed form, and its lights are chosen by power
-  double polygon[LANES];  ///< index of the polygon light that the point is on, or -1; it adds nothing
+  int closed[LANES];           ///< 0: the BSDF has no closed form; its lights are chosen by power
+  double polygon[LANES];       ///< the polygon light that the point is on, which adds nothing, or -1
 } ShadingPoints;
 
-/// Sets lane j to the surface `s` . A position on a triangle is computed
-/// again in double: far from the scene's centre a rounded one is further off the surface than the errors of
-/// the closed forms allow.
+/// Sets lane j to the surface `s`. The position on a triangle is recomputed in double: far from the scene's
+/// centre, the deviation of a rounded position from the surface is larger than the closed forms tolerate.
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
                             int j) {
   bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
@@ -73,13 +72,14 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   points->specular[2 * LANES + j] = lit ? (double)c.specular.z : 0.0;
 }
 
-/// Makes lane j, set by store_shading_point, that of a closure with control lobes, if it is one.
+/// Adjusts lane j, set by store_shading_point, if its closure has control lobes.
 FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE ShadingPoints* points,
                             int j) {
   const bool has = has_ltc_form(c), lit = is_hit(s) & has & (dot3(s.shading, s.wo) > 0.0f);
   const bool leans = lit & (control.width_x > 0.0f);
   PRIVATE Receivers* r = &points->receivers;
-  // Of the mirror direction the part across the normal; where there is none the lobe is round.
+  // The tangent is the mirror direction's component perpendicular to the normal. If that is 0, the lobe is
+  // round.
   const double nx = r->nx[j], ny = r->ny[j], nz = r->nz[j];
   const double height = r->wx[j] * nx + r->wy[j] * ny + r->wz[j] * nz;
   const double x = r->wx[j] - height * nx, y = r->wy[j] - height * ny, z = r->wz[j] - height * nz;
@@ -104,15 +104,14 @@ FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE 
   points->specular[2 * LANES + j] = has ? (lit ? (double)specular.z : 0.0) : points->specular[2 * LANES + j];
 }
 
-/// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
-/// probability in proportion to its weight. One random number serves for all decisions. After each it is
-/// stretched to [0, 1) again, so stratified numbers make stratified choices, and the remainder still serves
-/// to sample a point.
+/// A weighted reservoir of one item per lane: of a stream of items it keeps each with a probability
+/// proportional to its weight. One random number is used for all decisions. After each it is stretched to [0,
+/// 1) again, so that stratified numbers make stratified choices and the remainder can sample a point.
 typedef struct {
   double u[LANES];       ///< the random number, or its remainder
   double total[LANES];   ///< sum of all weights
   double weight[LANES];  ///< of the chosen item
-  int chosen[LANES];     ///< number of the chosen item, -1 before there is one
+  int chosen[LANES];     ///< index of the chosen item, or -1
 } Reservoir;
 
 FN void start_reservoir(PRIVATE Reservoir* reservoir, int j, double u) {
@@ -138,8 +137,8 @@ FN double reservoir_probability(const PRIVATE Reservoir* reservoir, int j) {
   return reservoir->weight[j] / (total > 0.0 ? total : 1.0);
 }
 
-/// Whether that polygon light has a k-th part. part_of: the index of that part among the lights, or of some
-/// light if there is none.
+/// Whether polygon light `polygon` has a k-th part. part_of: the index of that part among the lights;
+/// arbitrary if there is none.
 FN bool is_part(const PRIVATE Scene* scene, int polygon, int k) {
   const bool is_polygon = (polygon >= 0) & (polygon < scene->header.tables.polygons.count);
   const int count = scene->polygons[is_polygon ? polygon : 0].light_count;
@@ -152,8 +151,8 @@ FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
   return first + (k < count ? k : 0);
 }
 
-/// Rough upper bound of the irradiance from a light without a closed form, channels averaged. Choosing among
-/// lights needs no more. `is_sky`: it surrounds the scene.
+/// A rough upper bound of the irradiance from a light without a closed form, averaged over channels. It is
+/// good enough for choosing a light. `is_sky`: the light surrounds the scene.
 FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, double y, double z) {
   const vec3 p = load3(&light->p0), radiance = load3(&light->radiance);
   const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
@@ -169,9 +168,9 @@ FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, dou
   return mean * (is_sky ? pi : across ? 1.0 : limited);
 }
 
-/// Sums the closed forms of all polygon lights except the point's own: unshadowed radiance towards the
-/// viewer, channel c of lane j at `analytic[c * LANES + j]`. With `choose` also adds all lights to the
-/// reservoir: polygon k as item k, light k that is not a part of a polygon as item polygon_count + k.
+/// Sums the closed forms of all polygon lights except the point's own: unshadowed reflected radiance towards
+/// wo, channel c of lane j at `analytic[c * LANES + j]`. With `choose`, also adds all lights to the
+/// reservoir: polygon k as item k, and light k that is not part of a polygon as item polygon_count + k.
 STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool choose,
                              PRIVATE Reservoir* RESTRICT reservoir, PRIVATE double* RESTRICT analytic) {
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
@@ -214,7 +213,8 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
 FN double sum_of_channels(const PRIVATE double* values, int j) {
   return values[j] + values[LANES + j] + values[2 * LANES + j];
 }
-/// Of the k-th parts that are sampled by projection the weights become what both control lobes get of them.
+/// For k-th parts that are sampled by projected solid angle: sets the weights to what both control lobes
+/// receive.
 STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
                             const PRIVATE Reservoir* RESTRICT reservoir, int k,
                             PRIVATE double* RESTRICT weights) {
@@ -236,9 +236,9 @@ STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoi
     }
 }
 
-/// Chooses one of the parts of the chosen polygon, in proportion to projected solid angle if the light is
-/// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
-/// angle in `projected`, and the remainder of the random number in `u`.
+/// Chooses one part of the chosen polygon, in proportion to projected solid angle if the light is sampled by
+/// it, else to area. Sets the light and its probability in the samplings, its projected solid angle in
+/// `projected`, and the remainder of the random number in `u`.
 STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool by_projection,
                        const PRIVATE Reservoir* RESTRICT reservoir,
                        PRIVATE LightSamplings* RESTRICT samplings, PRIVATE double* RESTRICT projected,

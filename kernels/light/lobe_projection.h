@@ -1,7 +1,8 @@
-// Sampling triangle lights for glossy closures with control lobes (bsdf/control_lobes.h): by projected solid
-// angle for the Lambert, and for the transformed cosine by projected solid angle in the cosine's own space,
-// which is that density clipped to the light. Either covers all of the light that the receiver sees, so any
-// mixture of them does; the shares are the closed forms of what the two lobes get.
+// Sampling of triangle lights for glossy closures with control lobes (bsdf/control_lobes.h). The Lambert lobe
+// uses projected solid angle; the linearly transformed cosine uses projected solid angle in the space where
+// it is a cosine, which samples the lobe's density clipped to the light. Either covers all of the light that
+// the receiver sees, so any mixture of both is valid. The mixture is weighted by the closed forms of what the
+// two lobes receive.
 #ifndef PENUMBRA_LOBE_PROJECTION_H
 #define PENUMBRA_LOBE_PROJECTION_H
 #include "kernels/bsdf/control_lobes.h"
@@ -10,15 +11,15 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-#define RECEIVER_LOBES_FIELDS(F, a)                                                    \
-  F(a, vec3, normal)    /* unit, shading normal */                                     \
-  F(a, vec3, wo)        /* unit, towards the viewer */                                 \
-  F(a, vec3, matrix)    /* width_x, width_y, shift: see Ltc */                         \
-  F(a, float, specular) /* share of the transformed cosine in the albedo; 0: no lobe */
+#define RECEIVER_LOBES_FIELDS(F, a)                                           \
+  F(a, vec3, normal)    /* unit, shading normal */                            \
+  F(a, vec3, wo)        /* unit, towards the camera or the previous vertex */ \
+  F(a, vec3, matrix)    /* width_x, width_y, shift: see Ltc */                \
+  F(a, float, specular) /* fraction of the transformed cosine in the albedo; 0: no lobe */
 // clang-format on
 LANE_RECORD(ReceiverLobes, ReceiverLobesLanes, receiver_lobes, RECEIVER_LOBES_FIELDS)
 
-/// A closure without control lobes is taken for a Lambert; without a normal (0) there is no projection.
+/// A closure without control lobes is treated as Lambert. If the normal is 0, there is no projection.
 FN ReceiverLobes receiver_lobes(vec3 normal, vec3 wo, ControlLobes c) {
   const float diffuse = (c.diffuse.x + c.diffuse.y) + c.diffuse.z;
   const float specular = (c.specular.x + c.specular.y) + c.specular.z, sum = diffuse + specular;
@@ -38,15 +39,15 @@ FN Ltc ltc_of_receiver(ReceiverLobes r) {
   return ltc;
 }
 
-/// The axes of the cosine's space as functions of a vector of world space, in double: x and y are a narrow
-/// lobe's width apart, which takes digits.
+/// The axes of the cosine's space as functions of a world-space vector, in double: x and y scale by the
+/// inverse width of a narrow lobe, which loses digits.
 typedef struct {
   vec3d x, y, z;
 } CosineAxes;
 
 FN CosineAxes cosine_axes(ReceiverLobes r) {
   const vec3 wo = to_frame(r.normal, r.wo), along = to_lobe_frame(wo, make_vec3(1.0f, 0.0f, 0.0f));
-  // The lobe's frame turns that of the normal: what leads there from its axes.
+  // The lobe's frame is rotated about the normal; this is the rotation from the normal's frame.
   const vec3d s = widen3(from_frame(r.normal, 1.0f, 0.0f, 0.0f)),
               t = widen3(from_frame(r.normal, 0.0f, 1.0f, 0.0f));
   const double c = along.x, n = along.y;
@@ -62,8 +63,8 @@ FN vec3d in_axes(CosineAxes axes, vec3d v) {
 }
 FN vec3 narrow3(vec3d v) { return make_vec3((float)v.x, (float)v.y, (float)v.z); }
 
-/// Integral of the transformed cosine's density over a triangle light at the point, times pi, in double; 0
-/// for other kinds.
+/// Integral of the transformed cosine's density over a triangle light as seen from the point, times pi, in
+/// double; 0 for other kinds.
 FN double light_lobe(GLOBAL const Light* light, double px, double py, double pz, CosineAxes axes) {
   const vec3d p = make_vec3d(px, py, pz);
   const vec3d q0 = widen3(load3(&light->p0)), q1 = widen3(load3(&light->p1)), q2 = widen3(load3(&light->p2));
@@ -77,8 +78,8 @@ FN double light_lobe(GLOBAL const Light* light, double px, double py, double pz,
 /// A light as both lobes see it.
 typedef struct {
   ProjectedPolygon diffuse, specular;  ///< the latter in the cosine's space
-  float diffuse_area, specular_area;   ///< more precisely, see light_irradiance and light_lobe
-  float share;                         ///< probability of the specular one; negative: neither serves
+  float diffuse_area, specular_area;   ///< more precise areas, see light_irradiance and light_lobe
+  float share;  ///< probability of the specular lobe; negative: neither lobe can be used
 } LobeProjection;
 
 FN LobeProjection project_lobes(GLOBAL const Light* light, vec3 from, ReceiverLobes r) {
@@ -107,7 +108,7 @@ FN LobeProjection project_lobes(GLOBAL const Light* light, vec3 from, ReceiverLo
   return l;
 }
 
-/// Density of the mixture over the cosine of wi, a unit direction to the light in world space.
+/// Pdf of the mixture over the cosine of wi, a unit world-space direction to the light.
 FN float lobes_density_over_cosine(LobeProjection l, ReceiverLobes r, vec3 wi) {
   const vec3 w = to_lobe_frame(to_frame(r.normal, r.wo), to_frame(r.normal, wi));
   const float share = max_f(l.share, 0.0f);
@@ -135,7 +136,7 @@ FN ProjectedPolygon select_projected(bool c, ProjectedPolygon a, ProjectedPolygo
   return p;
 }
 
-/// As sample_projected_light, by the mixture.
+/// Like sample_projected_light, by the mixture.
 FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, ReceiverLobes lobes, int light,
                            bool own, float u, float v, PRIVATE LightSamplings* samplings, int j) {
   const LobeProjection l = project_lobes(scene->lights + light, r.p, lobes);
@@ -153,7 +154,7 @@ FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, Receiver
   samplings->scale[j] = some ? lobes_density_over_cosine(l, lobes, wi) : -1.0f;
 }
 
-/// As projected_density, of the mixture.
+/// Like projected_density, for the mixture.
 FN float lobes_density(const PRIVATE Scene* scene, FoundLight found, ReceiverLobes lobes) {
   GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
   const LobeProjection l = project_lobes(light, found.from, lobes);

@@ -6,9 +6,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Weight of a sample of expected density `mine` (samples times pdf) where another strategy has
-/// `other`: the balance heuristic, or the power heuristic with beta = 2. 0 if `mine` is 0. Quotients first:
-/// densities may be so large that their squares overflow.
+/// MIS weight of a sample with expected density `mine` (number of samples times pdf), where another strategy
+/// has `other`: the balance heuristic, or the power heuristic with beta = 2. It is 0 if `mine` is 0.
+/// Quotients are taken first, since squares of large densities may overflow.
 FN float mis_weight(int heuristic, float mine, float other) {
   const float ratio = other / (mine > 0.0f ? mine : 1.0f);
   const float term = heuristic == HEURISTIC_POWER ? ratio * ratio : ratio;

@@ -1,4 +1,4 @@
-// Point lights, which no ray finds.
+// Point lights. Rays never hit them.
 #ifndef PENUMBRA_POINT_LIGHT_H
 #define PENUMBRA_POINT_LIGHT_H
 #include "kernels/light/kind_functions.h"

@@ -1,4 +1,4 @@
-// Sampling lights by projected solid angle: a part of the light sampling stage.
+// Sampling of lights by projected solid angle, as part of the light sampling stage.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
 #include "kernels/light/light_found.h"
@@ -9,8 +9,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Irradiance from a triangle light per unit of its radiance, which is its projected solid angle, in double;
-/// 0 for other kinds.
+/// Irradiance from a triangle light per unit of its radiance, which equals its projected solid angle, in
+/// double; 0 for other kinds.
 FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
                            double nz) {
   const double e = triangle_irradiance(x, y, z, nx, ny, nz, load3(&light->p0), load3(&light->p1),
@@ -19,7 +19,7 @@ FN double light_irradiance(GLOBAL const Light* light, double x, double y, double
 }
 
 /// The light projected onto the hemisphere about `n` at `from`. It is sampled by projected solid angle if the
-/// `area` of the result is above 0; light_irradiance gives that area more precisely.
+/// result's `area` is above 0; light_irradiance computes that area more precisely.
 FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) {
   const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
   const vec3 p2 = sub(load3(&light->p2), from);
@@ -31,8 +31,8 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// The density with which sampling by projected solid angle chooses the direction in which a ray found the
-/// light, from a point with shading normal `n`; negative: that is not how it is sampled.
+/// Pdf, by projected solid angle, of the direction in which a ray hit the light from a point with shading
+/// normal `n`; negative: the light is not sampled that way.
 FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n) {
   GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
   const ProjectedPolygon polygon = project_light(light, found.from, n);
@@ -42,8 +42,8 @@ FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n)
   return some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
-/// Samples a direction from the receiver to the light of that index by (u, v). `area` is its
-/// light_irradiance. Without a normal there is none.
+/// Samples a direction from the receiver to light `light` by (u, v). `area` is its light_irradiance.
+/// Receivers without a normal get no direction.
 FN void sample_projected_light(const PRIVATE Scene* scene, LightReceiver r, int light, float area, float u,
                                float v, PRIVATE LightSamplings* samplings, int j) {
   const ProjectedPolygon polygon = project_light(scene->lights + light, r.p, r.shading);

@@ -1,12 +1,13 @@
-// Sampling a triangle by its projected solid angle: directions with density cos(theta) / A, theta from the
-// receiver's normal. A diffuse receiver then sees a light of constant radiance without any variance.
+// Sampling of a triangle by projected solid angle: directions with pdf cos(theta) / A, where theta is the
+// angle to the receiver's normal. The direct light of a diffuse receiver from an unoccluded light of constant
+// radiance then has no variance.
 //
-// Everything happens in the receiver's frame, its normal the z axis. Below the zenith, the part of the
-// hemisphere that an arc of a great circle with unit normal g sweeps towards the zenith has the projected
-// area g.z / 2 times the arc's angle (Lambert 1760). So an azimuth range between an outer and an inner arc is
-// sampled by the angle x along the outer one: linear in x where the zenith is inside the light, else by
-// Newton's method, for which the inner arc contributes one arc tangent. Then the squared radius
-// sin(theta)^2 is uniform between the arcs. Cf. Peters 2021, BRDF Importance Sampling for Polygonal Lights.
+// All computations are in the receiver's frame, whose z axis is the normal. Consider an arc of a great circle
+// with unit normal g: the region between the arc and the zenith has projected area g.z / 2 times the arc's
+// angle (Lambert 1760). An azimuth range between an outer and an inner arc is sampled by the angle x along
+// the outer arc: linearly in x if the zenith is inside the light, else by Newton's method, for which the
+// inner arc contributes one arc tangent. Then the squared radius sin(theta)^2 is uniform between the arcs.
+// Cf. Peters 2021, BRDF Importance Sampling for Polygonal Lights.
 #ifndef PENUMBRA_PROJECTED_TRIANGLE_H
 #define PENUMBRA_PROJECTED_TRIANGLE_H
 #include "kernels/math/math.h"
@@ -14,30 +15,30 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// The area is a sum of terms of either sign, good to 1.5e-7 times the perimeter. Triangles so small or thin
-// that twice the area is below this part of the perimeter are not sampled by it: its relative error stays
-// below 1e-4.
+// The area is a sum of terms of both signs, with an error of 1.5e-7 times the perimeter. A triangle is not
+// sampled by projected solid angle if twice its area is below this fraction of the perimeter, so that the
+// area's relative error stays below 1e-4.
 #define SMALL_PROJECTED_AREA 3e-3f
-// Vertices are rounded by some 1e-7: an edge that misses the zenith by no more may as well pass through it,
-// and sweeps nothing.
+// Vertices have rounding errors of about 1e-7. An edge that misses the zenith by no more than this is treated
+// as passing through it, with no area.
 #define ZENITH_TOLERANCE 2.5e-7f
-// After as many the part of the area on either side of the sample's azimuth is off by less than
-// 1e-5 (1 + perimeter / area) in 999 of 1000 random triangles, and never by more than 1e-3.
+// After these steps, the fraction of the area on either side of the sample's azimuth has an error below 1e-5
+// (1 + perimeter / area) for 999 of 1000 random triangles, and never above 1e-3.
 #define PROJECTED_NEWTON_STEPS 6
 
 /// An arc of a great circle between two unit vectors.
 typedef struct {
   vec3 from, to;
-  vec3 g;       ///< unit, from x to normalised; 0 where they coincide
+  vec3 g;       ///< unit, from x to normalised; 0 if they coincide
   float arc;    ///< angle
-  int winding;  ///< 1: counter-clockwise about the zenith; -1: clockwise; 0: it passes through it
+  int winding;  ///< 1: counter-clockwise about the zenith; -1: clockwise; 0: through the zenith
 } ProjectedEdge;
 
-/// The part of a triangle above the horizon: a convex polygon of four edges, some of which may be points,
+/// The part of a triangle above the horizon: a convex polygon of four edges, some of which may be degenerate,
 /// counter-clockwise as seen from above the hemisphere.
 typedef struct {
   ProjectedEdge e0, e1, e2, e3;
-  float area;  ///< projected solid angle, at most pi; 0: none, seen from the back, or too small to be sampled
+  float area;  ///< projected solid angle, at most pi; 0: none, seen from the back, or too small
 } ProjectedPolygon;
 
 FN float cross2(float ax, float ay, float bx, float by) { return ax * by - ay * bx; }
@@ -50,7 +51,7 @@ FN ProjectedEdge projected_edge(vec3 from, vec3 to) {
   const float sine = length3(cross);
   e.g = scale(cross, 1.0f / max_f(sine, 1e-30f));
   e.arc = atan2_f(sine, dot3(from, to));
-  // Not by g.z, which rounds differently: sorted azimuths and windings have to agree exactly.
+  // Not by g.z, which rounds differently: windings must agree exactly with sorted azimuths.
   const float turn = cross2(from.x, from.y, to.x, to.y);
   const float tolerance = ZENITH_TOLERANCE * (FABS(from.x) + FABS(from.y) + FABS(to.x) + FABS(to.y));
   e.winding = (turn > tolerance ? 1 : 0) - (turn < -tolerance ? 1 : 0);
@@ -66,13 +67,13 @@ FN vec3 horizon_point(vec3 a, vec3 b) {
 
 FN vec3 unit3(vec3 v) { return scale(v, 1.0f / SQRT(max_f(dot3(v, v), 1e-37f))); }
 
-/// Clips the triangle, whose vertices are relative to the receiver and in its frame, to the upper hemisphere.
-/// Its front is where p0, p1, p2 are seen counter-clockwise, as everywhere.
+/// Clips the triangle to the upper hemisphere. Its vertices are relative to the receiver and in the
+/// receiver's frame. Its front is where p0, p1, p2 appear counter-clockwise, as everywhere.
 FN ProjectedPolygon project_triangle(vec3 p0, vec3 p1, vec3 p2) {
-  // The receiver sees it from below, and the plane of the horizon is drawn from above: p0, p2, p1.
+  // The receiver sees the triangle from below, the horizon's plane is seen from above: hence p0, p2, p1.
   const bool up0 = p0.z > 0.0f, up1 = p2.z > 0.0f, up2 = p1.z > 0.0f;
   const bool any = up0 | up1 | up2, all = up0 & up1 & up2;
-  // Turned so that `a` is alone on its side of the horizon, if any vertex is.
+  // The vertices are rotated so that `a` is alone on its side of the horizon, if any vertex is.
   const bool odd1 = (up1 != up0) & (up1 != up2), odd2 = (up2 != up0) & (up2 != up1);
   const vec3 a = select3(odd1, p2, select3(odd2, p1, p0));
   const vec3 b = select3(odd1, p1, select3(odd2, p0, p2));
@@ -93,23 +94,23 @@ FN ProjectedPolygon project_triangle(vec3 p0, vec3 p1, vec3 p2) {
   return polygon;
 }
 
-/// Angle along the great circle with unit normal g between the azimuths of (ax, ay) and (bx, by), vectors of
-/// any length less than half a turn apart.
+/// The angle along the great circle with unit normal g between the azimuths of (ax, ay) and (bx, by): vectors
+/// of any length, less than half a turn apart.
 FN float arc_between(vec3 g, float ax, float ay, float bx, float by) {
   return atan2_f(g.z * cross2(ax, ay, bx, by),
                  g.z * g.z * (ax * bx + ay * by) + (g.x * ax + g.y * ay) * (g.x * bx + g.y * by));
 }
 
-/// The part of the polygon in an azimuth range, between two arcs.
+/// The part of the polygon within an azimuth range, between two arcs.
 typedef struct {
-  float from_x, from_y;  ///< smaller azimuth
-  float to_x, to_y;      ///< greater azimuth
-  vec3 outer, inner;     ///< the arcs' great circles, z >= 0; 0: none
+  float from_x, from_y;  ///< the smaller azimuth
+  float to_x, to_y;      ///< the larger azimuth
+  vec3 outer, inner;     ///< normals of the arcs' great circles, z >= 0; 0: no arc
   float outer_arc;
-  float area;  ///< twice
+  float area;  ///< twice the area
 } ProjectedSector;
 
-/// Makes the edge an arc of the sector, if it covers the sector's azimuths.
+/// Sets the edge as an arc of the sector if it covers the sector's azimuths.
 FN void cover_sector(PRIVATE ProjectedSector* s, ProjectedEdge e) {
   const bool clockwise = e.winding < 0;
   const float low_x = clockwise ? e.to.x : e.from.x, low_y = clockwise ? e.to.y : e.from.y;
@@ -120,7 +121,8 @@ FN void cover_sector(PRIVATE ProjectedSector* s, ProjectedEdge e) {
   s->inner = select3(covers & clockwise, make_vec3(-e.g.x, -e.g.y, FABS(e.g.z)), s->inner);
 }
 
-/// Of the zenith inside: what `own` sweeps. Else what is between these azimuths.
+/// If the zenith is inside (`central`): the region between the zenith and edge `own`. Else the region between
+/// these azimuths.
 FN ProjectedSector projected_sector(ProjectedPolygon p, bool central, ProjectedEdge own, float from_x,
                                     float from_y, float to_x, float to_y) {
   ProjectedSector s;
@@ -142,7 +144,7 @@ FN ProjectedSector projected_sector(ProjectedPolygon p, bool central, ProjectedE
   return s;
 }
 
-/// Goes on to the sector if `target` is beyond the area of those before it, the last of which is `chosen`.
+/// Moves on to sector s if `target` is beyond the area of the sectors before, the last of which is `chosen`.
 FN void pass_sector(PRIVATE ProjectedSector* chosen, PRIVATE float* target, ProjectedSector s) {
   const bool beyond = (*target >= chosen->area) & (s.area > 0.0f);
   *target = beyond ? *target - chosen->area : *target;
@@ -154,7 +156,7 @@ FN void pass_sector(PRIVATE ProjectedSector* chosen, PRIVATE float* target, Proj
   chosen->area = beyond ? s.area : chosen->area;
 }
 
-/// The share of the sector's outer radius^2 that the inner arc cuts off, at a point of the outer arc.
+/// The fraction of the outer squared radius that the inner arc cuts off, at a point of the outer arc.
 FN float inner_share(vec3 inner, vec3 at) {
   const float height = inner.x * at.x + inner.y * at.y;
   const float across = inner.z * inner.z;
@@ -162,21 +164,21 @@ FN float inner_share(vec3 inner, vec3 at) {
   return d > 0.0f ? min_f(across / d, 1.0f) : 0.0f;
 }
 
-/// Where a linear density, `density0` at 0 and `density1` at 1, has passed the fraction y of its integral
-/// over [0, 1]. Also the density there.
+/// For a linear density on [0, 1] from `density0` to `density1`: the point below which lies the fraction y of
+/// its integral. Also returns the density there.
 FN float along_linear_density(float density0, float density1, float y, PRIVATE float* density) {
   *density = SQRT(sqr(density0) * (1.0f - y) + sqr(density1) * y);
   const float sum = density0 + *density;
   return sum > 0.0f ? min_f(y * (density0 + density1) / sum, 1.0f) : y;
 }
 
-/// Twice the area of the sector up to a point of the outer arc, which is the part x of it.
+/// Twice the area of the sector up to point `at` of the outer arc, which is the fraction x of the arc.
 FN float sector_area(ProjectedSector s, float x, vec3 at) {
   return s.outer.z * s.outer_arc * x - s.inner.z * arc_between(s.inner, s.from_x, s.from_y, at.x, at.y);
 }
 
-/// A direction of the sector: the part `u` of the area is at smaller azimuths, the part `v` of the rest
-/// inside.
+/// Samples a direction in the sector: the fraction `u` of the area is at smaller azimuths, and the fraction
+/// `v` of the squared radius range is inside.
 FN vec3 sample_sector(ProjectedSector s, float u, float v) {
   const float height = -(s.outer.x * s.from_x + s.outer.y * s.from_y);
   const vec3 on_arc = make_vec3(s.outer.z * s.from_x, s.outer.z * s.from_y, height);
@@ -187,13 +189,13 @@ FN vec3 sample_sector(ProjectedSector s, float u, float v) {
   sincos_2pi(turns, &sine, &cosine);
   const float density0 = 1.0f - inner_share(s.inner, start);
   const float density1 = 1.0f - inner_share(s.inner, add(scale(start, cosine), scale(side, sine)));
-  // First guess: by the linear density that has the same area in each half.
+  // First guess: the linear density with the same area in each half.
   sincos_2pi(0.5f * turns, &sine, &cosine);
   const float middle = sector_area(s, 0.5f, add(scale(start, cosine), scale(side, sine)));
   const float guess0 = clamp_f(4.0f * middle / max_f(s.area, 1e-30f) - 1.0f, 0.0f, 2.0f);
   const float part = clamp_f(u, 0.0f, 1.0f);
   float x = along_linear_density(guess0, 2.0f - guess0, part, &density);
-  // Newton's method not for x but for the area that a linear density between the true ends would have: its
+  // Newton's method does not solve for x but for the area under a linear density between the true ends: its
   // slope stays of order 1 where the arcs meet in a vertex and the density is 0.
   const float densities = max_f(density0 + density1, 1e-30f);
   float y = clamp_f(x * (2.0f * density0 + (density1 - density0) * x) / densities, 0.0f, 1.0f);
@@ -213,7 +215,8 @@ FN vec3 sample_sector(ProjectedSector s, float u, float v) {
   x = along_linear_density(density0, density1, y, &density);
   sincos_2pi(turns * x, &sine, &cosine);
   const vec3 at = add(scale(start, cosine), scale(side, sine));
-  // Squares of sine and cosine of theta between those of the two arcs, without cancellation near the horizon.
+  // Squared sine and cosine of theta, interpolated between the two arcs without cancellation near the
+  // horizon.
   const float outer_r2 = at.x * at.x + at.y * at.y;
   const float inner_height = s.inner.x * at.x + s.inner.y * at.y;
   const float inner_low = sqr(s.inner.z) * outer_r2, inner_high = sqr(inner_height);
@@ -225,7 +228,7 @@ FN vec3 sample_sector(ProjectedSector s, float u, float v) {
   return make_vec3(r * at.x, r * at.y, SQRT(z2));
 }
 
-/// Orders two vectors of the plane by azimuth.
+/// Orders two vectors in the plane by azimuth.
 FN void order_azimuths(PRIVATE float* ax, PRIVATE float* ay, PRIVATE float* bx, PRIVATE float* by) {
   const float x0 = *ax, y0 = *ay, x1 = *bx, y1 = *by;
   const bool swap = cross2(x0, y0, x1, y1) < 0.0f;
@@ -235,11 +238,11 @@ FN void order_azimuths(PRIVATE float* ax, PRIVATE float* ay, PRIVATE float* bx, 
   *by = swap ? y0 : y1;
 }
 
-/// A unit direction of the polygon with density z / area, for an area above 0.
+/// Samples a unit direction of the polygon with pdf z / area, for an area above 0.
 FN vec3 sample_projected_polygon(ProjectedPolygon p, float u, float v) {
-  // With the zenith inside, every edge is an outer one.
+  // If the zenith is inside, every edge is an outer arc.
   const bool central = (p.e0.winding >= 0) & (p.e1.winding >= 0) & (p.e2.winding >= 0) & (p.e3.winding >= 0);
-  // Otherwise all azimuths are within half a turn, and can be sorted.
+  // Otherwise all azimuths are within half a turn and can be sorted.
   float x0 = p.e0.from.x, x1 = p.e1.from.x, x2 = p.e2.from.x, x3 = p.e3.from.x;
   float y0 = p.e0.from.y, y1 = p.e1.from.y, y2 = p.e2.from.y, y3 = p.e3.from.y;
   order_azimuths(&x0, &y0, &x1, &y1);

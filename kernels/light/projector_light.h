@@ -1,13 +1,13 @@
-// Projectors, which no ray finds: an image in focus at every distance (Mitsuba 3). `radiance`, and the
-// texture that multiplies it, is irradiance over pi on a plane at distance 1 across the beam.
+// Projectors: an image in focus at every distance (Mitsuba 3). Rays never hit them. `radiance` times the
+// texture is the irradiance over pi on a plane at distance 1 perpendicular to the beam.
 #ifndef PENUMBRA_PROJECTOR_LIGHT_H
 #define PENUMBRA_PROJECTOR_LIGHT_H
 #include "kernels/light/beam.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Radiant intensity, without its texture: a plane across the beam at distance z is at z / cos, and sees it
-/// under that cosine.
+/// Radiant intensity without the texture. A point of that plane is at distance 1 / cos and sees the light
+/// under that cosine, hence 1 / cos^3.
 FN vec3 projector_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
                                  vec3 wi) {
   const float cosine = -dot3(load3(&beam_of(scene, light)->z), wi);

@@ -1,4 +1,4 @@
-// Rectangle lights: by area, or by solid angle.
+// Rectangle lights, sampled by area or by solid angle.
 #ifndef PENUMBRA_RECTANGLE_LIGHT_H
 #define PENUMBRA_RECTANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// As `from` sees it; the solid angle is 0 where it is not sampled by it.
+/// The rectangle as seen from `from`. The solid angle is 0 if the light is not sampled by it.
 FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
   const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
   SphericalRectangle s = spherical_rectangle(p0, p1, sub(load3(&light->p2), from));

@@ -1,4 +1,4 @@
-// Sphere lights: by the cone that they subtend, or by area.
+// Sphere lights, sampled by the cone that they subtend, or by area.
 #ifndef PENUMBRA_SPHERE_LIGHT_H
 #define PENUMBRA_SPHERE_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
@@ -7,13 +7,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// 1 - cos of the half-angle of the cone about a sphere at distance^2 d2 > radius^2.
+/// 1 - cos of the half-angle of the cone that a sphere subtends at squared distance d2 > radius^2.
 FN float cone_versine(float d2, float radius2) {
   const float sine2 = radius2 / d2;
   return sine2 / (1.0f + safe_sqrt(1.0f - sine2));
 }
 
-/// A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its surface.
+/// Not for a sphere that emits inwards: its inside is a receiver, and rounding puts points on either side of
+/// it.
 FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
   return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
 }
@@ -31,7 +32,7 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   const vec3 to_center = sub(center, r.p);
   const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
   const bool cone = sphere_light_is_cone(light, d2, r2);
-  // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
+  // Samples a direction in the cone that the sphere subtends, and computes the angle at the sphere's centre.
   const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
   const float versine = u * versine_max;
   const float sine2 = versine * (2.0f - versine);
@@ -39,8 +40,8 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   const float ratio2 = r2 / (cone ? d2 : 1.0f);
   const float half_chord = safe_sqrt(1.0f - sine2 / max_f(ratio2, 1e-30f));
   const float cosine_center = sine2 / SQRT(max_f(ratio2, 1e-30f)) + (1.0f - versine) * half_chord;
-  // By the law of sines from the distance along the direction: the cosine would lose small angles, which
-  // are wide ones for a receiver close to the sphere.
+  // By the law of sines from the distance along the direction. The cosine would lose small angles, which look
+  // wide to a receiver close to the sphere.
   const float product = radius * (distance * (1.0f - versine) + radius * half_chord);
   const float sine_center = SQRT(sine2) * (d2 - r2) / max_f(product, 1e-30f);
   const vec3 back = scale(to_center, -1.0f / (cone ? distance : 1.0f));

@@ -1,10 +1,10 @@
-// Sampling a planar rectangle by the solid angle it subtends, after Urena, Fajardo and King 2013, An
-// Area-Preserving Parametrization for Spherical Rectangles, in formulas that single precision stands.
+// Sampling of a planar rectangle by the solid angle it subtends, after Urena, Fajardo and King 2013, An
+// Area-Preserving Parametrization for Spherical Rectangles, in formulas that are stable in single precision.
 //
-// In a frame whose x and y run along the sides and whose z points to the plane, let f(x) be the solid angle
-// of the part between the sides y0 and y1 and the abscissae 0 and x; it grows from -D at minus infinity to D.
-// With tan(a_i) = y_i / z and sin(s) = x / sqrt(x^2 + z^2) it is asin(sin(a1) sin(s)) - asin(sin(a0) sin(s)),
-// D is a1 - a0, and solved for x
+// The frame has x and y along the sides and z towards the plane. Let f(x) be the solid angle of the part
+// between the sides y0 and y1 and between the abscissae 0 and x; it grows from -D at minus infinity to D.
+// With tan(a_i) = y_i / z and sin(s) = x / sqrt(x^2 + z^2), f(x) = asin(sin(a1) sin(s)) - asin(sin(a0)
+// sin(s)) and D = a1 - a0. Solved for x,
 //   x / z = sin(f) / sqrt(q (q + 2 cos(a0) cos(a1))),
 //   q = cos(f) - cos(D) = 2 sin((D + f) / 2) sin((D - f) / 2).
 // Along the line at x, the sine of the latitude, y / sqrt(x^2 + y^2 + z^2), is uniform (Archimedes).
@@ -15,13 +15,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Below this solid angle a rectangle's area sampling is as good: the numbers that choose a direction are
-// added to angles of up to pi, whose rounding is a ten-thousandth of it.
+// Below this solid angle, area sampling is as good: random numbers are added to angles of up to pi, whose
+// rounding error is a ten-thousandth of it.
 #define SMALL_RECTANGLE_SOLID_ANGLE 1e-3f
 
 typedef struct {
   vec3 x, y, z;          ///< unit: along the sides, and from the shading point to the plane
-  float x0, x1, y0, y1;  ///< the sides in that frame, in units of about the distance and the extent
+  float x0, x1, y0, y1;  ///< the sides in that frame; the unit is about the distance plus the extent
   float width, height;   ///< x1 - x0 and y1 - y0
   float distance;        ///< of the plane, > 0
   float first, strip;    ///< f(x0) and D
@@ -42,15 +42,16 @@ FN float rectangle_part(float x, float y0, float y1, float height, float z, floa
   return atan2_f(x * z * rise, z2 * (r0 * r1) + x2 * (y0 * y1));
 }
 
-/// A corner and those next and previous to it, relative to the shading point, which may be on either side;
-/// the edges to them are perpendicular but for rounding. The solid angle is within 1e-6 of its value that of
-/// a rectangle whose corners are moved by up to 2^-23 of the distance to the farthest one along each axis.
+/// `corner` and the corners next and previous to it, relative to the shading point, which may be on either
+/// side. The edges must be perpendicular except for rounding. The solid angle is, with a relative error of
+/// 1e-6, that of a rectangle whose corners are moved by up to 2^-23 of the distance to the farthest one along
+/// each axis.
 FN SphericalRectangle spherical_rectangle(vec3 corner, vec3 next, vec3 previous) {
   SphericalRectangle s;
   const vec3 e0 = sub(next, corner), e1 = sub(previous, corner);
   const float length0 = length3(e0), length1 = length3(e1);
   const float unit = 1.0f / max_f(length3(corner) + (length0 + length1), 1e-30f);
-  // Rounding turns the shorter edge the more: it gives way until the two are perpendicular.
+  // Rounding rotates the shorter edge more, so the shorter one is made perpendicular to the longer one.
   const bool first_longer = length0 > length1;
   const vec3 longer = select3(first_longer, scale(e0, 1.0f / max_f(length0, 1e-30f)),
                               scale(e1, 1.0f / max_f(length1, 1e-30f)));
@@ -76,8 +77,8 @@ FN SphericalRectangle spherical_rectangle(vec3 corner, vec3 next, vec3 previous)
   s.first = rectangle_part(s.x0, s.y0, s.y1, s.height, s.distance, r0, r3);
   const float last = rectangle_part(s.x1, s.y0, s.y1, s.height, s.distance, r1, r2);
   s.strip = atan2_f(s.height * s.distance, z2 + s.y0 * s.y1);
-  // The difference of parts is good where the rectangle is large or close to its plane; otherwise its two
-  // triangles (Van Oosterom and Strackee 1983), whose determinants are the same product.
+  // The difference of parts is accurate if the rectangle is large or close to its plane. Otherwise the sum of
+  // its two triangles is used (Van Oosterom and Strackee 1983), whose determinants are the same product.
   const float x01 = s.x0 * s.x1, y01 = s.y0 * s.y1;
   const float diagonal = x01 + y01 + z2;
   const float determinant = s.distance * s.width * s.height;
@@ -89,9 +90,9 @@ FN SphericalRectangle spherical_rectangle(vec3 corner, vec3 next, vec3 previous)
   return s;
 }
 
-/// A unit direction uniform over the rectangle's solid angle: u goes along the side from the corner to the
-/// next one, v along the other. It points into the rectangle of moved corners (see above), or beside it by up
-/// to 2^-21.
+/// Samples a unit direction uniformly in the rectangle's solid angle: u runs along the side from the corner
+/// to the next one, v along the other. The direction points into the rectangle of moved corners (see above),
+/// or misses it by up to 2^-21.
 FN vec3 sample_spherical_rectangle(SphericalRectangle s, float u, float v) {
   const float part = s.first + u * s.solid_angle;
   const float z2 = sqr(s.distance);
@@ -105,7 +106,7 @@ FN vec3 sample_spherical_rectangle(SphericalRectangle s, float u, float v) {
   const float x = clamp_f(s.distance * tangent, s.x0, s.x1);
   const float c = x * x + z2;
   const float r0 = SQRT(c + sqr(s.y0)), r1 = SQRT(c + sqr(s.y1));
-  // 1 + h and 1 - h of the latitude's sine h, both as sums of positive terms.
+  // 1 + h and 1 - h for the sine h of the latitude, both as sums of positive terms.
   const float range = rectangle_rise(c, s.y0, s.y1, s.height, r0, r1) / (r0 * r1);
   const float above = (s.y0 < 0.0f ? c / (r0 * (r0 - s.y0)) : 1.0f + s.y0 / r0) + v * range;
   const float below = (s.y1 > 0.0f ? c / (r1 * (r1 + s.y1)) : 1.0f - s.y1 / r1) + (1.0f - v) * range;

@@ -1,4 +1,4 @@
-// Sampling a triangle by the solid angle it subtends.
+// Sampling of a triangle by the solid angle it subtends.
 #ifndef PENUMBRA_SPHERICAL_TRIANGLE_H
 #define PENUMBRA_SPHERICAL_TRIANGLE_H
 #include "kernels/math/math.h"
@@ -9,19 +9,20 @@ PENUMBRA_NAMESPACE_BEGIN
 typedef struct {
   vec3 v0, v1, v2;    ///< unit
   float determinant;  ///< |v0 . (v1 x v2)|
-  float g0, g1;       ///< v0 . v2 + v1 . v2 and 1 + v0 . v1: the tangent's denominator in two parts
+  float g0, g1;       ///< v0 . v2 + v1 . v2 and 1 + v0 . v1: two parts of the tangent's denominator
   float solid_angle;  ///< in [0, 4 pi)
 } SphericalTriangle;
 
-/// Vertices relative to the shading point. Omega = 2 atan(V / (G0 + G1)) (Van Oosterom and Strackee 1983).
+/// Vertices are relative to the shading point. Omega = 2 atan(V / (G0 + G1)) (Van Oosterom and Strackee
+/// 1983).
 FN SphericalTriangle spherical_triangle(vec3 a, vec3 b, vec3 c) {
   SphericalTriangle t;
   t.v0 = scale(a, 1.0f / SQRT(max_f(dot3(a, a), 1e-30f)));
   t.v1 = scale(b, 1.0f / SQRT(max_f(dot3(b, b), 1e-30f)));
   t.v2 = scale(c, 1.0f / SQRT(max_f(dot3(c, c), 1e-30f)));
-  // Edges instead of vertices: the determinant of a small triangle is a small difference otherwise.
+  // Differences of vertices avoid cancellation in the determinant of a small triangle.
   t.determinant = FABS(dot3(t.v0, cross3(sub(t.v1, t.v0), sub(t.v2, t.v0))));
-  // The sum of two almost opposite vertices is exact, where 1 + v0 . v1 would lose all digits.
+  // The sum of two almost opposite vertices is exact; 1 + v0 . v1 would lose all digits.
   const vec3 sum = add(t.v0, t.v1);
   const float cosine = dot3(t.v0, t.v1);
   const bool opposite = cosine < -0.5f;
@@ -31,16 +32,16 @@ FN SphericalTriangle spherical_triangle(vec3 a, vec3 b, vec3 c) {
   return t;
 }
 
-// Where 1 + cos of an arc from v1 is below this, its end does not tell its plane well.
+// If 1 + cos of an arc from v1 is below this, the arc's end does not determine its plane accurately.
 #define NEARLY_OPPOSITE 0.02f
 
-/// The tangent at v1 of the arc that cuts off an area E, by sine and cosine of E / 2: unit, or 0 where the
-/// triangle has no such arc. With beta the angle between it and the edge to v0, A the angle at v0 and c the
-/// side from v0 to v1, the cosine rule for angles becomes sin(E/2) sin(A + beta - E/2) = sin^2(c/2) sin A sin
-/// beta.
+/// The tangent at v1 of the arc that cuts off an area E, given by sine and cosine of E / 2. It is unit, or 0
+/// if the triangle has no such arc. With beta the angle between the tangent and the edge to v0, A the angle
+/// at v0 and c the side from v0 to v1, the cosine rule for angles becomes sin(E/2) sin(A + beta - E/2) =
+/// sin^2(c/2) sin A sin beta.
 FN vec3 arc_tangent(SphericalTriangle t, float sine, float cosine) {
   const float sine_a = t.determinant,
-              cosine_a = dot3(cross3(t.v0, t.v1), cross3(t.v0, t.v2));  // times one factor
+              cosine_a = dot3(cross3(t.v0, t.v1), cross3(t.v0, t.v2));  // both times one factor
   const vec3 side = sub(t.v0, t.v1);
   const float sine_beta = sine * (sine_a * cosine - cosine_a * sine);
   const float cosine_beta = 0.25f * dot3(side, side) * sine_a - sine * (cosine_a * cosine + sine_a * sine);
@@ -53,17 +54,19 @@ FN vec3 arc_tangent(SphericalTriangle t, float sine, float cosine) {
   return scale(tangent, exists ? 1.0f / SQRT(exists ? length2 : 1.0f) : 0.0f);
 }
 
-/// A unit direction uniform over the triangle's solid angle. Peters 2021, BRDF Importance Sampling for
-/// Polygonal Lights, section 2: cut off the fraction u by an arc through v1, then move along it by v.
+/// Samples a unit direction uniformly in the triangle's solid angle. Peters 2021, BRDF Importance Sampling
+/// for Polygonal Lights, section 2: cut off the fraction u by an arc through v1, then move along that arc by
+/// v.
 FN vec3 sample_spherical_triangle(SphericalTriangle t, float u, float v) {
-  const float half_turns = t.solid_angle * u * (0.25f * INV_PI_F);  // half the partial solid angle over 2 pi
+  const float half_turns =
+      t.solid_angle * u * (0.25f * INV_PI_F);  // half of the partial solid angle, over 2 pi
   float sine, cosine;
   sincos_2pi(half_turns, &sine, &cosine);
   const vec3 q = add(scale(t.v0, t.determinant * cosine - t.g0 * sine), scale(t.v2, t.g1 * sine));
   const float q2 = dot3(q, q);
   const vec3 end = sub(scale(q, 2.0f * dot3(t.v0, q) / max_f(q2, 1e-37f)), t.v0);
-  // 1 - cos of the angles from v1 to the arc's end and to the sample, not the cosines: those of small lights
-  // are near 1, where few numbers are.
+  // 1 - cos of the angles from v1 to the arc's end and to the sample, instead of the cosines: those of small
+  // lights are near 1, where floats are sparse.
   const vec3 chord = sub(end, t.v1);
   const float versine2 = 0.5f * dot3(chord, chord);
   const float versine = v * versine2;

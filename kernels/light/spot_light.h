@@ -1,13 +1,14 @@
-// Spot lights, which no ray finds: radiant intensity that falls off between two angles about an axis,
-// linearly in the angle (Mitsuba) or as a cubic in its cosine (pbrt), and that a texture may colour.
+// Spot lights: the radiant intensity falls off between two angles to an axis, linearly in the angle
+// (Mitsuba), or as a cubic (pbrt) or quadratic (glTF) function of the cosine. A texture may multiply it. Rays
+// never hit them.
 #ifndef PENUMBRA_SPOT_LIGHT_H
 #define PENUMBRA_SPOT_LIGHT_H
 #include "kernels/light/beam.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Share of the intensity that leaves in the unit direction. Angles come from sines and 1 - cosine from their
-/// squares, so that narrow beams keep their digits.
+/// The fraction of the intensity that is emitted in the unit direction w. Angles are computed from sines, and
+/// 1 - cosine from squared sines, so that narrow beams keep their digits.
 FN float spot_falloff(GLOBAL const Beam* beam, vec3 w) {
   const float x = dot3(load3(&beam->x), w), y = dot3(load3(&beam->y), w), z = dot3(load3(&beam->z), w);
   const float sine2 = sqr(x) + sqr(y);
@@ -20,7 +21,7 @@ FN float spot_falloff(GLOBAL const Beam* beam, vec3 w) {
   return off <= beam->beam_width ? 1.0f : fallen;
 }
 
-/// Radiant intensity, without its texture.
+/// Radiant intensity without the texture.
 FN vec3 spot_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
   return scale(load3(&light->radiance), spot_falloff(beam_of(scene, light), negate(wi)));
 }

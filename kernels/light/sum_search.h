@@ -1,9 +1,9 @@
-// Sums that do not fall, with coarser levels for a search in them: each level holds every 16th number of the
-// one below, so a search reads one group of 16 neighbours, a cache line, at each level, and compares it at
-// once. In a binary search every turn waits for another cache line.
+// Search in cumulative sums with coarser levels: each level holds every 16th number of the level below. A
+// search reads one group of 16 neighbours, a cache line, at each level, and compares all of them at once. In
+// a binary search every step would wait for another cache line.
 //
-// Layout: the sums, then level after level until one has 16 numbers or fewer, each filled up to a multiple of
-// 16 with numbers above all sums.
+// Layout: the sums, then further levels until one has 16 numbers or fewer. Each level is padded to a multiple
+// of 16 with numbers above all sums.
 #ifndef PENUMBRA_SUM_SEARCH_H
 #define PENUMBRA_SUM_SEARCH_H
 #include "kernels/math/math.h"
@@ -11,18 +11,18 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #define SEARCH_BRANCHES 16
-#define SEARCH_LEVELS 4  // for 16^4 sums
+#define SEARCH_LEVELS 4  // enough for 16^4 sums
 
 typedef struct {
-  int count[SEARCH_LEVELS];  ///< numbers of each level, from the finest on
-  int start[SEARCH_LEVELS];  ///< where they begin
-  int levels;                ///< how many there are
-  int size;                  ///< words of all of them
+  int count[SEARCH_LEVELS];  ///< numbers in each level, finest first
+  int start[SEARCH_LEVELS];  ///< offset of each level
+  int levels;                ///< number of levels
+  int size;                  ///< words of all levels
 } SearchLevels;
 
 FN int search_padded(int count) { return (count + SEARCH_BRANCHES - 1) / SEARCH_BRANCHES * SEARCH_BRANCHES; }
 
-/// Of 1 to 16^4 sums.
+/// The levels for `count` sums, 1 to 16^4.
 FN SearchLevels search_levels(int count) {
   SearchLevels of;
   of.levels = of.size = 0;
@@ -37,10 +37,10 @@ FN SearchLevels search_levels(int count) {
   return of;
 }
 
-/// Words that the levels of so many sums take.
+/// The words that the levels of `count` sums take.
 FN int search_size(int count) { return search_levels(count).size; }
 
-/// How many of 16 numbers between those of two groups are at most `target`.
+/// How many of 16 numbers, interpolated between two groups, are at most `target`.
 FN int count_at_most(GLOBAL const float* first, GLOBAL const float* second, float t, float target) {
   int below = 0;
   REGISTER_LOOP(SEARCH_BRANCHES)
@@ -48,9 +48,9 @@ FN int count_at_most(GLOBAL const float* first, GLOBAL const float* second, floa
   return below;
 }
 
-/// For each of LANES that are `wanted`, in the sums between two rows of `table`, which begin at rows[j] and
-/// `next_row` later: the greatest index up to `last` whose sum is at most targets[j], or 0. Other lanes get
-/// 0.
+/// For each `wanted` lane: searches the sums interpolated between two rows of `table`, which start at rows[j]
+/// and at rows[j] + next_row. The result is the largest index up to `last` whose sum is at most targets[j],
+/// or 0. Other lanes get 0.
 STAGE void search_sums(GLOBAL const float* table, SearchLevels levels, int next_row, int last,
                        const PRIVATE int* RESTRICT wanted, const PRIVATE int* RESTRICT rows,
                        const PRIVATE float* RESTRICT between, const PRIVATE float* RESTRICT targets,
@@ -58,7 +58,7 @@ STAGE void search_sums(GLOBAL const float* table, SearchLevels levels, int next_
   for (int j = 0; j < LANES; j++) found[j] = 0;
   for (int k = levels.levels - 1; k >= 0; k--) {
     const int greatest = levels.count[k] - 1;
-    for (int j = 0; j < LANES; j++) {  // lanes do not wait for each other's cache lines
+    for (int j = 0; j < LANES; j++) {  // no lane loop: lanes do not wait for each other's cache lines
       if (wanted[j] == 0) continue;
       GLOBAL const float* group = table + rows[j] + levels.start[k] + SEARCH_BRANCHES * found[j];
       const int below = count_at_most(group, group + next_row, between[j], targets[j]);

@@ -1,5 +1,5 @@
-// Triangle lights: by area, by solid angle, or in the direction that the light sampling stage chose by
-// projected solid angle.
+// Triangle lights, sampled by area, by solid angle, or in the direction that the light sampling stage sampled
+// by projected solid angle.
 #ifndef PENUMBRA_TRIANGLE_LIGHT_H
 #define PENUMBRA_TRIANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
@@ -8,10 +8,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Below this solid angle a triangle's area sampling is as good and rounds better.
+// Below this solid angle, area sampling of a triangle is as good and rounds better.
 #define SMALL_SOLID_ANGLE 3e-4f
 
-/// As `from` sees it; the solid angle is 0 where it is not sampled by it.
+/// The triangle as seen from `from`. The solid angle is 0 if the light is not sampled by it.
 FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
   const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
   SphericalTriangle t = spherical_triangle(p0, p1, sub(load3(&light->p2), from));
@@ -47,7 +47,8 @@ FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Ligh
   LightSample s = toward_light(light, r, point);
   if (BY(strategies, PROJECTED)) {
     const bool is_directed = sampling.scale > 0.0f;
-    // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
+    // The sampled direction itself is used: seen from the shadow ray's origin, it may be below the light's
+    // plane.
     s.wi = select3(is_directed, sampling.wi, s.wi);
     s.pdf = is_directed ? max_f(dot3(r.shading, s.wi), 0.0f) * sampling.scale : s.pdf;
   }

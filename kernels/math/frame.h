@@ -1,4 +1,4 @@
-// Orthonormal frames and the directions sampled in them.
+// Orthonormal frames, and sampling of directions in them.
 #ifndef PENUMBRA_FRAME_H
 #define PENUMBRA_FRAME_H
 #include "kernels/math/math.h"
@@ -26,18 +26,19 @@ FN vec3 to_frame(vec3 n, vec3 v) {
   return make_vec3(dot3(v, s), dot3(v, t), dot3(v, n));
 }
 
-/// The first axis s of a frame (s, cross3(n, s), n) about the unit vector n that follows v: along its part
-/// perpendicular to n. Where there is none: the first axis of from_frame.
+/// The first axis s of a frame (s, cross3(n, s), n) about the unit vector n: the direction of v's part
+/// perpendicular to n. If that is 0, the first axis of from_frame.
 FN vec3 tangent_axis(vec3 n, vec3 v) {
   const vec3 w = scale(v, 1.0f / max_f(max_component(abs3(v)), 1e-30f));
   vec3 part = add_scaled(w, -dot3(n, w), n);
-  part = add_scaled(part, -dot3(n, part), n);  // what the first rounded away, where w is nearly along n
+  part = add_scaled(part, -dot3(n, part),
+                    n);  // removes rounding errors of the first step, where w is nearly along n
   const float length2 = dot3(part, part);
   const bool some = length2 > 1e-8f;
   return select3(some, scale(part, 1.0f / SQRT(some ? length2 : 1.0f)), from_frame(n, 1.0f, 0.0f, 0.0f));
 }
 
-/// Density cos / pi about the z axis.
+/// Samples the pdf cos / pi about the z axis.
 FN vec3 cosine_hemisphere(float u, float v) {
   float s, c;
   sincos_2pi(v, &s, &c);
@@ -45,13 +46,13 @@ FN vec3 cosine_hemisphere(float u, float v) {
   return make_vec3(r * c, r * s, SQRT(1.0f - u));
 }
 
-/// Density cos / pi about n.
+/// Samples the pdf cos / pi about n.
 FN vec3 sample_cosine_hemisphere(vec3 n, float u, float v) {
   const vec3 w = cosine_hemisphere(u, v);
   return from_frame(n, w.x, w.y, w.z);
 }
 
-/// Density 1 / (2 pi) about n.
+/// Samples the pdf 1 / (2 pi) about n.
 FN vec3 sample_uniform_hemisphere(vec3 n, float u, float v) {
   float s, c;
   sincos_2pi(v, &s, &c);
@@ -59,7 +60,7 @@ FN vec3 sample_uniform_hemisphere(vec3 n, float u, float v) {
   return from_frame(n, r * c, r * s, 1.0f - u);
 }
 
-/// Density 1 / (4 pi).
+/// Samples the pdf 1 / (4 pi).
 FN vec3 sample_uniform_sphere(float u, float v) {
   float s, c;
   sincos_2pi(v, &s, &c);

@@ -1,5 +1,5 @@
-// Records of which a stage holds LANES at a time: from one list of fields both the struct of one and the
-// struct of arrays of all, which stay in the first-level cache between the lane loops of a step.
+// Records of which a stage holds LANES at a time. One list of fields generates the struct of a single record
+// and the struct of arrays of LANES records, which stays in the L1 cache between the lane loops of a step.
 //
 // A list of fields is FIELDS(F, a) with a row F(a, type, name) for each; types are float, int, bool and vec3.
 #ifndef PENUMBRA_LANE_RECORD_H
@@ -10,7 +10,7 @@
 #define LANE_ARRAY_int(name) int name[LANES];
 #define LANE_ARRAY_bool(name) int name[LANES];
 #define LANE_ARRAY_vec3(name) float name[3 * LANES];
-// Entry i of an array of a type; the coordinates of a vec3 are `stride` apart.
+// Entry i of an array of a type. The components of a vec3 are `stride` apart.
 #define LOAD_ENTRY_float(array, stride, i) (array)[i]
 #define LOAD_ENTRY_int(array, stride, i) (array)[i]
 #define LOAD_ENTRY_bool(array, stride, i) ((array)[i] != 0)
@@ -34,8 +34,8 @@
 #define SELECT_vec3(c, yes, no) select3(c, yes, no)
 #define RECORD_STORE(a, type, name) STORE_ENTRY_##type(lanes->name, LANES, j, record.name);
 
-/// struct Name, struct Names of LANES of them, load_name(names, lane), store_name(names, lane, record) and
-/// select_name(condition, yes, no).
+/// Defines struct Name, struct Names for LANES of them, load_name(names, lane), store_name(names, lane,
+/// record) and select_name(condition, yes, no).
 #define LANE_RECORD(Name, Names, name, FIELDS)               \
   typedef struct {                                           \
     FIELDS(RECORD_MEMBER, )                                  \
@@ -55,7 +55,7 @@
   }                                                          \
   FN void store_##name(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
 
-/// store_part(names, lane, record): some of its fields, the others stay.
+/// Defines store_part(names, lane, record), which stores only some fields.
 #define LANE_RECORD_PART(Name, Names, part, FIELDS) \
   FN void store_##part(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
 

@@ -1,6 +1,6 @@
-// Elementary functions in plain float arithmetic: the same bits on every target, unlike libm and OpenCL's
-// built-ins, and free of branches so that lane loops vectorise. Errors are relative to the exact result,
-// measured over the stated range by math_test.
+// Elementary functions in plain float arithmetic. Unlike libm and OpenCL's built-ins they give the same bits
+// on every target, and they have no branches, so that lane loops vectorise. Errors are relative to the exact
+// result, measured over the stated range by math_test.
 #ifndef PENUMBRA_MATH_H
 #define PENUMBRA_MATH_H
 #include "kernels/lang.h"
@@ -11,13 +11,13 @@ PENUMBRA_NAMESPACE_BEGIN
 #define INV_PI_F 0.318309886183791f
 #define ONE_MINUS_EPSILON 0.99999994f  // the largest float below 1
 #define HALF_EPSILON 5.9604645e-8f     // 2^-24: relative rounding error of one operation
-#define NO_LIMIT 1e30f                 // tmax of a ray that nothing ends
+#define NO_LIMIT 1e30f                 // tmax of an unlimited ray
 #define INFINITE BITS_FLOAT(0x7f800000u)
 
 FN float min_f(float a, float b) { return a < b ? a : b; }
 FN float max_f(float a, float b) { return a > b ? a : b; }
 FN float clamp_f(float x, float low, float high) { return min_f(max_f(x, low), high); }
-/// From a to b as t goes from 0 to 1, both exactly.
+/// Interpolates from a (t = 0) to b (t = 1), both exactly.
 FN float mix_f(float a, float b, float t) { return (1.0f - t) * a + t * b; }
 FN int min_i(int a, int b) { return a < b ? a : b; }
 FN int max_i(int a, int b) { return a > b ? a : b; }
@@ -26,7 +26,7 @@ FN float sqr(float x) { return x * x; }
 FN float safe_sqrt(float x) { return SQRT(max_f(x, 0.0f)); }
 /// 1 or -1; 1 for 0.
 FN float sign_of(float x) { return x < 0.0f ? -1.0f : 1.0f; }
-/// The largest whole number that is not above x; from 2^23 on every float is whole. NaN becomes some number.
+/// The largest integer not above x. From 2^23 on every float is an integer. NaN gives an arbitrary number.
 FN float floor_f(float x) {
   const bool small = FABS(x) < 8388608.0f;
   const float cut = TO_FLOAT(TO_INT(small ? x : 0.0f));
@@ -35,8 +35,8 @@ FN float floor_f(float x) {
 }
 
 #ifndef PENUMBRA_GLSL
-/// sin and cos of 2 pi u for |u| <= 2; absolute error below 1.2e-7. Octants are reduced exactly, since 4u is
-/// exact.
+/// sin and cos of 2 pi u for |u| <= 2; absolute error below 1.2e-7. The reduction to octants is exact, since
+/// 4u is.
 FN void sincos_2pi(float u, PRIVATE float* s, PRIVATE float* c) {
   float q = u * 4.0f;
   int k = (int)(q + (q >= 0.0f ? 0.5f : -0.5f));

@@ -1,5 +1,5 @@
-// Elementary functions in plain IEEE double, for closed forms: the same bits on every target, and free of
-// branches and of conversions between doubles and integers (for which SSE2 and AVX2 have no vector
+// Elementary functions in plain IEEE double, for closed forms. They give the same bits on every target. They
+// have no branches and no conversions between doubles and integers (for which SSE2 and AVX2 have no vector
 // instructions), so that lane loops vectorise. Errors are relative to the exact result, measured over the
 // stated range by math_double_test. The polynomials interpolate at Chebyshev points, in 60 digits.
 #ifndef PENUMBRA_MATH_DOUBLE_H
@@ -12,8 +12,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define HALF_PI_D 1.57079632679489661923
 #define LN2_HIGH_D 0.6931471803691238  // 31 bits: exact times an exponent
 #define LN2_LOW_D 1.9082149292705877e-10
-#define SMALLEST_D 2.2250738585072014e-308       // normal
-#define TINY_D 1e-300                            // far below what is added to it, far above denormal numbers
+#define SMALLEST_D 2.2250738585072014e-308       // smallest normal number
+#define TINY_D 1e-300                            // negligible in sums, but far above denormal numbers
 #define ONE_MINUS_EPSILON_D 0.99999999999999989  // the largest double below 1
 
 FN double min_d(double a, double b) { return a < b ? a : b; }
@@ -22,7 +22,7 @@ FN double clamp_d(double x, double low, double high) { return min_d(max_d(x, low
 /// sqrt(max(x, 0))
 FN double safe_sqrt_d(double x) { return SQRT_D(max_d(x, 0.0)); }
 
-/// e^x as 2^n (1 + m): returns 2^n and m = e^r - 1 for the rest r, |r| <= ln(2) / 2. For |x| <= 708.
+/// e^x as 2^n (1 + m): returns 2^n and m = e^r - 1 for the remainder r, |r| <= ln(2) / 2. For |x| <= 708.
 FN double exp_parts_d(double x, PRIVATE double* m) {
   // Adding 1.5 * 2^52 rounds to an integer and leaves it in the lowest bits.
   const double shifted = x * 1.4426950408889634 + 6755399441055744.0;
@@ -55,7 +55,7 @@ FN double exp_and_rest_d(double x, PRIVATE double* rest) {
   return x < -708.0 ? 0.0 : power + product;
 }
 
-/// Both as a value.
+/// Both as a struct.
 STRUCT(ExpAndRest) { double power, rest; };
 FN ExpAndRest exp_and_rest_of_d(double x) {
   ExpAndRest r;
@@ -78,7 +78,7 @@ FN double log_exponent_d(double x, PRIVATE double* m) {
   // 0x3fe6a09e667f3bcd are the bits of 1/sqrt 2.
   const ulong bits = DOUBLE_BITS(x) + (0x3ff0000000000000ul - 0x3fe6a09e667f3bcdul);
   *m = BITS_DOUBLE((bits & 0x000ffffffffffffful) + 0x3fe6a09e667f3bcdul);
-  // The biased exponent in the lowest bits of 2^52 is 2^52 plus it.
+  // The biased exponent e in the lowest bits of 2^52 makes 2^52 + e.
   return BITS_DOUBLE((bits >> 52) | 0x4330000000000000ul) - (4503599627370496.0 + 1023.0);
 }
 
@@ -93,18 +93,18 @@ FN double log_d(double x) {
 FN double log1p_d(double x) {
   double m;
   const double e = log_exponent_d(1.0 + x, &m);
-  // Without a power of two x itself is known better than what rounding 1 + x has left of it.
+  // If the exponent is 0, x itself is more accurate than the rounded 1 + x.
   const double f = e == 0.0 ? x : m - 1.0;
   return e * LN2_HIGH_D + (e * LN2_LOW_D + log_core_d(f));
 }
 
-/// atan2(y, x) in [-pi, pi]; 0 for (0, 0), and zeros of either sign count as 0; relative error below 4e-16
-/// for arguments whose quotient does not underflow.
+/// atan2(y, x) in [-pi, pi]; 0 for (0, 0); zeros of either sign are 0. Relative error below 4e-16 for
+/// arguments whose quotient does not underflow.
 FN double atan2_d(double y, double x) {
   const double ax = FABS_D(x), ay = FABS_D(y);
   const bool steep = ay > ax;
   const double low = steep ? ax : ay, high = steep ? ay : ax;
-  // Beyond pi / 8 the tangent of the angle less pi / 4.
+  // Above pi / 8: the tangent of the angle minus pi / 4.
   const bool upper = low > 0.41421356237309503 * high;
   const double numerator = upper ? low - high : low;
   const double denominator = upper ? low + high : high;

@@ -1,5 +1,5 @@
-// What shaders, which have no doubles, take for math_double.h: the same names in single precision. The
-// built-in functions are not used: OpenGL says nothing about their accuracy.
+// The names of math_double.h in single precision, for shaders, which have no doubles. Built-in functions are
+// not used: OpenGL does not specify their accuracy.
 #ifndef PENUMBRA_MATH_GLSL_H
 #define PENUMBRA_MATH_GLSL_H
 #include "kernels/math/math.h"

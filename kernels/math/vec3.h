@@ -1,11 +1,11 @@
-// Three floats, packed: the same 12 bytes in every language (OpenCL's float3 takes 16).
+// A packed vector of three floats: 12 bytes in every language (OpenCL's float3 takes 16).
 #ifndef PENUMBRA_VEC3_H
 #define PENUMBRA_VEC3_H
 #include "kernels/lang.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#ifndef PENUMBRA_GLSL  // which has it
+#ifndef PENUMBRA_GLSL  // GLSL has its own
 typedef struct {
   float x, y, z;
 } vec3;
@@ -21,7 +21,7 @@ FN vec3 make_vec3(float x, float y, float z) {
 #ifndef PENUMBRA_GLSL
 /// Reads component by component: a struct copy is a load that lane loops cannot vectorise.
 FN vec3 load3(GLOBAL const vec3* v) { return make_vec3(v->x, v->y, v->z); }
-/// Luminance of a colour (Rec. 709); of a grey exactly its value.
+/// Luminance of a colour (Rec. 709); exact for greys.
 FN float luminance(vec3 colour) {
   const bool grey = (colour.x == colour.y) & (colour.y == colour.z);
   const float sum = (0.212671f * colour.x + 0.715160f * colour.y) + 0.072169f * colour.z;
@@ -35,7 +35,7 @@ FN vec3 scale(vec3 a, float s) { return make_vec3(a.x * s, a.y * s, a.z * s); }
 FN vec3 negate(vec3 a) { return make_vec3(-a.x, -a.y, -a.z); }
 /// a + s b
 FN vec3 add_scaled(vec3 a, float s, vec3 b) { return add(a, scale(b, s)); }
-/// From a to b as t goes from 0 to 1, both exactly.
+/// Interpolates from a (t = 0) to b (t = 1), both exactly.
 FN vec3 mix3(vec3 a, vec3 b, float t) { return add(scale(a, 1.0f - t), scale(b, t)); }
 FN vec3 abs3(vec3 a) { return make_vec3(FABS(a.x), FABS(a.y), FABS(a.z)); }
 FN float dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -1,4 +1,4 @@
-// Three doubles: for closed forms, never stored.
+// A vector of three doubles, for closed forms; never stored.
 #ifndef PENUMBRA_VEC3_DOUBLE_H
 #define PENUMBRA_VEC3_DOUBLE_H
 #ifdef PENUMBRA_GLSL
@@ -10,7 +10,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#ifndef PENUMBRA_GLSL  // in which it is a vec3
+#ifndef PENUMBRA_GLSL  // in GLSL it is a vec3
 typedef struct {
   double x, y, z;
 } vec3d;

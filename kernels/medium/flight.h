@@ -1,10 +1,11 @@
-// How far a ray flies through a homogeneous medium before it scatters, and what it weighs then.
+// Free flights through a homogeneous medium: where a ray scatters, and the path's weight.
 //
-// A path keeps one colour channel, its hero, whose extinction chooses distances, and the ratios of the
-// densities with which the three channels would have made it: its weight is what it carries over the mean of
-// those densities, the balance heuristic over channels (Veach and Guibas 1995; Miller, Georgiev and Jarosz
-// 2019). No weight of a channel exceeds three times its albedo, and where channels are alike nothing is left
-// of it. Weights are ratios throughout, so nothing underflows before the light that it belongs to.
+// A path has one colour channel, its hero, whose extinction samples distances. It also stores the ratios of
+// the densities with which each of the three channels would have sampled the path. Its weight is its value
+// over the mean of those densities: the balance heuristic over channels (Veach and Guibas 1995; Miller,
+// Georgiev and Jarosz 2019). No weight of a channel exceeds three times its albedo, and if all channels are
+// equal this is plain sampling. Weights are ratios throughout, so nothing underflows before the light that it
+// belongs to.
 #ifndef PENUMBRA_FLIGHT_H
 #define PENUMBRA_FLIGHT_H
 #include "kernels/math/math.h"
@@ -19,8 +20,8 @@ FN float channel_of(vec3 v, int channel) { return channel == 0 ? v.x : (channel 
 
 FN vec3 exp3(vec3 v) { return make_vec3(exp_f(v.x), exp_f(v.y), exp_f(v.z)); }
 
-/// The optical depth after which a flight ends, exponentially distributed: -log(1 - u), u with 24 more
-/// binary digits that `fine` has, both in [0, 1 - 2^-24]. Up to 33, and exact near 0.
+/// The optical depth at which a flight ends, exponentially distributed: -log(1 - u), where `fine` adds 24
+/// binary digits to u. Both are in [0, 1 - 2^-24]. The result is at most 33, and accurate near 0.
 FN float flight_depth(float u, float fine) {
   const float digits = fine * (1.0f / 16777216.0f);
   const bool low = u < 0.5f;
@@ -28,13 +29,13 @@ FN float flight_depth(float u, float fine) {
   return low ? -below : -above;
 }
 
-/// A path's weight and the ratios of its densities, of mean 1.
+/// A path's weight (throughput), and the ratios of its channels' densities, with mean 1.
 typedef struct {
   vec3 throughput, channels;
-  float density;  ///< by what the mean density was multiplied
+  float density;  ///< factor of the mean density
 } FlightWeight;
 
-/// After what multiplies the weight by `value` and the channels' densities by `densities`.
+/// Multiplies the path's value by `value` and the channels' densities by `densities`.
 FN FlightWeight weigh_flight(FlightWeight before, vec3 value, vec3 densities) {
   const vec3 channels = mul(before.channels, densities);
   const float mean = mean3(channels), inverse = 1.0f / (mean > 0.0f ? mean : 1.0f);
@@ -53,7 +54,7 @@ FN FlightWeight select_flight_weight(bool condition, FlightWeight yes, FlightWei
   return w;
 }
 
-/// A flight of `length` through a homogeneous medium, at whose end the path scatters or not.
+/// A flight of `length` through a homogeneous medium. `scatters`: whether the path scatters at its end.
 FN FlightWeight weigh_homogeneous(FlightWeight before, vec3 extinction, vec3 albedo, float length,
                                   bool scatters) {
   const float least = min_f(min_f(extinction.x, extinction.y), extinction.z);

@@ -1,12 +1,12 @@
-// Which media a place is in. It follows from the boundaries that a ray crossed on its way, so media may be
-// nested, touch each other, or surround the camera, and a boundary need not say what is around it.
+// The media that contain a point. They follow from the boundaries that a ray crossed on its way. So media may
+// be nested, touch each other, or surround the camera, and a boundary need not say what is around it.
 #ifndef PENUMBRA_MEDIUM_STACK_H
 #define PENUMBRA_MEDIUM_STACK_H
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The media of a place, from the innermost in the lowest byte of `low` outwards; 0 where there is nothing.
+/// The media at a point: the innermost is in the lowest byte of `low`, the outer ones follow; 0 is vacuum.
 typedef struct {
   uint low, high;
 } MediumStack;
@@ -41,28 +41,28 @@ FN MediumStack select_media(bool condition, MediumStack yes, MediumStack no) {
   return media;
 }
 
-/// Index of the boundary that the primitive is a part of, or -1.
+/// The boundary that the primitive is part of, or -1.
 FN int boundary_of(const PRIVATE Scene* scene, int primitive) {
   const int boundary = scene->primitive_boundaries[primitive >= 0 ? primitive : 0];
   return primitive >= 0 ? boundary : -1;
 }
 
 typedef struct {
-  MediumStack media;  ///< behind it
-  bool consistent;    ///< those before it are what the boundary says
-  bool overlaps;      ///< the outer one of two is left
-  bool unentered;     ///< a medium is left that was not entered
+  MediumStack media;  ///< behind the boundary
+  bool consistent;    ///< the media before it agree with the boundary
+  bool overlaps;      ///< the outer one of two overlapping media is left
+  bool unentered;     ///< a medium is left that was never entered
 } Crossing;
 
-/// Crosses the boundary of that index from `media`, to its inside or out of it. Where the boundary says
-/// otherwise than what was crossed before, its own side counts from here on.
+/// Crosses boundary `boundary` from `media`, into its inside (`inwards`) or out of it. If the boundary
+/// contradicts what was crossed before, the boundary is right from here on.
 FN Crossing cross_boundary(const PRIVATE Scene* scene, int boundary, bool inwards, MediumStack media) {
   GLOBAL const Boundary* b = scene->boundaries + (boundary >= 0 ? boundary : 0);
   const int interior = b->interior, exterior = b->exterior;
   const bool knows_around = exterior >= 0;
   const bool was_outside = (!knows_around | (exterior == innermost(media))) & ((media.high >> 24) == 0u);
   const bool was_inside = interior == innermost(media);
-  // Of two that overlap, the outer one is left.
+  // If two media overlap, the outer one is left.
   const MediumStack outer = without_innermost(media);
   const bool leaves_outer = !was_inside & (innermost(outer) == interior);
   const MediumStack left = select_media(

@@ -1,4 +1,4 @@
-// What paths keep of media.
+// The fields of paths that concern media.
 #ifndef PENUMBRA_MEDIUM_STATE_H
 #define PENUMBRA_MEDIUM_STATE_H
 #include "kernels/medium/flight.h"
@@ -6,7 +6,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// get_media(paths, i), set_media(paths, i, media): from, and into, two numbers of path i.
+// get_media(paths, i), set_media(paths, i, media): stored in two fields of path i.
 #define MEDIA_ACCESSORS(name, part)                                              \
   FN MediumStack get_##name(const PRIVATE PathState* paths, int i) {             \
     MediumStack media;                                                           \
@@ -23,12 +23,12 @@ MEDIA_ACCESSORS(beyond, beyond)
 MEDIA_ACCESSORS(shadow_media, shadow)
 #undef MEDIA_ACCESSORS
 
-/// The surface near a path, in media.
+/// A surface near a path in a medium, see block_boundary_offsets.h.
 typedef struct {
-  vec3 normal;      // unit, towards the path's side of it; 0: none is known
-  float depth;      // how far the path is off it, 0: on it
-  float offset;     // how much farther the ray's origin is
-  float clearance;  // how far off it origins of rays are to be
+  vec3 normal;      // unit, towards the path; 0: no surface is known
+  float depth;      // the path's distance from it; 0: on it
+  float offset;     // boundary offset: how much farther away the ray's origin is
+  float clearance;  // the distance that ray origins should keep from it
 } NearBoundary;
 
 FN NearBoundary no_boundary(void) {

@@ -1,8 +1,8 @@
-// Flights through media that vary from place to place: tentative collisions by a majorant, of which some are
-// null (delta tracking, Woodcock et al. 1965), and what gets through by what every one of them lets pass
-// (ratio tracking, Novak, Selle and Jarosz 2014). Null collisions are vertices of the path that both ways of
-// finding a light have in common, so their densities compare (Miller, Georgiev and Jarosz 2019), and paths
-// keep the ratios of their channels' as in flight.h.
+// Flights through heterogeneous media. Distances are sampled by delta tracking: tentative collisions by a
+// majorant, some of which are null (Woodcock et al. 1965). Transmittance is estimated by ratio tracking
+// (Novak, Selle and Jarosz 2014). Null collisions are path vertices that BSDF or phase function sampling and
+// next-event estimation have in common, so that their densities can be compared (Miller, Georgiev and Jarosz
+// 2019). Paths store the ratios of their channels' densities as in flight.h.
 #ifndef PENUMBRA_TRACKING_H
 #define PENUMBRA_TRACKING_H
 #include "kernels/medium/flight.h"
@@ -10,14 +10,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// What gets through less is nothing: products of shares do not become 0, but stay the smallest number.
+// Lower transmittance counts as 0. Products of shares do not reach 0, but stop at the smallest float.
 #define LEAST_PASSING 1e-37f
-// Beyond so many null collisions a ray ends, and its sample is not finite, so that it is counted.
+// After so many null collisions a ray ends. Its sample becomes non-finite, so that it is counted.
 #define MOST_NULL_COLLISIONS 67108864
 
 FN bool is_grid(GLOBAL const Medium* medium) { return medium->density >= 0; }
 
-/// The share of real collisions, of all that there are by the majorant, by channel.
+/// The fraction of tentative collisions that are real, by channel.
 FN vec3 real_share(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 extinction,
                    const PRIVATE VolumeWalk* walk) {
   const vec3 sigma = mul(extinction, volume_value(scene, v, walk_place(walk)));
@@ -32,14 +32,14 @@ FN vec3 no_numbers(void) {
 
 FN vec3 one_minus3(vec3 v) { return make_vec3(1.0f - v.x, 1.0f - v.y, 1.0f - v.z); }
 
-/// What a flight has become.
+/// The result of a flight.
 typedef struct {
   FlightWeight weight;
-  float left;   ///< optical depth before the next collision
-  float reach;  ///< how far from its start it scatters; negative: it does not
+  float left;   ///< optical depth left until the next collision
+  float reach;  ///< distance from the start to where it scatters; negative: it does not
 } TrackedFlight;
 
-/// A flight of at most `length` from the origin through a medium with a grid, which `hero` decides.
+/// A flight of at most `length` from the origin through a heterogeneous medium. Channel `hero` samples it.
 FN TrackedFlight track_flight(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin,
                               vec3 direction, float length, int hero, FlightWeight weight, float left,
                               uint random) {
@@ -70,7 +70,7 @@ FN TrackedFlight track_flight(const PRIVATE Scene* scene, GLOBAL const Medium* m
   return flight;
 }
 
-/// What gets through a medium with a grid over `length` from the origin, without bias.
+/// An unbiased estimate of a heterogeneous medium's transmittance over `length` from the origin.
 FN vec3 track_passing(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin, vec3 direction,
                       float length, uint random) {
   GLOBAL const Volume* v = scene->volumes + medium->density;

@@ -1,7 +1,7 @@
-// Numbers on grids in space, and how a ray goes through one: from cell to cell of a coarser grid, of whose
-// cells each knows the largest number within, to where it might collide with what the grid says is there
-// (Woodcock et al. 1965; with local majorants Szirmay-Kalos, Toth and Magdics 2011). Where that number is far
-// beyond what a ray meets, as beside one very dense cell, pieces of the ray have majorants of their own.
+// Grids of numbers in space, and the traversal of a ray through one: from cell to cell of a coarser majorant
+// grid, up to the next tentative collision (Woodcock et al. 1965; local majorants: Szirmay-Kalos, Toth and
+// Magdics 2011). Where the majorant is far larger than what the ray meets, as beside one very dense cell,
+// pieces of the ray have their own majorants.
 #ifndef PENUMBRA_VOLUME_H
 #define PENUMBRA_VOLUME_H
 #include "kernels/math/math.h"
@@ -12,12 +12,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// A direction, or a way, in the volume's cells.
+/// A vector in scene space, in units of the volume's cells.
 FN vec3 in_cells(GLOBAL const Volume* v, vec3 way) {
   return make_vec3(dot3(load3(&v->row_x), way), dot3(load3(&v->row_y), way), dot3(load3(&v->row_z), way));
 }
 
-/// The place in the volume's cells, from 0 to their number within its box.
+/// The position in cell coordinates: inside of the box from 0 to the number of cells.
 FN vec3 volume_place(GLOBAL const Volume* v, vec3 p) { return in_cells(v, sub(p, load3(&v->corner))); }
 
 FN vec3 cell_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, int x, int y, int z) {
@@ -29,8 +29,8 @@ FN vec3 cell_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, int x, in
 
 FN vec3 between3(vec3 a, vec3 b, float share) { return add_scaled(a, share, sub(b, a)); }
 
-/// The numbers at a place in the cells: of the cell, or between the eight nearest centres; beyond the
-/// outermost of those theirs.
+/// The value at a position in cell coordinates: that of the cell, or interpolated between the eight nearest
+/// cell centres. Positions beyond the outermost centres take their values.
 FN vec3 volume_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 place) {
   const float shift = v->nearest != 0 ? 0.0f : 0.5f;
   const float x = clamp_f(place.x - shift, 0.0f, (float)(v->nx - 1)),
@@ -47,15 +47,15 @@ FN vec3 volume_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 pl
   return between3(between3(near_low, near_high, fy), between3(far_low, far_high, fy), fz);
 }
 
-/// A ray's way through a volume.
+/// The traversal of a ray through a volume.
 typedef struct {
-  vec3 place, step;  ///< in the volume's cells: where it starts, and how it goes on per scene unit
-  float t, end;      ///< how far it has come, and where it leaves, in scene units from its start
-  float left;        ///< optical depth by the majorants before the next collision
-  float majorant;    ///< of the extinction, in 1 / scene unit, where it is
-  float piece_end, piece_length;  ///< of the piece that has this majorant, where cells are taken in pieces
-  int x, y, z;                    ///< the coarse cell where it is
-  uint random;                    ///< the state of its random numbers
+  vec3 place, step;               ///< in cell coordinates: its start, and the step per scene unit
+  float t, end;                   ///< current distance, and the exit, in scene units from the start
+  float left;                     ///< optical depth, by the majorants, until the next collision
+  float majorant;                 ///< of the extinction at the current position, per scene unit
+  float piece_end, piece_length;  ///< the piece with this majorant, if a cell is divided into pieces
+  int x, y, z;                    ///< the current cell of the majorant grid
+  uint random;                    ///< state of its random numbers
 } VolumeWalk;
 
 FN float next_number(PRIVATE VolumeWalk* walk) {
@@ -65,7 +65,7 @@ FN float next_number(PRIVATE VolumeWalk* walk) {
 
 FN vec3 walk_place(const PRIVATE VolumeWalk* walk) { return add_scaled(walk->place, walk->t, walk->step); }
 
-/// Clips [*from, *to] to where a coordinate that starts at `place` is within [0, size].
+/// Clips [*from, *to] to where the coordinate place + t * step is in [0, size].
 FN void clip_to_slab(float place, float step, float size, PRIVATE float* from, PRIVATE float* to) {
   if (step == 0.0f) {
     const bool inside = (place >= 0.0f) & (place <= size);
@@ -103,18 +103,17 @@ FN VolumeWalk start_walk(GLOBAL const Volume* v, vec3 origin, vec3 direction, fl
   return walk;
 }
 
-/// Where a coordinate leaves the coarse cell, from the ray's start.
+/// The distance from the ray's start at which a coordinate leaves the cell of the majorant grid.
 FN float leaves_cell(float place, float step, int cell) {
   const float side = (float)(MAJORANT_CELLS * (step > 0.0f ? cell + 1 : cell));
   return step == 0.0f ? NO_LIMIT : (side - place) / step;
 }
 
-// Of a piece of a ray, by its majorant: more null collisions than that are hardly to be expected within
-// one.
+// The largest optical depth of a piece, by its majorant: about the number of null collisions within it.
 #define MOST_PIECE_DEPTH 64.0f
 
-/// The largest number between two places of the same cell: interpolated numbers are linear along each axis,
-/// so it is at a corner of the box between the places.
+/// The maximum between two positions in the same cell. Interpolation is linear along each axis, so the
+/// maximum is at a corner of the box between the positions.
 FN float largest_between(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 a, vec3 b) {
   float most = 0.0f;
   for (int corner = 0; corner < 8; corner++) {
@@ -125,8 +124,8 @@ FN float largest_between(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec
   return most;
 }
 
-/// Where a coordinate of a ray at `t` next crosses a side of a cell, or the centre where numbers are
-/// interpolated.
+/// The distance at which a coordinate of a ray at `t` next crosses a cell boundary, or a cell centre if
+/// values are interpolated.
 FN float leaves_fine_cell(float place, float step, float t, float shift) {
   const float at = floor_f(place + t * step - shift);
   const float next = (at + (step > 0.0f ? 1.0f : 0.0f) + shift - place) / step;
@@ -134,11 +133,11 @@ FN float leaves_fine_cell(float place, float step, float t, float shift) {
   return step == 0.0f ? NO_LIMIT : (next > t ? next : after);
 }
 
-/// One that is larger by little more than floats can tell.
+/// A distance that is larger by little more than the rounding error.
 FN float next_distance(float t) { return t + t * 1.2e-7f; }
 
-/// Begins a piece of the ray where it is, which ends at most at `exit`: of at most MOST_PIECE_DEPTH by its
-/// own majorant, if floats can tell its ends apart.
+/// Begins a piece of the ray at its current position, which ends at `exit` or before. Its optical depth by
+/// its own majorant is at most MOST_PIECE_DEPTH, if floats can distinguish its ends.
 FN void begin_piece(const PRIVATE Scene* scene, GLOBAL const Volume* v, float strongest, float exit,
                     PRIVATE VolumeWalk* walk) {
   const float shift = v->nearest != 0 ? 0.0f : 0.5f;
@@ -147,7 +146,7 @@ FN void begin_piece(const PRIVATE Scene* scene, GLOBAL const Volume* v, float st
                              min_f(leaves_fine_cell(walk->place.y, walk->step.y, walk->t, shift),
                                    leaves_fine_cell(walk->place.z, walk->step.z, walk->t, shift)));
   const vec3 from = walk_place(walk);
-  // That of the last piece is a good guess.
+  // The length of the last piece is a good first guess.
   float length = max_f(min_f(min_f(leaves, exit) - walk->t, 4.0f * walk->piece_length), least);
   for (;;) {
     const vec3 to = add_scaled(walk->place, walk->t + length, walk->step);
@@ -159,8 +158,8 @@ FN void begin_piece(const PRIVATE Scene* scene, GLOBAL const Volume* v, float st
   walk->piece_end = min_f(walk->t + length, exit);
 }
 
-/// Goes on to the next place where the ray might collide with an extinction of `strongest` times the
-/// volume's numbers. Returns false where it leaves before.
+/// Advances to the next tentative collision with the volume's numbers times `strongest`. Returns false if the
+/// ray leaves first.
 FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float strongest,
                        PRIVATE VolumeWalk* walk) {
   const int mx = majorant_cells(v->nx), my = majorant_cells(v->ny), mz = majorant_cells(v->nz);
@@ -182,14 +181,14 @@ FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float
     const float depth = walk->majorant * (to - walk->t);
     if (walk->left < depth) {
       const float at = walk->t + walk->left / walk->majorant;
-      // Where floats cannot tell collisions apart, the ray goes on nevertheless.
+      // If floats cannot distinguish successive collisions, the ray still advances.
       walk->t = min_f(in_pieces && !(at > walk->t) ? next_distance(at) : at, to);
       return true;
     }
     walk->left -= depth;
     walk->t = to;
     if (to < exit) continue;
-    // One step a time, so that it ends whatever rounding does.
+    // One axis at a time, so that the loop ends despite rounding.
     if (at_x <= nearest)
       walk->x += walk->step.x > 0.0f ? 1 : -1;
     else if (at_y <= nearest)

@@ -1,9 +1,9 @@
 // One directed edge of a polygon light as a receiver sees it: clipped at the receiver's horizon and projected
 // onto the sphere. Each edge is independent of the others, so outlines may be concave, have holes and several
-// loops; what closes an outline along the horizon is known from the points where its edges cross it.
+// loops. What closes an outline along the horizon is known from the points where its edges cross it.
 //
-// Seen from the light's front, the inside is on the left of every edge. Sums over edges are positive
-// for such a receiver and negative for one that sees the back.
+// Seen from the light's front, the inside is on the left of every edge. Sums over edges are positive for such
+// a receiver and negative for one that sees the back.
 #ifndef PENUMBRA_POLYGON_EDGE_H
 #define PENUMBRA_POLYGON_EDGE_H
 #include "kernels/math/vec3_double.h"
@@ -12,9 +12,9 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// The part of an edge above the horizon, an arc of a great circle.
 STRUCT(VisibleEdge) {
-  vec3d from, to;  ///< its ends, not normalised
-  vec3d normal;    ///< unit, from x to; 0 where the edge's line passes through the receiver: it has no arc
-  double sine, cosine;  ///< of its angle, not normalised; the sine is at least 0
+  vec3d from, to;  ///< its end points, not normalised
+  vec3d normal;    ///< unit, from x to; 0 if the edge's line passes through the receiver: then it has no arc
+  double sine, cosine;  ///< of its angle, not normalised; sine >= 0
   double crossing;      ///< 1: it rises through the horizon at `from`; -1: it sets at `to`; 0: neither
 };
 
@@ -29,8 +29,8 @@ FN VisibleEdge visible_edge(vec3d a, vec3d b, vec3d d, vec3d n) {
   e.from = select3_d(EITHER(above_a, !crosses), a, meets);
   e.to = select3_d(above_b, b, select3_d(crosses, meets, a));
   e.crossing = crosses ? (above_b ? 1.0 : -1.0) : 0.0;
-  // Of the whole edge: clipping shortens it and leaves its great circle, d is exact, and a x d keeps the
-  // digits that a x b loses for short edges.
+  // Computed from the whole edge: clipping shortens the edge but keeps its great circle, d is exact, and a x
+  // d keeps the digits that a x b loses for short edges.
   const vec3d g = cross3_d(a, d);
   const double length = SQRT_D(dot3_d(g, g));
   e.normal = scale_d(g, length > 0.0 ? 1.0 / length : 0.0);
@@ -40,11 +40,11 @@ FN VisibleEdge visible_edge(vec3d a, vec3d b, vec3d d, vec3d n) {
   return e;
 }
 
-/// What the edges of an outline have added up to: twice the irradiance is the sum of their angles, each times
-/// the height of its great circle's normal (Lambert 1760), and of the angles along the horizon from where the
+/// The sums over the edges of an outline. Twice the irradiance is the sum of the edges' angles, each times
+/// the height of its great circle's normal (Lambert 1760), plus the angles along the horizon from where the
 /// outline sets to where it rises. The latter are on one side of the horizon, where the light's plane cuts
-/// it, and add up to less than half a turn: a product of unit complex numbers keeps their sum, and one arc
-/// tangent takes it.
+/// it, and add up to less than half a turn. A product of unit complex numbers accumulates them, and one arc
+/// tangent extracts their sum.
 STRUCT(IrradianceSum) {
   double sum;
   double turn_x, turn_y;
@@ -58,7 +58,8 @@ FN IrradianceSum no_irradiance(void) {
   return s;
 }
 
-/// Adds where an edge crosses the horizon of a receiver with normal n: crossing and the place of VisibleEdge.
+/// Adds the point q where an edge crosses the horizon of a receiver with normal n; `crossing` as in
+/// VisibleEdge.
 FN IrradianceSum add_crossing(IrradianceSum s, double crossing, vec3d q, vec3d n) {
   // The horizon's frame is that of Duff et al. 2017.
   const double sign = n.z >= 0.0 ? 1.0 : -1.0;
@@ -85,9 +86,9 @@ FN IrradianceSum add_irradiance(IrradianceSum s, VisibleEdge e, double angle, ve
   return r;
 }
 
-/// The irradiance that a radiance of 1 makes: 0 to pi.
+/// The irradiance from a light of radiance 1: 0 to pi.
 FN double total_irradiance(IrradianceSum s, bool two_sided) {
-  // The outline runs clockwise about directions that the receiver looks along.
+  // The outline is clockwise as seen by the receiver.
   const double signed_total = -0.5 * (s.sum + atan2_d(s.turn_y, s.turn_x));
   return clamp_d(two_sided ? FABS_D(signed_total) : signed_total, 0.0, PI_D);
 }
@@ -97,8 +98,8 @@ FN IrradianceSum add_edge_irradiance(IrradianceSum s, vec3d a, vec3d b, vec3d d,
   return add_irradiance(s, e, atan2_d(e.sine, e.cosine), n);
 }
 
-/// The irradiance at the origin with unit normal n from a triangle of radiance 1 with these corners, of which
-/// the edges lead to the next, that faces the side from which they run counter-clockwise; 0 to pi.
+/// The irradiance at the origin with unit normal n from a triangle of radiance 1, in [0, pi]. a, b and c are
+/// its corners; ab, bc and ca are the edges. It faces the side from which the corners are counter-clockwise.
 FN double corners_irradiance(vec3d a, vec3d b, vec3d c, vec3d ab, vec3d bc, vec3d ca, vec3d n,
                              bool two_sided) {
   IrradianceSum s = no_irradiance();
@@ -108,7 +109,7 @@ FN double corners_irradiance(vec3d a, vec3d b, vec3d c, vec3d ab, vec3d bc, vec3
   return total_irradiance(s, two_sided);
 }
 
-/// The same at the point (px, py, pz) with unit normal (nx, ny, nz). As polygon_terms, to the bit.
+/// The same at the point (px, py, pz) with unit normal (nx, ny, nz). The bits are those of polygon_terms.
 FN double triangle_irradiance(double px, double py, double pz, double nx, double ny, double nz, vec3 p0,
                               vec3 p1, vec3 p2, bool two_sided) {
   const vec3d x = make_vec3d(px, py, pz), n = make_vec3d(nx, ny, nz);

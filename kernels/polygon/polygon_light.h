@@ -1,5 +1,6 @@
-// Closed forms of polygon lights: what a whole light without anything in its way adds to a diffuse surface
-// and to a Phong lobe. In double, since their errors are a bias that no number of samples averages out.
+// Closed forms of polygon lights: the unoccluded contribution of a whole light to a diffuse surface and to a
+// Phong lobe. They are computed in double, since their errors are a bias that no number of samples averages
+// out.
 #ifndef PENUMBRA_POLYGON_LIGHT_H
 #define PENUMBRA_POLYGON_LIGHT_H
 #include "kernels/bsdf/families.h"
@@ -22,7 +23,7 @@ FN vec3d receiver_mirror(const PRIVATE Receivers* r, int j) {
   return make_vec3d(r->wx[j], r->wy[j], r->wz[j]);
 }
 
-/// The lanes' IrradianceSum.
+/// An IrradianceSum for each lane.
 typedef struct {
   double sum[LANES], turn_x[LANES], turn_y[LANES];
 } IrradianceSums;
@@ -38,13 +39,13 @@ FN void add_lane_irradiance(PRIVATE IrradianceSums* sums, int j, VisibleEdge e, 
   sums->turn_y[j] = s.turn_y;
 }
 
-/// Where edges cross the lanes' horizons.
+/// Points where edges cross the lanes' horizons.
 typedef struct {
   double x[LANES], y[LANES], z[LANES], crossing[LANES];  ///< see VisibleEdge
 } Crossings;
 
-/// Adds the arcs of the edge from corner `from` to corner `to` to each lane's sum; whether any crosses the
-/// horizon, which most do not.
+/// Adds the arcs of the edge from corner `from` to corner `to` to each lane's sum. Returns whether the edge
+/// crosses any lane's horizon, which is rare.
 STAGE int add_edge_arcs(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
                         PRIVATE IrradianceSums* RESTRICT sums, PRIVATE Crossings* RESTRICT crossings) {
   const vec3d d = sub_d(to, from);
@@ -85,19 +86,19 @@ FN void add_edge_irradiances(vec3d from, vec3d to, const PRIVATE Receivers* r, P
 }
 
 #if HAS_FAMILY(PHONG)
-/// Where the outlines cross the horizon. Along it, arcs lead from where an outline sets to where it rises.
-/// Since all crossings are within half a turn, it does not matter which ones are joined: on each loop rising
+/// Points where outlines cross the horizon. Along it, arcs lead from where an outline sets to where it rises.
+/// All crossings are within half a turn, so it does not matter which ones are joined. On each loop, rising
 /// and setting alternate, and every second crossing is joined to the one before it.
 typedef struct {
-  double x[LANES], y[LANES], z[LANES], crossing[LANES];  ///< of the present edge; VisibleEdge.crossing
+  double x[LANES], y[LANES], z[LANES], crossing[LANES];  ///< of the current edge, see VisibleEdge
   double ax[LANES], ay[LANES], az[LANES];
   double bx[LANES], by[LANES], bz[LANES];
-  double open[LANES];  ///< not 0: a waits for b
-  double pair[LANES];  ///< 1: a to b is an arc; -1: b to a is; 0: not yet
-  double sum[LANES];   ///< over the horizon's arcs, by itself: its order must not depend on other lanes
+  double open[LANES];  ///< not 0: `a` is waiting for `b`
+  double pair[LANES];  ///< 1: the arc is from a to b; -1: from b to a; 0: not yet
+  double sum[LANES];   ///< over the horizon's arcs only, so that its order does not depend on other lanes
 } Horizon;
 
-/// As add_edge_irradiances, and finds the edges' arcs and crossings.
+/// Like add_edge_irradiances; also computes the edges' arcs and crossings.
 STAGE void add_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
                      PRIVATE IrradianceSums* RESTRICT sums, const PRIVATE Lobes* RESTRICT lobes,
                      PRIVATE LobeArcs* RESTRICT arcs, PRIVATE Horizon* RESTRICT horizon) {
@@ -136,7 +137,7 @@ STAGE void add_horizon_arcs(const PRIVATE Receivers* RESTRICT r, const PRIVATE L
   add_lobe_arcs(lobes, &arcs, horizon->sum);
 }
 
-/// Takes up the present edges' crossings.
+/// Joins the current edges' crossings to pairs.
 STAGE void join_crossings(const PRIVATE Receivers* RESTRICT r, const PRIVATE Lobes* RESTRICT lobes,
                           PRIVATE Horizon* RESTRICT horizon) {
   double crossings = 0.0, full = 0.0;
@@ -162,7 +163,8 @@ STAGE void join_crossings(const PRIVATE Receivers* RESTRICT r, const PRIVATE Lob
     }
 }
 
-/// Irradiance and lobe at once; `sum` is (e + 2) times the lobe's integral, of the light's orientation.
+/// Irradiance and lobe together. `sum` is (e + 2) times the lobe's integral, with the sign of the light's
+/// orientation.
 STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count,
                                   const PRIVATE Receivers* RESTRICT r, const PRIVATE Lobes* RESTRICT lobes,
                                   PRIVATE IrradianceSums* RESTRICT sums, PRIVATE double* RESTRICT sum) {
@@ -187,7 +189,7 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
 }
 #endif
 
-/// A vector of world space in the space of lane j's cosine, whose normal is the z axis.
+/// Transforms a world-space vector to the space where lane j's lobe is a cosine about the z axis.
 FN vec3d lane_to_cosine_space(const PRIVATE Receivers* r, int j, vec3d v) {
   const vec3d n = receiver_normal(r, j), t = make_vec3d(r->tx[j], r->ty[j], r->tz[j]);
   const double z = dot3_d(n, v);
@@ -195,7 +197,7 @@ FN vec3d lane_to_cosine_space(const PRIVATE Receivers* r, int j, vec3d v) {
                     dot3_d(cross3_d(n, t), v) * r->inverse_y[j], z);
 }
 
-/// As add_edge_irradiances, in the spaces of the lanes' cosines.
+/// Like add_edge_irradiances, in the spaces of the lanes' cosines.
 STAGE void add_ltc_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
                          PRIVATE IrradianceSums* RESTRICT sums) {
   const vec3d d = sub_d(to, from);
@@ -228,8 +230,8 @@ STAGE void total_irradiances(const PRIVATE IrradianceSums* RESTRICT sums, bool t
     }
 }
 
-/// Replaces the lobes of the lanes that want a linearly transformed cosine by the integral of its density
-/// over the light: the irradiance in the cosine's space, over pi.
+/// For lanes that want a linearly transformed cosine: sets the lobe to the integral of its density over the
+/// light, which is the irradiance in the cosine's space, over pi.
 STAGE void add_ltc_lobes(GLOBAL const PolygonCorner* corners, int count, bool two_sided,
                          const PRIVATE Receivers* RESTRICT r, PRIVATE double* RESTRICT lobe) {
   IrradianceSums sums;
@@ -249,14 +251,16 @@ FN bool any_wants_ltc(const PRIVATE Receivers* r) {
   return any;
 }
 
-/// For polygon `index` of the scene and per unit of its radiance: `irradiance` is the integral of max(0, n.u)
-/// over the directions u of its visible part, 0 to pi; `lobe`, where the scene has Phong lobes,
-/// (e + 2) / (2 pi) times that of max(0, w.u)^e max(0, n.u), which times specular reflectance and radiance is
-/// the reflected radiance, or the integral of the density of the transformed cosine. Both LANES long and
-/// always written; 0 for a one-sided light seen from behind. Absolute errors below 1.4e-14 and 2e-10;
-/// relative errors of a light of small angular size below 3e-15 / size, for the lobe's up to a size of 0.3 /
-/// sqrt(max(e, 1)). In a light's plane the limit from either side; on its outline, some finite number of the
-/// range. A lane's results do not depend on the other lanes.
+/// The closed forms of polygon `index` of the scene, per unit of its radiance. `irradiance` is the integral
+/// of max(0, n.u) over the directions u of its visible part, 0 to pi. `lobe` is, for a Phong lobe, (e + 2) /
+/// (2 pi) times the integral of max(0, w.u)^e max(0, n.u): times specular reflectance and radiance it is the
+/// reflected radiance. For a linearly transformed cosine it is the integral of its density. Both arrays are
+/// LANES long and always written; they are 0 for a one-sided light seen from behind.
+///
+/// Absolute errors are below 1.4e-14 and 2e-10. Relative errors for a light of small angular size are below
+/// 3e-15 / size, for the lobe up to a size of 0.3 / sqrt(max(e, 1)). In the light's plane the result is the
+/// limit from either side; on its outline, an arbitrary finite number of the range. A lane's results do not
+/// depend on the other lanes.
 STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r, int index,
                          PRIVATE double* RESTRICT irradiance, PRIVATE double* RESTRICT lobe) {
   GLOBAL const Polygon* polygon = scene->polygons + index;

@@ -1,20 +1,22 @@
-// What an arc of a polygon light's outline adds to the reflection in a Phong lobe, for any real exponent.
+// The contribution of an arc of a polygon light's outline to the reflection in a Phong lobe, for any real
+// exponent.
 //
-// With w the lobe's axis, n the normal, and A the visible part, clipped at the horizon, Stokes' theorem gives
+// Let w be the lobe's axis, n the normal, and A the visible part, clipped at the horizon. Stokes' theorem
+// gives
 //   (e + 2) integral over A of max(0, w.u)^e (n.u) du
 //       = (n.w) integral over the outline of (1 - max(0, w.u)^e) dphi
 //         + sum over its arcs of (n.g) integral of max(0, w.u)^e dpsi
 // (Arvo 1995, the double-axis moment, with the recurrence over e summed up), where phi is the azimuth about w
-// and psi runs along an arc with unit normal g. On an arc's great circle, with delta = w.g, c^2 =
-// 1 - delta^2, and psi from the point closest to w on,
+// and psi runs along an arc with unit normal g. On an arc's great circle, with delta = w.g, c^2 = 1 -
+// delta^2, and psi measured from the point closest to w,
 //   w.u = c cos psi,   dphi = delta / S dpsi,   S = 1 - (w.u)^2 = delta^2 + c^2 (sin psi)^2.
-// Unlike dphi alone, (1 - (w.u)^e) dphi is smooth where the outline passes w, and says by itself whether w is
-// inside: nothing jumps. The width of both integrands is that of the lobe, 1 / sqrt(e), whatever delta is, so
-// that a Gauss-Legendre rule of at most 24 nodes over the part of the arc inside the lobe does for every
-// exponent; outside the lobe only dphi is left.
+// Unlike dphi alone, (1 - (w.u)^e) dphi is smooth where the outline passes w, and includes whether w is
+// inside: there are no jumps. The width of both integrands is that of the lobe, 1 / sqrt(e), for any delta.
+// So a Gauss-Legendre rule of at most 24 nodes over the part of the arc inside the lobe is enough for every
+// exponent; outside the lobe only dphi remains.
 //
-// For exponents below 8 no such rule follows (cos psi)^e to its ends at +-pi / 2. Unless an arc is short and
-// away from them, they are reached from e + 2k >= 8 by
+// For exponents below 8 no such rule resolves (cos psi)^e at its ends, +-pi / 2. Unless an arc is short and
+// away from them, these exponents are computed from e + 2k >= 8 by
 //   (e + 1) D(e) = (e + 2) D(e + 2) / c^2 - [(w.u)^e cos psi sin psi],   B(e) = B(e + 2) - delta D(e)
 // for D = integral of (w.u)^e dpsi and B = integral of (1 - (w.u)^e) dphi.
 #ifndef PENUMBRA_POLYGON_LOBE_H
@@ -23,27 +25,27 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define LOWEST_LOBE_EXPONENT 8.0  // of the quadrature
-#define LOBE_STEPS 4              // from there down to 0
-// ln 1e-10: where the lobe is less than that it counts as 0, which changes a reflected part by less than
-// 1e-11 for each arc.
+#define LOWEST_LOBE_EXPONENT 8.0  // lowest exponent of the quadrature
+#define LOBE_STEPS 4              // steps from there down to 0
+// ln 1e-10: where the lobe is below this it counts as 0, which changes the reflected fraction by less than
+// 1e-11 per arc.
 #define LOG_LOBE_CUT (-23.025850929940457)
 
-/// An arc as a lobe sees it.
+/// An arc relative to a lobe.
 STRUCT(LobeArc) {
-  double middle, half_width;  ///< psi of the part inside the lobe
+  double middle, half_width;  ///< in psi, of the part inside the lobe
   double delta;               ///< w.g
   double outside;             ///< integral of dphi over the rest of the arc
-  double from_cos, from_sin;  ///< of psi at its ends
+  double from_cos, from_sin;  ///< of psi at the ends of the arc
   double to_cos, to_sin;
-  bool stepped;  ///< its exponent is to be reached from a higher one
+  bool stepped;  ///< computed from a higher exponent
 };
 
 /// delta^2, never 1: c^2 is never 0.
 FN double lobe_delta2(double delta) { return min_d(delta * delta, ONE_MINUS_EPSILON_D); }
 
-/// For the arc of `angle`, sine and cosine of it not normalised, that starts at `from` with unit normal g.
-/// Inside the lobe (w.u)^2 is above `cut2`, or above c^2 times it for a low exponent.
+/// For the arc of `angle` that starts at `from`, with unit normal g; sine and cosine of the angle are not
+/// normalised. Inside the lobe (w.u)^2 is above `cut2`, or above c^2 cut2 for a low exponent.
 FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angle, vec3d w, double cut2,
                     bool low_exponent) {
   LobeArc arc;
@@ -54,8 +56,8 @@ FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angl
   const double ac = r2 > 0.0 ? x * r : 1.0, as = r2 > 0.0 ? y * r : 0.0;
   const double turn_c = t2 > 0.0 ? cosine * t : 1.0, turn_s = t2 > 0.0 ? sine * t : 0.0;
   const double bc = ac * turn_c - as * turn_s, bs = as * turn_c + ac * turn_s;
-  // The arc is shorter than half a turn: it enters the lobe, if from outside, at -acos of the least cosine,
-  // leaves it at the positive one, and passes through all of it if psi goes from negative to positive.
+  // The arc is shorter than half a turn. If it starts outside, it enters the lobe at -acos(least). It leaves
+  // the lobe at acos(least). It passes through the whole lobe if psi goes from negative to positive.
   const double least2 = min_d(low_exponent ? cut2 : cut2 / (1.0 - lobe_delta2(delta)), 1.0);
   const double least = SQRT_D(least2), reach = SQRT_D(1.0 - least2);
   const bool from_inside = ac > least, to_inside = bc > least;
@@ -68,12 +70,12 @@ FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angl
   // A short arc's own angle has more digits than the difference.
   arc.half_width = any ? 0.5 * (whole ? angle : max_d(high - low, 0.0)) : 0.0;
   arc.middle = any ? (whole ? low + 0.5 * angle : 0.5 * (low + high)) : 0.0;
-  // The differences of step_down would cost a small light its digits. A rule of 8 nodes converges like
-  // 5.8^-16 where the next singularity is as far from its interval's end as the interval is long.
+  // The differences in step_down would cost a small light its digits. A rule of 8 nodes converges like
+  // 5.8^-16 if the next singularity is as far from the interval's end as the interval is long.
   const double farthest = max_d(FABS_D(low), FABS_D(high));
   arc.stepped = BOTH(low_exponent, !BOTH(whole, HALF_PI_D - farthest >= angle));
-  // The direction of azimuth phi is (delta cos psi, sin psi). Two parts are outside, and make less than half
-  // a turn together; in the direction that delta says, whatever rounding does to half a turn.
+  // The direction of azimuth phi is (delta cos psi, sin psi). The two parts outside the lobe make less than
+  // half a turn together; the sign of delta gives the direction, despite rounding near half a turn.
   const double ax = delta * ac, bx = delta * bc, low_x = delta * low_c, high_x = delta * high_c;
   const double in_x = low_x * ax + low_s * as, in_y = low_s * ax - low_x * as;
   const double out_x = bx * high_x + bs * high_s, out_y = bs * high_x - bx * high_s;
@@ -87,10 +89,10 @@ FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angl
   return arc;
 }
 
-/// Integrands at one place, or integrals, of a lobe along an arc.
+/// Integrands at one point, or integrals, of a lobe along an arc.
 STRUCT(LobeTerms) {
-  double power;  ///< of (w.u)^e; D
-  double rest;   ///< of (1 - (w.u)^e) / S; times delta, B
+  double power;  ///< (w.u)^e; integral: D
+  double rest;   ///< (1 - (w.u)^e) / S; integral times delta: B
 };
 
 /// The integrands at psi.
@@ -104,10 +106,10 @@ FN LobeTerms lobe_at(double psi, double delta2, double log_c2, double half_expon
   return terms;
 }
 
-/// An end of an arc.
+/// One end of an arc.
 STRUCT(LobeEnd) {
-  double value;    ///< (w.u)^e cos psi sin psi, 0 behind
-  double inverse;  ///< what makes (w.u)^(e - 2) of (w.u)^e
+  double value;    ///< (w.u)^e cos psi sin psi, 0 behind the lobe
+  double inverse;  ///< factor from (w.u)^e to (w.u)^(e - 2)
 };
 
 /// For e = 2 `half_exponent`.
@@ -120,7 +122,7 @@ FN LobeEnd lobe_end(double cosine, double sine, double c2, double half_exponent)
   return end;
 }
 
-/// Takes `steps` steps of 2 down from the exponent 2 `half_exponent`: D in `power`, B in `rest`.
+/// Takes `steps` steps of -2 from the exponent 2 `half_exponent`: D in `power`, B in `rest`.
 FN LobeTerms step_down(double delta, double from_cos, double from_sin, double to_cos, double to_sin,
                        double half_exponent, double steps, LobeTerms terms) {
   const double c2 = 1.0 - lobe_delta2(delta);
@@ -143,7 +145,7 @@ FN LobeTerms step_down(double delta, double from_cos, double from_sin, double to
   return stepped;
 }
 
-/// Steps of 2 from the exponent up to LOWEST_LOBE_EXPONENT or more.
+/// Number of steps of 2 from the exponent to LOWEST_LOBE_EXPONENT or above.
 FN double lobe_steps(double exponent) {
   double steps = 0.0;
   UNROLL
@@ -151,16 +153,16 @@ FN double lobe_steps(double exponent) {
   return steps;
 }
 
-/// Half the nodes of the rule for a part of an arc inside the lobe; `half_exponent` is that of the
-/// quadrature. The rules of 8, 16 and 24 nodes have errors below 1e-10 up to lengths of 3 and 8.7 widths of
-/// the lobe, and of 13.6 across all of it.
+/// Half the number of nodes of the rule for a part of an arc inside the lobe; `half_exponent` is that of the
+/// quadrature. The rules of 8, 16 and 24 nodes have errors below 1e-10 up to lengths of 3, 8.7 and 13.6
+/// widths of the lobe; 13.6 is the whole lobe.
 FN double lobe_rule(double half_exponent, double half_width) {
   const double exponent = 2.0 * half_exponent;
   const double length2 = 4.0 * half_width * half_width * exponent;
   return length2 <= 0.0 ? 0.0 : (length2 <= 9.0 ? 4.0 : (length2 <= 75.0 ? 8.0 : 12.0));
 }
 
-// The Gauss-Legendre rules' positive nodes and their weights.
+// Positive nodes of the Gauss-Legendre rules, and their weights.
 #define LOBE_NODES_8 0.96028985649753623, 0.79666647741362674, 0.52553240991632899, 0.1834346424956498
 #define LOBE_NODES_16                                                                                      \
   0.98940093499164993, 0.94457502307323258, 0.86563120238783174, 0.75540440835500303, 0.61787624440264375, \

@@ -1,4 +1,4 @@
-// LANES lobes at a time: what an arc for each of them adds, by Gauss-Legendre quadrature.
+// The contribution of one arc per lane to LANES lobes, by Gauss-Legendre quadrature.
 #ifndef PENUMBRA_POLYGON_LOBE_LANES_H
 #define PENUMBRA_POLYGON_LOBE_LANES_H
 #include "kernels/polygon/polygon_lobe.h"
@@ -6,10 +6,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What is the same for all arcs.
+/// The data of the lobes that all arcs share.
 typedef struct {
   double half_exponent[LANES];
-  double steps[LANES];   ///< of 2 from the lobe's exponent up to LOWEST_LOBE_EXPONENT or more
+  double steps[LANES];   ///< steps of 2 from the lobe's exponent to LOWEST_LOBE_EXPONENT or above
   double cut2[LANES];    ///< see lobe_arc; above 1: no lobe
   double height[LANES];  ///< n.w
 } Lobes;
@@ -18,13 +18,13 @@ typedef struct {
 typedef struct {
   double middle[LANES], half_width[LANES], delta[LANES], outside[LANES];
   double from_cos[LANES], from_sin[LANES], to_cos[LANES], to_sin[LANES];
-  double half_exponent[LANES];  ///< of its quadrature
-  double steps[LANES];          ///< from there down to the lobe's exponent
+  double half_exponent[LANES];  ///< exponent of its quadrature, halved
+  double steps[LANES];          ///< steps from there down to the lobe's exponent
   double rise[LANES];           ///< n.g
   double weight[LANES];         ///< in the sum
 } LobeArcs;
 
-/// Returns whether any lane wants a lobe.
+/// Initialises the lobes. Returns whether any lane has one.
 STAGE bool start_lobes(const PRIVATE Receivers* RESTRICT r, PRIVATE Lobes* RESTRICT lobes) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -41,7 +41,7 @@ STAGE bool start_lobes(const PRIVATE Receivers* RESTRICT r, PRIVATE Lobes* RESTR
   return any;
 }
 
-/// Keeps lane j's arc, which starts at `from`.
+/// Sets lane j's arc, which starts at `from`.
 FN void store_lobe_arc(PRIVATE LobeArcs* arcs, int j, const PRIVATE Lobes* lobes, vec3d from, vec3d g,
                        double sine, double cosine, double angle, vec3d n, vec3d w, double weight) {
   const LobeArc arc = lobe_arc(from, g, sine, cosine, angle, w, lobes->cut2[j], lobes->steps[j] > 0.0);
@@ -59,17 +59,17 @@ FN void store_lobe_arc(PRIVATE LobeArcs* arcs, int j, const PRIVATE Lobes* lobes
   arcs->weight[j] = weight;
 }
 
-/// Half the nodes of the rule that integrates lane j's arc: its own choice, so that a lane's result does not
-/// depend on its neighbours.
+/// Half the number of nodes of the rule for lane j's arc. Each lane chooses its own, so that its result does
+/// not depend on its neighbours.
 FN double lane_rule(const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs, int j) {
   return lobe_rule(lobes->half_exponent[j] + lobes->steps[j], arcs->half_width[j]);
 }
 
-/// Integrals of (w.u)^e and of (1 - (w.u)^e) / S over psi inside the lobe, by up to `most` nodes on either
+/// Integrals of (w.u)^e and of (1 - (w.u)^e) / S over psi inside the lobe, with up to `most` nodes on each
 /// side of the middle.
 STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE LobeArcs* RESTRICT arcs,
                            int most, PRIVATE double* RESTRICT power, PRIVATE double* RESTRICT rest) {
-  // Weights are 0 behind each rule's last node.
+  // Weights after each rule's last node are 0.
   const double nodes8[12] = {LOBE_NODES_8};
   const double nodes16[12] = {LOBE_NODES_16};
   const double nodes24[12] = {LOBE_NODES_24};
@@ -106,7 +106,7 @@ STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lo
     }
 }
 
-/// Takes D and B from the quadrature's exponent down to the lobe's.
+/// Steps D and B from the quadrature's exponent down to the lobe's.
 STAGE void step_lobes_down(const PRIVATE LobeArcs* RESTRICT arcs, PRIVATE double* RESTRICT power,
                            PRIVATE double* RESTRICT rest) {
   LANE_LOOP

@@ -1,5 +1,5 @@
-// Reconstruction filters by importance sampling: a sample's film position is sampled from the filter about
-// its pixel's centre and touches that pixel only, so tiles have no borders (Ernst, Stamminger and Greiner
+// Filter importance sampling: a sample's film position is sampled from the reconstruction filter about its
+// pixel's centre, and contributes to that pixel only. So tiles have no borders (Ernst, Stamminger and Greiner
 // 2006).
 #ifndef PENUMBRA_FILTER_H
 #define PENUMBRA_FILTER_H
@@ -10,10 +10,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   float x;       ///< offset from the pixel's centre, in filter radii
-  float weight;  ///< what the sample counts for; negative in negative lobes
+  float weight;  ///< weight of the sample; negative in negative lobes
 } FilterSample;
 
-/// One axis of a box or a tent.
+/// One axis of a box or tent filter.
 FN FilterSample sample_plain_filter(int filter, float u) {
   const float v = 2.0f * u - 1.0f;
   const float tent = 1.0f - SQRT(1.0f - FABS(v));
@@ -23,11 +23,11 @@ FN FilterSample sample_plain_filter(int filter, float u) {
   return s;
 }
 
-/// One axis, symmetric filters. A tabulated filter f is FILTER_CELLS cells of distances from the centre: knot
-/// i is where the mass of |f| nearer than it reaches 1 - (1 - i / FILTER_CELLS)^2 of the whole, which keeps
-/// the cells narrow in the tails; between knots distances are interpolated. The weight is the cell's mass of
-/// f over that of |f|, scaled so that f integrates to 1. The table holds FILTER_CELLS + 1 knots, then
-/// FILTER_CELLS weights; it is there whatever the filter.
+/// One axis of a symmetric filter. A tabulated filter f has FILTER_CELLS cells of distances from the centre.
+/// Knot i is the distance within which the integral of |f| is 1 - (1 - i / FILTER_CELLS)^2 of the total,
+/// which keeps the cells narrow in the tails. Between knots, distances are interpolated. The weight is the
+/// cell's integral of f over that of |f|, scaled so that f integrates to 1. The table has FILTER_CELLS + 1
+/// knots, then FILTER_CELLS weights; it exists for every filter.
 FN FilterSample sample_filter(int filter, GLOBAL const float* table, float u) {
   const float v = 2.0f * u - 1.0f;
   const float tent = 1.0f - SQRT(1.0f - FABS(v));

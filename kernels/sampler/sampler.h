@@ -1,6 +1,6 @@
-// Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come
-// in pairs that are named once for all that a path may need, so that nothing that one scene leaves out shifts
-// the numbers of another.
+// Samplers: a number in [0, 1) is a pure function of (seed, pixel, sample index, dimension). Dimensions come
+// in pairs. All pairs that a path may need have fixed numbers, so that a scene that does not use some of them
+// leaves the numbers of the others unchanged.
 #ifndef PENUMBRA_SAMPLER_H
 #define PENUMBRA_SAMPLER_H
 #include "kernels/block/path_state.h"
@@ -12,18 +12,18 @@ PENUMBRA_NAMESPACE_BEGIN
 // Pairs of the camera ray.
 #define PAIR_FILM 0u              // position on the film
 #define PAIR_LENS 0xffffffffu     // position on the lens
-#define PAIR_CHANNEL 0xfffffffeu  // colour channel of media, time
+#define PAIR_CHANNEL 0xfffffffeu  // colour channel (hero) of media
 
-// Pairs of each depth: of the surface, or the place in a medium, that scatters a path. See step_point.
+// Pairs of each depth: for the surface, or the point in a medium, that scatters a path. See step_point.
 enum {
   PAIR_LIGHT,   ///< a light and a point on it
   PAIR_BSDF,    ///< a direction by the BSDF or the phase function
-  PAIR_CHOICE,  ///< digits of PAIR_LIGHT below its own; a lobe
-  PAIR_END,     ///< Russian roulette; the free flight to here
+  PAIR_CHOICE,  ///< digits below those of PAIR_LIGHT; choice of a lobe
+  PAIR_END,     ///< Russian roulette; free flight to the surface
   STEP_PAIRS
 };
 
-// The numbers of one step, by what they are for, in the order of those pairs.
+// The numbers of one step by their purpose, in the order of these pairs.
 enum {
   DIM_LIGHT_U,
   DIM_LIGHT_V,
@@ -33,7 +33,7 @@ enum {
   DIM_LOBE_CHOICE,
   DIM_ROULETTE,
   DIM_FREE_FLIGHT,
-  DIM_UNUSED,  ///< where halves of pairs go that nobody wants
+  DIM_UNUSED,  ///< for halves of pairs that are not needed
   STEP_DIMENSIONS
 };
 
@@ -46,12 +46,12 @@ FN uint hash_uint(uint v) {
 
 FN uint pixel_hash(uint seed, uint x, uint y) { return hash_uint(x + hash_uint(y + hash_uint(seed))); }
 
-// Sobol: pixels of a square of 2^TILE_LEVELS on a side share a sequence.
+// Sobol: the pixels of a square of 2^TILE_LEVELS pixels a side share a sequence.
 #define TILE_LEVELS 4
 #define TILE_PLACE ((1u << 2 * TILE_LEVELS) - 1u)
 
-/// The bits of x in the even places, those of y in the odd ones: neighbours on the film have a high part in
-/// common. x, y < 2^8.
+/// Interleaves the bits of x (even positions) and y (odd positions): neighbours on the film share their high
+/// bits. x, y < 2^8.
 FN uint morton_index(uint x, uint y) {
   uint v = x | (y << 16);
   v = (v | (v << 4)) & 0x0f0f0f0fu;
@@ -60,8 +60,9 @@ FN uint morton_index(uint x, uint y) {
   return (v | (v >> 15)) & 0xffffu;
 }
 
-/// What a pixel's numbers depend on besides the sample: for most samplers a hash; for Sobol one of its tile
-/// but for the lowest bits, which are the pixel's place along the tile's Z curve.
+/// The part of a pixel's numbers that does not depend on the sample. For most samplers it is a hash of the
+/// pixel. For Sobol it is a hash of its tile, except for the lowest bits, which are the pixel's position
+/// along the tile's Z curve.
 FN uint pixel_sequence(int sampler, uint seed, uint x, uint y) {
   const uint of_tile = pixel_hash(seed, x >> TILE_LEVELS, y >> TILE_LEVELS) & ~TILE_PLACE;
   const uint mask = (1u << TILE_LEVELS) - 1u;
@@ -83,8 +84,8 @@ FN uint reverse_bits(uint v) {
 #endif
 }
 
-/// Each bit is flipped by a hash of the bits below it: an Owen scramble of bit-reversed numbers. Laine and
-/// Karras 2011, with Vegdahl's constants of 2021.
+/// Flips each bit by a hash of the bits below it: an Owen scramble of bit-reversed numbers. Laine and Karras
+/// 2011, with Vegdahl's constants of 2021.
 FN uint scramble_reversed(uint v, uint seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
@@ -94,8 +95,8 @@ FN uint scramble_reversed(uint v, uint seed) {
   return v;
 }
 
-/// The second Sobol dimension of index i, bit-reversed: Pascal's matrix modulo 2, one step for each bit of a
-/// bit's position.
+/// The second Sobol dimension of index i, bit-reversed: Pascal's matrix modulo 2, in one step for each bit of
+/// a bit's position.
 FN uint sobol_second_reversed(uint i) {
   i ^= (i >> 1) & 0x55555555u;
   i ^= (i >> 2) & 0x33333333u;
@@ -116,20 +117,21 @@ FN void sobol_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE 
       reverse_bits(scramble_reversed(sobol_second_reversed(shuffled), hash_uint(seed ^ 0x02e5be93u))));
 }
 
-/// Digits of a pixel's points in its tile's sequence: the fewest with 2^bits >= points, at most 32.
+/// Digits for a pixel's points in its tile's sequence: the smallest number with 2^bits >= points, at most 32.
 FN uint point_bits(uint points) {
   uint bits = 0u;
   while (bits < 32u && ((points - 1u) >> bits) != 0u) bits++;
   return bits;
 }
 
-/// Point `index` of the 2^bits of a pixel, by its pixel_sequence. The points of all pixels of a tile are one
-/// Owen-scrambled sequence in the order of the Z curve, so that not only those of a pixel are a net but those
-/// of every aligned square of 2 x 2, 4 x 4 ... pixels as well: what is left of the error has the opposite
-/// sign nearby, and averages of pixels lose most of it. The shuffle of the index, other for each pair, keeps
-/// aligned blocks of it together, so pixels trade places within their tile but nets stay nets. After Ahmed
-/// and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering
-/// of pixels". More points than 32 bits can number give each pixel its own sequence.
+/// Point `index` of the 2^bits points of a pixel, given by its pixel_sequence. The points of all pixels of a
+/// tile are one Owen-scrambled sequence along the Z curve. So not only the points of each pixel are a net,
+/// but also those of every aligned square of 2 x 2, 4 x 4 ... pixels: the remaining errors of neighbouring
+/// pixels have opposite signs, and averages of pixels cancel most of them. The index is shuffled differently
+/// for each pair; the shuffle keeps aligned blocks together, so pixels swap positions within their tile and
+/// nets stay nets. After Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling
+/// error via hierarchical ordering of pixels". If 32 bits cannot number all points, each pixel has its own
+/// sequence.
 FN void tile_pair(uint pixel, uint index, uint bits, uint pair, PRIVATE float* u, PRIVATE float* v) {
   const bool together = bits + 2u * TILE_LEVELS <= 32u;
   const uint place = pixel & TILE_PLACE;
@@ -171,24 +173,24 @@ FN uint permute(uint i, uint n, uint seed) {
     i &= mask;
     i ^= i >> 5;
   } while (i >= n);
-  const uint shift = seed % n;  // i + seed may wrap around, which no longer permutes
+  const uint shift = seed % n;  // i + seed could wrap around, which would not be a permutation
   return i < n - shift ? i + shift : i - (n - shift);
 }
 
-/// The columns of the most nearly square grid of n strata: its largest divisor that is at most sqrt(n).
+/// Columns of the most nearly square grid with n strata: the largest divisor of n that is at most sqrt(n).
 FN uint strata_columns(uint n) {
   uint columns = (uint)SQRT((float)n);
   while (columns > 1u && n % columns != 0u) columns--;
   return columns;
 }
 
-/// Position `jitter` in [0, 1) of stratum `cell` of `count`: rounding must not push it into the next one.
+/// Position `jitter`, in [0, 1), in stratum `cell` of `count`. Rounding must not move it to the next stratum.
 FN float in_stratum(uint cell, float jitter, uint count) {
   const float below_next = BITS_FLOAT(FLOAT_BITS((float)(cell + 1u)) - 1u);
   return min_f(min_f((float)cell + jitter, below_next) / (float)count, ONE_MINUS_EPSILON);
 }
 
-/// Jittered strata, the order of the strata a random permutation for each pixel and pair.
+/// Jittered strata, in an order that is a random permutation for each pixel and pair.
 FN void stratified_pair(uint pixel, uint index, uint pair, uint spp, PRIVATE float* u, PRIVATE float* v) {
   uint seed = pair_seed(pixel, pair);
   uint columns = strata_columns(spp);
@@ -212,25 +214,25 @@ FN float radical_inverse(uint index, uint base) {
   return sum;
 }
 
-// Two for each of the pairs that have Halton points.
+// Two bases for each of the pairs with Halton points.
 #define HALTON_PAIRS 32
 CONSTANT_TABLE uint halton_bases[2 * HALTON_PAIRS] = {
     2,   3,   5,   7,   11,  13,  17,  19,  23,  29,  31,  37,  41,  43,  47,  53,   // film, first depth ...
     59,  61,  67,  71,  73,  79,  83,  89,  97,  101, 103, 107, 109, 113, 127, 131,  //
     137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193, 197, 199, 211, 223,  //
     227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311};
-// Up to here points of two bases are hardly correlated as they are.
+// Up to this place, points of two bases are almost uncorrelated without digit permutations.
 #define PLAIN_HALTON_PAIRS 8u
 
-/// Which bases a pair has: the film's and the first depth's come first, then those of the camera, then the
-/// other depths'.
+/// The index of a pair's bases: film and first depth, then lens and channel, then the other depths.
 FN uint halton_place(uint pair) {
   if (pair == PAIR_LENS) return STEP_PAIRS + 1u;
   if (pair == PAIR_CHANNEL) return STEP_PAIRS + 2u;
   return pair <= STEP_PAIRS ? pair : pair + 2u;
 }
 
-/// The radical inverse with digits that are permuted, each place in its own way (Matousek 1998), to 24 bits.
+/// The radical inverse with permuted digits, a different permutation for each digit (Matousek 1998), to 24
+/// bits.
 FN float permuted_inverse(uint index, uint base, uint seed) {
   float inverse = 1.0f / (float)base, digit_weight = inverse, sum = 0.0f;
   for (uint place = seed; digit_weight > 2.9802322e-8f; place = hash_uint(place)) {
@@ -242,9 +244,9 @@ FN float permuted_inverse(uint index, uint base, uint seed) {
   return min_f(sum, ONE_MINUS_EPSILON);
 }
 
-/// Halton points: those of small bases rotated by a random offset for each pixel (Cranley and Patterson
-/// 1976), those of larger ones, which are strongly correlated, with random digits. Higher dimensions are
-/// independent.
+/// Halton points. Those of small bases are rotated by a random offset for each pixel (Cranley and Patterson
+/// 1976). Those of larger bases, which are strongly correlated, have randomly permuted digits. Higher
+/// dimensions are independent.
 FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
   const uint place = halton_place(pair);
   if (place >= HALTON_PAIRS) {
@@ -265,11 +267,11 @@ FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE
   *v = min_f(b >= 1.0f ? b - 1.0f : b, ONE_MINUS_EPSILON);
 }
 
-/// The nth of the `times` points that each sample of a pixel takes of a dimension pair. All points of the
-/// pair are one sequence, so they are distributed as evenly as those of `times` as many samples.
+/// The nth of the `times` points that each sample of a pixel takes from a dimension pair. All points of the
+/// pair form one sequence, so they are as well distributed as `times` as many samples.
 typedef struct {
-  uint pair;       ///< of paths of depth 0
-  uint per_depth;  ///< that much more for each surface that scattered the path
+  uint pair;       ///< pair number at depth 0
+  uint per_depth;  ///< increment for each surface that scattered the path
   uint times, nth;
 } PairPoint;
 
@@ -282,21 +284,23 @@ FN PairPoint one_point(uint pair) {
   return point;
 }
 
-// Pairs for what a ray meets and may pass through, one for each surface on its way, apart from all others:
-// they shift no numbers of scenes without such surfaces. MOST_PASSED is the most that one ray passes.
+// Pairs for surfaces that a ray meets and may pass through: one for each surface along the ray, separate from
+// all others, so that the numbers of scenes without such surfaces do not change. A ray passes at most
+// MOST_PASSED surfaces.
 #define MOST_PASSED 4096
-#define MOST_CROSSED 65536  // with boundaries of media, which take no numbers
+#define MOST_CROSSED 65536  // including boundaries of media, which need no numbers
 #define PAIR_RAY_SURFACES 0x80000000u
 #define PAIR_SHADOW_SURFACES 0xc0000000u
 
-/// Of the k-th surface that a ray meets which left a surface of that depth; `pairs`: of PAIR_*_SURFACES.
+/// The point for the k-th surface that a ray meets after it left a surface of the path's depth; `pairs` is
+/// one of PAIR_*_SURFACES.
 FN PairPoint met_point(uint pairs, int k) {
   PairPoint point = one_point(pairs + (uint)k);
   point.per_depth = MOST_PASSED;
   return point;
 }
 
-/// One of STEP_PAIRS, of each path's own depth.
+/// The point for one of STEP_PAIRS, at each path's own depth.
 FN PairPoint step_point(uint pair) {
   PairPoint point = one_point(1u + pair);
   point.per_depth = STEP_PAIRS;
@@ -316,7 +320,7 @@ FN uint index_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
   return (uint)get_sample_index(paths, i) * point.times + point.nth;
 }
 
-/// One pair of numbers for each of LANES paths, lanes `first`... of the block.
+/// One pair of numbers for each of the LANES paths from lane `first` on.
 CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
                            PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
   const uint points = spp > 0xffffffffu / point.times ? 0xffffffffu : spp * point.times;
@@ -356,13 +360,13 @@ CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE
     }
 }
 
-/// Whether a pixel's samples are two independent sequences, those of even and of odd index, so that each half
-/// can fit an alpha for the other.
+/// Whether a pixel's samples of even and of odd index form two independent sequences, so that alpha for one
+/// half is estimated from the other.
 FN bool in_halves(const PRIVATE SceneHeader* h) {
   return HAS(POLYGONS) && h->integrator.estimator == ESTIMATOR_AUTO;
 }
 
-/// Samples of a pixel in one sequence.
+/// The number of samples of a pixel in one sequence.
 FN uint sequence_length(const PRIVATE SceneHeader* h) {
   return in_halves(h) ? h->sampler.spp / 2u + h->sampler.spp % 2u : h->sampler.spp;
 }

@@ -1,6 +1,6 @@
-// Bitmaps, as in Mitsuba 3: the first row is at v = 0, the centre of texel (i, j) at ((i + 1/2) / width,
-// (j + 1/2) / height), and between centres values are bilinear. Beyond the edges the whole repeats, is
-// mirrored, goes on as it ends, or is 0 or 1 (as in Mitsuba 0.6).
+// Bitmap textures, as in Mitsuba 3: the first row is at v = 0, the centre of texel (i, j) is at ((i + 1/2) /
+// width, (j + 1/2) / height), and values are bilinear between centres. Outside of the unit square the bitmap
+// repeats, is mirrored, is clamped, or is 0 or 1 (as in Mitsuba 0.6).
 #ifndef PENUMBRA_BITMAP_TEXTURE_H
 #define PENUMBRA_BITMAP_TEXTURE_H
 #include "kernels/texture/texel.h"
@@ -8,15 +8,15 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Two neighbours along an axis, and how far the place is from the first to the second. Outside the bitmap
-/// they are `border` instead, where that is 0 or more.
+/// Two neighbouring texels along an axis, and the interpolation weight of the second. A texel outside of the
+/// bitmap has the value of its border if that is >= 0.
 typedef struct {
   int low, high;
   float share;
   float low_border, high_border;
 } TexelPair;
 
-/// A coordinate within one repetition; numbers that are none become 0.
+/// A coordinate within one repetition; NaN becomes 0.
 FN float wrapped_coordinate(int wrap, float t) {
   const float repeated = t - floor_f(t);
   const float of_two = t - 2.0f * floor_f(0.5f * t);
@@ -26,7 +26,7 @@ FN float wrapped_coordinate(int wrap, float t) {
   return clamp_f(folded, bordered ? -1.0f : 0.0f, bordered ? 2.0f : 1.0f);
 }
 
-/// Index of a texel at most one beyond the edges, or any with a border.
+/// Index of a texel that is at most one beyond the edges, or anywhere if there is a border.
 FN int wrapped_texel(int wrap, int size, int i) {
   const int repeated = i < 0 ? i + size : (i >= size ? i - size : i);
   const int at = wrap == WRAP_REPEAT ? repeated : i;
@@ -58,7 +58,7 @@ FN vec3 bordered_texel(float border_u, float border_v, vec3 texel) {
   return select3(border >= 0.0f, make_vec3(border, border, border), texel);
 }
 
-// A lane whose texture is of another kind looks at the first words.
+// Lanes whose texture is of another kind read the first words.
 #define BITMAP_TEXTURE(name, kind_number)                                                             \
   FN TextureStep name##_bitmap_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture, \
                                        TexturePlace at) {                                             \

@@ -1,5 +1,5 @@
-// Four squares in the unit square of texture coordinates, again and again: colour0 where the fractional parts
-// of u and v are both above or both at most 1/2, as in Mitsuba 3.
+// A checkerboard with 2 x 2 squares in each unit square of texture coordinates: colour0 where the fractional
+// parts of u and v are both above 1/2 or both at most 1/2, as in Mitsuba 3.
 #ifndef PENUMBRA_CHECKERBOARD_TEXTURE_H
 #define PENUMBRA_CHECKERBOARD_TEXTURE_H
 #include "kernels/texture/texture_step.h"

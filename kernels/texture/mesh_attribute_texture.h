@@ -1,4 +1,4 @@
-// Colours that meshes have at their vertices, or on their faces.
+// Colours of a mesh's vertices or faces.
 #ifndef PENUMBRA_MESH_ATTRIBUTE_TEXTURE_H
 #define PENUMBRA_MESH_ATTRIBUTE_TEXTURE_H
 #include "kernels/intersect/surface_uv.h"
@@ -6,7 +6,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Black where the surface has no such colours.
+/// Black if the surface has no such colours.
 FN TextureStep mesh_attribute_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture,
                                       TexturePlace at) {
   const bool on_triangle = (at.primitive >= 0) & (at.primitive < scene->header.tables.triangle_colours.count);
@@ -15,7 +15,7 @@ FN TextureStep mesh_attribute_texture(const PRIVATE Scene* scene, GLOBAL const T
   const bool some = on_triangle & (first >= 0);
   GLOBAL const VertexColours* colours = scene->vertex_colours + (some ? first + texture->attribute : 0);
   const Barycentric b = barycentric_of(scene->triangles + triangle, at.p);
-  // The place is rounded, and may be a little outside.
+  // By rounding, the point may be slightly outside of the triangle.
   const float b1 = clamp_f(b.b1, 0.0f, 1.0f), b2 = clamp_f(b.b2, 0.0f, 1.0f - b1);
   const vec3 c0 = load3(&colours->c0);
   const vec3 value =

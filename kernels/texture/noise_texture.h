@@ -1,7 +1,7 @@
-// Value noise: from colour0 to colour1 by a sum of octaves in [0, 1],
-//   n(u, v) = sum_k persistence^k value_k(lacunarity^k u, lacunarity^k v) / sum_k persistence^k,
-// where value_k is a random number at each lattice point with whole coordinates and between them follows
-// (1 - cos pi t) / 2 along either axis: what many call Perlin noise, after Hugo Elias.
+// Value noise: interpolates from colour0 to colour1 by a sum of octaves in [0, 1],
+//   n(u, v) = sum_k persistence^k value_k(lacunarity^k u, lacunarity^k v) / sum_k persistence^k.
+// value_k is a random number at each integer lattice point, interpolated by (1 - cos pi t) / 2 along either
+// axis: what many call Perlin noise, after Hugo Elias.
 #ifndef PENUMBRA_NOISE_TEXTURE_H
 #define PENUMBRA_NOISE_TEXTURE_H
 #include "kernels/sampler/sampler.h"
@@ -13,7 +13,7 @@ FN float lattice_value(uint seed, int x, int y) {
   return unit_float(hash_uint((uint)x + hash_uint((uint)y + seed)));
 }
 
-/// From 0 to 1 as t does, level at both ends.
+/// From 0 to 1 like t, with slope 0 at both ends.
 FN float cosine_step(float t) {
   float s, c;
   sincos_2pi(0.5f * t, &s, &c);
@@ -21,7 +21,7 @@ FN float cosine_step(float t) {
 }
 
 FN float value_noise(uint seed, float u, float v) {
-  // Beyond, floats are whole.
+  // Larger floats are integers.
   const float x = clamp_f(u, -8388608.0f, 8388608.0f), y = clamp_f(v, -8388608.0f, 8388608.0f);
   const float x0 = floor_f(x), y0 = floor_f(y);
   const int i = (int)x0, j = (int)y0;

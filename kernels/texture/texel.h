@@ -1,6 +1,6 @@
-// Texels as their files have them, packed into words, lowest bytes first: rows one after the other, channels
-// of a texel side by side, no bytes between. From a texel's index to its three channels, all equal where
-// there is one.
+// Texels in their files' formats, packed into words, lowest bytes first: row by row, the channels of a texel
+// side by side, without padding. The functions return the three channels of a texel, all equal if there is
+// one.
 #ifndef PENUMBRA_TEXEL_H
 #define PENUMBRA_TEXEL_H
 #include "kernels/math/math.h"
@@ -8,18 +8,18 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// What a texel is found and decoded with.
+/// Where a bitmap is, and how its texels are decoded.
 typedef struct {
-  uint words;    ///< where the bitmap begins
-  uint table;    ///< where its decoded values begin
-  bool decodes;  ///< there are some
+  uint words;    ///< start of the bitmap
+  uint table;    ///< start of its table of decoded values
+  bool decodes;  ///< it has such a table
   bool grey;     ///< one channel
 } TexelFormat;
 
-/// 32 bits from that byte of the bitmap on.
+/// 32 bits, starting at that byte of the bitmap.
 FN uint texel_bits(const PRIVATE Scene* scene, TexelFormat format, uint byte) {
   const uint word = format.words + (byte >> 2), shift = 8u * (byte & 3u);
-  // In two steps: by 32 bits nothing shifts.
+  // Two shifts, since a shift by 32 bits does nothing.
   return (scene->texels[word] >> shift) | ((scene->texels[word + 1u] << 1) << (31u - shift));
 }
 
@@ -27,7 +27,7 @@ FN float decoded_value(const PRIVATE Scene* scene, TexelFormat format, uint valu
   return BITS_FLOAT(scene->texels[format.table + value]);
 }
 
-/// 8 bit have a table of 256 values, sRGB or not.
+/// 8-bit texels have a table of 256 values, sRGB or not.
 FN vec3 byte_texel(const PRIVATE Scene* scene, TexelFormat format, uint index) {
   const uint found = texel_bits(scene, format, format.grey ? index : 3u * index);
   const uint bits = format.decodes ? found : 0u;
@@ -37,7 +37,7 @@ FN vec3 byte_texel(const PRIVATE Scene* scene, TexelFormat format, uint index) {
                    decoded_value(scene, format, b));
 }
 
-/// Three of 16 bit.
+/// Three 16-bit values.
 typedef struct {
   uint r, g, b;
 } TexelShorts;
@@ -55,7 +55,7 @@ FN TexelShorts texel_shorts(const PRIVATE Scene* scene, TexelFormat format, uint
   return s;
 }
 
-/// 16 bit have a table of 65536 values, or none: then they are linear.
+/// 16-bit texels have a table of 65536 values, or none: then they are linear.
 FN float short_value(const PRIVATE Scene* scene, TexelFormat format, uint value) {
   const float by_table = decoded_value(scene, format, format.decodes ? value : 0u);
   return format.decodes ? by_table : (float)(int)value / 65535.0f;
@@ -67,7 +67,7 @@ FN vec3 short_texel(const PRIVATE Scene* scene, TexelFormat format, uint index) 
                    short_value(scene, format, s.b));
 }
 
-/// A finite number of half precision, exactly: no device's rules for subnormal numbers count.
+/// A finite half-precision number, exactly: independent of a device's treatment of subnormal numbers.
 FN float half_value(uint bits) {
   const uint size = bits & 0x7fffu;
   const float normal = BITS_FLOAT((size << 13) + (112u << 23));

@@ -1,5 +1,5 @@
-// Values of textures at LANES surfaces: a lane loop for each kind that is among them, until no lane has
-// another texture to go to.
+// Evaluates textures at LANES surfaces: a lane loop for each kind among them, until no lane has a further
+// texture.
 #ifndef PENUMBRA_TEXTURE_H
 #define PENUMBRA_TEXTURE_H
 #include "kernels/intersect/surface_fields.h"
@@ -11,9 +11,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define TEXTURE_LANE_FIELDS(F, a)                                       \
-  F(a, vec3, value) /* so far: the product of the factors on the way */ \
-  F(a, int, next)   /* index of the texture that it is to be multiplied by, or -1 */
+#define TEXTURE_LANE_FIELDS(F, a)                       \
+  F(a, vec3, value) /* product of the factors so far */ \
+  F(a, int, next)   /* index of the next texture to multiply by, or -1 */
 LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
 
 #define STEP_TEXTURES(name, NAME, number, description)                                                     \
@@ -35,7 +35,7 @@ LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
 TEXTURE_KINDS(STEP_TEXTURES)
 #undef STEP_TEXTURES
 
-/// The kinds of the textures to which lanes go next.
+/// A mask of the kinds of the lanes' next textures.
 FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLanes* lanes) {
   uint among = 0u;
   for (int j = 0; j < LANES; j++)
@@ -43,8 +43,8 @@ FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLan
   return among;
 }
 
-/// The values of the textures, indices or -1, at the surfaces; 1 where there is none. A texture holds only
-/// such of lower indices, so this ends.
+/// The values of the textures (indices, or -1) at the surfaces; 1 for -1. Textures only refer to textures
+/// with lower indices, so the loop ends.
 CALLED_FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                              const PRIVATE int* textures, PRIVATE TextureLanes* lanes) {
   for (int j = 0; j < LANES; j++) {

@@ -1,12 +1,12 @@
-// The kinds of textures: their numbers, and the record of one.
+// The kinds of textures: their numbers, and the record of a texture.
 #ifndef PENUMBRA_TEXTURE_KINDS_H
 #define PENUMBRA_TEXTURE_KINDS_H
 #include "kernels/lang.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// X(name, NAME, number, what it is for people). What a kind is stands in <name>_texture.h, which texture.h
-// includes: one function, <name>_texture.
+// X(name, NAME, number, description for users). The file <name>_texture.h implements a kind by one function,
+// <name>_texture; texture.h includes it.
 #define TEXTURE_KINDS(X)                                          \
   X(checkerboard, CHECKERBOARD, 0, "checkerboards")               \
   X(byte_bitmap, BYTE_BITMAP, 1, "bitmaps of 8 bit")              \
@@ -24,8 +24,8 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
 #undef COUNT_KIND
 
 #define ALL_TEXTURE_KINDS ((1u << TEXTURE_KIND_COUNT) - 1u)
-// Bits 1 << TEXTURE_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
-// that the scene lacks is not called.
+// Bits 1 << TEXTURE_*. OpenCL kernels are compiled for exactly the kinds of a scene. Native code is compiled
+// for all kinds and does not call those that the scene lacks.
 #ifndef TEXTURE_KINDS_MASK
   #define TEXTURE_KINDS_MASK ALL_TEXTURE_KINDS
 #endif
@@ -34,40 +34,40 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
 
 #define MAX_NOISE_OCTAVES 10
 
-// What a bitmap is beyond its edges.
+// How a bitmap continues beyond its edges.
 #define WRAP_REPEAT 0
 #define WRAP_MIRROR 1
 #define WRAP_CLAMP 2
 #define WRAP_ZERO 3
 #define WRAP_ONE 4
 
-#define TEXTURE_FIELDS(F)                                                                       \
-  F(int, kind)     /* TEXTURE_* */                                                              \
-  F(float, u_by_u) /* its own coordinates: u_by_u u + u_by_v v + u_offset ... */                \
-  F(float, u_by_v)                                                                              \
-  F(float, u_offset)                                                                            \
-  F(float, v_by_u) /* ... and v_by_u u + v_by_v v + v_offset */                                 \
-  F(float, v_by_v)                                                                              \
-  F(float, v_offset)                                                                            \
-  F(vec3, colour0)                                                                              \
-  F(vec3, colour1)                                                                              \
-  F(int, texture0) /* by which colour0 is multiplied, or -1; it has a lower index than this */  \
-  F(int, texture1) /* ... colour1 */                                                            \
-  /* Bitmaps: see texel.h. */                                                                   \
-  F(int, width)                                                                                 \
-  F(int, height)                                                                                \
-  F(int, channels) /* 1 or 3 */                                                                 \
-  F(int, texels)   /* first word of the first row, which is at v = 0, in the table of texels */ \
-  F(int, decoding) /* word where its table of decoded values begins, or -1: none */             \
-  F(int, wrap_u)   /* WRAP_* */                                                                 \
-  F(int, wrap_v)                                                                                \
-  F(int, nearest) /* 1: the nearest texel alone, 0: bilinear */                                 \
-  /* Noise: see noise_texture.h. */                                                             \
-  F(uint, seed)                                                                                 \
-  F(int, octaves)                                                                               \
-  F(float, persistence)                                                                         \
-  F(float, lacunarity)                                                                          \
-  /* Colours of meshes: which of a triangle's. */                                               \
+#define TEXTURE_FIELDS(F)                                                             \
+  F(int, kind)     /* TEXTURE_* */                                                    \
+  F(float, u_by_u) /* the texture's coordinates: u_by_u u + u_by_v v + u_offset */    \
+  F(float, u_by_v)                                                                    \
+  F(float, u_offset)                                                                  \
+  F(float, v_by_u) /* ... and v_by_u u + v_by_v v + v_offset */                       \
+  F(float, v_by_v)                                                                    \
+  F(float, v_offset)                                                                  \
+  F(vec3, colour0)                                                                    \
+  F(vec3, colour1)                                                                    \
+  F(int, texture0) /* texture that scales colour0 (a lower index), or -1 */           \
+  F(int, texture1) /* ... colour1 */                                                  \
+  /* Bitmaps: see texel.h. */                                                         \
+  F(int, width)                                                                       \
+  F(int, height)                                                                      \
+  F(int, channels) /* 1 or 3 */                                                       \
+  F(int, texels)   /* first word in the table of texels; the first row is at v = 0 */ \
+  F(int, decoding) /* first word of its table of decoded values, or -1: none */       \
+  F(int, wrap_u)   /* WRAP_* */                                                       \
+  F(int, wrap_v)                                                                      \
+  F(int, nearest) /* 1: nearest texel, 0: bilinear */                                 \
+  /* Noise: see noise_texture.h. */                                                   \
+  F(uint, seed)                                                                       \
+  F(int, octaves)                                                                     \
+  F(float, persistence)                                                               \
+  F(float, lacunarity)                                                                \
+  /* Colours of meshes: index among those of a triangle. */                           \
   F(int, attribute)
 
 PENUMBRA_NAMESPACE_END

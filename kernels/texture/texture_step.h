@@ -1,5 +1,5 @@
-// What one texture makes of a point: a factor, and the texture whose value it multiplies. So textures that
-// hold others are walks from one to the next, without recursion.
+// One step of evaluating a texture: a factor, and the next texture, whose value it multiplies. So nested
+// textures are evaluated in a loop, without recursion.
 #ifndef PENUMBRA_TEXTURE_STEP_H
 #define PENUMBRA_TEXTURE_STEP_H
 #include "kernels/intersect/surface_fields.h"
@@ -9,14 +9,14 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   vec3 factor;
-  int next;  ///< index of the other texture, or -1: the factor is the value
+  int next;  ///< index of the next texture, or -1: the factor is the value
 } TextureStep;
 
-/// Where a texture is evaluated.
+/// The point where a texture is evaluated.
 typedef struct {
-  float u, v;     ///< its own coordinates: its transform is applied
+  float u, v;     ///< the texture's own coordinates, after its transform
   vec3 p;         ///< of the surface
-  int primitive;  ///< that the surface is on
+  int primitive;  ///< the surface's primitive
 } TexturePlace;
 
 FN TexturePlace texture_place(GLOBAL const TextureNode* texture, Surface s) {

@@ -28,9 +28,8 @@ namespace penumbra {
 /// - Phases of a job follow each other: the next one waits for its PhaseOpened.
 /// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
 /// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new
-/// of
-///   its job. The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the next
-///   blame cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one.
+///   of its job. The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the
+///   next blame cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one.
 ///   Three faults set it aside.
 /// - When nothing is left to issue, idle workers get copies of units that wait at a busy worker, or that have
 ///   been in hand for longer than the mean unit. The first result counts. A second one must have the same

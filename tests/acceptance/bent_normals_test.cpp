@@ -1,4 +1,4 @@
-// Normal maps and bump maps against surfaces whose vertex normals say the same.
+// Normal maps and bump maps against surfaces with equivalent vertex normals.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// One scene, one image: the same bytes from every instruction set, from a block of one path, and from OpenCL,
-// with the portable intersector. film_hash_test.cpp has more scenes and the compilers, feature_mask_test.cpp
-// tests the feature mask, and embree_difference_test.cpp Embree.
+// Bit identity: one scene gives the same bytes with every instruction set, with blocks of one path, and with
+// OpenCL, using the portable intersector. film_hash_test.cpp tests more scenes and compilers,
+// feature_mask_test.cpp the feature mask, and embree_difference_test.cpp Embree.
 #include <gtest/gtest.h>
 
 #include <string>

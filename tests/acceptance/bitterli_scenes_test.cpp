@@ -1,4 +1,4 @@
-// Whole rooms of other people's, read as they are, against Mitsuba 3.
+// Rooms of Benedikt Bitterli's collection, unedited, against Mitsuba 3.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,5 @@
-// The perspective camera against the pinhole formula: where known points appear, for every axis that a field
-// of view can be measured along.
+// The perspective camera against the pinhole formula: where known points appear, for every axis of the field
+// of view.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // Shadowed polygon lights with their closed form as control variate, on one receiver: the noise of each
-// estimator as in the table of ALGORITHMS.md, section 2; no bias for any alpha; no noise where the
-// variance is zero.
+// estimator (the table of ALGORITHMS.md, section 2), no bias for any alpha, and no noise where the variance
+// is 0.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Published Cornell boxes, read as they are, against images by other renderers.
+// Published Cornell boxes, unedited, against images by other renderers.
 #include <gtest/gtest.h>
 
 #include <cmath>

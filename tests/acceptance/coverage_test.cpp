@@ -1,4 +1,4 @@
-// Alpha: the share of a pixel's samples that met something, or a sky that is seen.
+// Alpha: the fraction of a pixel's samples that hit a surface or a visible sky.
 #include <gtest/gtest.h>
 
 #include <cmath>

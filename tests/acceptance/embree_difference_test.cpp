@@ -1,7 +1,6 @@
-// Embree against the portable intersector: which pixels differ, and that each of them differs for a reason
-// that is no error of either. Prints a line for each scene:
-//
-//   build/release/bit_identity_test --gtest_filter='*Embree*'
+// Embree against the portable intersector: which pixels differ, and that each difference has a reason that is
+// no error of either. Prints a line for each scene:
+//    build/release/bit_identity_test --gtest_filter='*Embree*'
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

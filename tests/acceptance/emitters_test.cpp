@@ -1,5 +1,5 @@
-// Lights with textures, spot lights, projectors and directional lights: for one point of a floor every
-// strategy gives the reflected radiance that quadrature in double gives.
+// Textured lights, spot lights, projectors and directional lights: at a point of a floor, every strategy
+// gives the reflected radiance of quadrature in double.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A scene lit by an environment map of a file, end to end: planes reflect what quadrature in double makes of
-// the texels, a sun of one texel among them that is a million times as bright as the sky.
+// A scene lit by an environment map from a file, end to end: planes reflect what quadrature of the texels in
+// double gives. The map has a sun of one texel that is a million times as bright as the sky.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// All ways of finding direct light have the same expectation, whatever the kinds of light beside each other:
-// every pair of strategies that multiple importance sampling combines, for one point of a floor whose
-// reflected radiance is known by quadrature in double.
+// All strategies for direct light have the same expectation, for all combinations of kinds of lights: every
+// pair of strategies that MIS combines, at a point of a floor whose reflected radiance is known by quadrature
+// in double.
 #include <gtest/gtest.h>
 
 #include <array>

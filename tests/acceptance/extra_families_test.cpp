@@ -1,5 +1,5 @@
-// What the kernels do with families of BSDFs that the renderer does not have yet: directions of no density,
-// transmission and refraction; and that however many lanes there are, the bits are the same.
+// BSDF families that the renderer does not have: delta directions, transmission and refraction in the
+// kernels; and the same bits with any number of lanes.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,4 +1,5 @@
-// Rooms of surfaces that have closed forms and of extra families that have none, and renders of them.
+// Rooms with surfaces that have closed forms and surfaces of extra families that have none, and renders of
+// them.
 #pragma once
 
 #include <utility>

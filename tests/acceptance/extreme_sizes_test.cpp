@@ -1,5 +1,5 @@
-// Shapes as large, as small and as far away as single precision traces: what can be rendered is right, the
-// rest is an error with its place.
+// Shapes as large, as small and as far away as single precision can trace: what can be rendered is correct,
+// the rest is an error with its file position.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

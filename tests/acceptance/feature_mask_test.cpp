@@ -1,5 +1,5 @@
-// What is left out changes no bit of the image: every scene with exactly the stages that it needs, and with
-// all.
+// The feature mask changes no bit of the image: every scene is rendered with exactly the features that it
+// needs, and with all.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,9 +1,7 @@
-// The images of all sample scenes, by hash, against tests/acceptance/film_hashes.json: whatever compiler,
-// machine, instruction set or OpenCL device this runs on has to give the bits of the record, with every
-// integrator, sampler and filter. Where a change is meant to change images, update the record and look at
-// what changed in it:
-//
-//   PENUMBRA_UPDATE_RECORD=1 build/release/bit_identity_test --gtest_filter='*FilmHash*'
+// The images of all sample scenes, by hash, against tests/acceptance/film_hashes.json: every compiler,
+// machine, instruction set and OpenCL device must give the recorded bits, with every integrator, sampler and
+// filter. If a change is meant to change images, update the record and review what changed in it:
+//    PENUMBRA_UPDATE_RECORD=1 build/release/bit_identity_test --gtest_filter='*FilmHash*'
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// The record of images: a hash of each, and block means that tell how far another image is from it.
+// The record of images: a hash of each, and block means that show how much another image differs.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Closed rooms that emit the same everywhere: the radiance is a geometric series, whatever the strategy.
+// Furnaces: closed rooms that emit the same everywhere. The radiance is a geometric series, for every
+// strategy.
 #include <gtest/gtest.h>
 
 #include <algorithm>

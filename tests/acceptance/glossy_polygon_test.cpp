@@ -1,6 +1,6 @@
-// Rough conductors under polygon lights: control variates and light samples by their control lobes have the
-// mean of paths that sample lights by solid angle and directions by the BSDF, whatever alpha, roughness and
-// distribution; and less variance than those where the lobe matters.
+// Rough conductors under polygon lights. Control variates and light sampling by control lobes have the same
+// mean as paths that sample lights by solid angle and directions by the BSDF, for any alpha, roughness and
+// distribution, and less variance where the lobe matters.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Glossy surfaces under polygon lights, with shadows: for tests and for the benchmark of variances.
+// Glossy surfaces under polygon lights, with shadows, for tests and for the benchmark of variances.
 #pragma once
 
 #include "scenes/scene_description.h"

@@ -1,5 +1,4 @@
-// Media that vary over a grid: what they let through against integrals of what the grid says, and against
-// homogeneous media that are the same.
+// Media on grids: transmittance against integrals over the grid, and against equivalent homogeneous media.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Hidden emitters: the camera sees their surface without its light, or what is behind them, and everything
-// else meets them as ever.
+// Hidden emitters: the camera sees their surface without emission, or what is behind them; all other rays
+// meet them as usual.
 #include <gtest/gtest.h>
 
 #include <cmath>

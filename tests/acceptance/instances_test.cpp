@@ -1,5 +1,4 @@
-// A scene with instances is the scene with all their shapes in place, to the rounding of single precision:
-// the same paths see the same things.
+// A scene with instances equals the scene with copies of the shapes, up to rounding in single precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Whole images of cameras beyond the pinhole, against closed forms: edges out of focus, channels apart,
-// parallel projection, mirrored cameras, layers.
+// Images of cameras beyond the pinhole against closed forms: defocused edges, chromatic aberration, parallel
+// projection, mirrored cameras, layers.
 #include <gtest/gtest.h>
 
 #include <algorithm>

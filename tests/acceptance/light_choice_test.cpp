@@ -1,4 +1,5 @@
-// The choice among lights changes noise and nothing else: images by the hierarchy are those by power.
+// The choice of lights changes noise only: images with the light hierarchy have the same mean as images with
+// the choice by power.
 #include <gtest/gtest.h>
 
 #include <algorithm>

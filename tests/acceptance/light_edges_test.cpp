@@ -1,4 +1,5 @@
-// Edges of lights that the camera sees: shares of pixels in closed form, without bias whatever hides them.
+// Edges of lights that the camera sees: fractions of pixels in closed form, without bias whatever occludes
+// the lights.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
-// Which side of a light shines: the dark side of a one-sided one, and what stands before it, gets none of its
-// light by any strategy, although rounding puts points of a light to either side of it.
+// The emitting side of lights: the dark side of a one-sided light, and what is in front of it, gets none of
+// its light by any strategy, although rounding puts points of a light on either side of it.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Scenes of several lights, in which power says little of what each brings where.
+// Scenes with several lights whose power says little about their contributions.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Whom the samples of a pixel meet first: the objects and materials of Cryptomatte.
+// The objects and materials (Cryptomatte) that a pixel's samples hit first.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

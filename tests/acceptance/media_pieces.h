@@ -1,4 +1,4 @@
-// What tests of media are made of: boundaries without a surface, a view along z, and a colour's t-test.
+// Parts of media tests: boundaries without a surface, a view along z, and a t-test for colours.
 #pragma once
 
 #include <gtest/gtest.h>

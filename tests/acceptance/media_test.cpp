@@ -1,4 +1,4 @@
-// Participating media against closed forms, quadrature, furnaces and each other's techniques.
+// Participating media against closed forms, quadrature and furnaces, and techniques against each other.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,6 +1,6 @@
-// Mitsuba 3's own test scenes, unedited, against its reference images, as its test suite compares: some two
-// million samples an image, a z-test for each pixel in XYZ by the reference's variance, at 1% for the image
-// (Sidak), and 99.75% of the values within it.
+// Mitsuba 3's own test scenes, unedited, against its reference images, compared as in its test suite: some
+// two million samples per image, a z-test for each pixel in XYZ with the reference's variance, a significance
+// of 1% for the image (Sidak), and 99.75% of the values must pass.
 #include <gtest/gtest.h>
 
 #include <algorithm>

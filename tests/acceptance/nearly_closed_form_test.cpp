@@ -1,5 +1,5 @@
-// Control variates whose value is not the closure's own: however far their lobes are from the closure, the
-// mean is that of paths, and lanes and structures do not matter.
+// Control variates that differ from the closure's own value: however different their lobes are, the mean is
+// that of paths, and it does not depend on lanes and acceleration structures.
 #include <gtest/gtest.h>
 
 #include <cmath>

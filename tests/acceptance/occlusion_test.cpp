@@ -1,4 +1,4 @@
-// Ambient and reflection occlusion of surfaces whose openness is known in closed form.
+// Ambient and reflection occlusion of surfaces whose occlusion has a closed form.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Paths whose next-event estimation has the closed form of polygon lights as its control variate, against
-// paths of multiple importance sampling.
+// Paths whose next-event estimation uses the closed form of polygon lights as control variate, against paths
+// with MIS.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Parts of the light of paths, by bounces and by technique: their images add up to the whole one, and are
-// what images of limited depth differ by, sample for sample.
+// Parts of the light of paths, by bounces and by technique: their images add up to the whole image, and equal
+// the differences of images with limited depth, sample by sample.
 #include <gtest/gtest.h>
 
 #include <algorithm>

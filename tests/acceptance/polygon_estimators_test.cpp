@@ -1,5 +1,5 @@
-// Unshadowed polygon lights: the closed form, every way of sampling and the choice of lights must agree with
-// Lambert's sum in double, or with quadrature; whatever the scene's scale and place.
+// Unshadowed polygon lights: the closed form, every sampling method and the choice of lights agree with
+// Lambert's sum in double, or with quadrature, at any scale and position of the scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>

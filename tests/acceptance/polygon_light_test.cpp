@@ -1,4 +1,4 @@
-// A diffuse floor under one triangle light: five exact pixel values, which every strategy must reproduce.
+// A diffuse floor under one triangle light: five exact pixel values, which every strategy must give.
 #include <gtest/gtest.h>
 
 #include <array>

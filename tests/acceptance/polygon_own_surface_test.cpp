@@ -1,5 +1,6 @@
-// Polygon lights that reflect. A light is flat, so none lights itself, although rounding puts points of its
-// surface to either side of its plane: what such a surface reflects is what it would if it did not emit.
+// Polygon lights that reflect. A light is flat, so it does not illuminate itself, although rounding puts
+// points of its surface on either side of its plane: such a surface must reflect what it would reflect if it
+// did not emit.
 #include <gtest/gtest.h>
 
 #include <optional>

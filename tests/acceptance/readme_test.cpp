@@ -1,4 +1,4 @@
-// Every command of the main README does what it says: its blocks are run as they are, beside scenes/.
+// Every command of the main README works: its blocks are run unchanged, beside scenes/.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Small scenes whose radiance is known in closed form, built from a few pieces.
+// Small scenes whose radiance has a closed form, built from a few parts.
 #pragma once
 
 #include <glm/glm.hpp>

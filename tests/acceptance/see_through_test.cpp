@@ -1,5 +1,5 @@
-// Masks, blends and null surfaces: rays of cameras, of paths and of shadows see through them alike, so every
-// strategy finds the light that a formula says gets through.
+// Masks, blends and null surfaces: camera rays, path rays and shadow rays pass them alike, so every strategy
+// finds the transmitted light of the closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>

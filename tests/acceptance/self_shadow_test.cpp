@@ -1,5 +1,5 @@
-// No surface is in its own shadow, by either intersector, wherever it is in the scene and however large: a
-// plane under a white sky reflects its albedo, to the last path.
+// No surface shadows itself, with either intersector, at any position and size: under a white sky, every path
+// on a plane reflects exactly the albedo.
 #include <gtest/gtest.h>
 
 #include <cmath>

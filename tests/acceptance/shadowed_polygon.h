@@ -1,5 +1,5 @@
-// Polygon lights that shine on the origin, whole or from behind an occluder with a straight edge, and what
-// arrives there in double: by clipping and Lambert's sum over edges, or by quadrature.
+// Polygon lights that illuminate the origin, unoccluded or from behind an occluder with a straight edge, and
+// the arriving light in double: by clipping and Lambert's sum over edges, or by quadrature.
 #pragma once
 
 #include <array>

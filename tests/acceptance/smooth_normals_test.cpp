@@ -1,5 +1,5 @@
-// Meshes with vertex normals. Which side of a triangle is seen, and which side light may come from, is the
-// geometric normal's to say: rims are not black, sheets and closed rooms let no light through, and all
+// Meshes with vertex normals. The geometric normal decides which side of a triangle is seen and which side
+// receives light: silhouettes are not black, no light leaks through sheets or into closed rooms, and all
 // strategies integrate the same function.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Every way of finding direct light that the integrators have, under one name each.
+// All strategies of the integrators for direct light, each with a name.
 #pragma once
 
 #include <ostream>

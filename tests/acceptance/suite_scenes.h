@@ -1,4 +1,4 @@
-// The scenes whose images have to be the same bytes from everything that computes them.
+// The scenes whose images must have the same bytes on all devices.
 #pragma once
 
 #include <iosfwd>

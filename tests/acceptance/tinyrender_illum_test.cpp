@@ -1,4 +1,4 @@
-// What a TinyRender material reflects for each number of `illum`, against a sum over the light in double.
+// The reflection of TinyRender materials for each value of `illum`, against a sum over the light in double.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// TinyRender's scenes, most of which have no reference: every method that estimates the same light must find
-// the same, block by block.
+// TinyRender's scenes, most of which have no reference: all methods that estimate the same light must agree,
+// block by block.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What the tests against TinyRender's reference images share: its scenes, its ways of storing an image, and a
-// test that two images are samples of one estimator.
+// Shared by the tests against TinyRender's reference images: its scenes, its image encodings, and a test that
+// two images are samples of one estimator.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-// TinyRender's scenes, read as they are, against its own reference images. Each reference is one realisation
-// of a known estimator, stored in a known way. Ours use the same estimator and the same storage, so noise,
-// clamping and rounding are the same too.
+// TinyRender's scenes, unedited, against its own reference images. Each reference is one realisation of a
+// known estimator with a known encoding. Penumbra uses the same estimator and the same encoding, so that
+// noise, clamping and rounding are the same, too.
 #include <gtest/gtest.h>
 
 #include <algorithm>

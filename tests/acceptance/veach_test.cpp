@@ -1,5 +1,5 @@
-// Glossy plates under spheres of every size: light from BSDF samples, from emitter samples and from both must
-// be the same, and both together the least noisy.
+// Glossy plates under spheres of several sizes: BSDF sampling, emitter sampling and MIS must agree, and MIS
+// must be the least noisy.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The whitted integrator: its light is that of path, and at mirrors and glass it has none of path's noise.
+// The whitted integrator: its mean is that of the path integrator, without the latter's noise at mirrors and
+// glass.
 #include <gtest/gtest.h>
 
 #include <cmath>

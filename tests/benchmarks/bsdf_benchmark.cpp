@@ -1,4 +1,4 @@
-// Nanoseconds of a value and of a sample of each family of BSDFs, LANES at a time.
+// Nanoseconds per evaluation and per sample of each family of BSDFs, LANES at a time.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

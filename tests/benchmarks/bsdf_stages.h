@@ -1,4 +1,4 @@
-// Stages of one family of BSDFs alone, compiled as the workers' kernels are.
+// The stages of one family of BSDFs, compiled like the workers' kernels.
 #pragma once
 
 #include "kernels/scene_types.h"

@@ -1,5 +1,5 @@
-// Other ways of handing rays to Embree than the workers', to compare them: one by one, and a whole block as a
-// stream where it lies. Scenes of triangles alone.
+// Other kinds of Embree calls than the workers', for comparison: single rays, and a whole block as a stream
+// in place. For scenes of triangles only.
 #pragma once
 
 #include "kernels/host/native_kernels.h"

@@ -1,5 +1,5 @@
-// What loading a scene lit by a large environment map takes, stage by stage: time and bytes a texel. The map
-// is a sky in half precision with a sun of a few texels, as an EXR file of the temporary folder.
+// Cost of loading a scene lit by a large environment map, stage by stage: time, and bytes per texel. The map
+// is a sky in half precision with a sun of a few texels, written as a temporary EXR file.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
-// What a scene of many BSDFs costs over one of a single BSDF of the same cost: several families that differ
-// by their number alone, mixed at random over a room of boxes, against one of them in the place of all. Both
-// give the same image.
+// Cost of many BSDF families relative to one of equal cost: several families that differ only by their
+// number, mixed at random in a room of boxes, against a single one. Both give the same image.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-// Variance of direct light on glossy BSDFs under polygon lights, of one sample by independent numbers,
-// relative to the mean squared radiance, for ways to sample that trace two rays; and the seconds that each
-// takes for its samples, so that time to equal error is their product. Prints one line a roughness.
+// Variance of direct light on glossy BSDFs under polygon lights, per sample with independent random numbers,
+// relative to the mean squared radiance, for sampling strategies that trace two rays; and the seconds of
+// each, so that the product is the time to equal error. Prints one line per roughness.
 #include <fmt/format.h>
 
 #include <algorithm>

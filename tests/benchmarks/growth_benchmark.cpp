@@ -1,5 +1,5 @@
-// `growth_benchmark`: how reading a scene and building its tables grow with what is in it; the last lines of
-// each are the fitted order (N, NlgN, N^2, ...) and how well it fits.
+// `growth_benchmark`: how the time of reading a scene and building its tables grows with the scene. The last
+// lines of each give the fitted order (N, NlgN, N^2, ...) and the quality of the fit.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

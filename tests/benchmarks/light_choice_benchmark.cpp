@@ -1,7 +1,7 @@
-// The choice among lights that scenes get against that by power: relative mean squared error of equally many
-// samples, its median over the pixels, which a few bright paths do not move, the processor's time that they
-// take (the least of all batches), and the quotients of the products, so that 2 is half the time to equal
-// error. Where both ways give the same image, times differ by chance alone. Prints one line a scene.
+// The default choice of lights against that by power: relative mean squared error for equal sample counts
+// (the median over the pixels, which a few bright paths do not change), CPU time (the minimum over batches),
+// and the quotients of their products: 2 means half the time to equal error. If both give the same image,
+// times differ by chance only. Prints one line per scene.
 #include <fmt/format.h>
 
 #include <algorithm>

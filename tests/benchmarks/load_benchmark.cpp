@@ -1,6 +1,6 @@
-// What loading a scene of one large mesh takes, stage by stage: time of the processor and of the clock, the
-// memory that is resident afterwards, and the most that was in between. The mesh is a ball with bumps as a
-// PLY file of the temporary folder, binary, and a smaller one in ASCII.
+// Cost of loading a scene with one large mesh, stage by stage: CPU time, wall time, resident memory
+// afterwards, and its peak. The mesh is a bumpy ball in a temporary binary PLY file, and a smaller one in
+// ASCII.
 #include <fmt/format.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Stages of loading a scene, timed, with the memory that they take.
+// Timed stages of loading a scene, with their memory.
 #pragma once
 
 #include <fmt/format.h>

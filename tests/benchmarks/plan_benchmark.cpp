@@ -1,5 +1,5 @@
-// The plan alone: units a second with so many workers, each always busy, from the first unit of a job to its
-// last. Events only: no results, no wire, no threads.
+// The plan alone: units per second for a number of workers, each always busy, from the first unit of a job to
+// its last. Only events: no results, no network, no threads.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The portable intersector's stages alone, compiled as the workers' kernels are.
+// The stages of the portable intersector, compiled like the workers' kernels.
 #pragma once
 
 #include "kernels/host/device_scene.h"

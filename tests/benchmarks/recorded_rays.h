@@ -1,4 +1,5 @@
-// The rays that a render traces, kept block by block, so that intersectors can be timed on the same ones.
+// The rays that a render traces, recorded block by block, so that all intersectors are timed on the same
+// rays.
 #pragma once
 
 #include <vector>

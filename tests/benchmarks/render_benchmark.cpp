@@ -1,4 +1,4 @@
-// Rates of whole units on one thread, and of Embree alone on the rays of the same unit.
+// Samples and rays per second of whole units on one thread, and of Embree alone on the rays of the same unit.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
-// What a render costs over its pixels, its samples and its triangles: seconds of one thread, from the
-// device's scene to the last sample, and the power of each that they grow by. `scaling_benchmark
-// [MOST_TRIANGLES]`.
+// How the cost of a render grows with pixels, samples and triangles: seconds on one thread, from the device
+// scene to the last sample, and the exponent of each. `scaling_benchmark [MOST_TRIANGLES]`.
 #include <fmt/format.h>
 
 #include <algorithm>

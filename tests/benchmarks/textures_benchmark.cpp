@@ -1,5 +1,5 @@
-// What textures cost: a room of glossy boxes whose materials have 0, 1, 4 or 16 bitmaps each, in samples a
-// second, by path tracing and by direct light.
+// Cost of textures: a room of glossy boxes whose materials have 0, 1, 4 or 16 bitmaps each, in samples per
+// second, with path tracing and with direct light.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-// Rays a second of the intersectors alone, one thread, on the rays that a path-traced render asks for: the
-// portable one against Embree's single rays, packets and streams, for camera, bounced and shadow rays, over
-// the number of triangles. `traversal_benchmark [SCENE...]`: scene files instead of the rooms.
+// Rays per second of the intersectors alone, on one thread and the rays of a path-traced render: the portable
+// one against Embree's single rays, packets and streams, for camera, bounced and shadow rays, over the number
+// of triangles. `traversal_benchmark [SCENE...]` uses scene files instead of rooms.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

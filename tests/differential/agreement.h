@@ -1,4 +1,4 @@
-// Whether Penumbra and Mitsuba 3 render the same image of a scene, but for noise.
+// Whether Penumbra and Mitsuba 3 render the same image of a scene, up to noise.
 #pragma once
 
 #include <span>

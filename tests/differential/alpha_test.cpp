@@ -1,4 +1,4 @@
-// Alpha is Mitsuba's: what covers a pixel, with and without skies, masks, glass and hidden emitters.
+// Alpha equals Mitsuba's: the coverage of pixels, with and without skies, masks, glass and hidden emitters.
 #include <gtest/gtest.h>
 
 #include <cmath>

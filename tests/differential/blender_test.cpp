@@ -1,5 +1,5 @@
-// What Blender exports as glTF against what Cycles renders of it. PENUMBRA_BLENDER_PYTHON names a Python that
-// has bpy: `python3.11 -m venv blender && blender/bin/pip install bpy`.
+// Blender's glTF exports against Cycles' renders. PENUMBRA_BLENDER_PYTHON names a Python that has bpy:
+// `python3.11 -m venv blender && blender/bin/pip install bpy`.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

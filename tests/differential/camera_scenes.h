@@ -1,4 +1,4 @@
-// A scene of things at many depths, through every camera that Mitsuba 3 has.
+// A scene of objects at many depths, seen by every camera of Mitsuba 3.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Scenes of every format, which Mitsuba has from `convert`.
+// Scenes of every format, converted for Mitsuba by `penumbra convert`.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// Penumbra against Mitsuba 3 on scenes that neither was made for. PENUMBRA_DIFFERENTIAL_SCENE=NAME looks at
-// one scene alone, a seed or a name, and says where its files are.
+// Penumbra against Mitsuba 3 on random and hand-made scenes. PENUMBRA_DIFFERENTIAL_SCENE=NAME (a seed or a
+// name) runs one scene only and prints where its files are.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Materials: their sides and lobes, those that hold others, and maps that bend normals.
+// Materials: their sides and lobes, nested ones, normal maps and bump maps.
 #pragma once
 
 #include <vector>

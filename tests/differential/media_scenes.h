@@ -1,4 +1,4 @@
-// Participating media: within and around things, of all phase functions, on grids.
+// Participating media: inside and around objects, with all phase functions, on grids.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Meshes of a few polygons, and the files that hold them.
+// Meshes of a few polygons, and their files.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// Mitsuba 3 in a process of its own, which renders one scene after the other.
+// Mitsuba 3 in a child process, which renders one scene after the other.
 #pragma once
 
 #include <sys/types.h>

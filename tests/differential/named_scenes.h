@@ -1,4 +1,4 @@
-// Hand-made scenes, one for each bug that was found and each feature that no random scene has.
+// Hand-made scenes: one for each bug found, and for each feature that random scenes lack.
 #pragma once
 
 #include <vector>

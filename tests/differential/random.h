@@ -1,5 +1,5 @@
-// Random choices that are the same with every library, as std's distributions are not. (In which order
-// operands ask for them is the compiler's business: a seed's scene is that of one compiler.)
+// Random choices that do not depend on the standard library, as std's distributions do. (The order in which
+// operands draw them depends on the compiler, and so does the scene of a seed.)
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Scenes by seed: a floor, some shapes, some lights, and settings. What would make two right renderers differ
-// is not in them; random_scene.cpp says where and why.
+// Random scenes by seed: a floor, shapes, lights and settings. They contain nothing that two correct
+// renderers may treat differently; random_scene.cpp says where and why.
 #pragma once
 
 #include <cstdint>

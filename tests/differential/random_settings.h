@@ -1,4 +1,4 @@
-// What a random scene says of its integrator, film and camera.
+// Integrator, film and camera of random scenes.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// What differential scenes are put together from.
+// Parts of differential scenes.
 #pragma once
 
 #include <string>

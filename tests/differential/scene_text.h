@@ -1,5 +1,5 @@
-// A scene as two texts: as Penumbra reads it, and for Mitsuba 3, which lacks some of what Penumbra has. They
-// are the same but for what is said with `each`.
+// A scene as two texts: for Penumbra, and for Mitsuba 3, which lacks some features. They differ only in what
+// is added with `each`.
 #pragma once
 
 #include <fmt/format.h>

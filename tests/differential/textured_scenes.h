@@ -1,5 +1,4 @@
-// Scenes with textures: bitmaps by their edges, filters and transforms, and the texture coordinates of
-// shapes.
+// Scenes with textures: edges, filters and transforms of bitmaps, and texture coordinates of shapes.
 #pragma once
 
 #include <vector>

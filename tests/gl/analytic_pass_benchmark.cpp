@@ -1,4 +1,4 @@
-// What a frame of the closed form costs, by OpenGL's clock: `xvfb-run -a analytic_pass_benchmark [SCENE]`. No
+// Time of a frame of the closed form, by OpenGL's timer: `xvfb-run -a analytic_pass_benchmark [SCENE]`. Not a
 // test.
 #include <fmt/format.h>
 

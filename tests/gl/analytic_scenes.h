@@ -1,4 +1,4 @@
-// Scenes that are hard for the closed form on the screen in different ways.
+// Difficult scenes for the closed form on the screen.
 #pragma once
 
 #include "scenes/scene_description.h"

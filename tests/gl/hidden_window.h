@@ -1,4 +1,4 @@
-// A hidden window for tests of what is drawn.
+// A hidden window for tests of drawing.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Which primitives pixels see, found by testing all of them.
+// The primitives that pixels see, found by testing all of them.
 #pragma once
 
 #include <vector>

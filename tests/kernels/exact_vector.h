@@ -1,4 +1,4 @@
-// Vectors in extended precision: the truth that single-precision kernels are compared with.
+// Vectors in extended precision: the reference for single-precision kernels.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Numbers and vectors of 113 bits: the truth that closed forms in double are compared with.
+// Numbers and vectors of 113 bits: the reference for closed forms in double.
 #pragma once
 
 #include "scheduler/stress/truth/quad.h"

@@ -1,4 +1,4 @@
-// Equality of the values that records hold.
+// Equality of the values in records.
 #pragma once
 
 #include "kernels/math/vec3.h"

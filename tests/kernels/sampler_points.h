@@ -1,4 +1,4 @@
-// One interface to the samplers for their tests: the pair of numbers of a (seed, pixel, sample, pair).
+// A common interface to the samplers for their tests: the numbers of a (seed, pixel, sample, pair).
 #pragma once
 
 #include <cmath>

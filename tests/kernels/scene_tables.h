@@ -1,5 +1,5 @@
-// A kernel scene put together table by table, in coordinates as they are: what the scene builder does,
-// without its recentring and its choices.
+// A kernel scene built table by table, in unchanged coordinates: like the scene builder's, without its
+// recentring and its choices.
 #pragma once
 
 #include <span>

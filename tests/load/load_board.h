@@ -1,4 +1,4 @@
-// What the scheduler's process and that of its simulated workers tell each other, in memory that both have.
+// Shared memory through which the scheduler's process and that of its simulated workers exchange counters.
 #pragma once
 
 #include <algorithm>

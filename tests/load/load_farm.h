@@ -1,4 +1,4 @@
-// The scheduler under load: one job of simulated workers, and what that took.
+// The scheduler under load: one job with simulated workers, and its cost.
 #pragma once
 
 #include <cstdint>

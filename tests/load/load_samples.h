@@ -1,4 +1,4 @@
-// Results of the right size that take no time to make.
+// Results of the right size that cost no time.
 #pragma once
 
 #include "kernels/host/sample_buffer.h"

@@ -1,5 +1,4 @@
-// penumbra_load: a real scheduler and simulated workers, which render nothing; what the scheduler takes for
-// it.
+// penumbra_load: measures a real scheduler with simulated workers, which render nothing.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>

@@ -1,4 +1,4 @@
-// A worker on the wire that renders nothing. It has a connection of its own, but no thread.
+// A worker that speaks the protocol and renders nothing. It has its own connection, but no thread.
 #pragma once
 
 #include <grpcpp/channel.h>

@@ -1,5 +1,4 @@
-// Every scene of tests/scenes/bad, as if it had been shipped from elsewhere: the error that its first line
-// announces.
+// Every scene in tests/scenes/bad gives the error that its first line announces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Curves: their files, and the triangles that they become, against the surface by formula.
+// Curves: their files, and their triangles against the formula of the surface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What is wrong with a glTF file: clear errors with their places, and what is left out.
+// Errors in glTF files: clear messages with file positions, and warnings about what is left out.
 #include <gmock/gmock.h>
 
 #include "tests/scenes/gltf_text.h"

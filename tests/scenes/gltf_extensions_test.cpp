@@ -1,4 +1,4 @@
-// Extensions of glTF: those that are read, by their values, and what is said of the others.
+// glTF extensions: the values of supported ones, and the messages about others.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// glTF files as exporters write them: poses at rest, addresses of every kind, what is missing or to spare.
+// glTF files as exporters write them: rest poses, URIs of every kind, missing and superfluous parts.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// glTF scenes written into a test: numbers become buffers, in data URIs.
+// glTF scenes written in tests: numbers become buffers in data URIs.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Files of gzip.
+// Writes gzip files.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Height fields of Mitsuba 0.6: where their vertices are, normals against the bilinear patches', what they
-// are read from, what is wrong with them, and that they are written as meshes.
+// Height fields of Mitsuba 0.6: positions of vertices, normals against bilinear patches, their image formats,
+// errors, and conversion to meshes.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 

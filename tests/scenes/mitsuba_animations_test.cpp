@@ -1,4 +1,4 @@
-// Animations of Mitsuba's files: what is in the scene when the shutter opens.
+// Animations in Mitsuba's files: the scene at shutter open.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Conductors and dielectrics of Mitsuba's files: their parameters, defaults, sides, and what is refused.
+// Conductors and dielectrics of Mitsuba's files: parameters, defaults, sides, and errors.
 #include <gmock/gmock.h>
 
 #include "tests/scenes/scene_text.h"

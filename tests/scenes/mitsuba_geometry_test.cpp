@@ -1,4 +1,4 @@
-// What Mitsuba's shapes mean.
+// Conversion of Mitsuba's shapes.
 #include <cmath>
 #include <numbers>
 

@@ -1,4 +1,4 @@
-// What Mitsuba's heterogeneous media and volumes mean.
+// Conversion of Mitsuba's heterogeneous media and volumes.
 #include <cmath>
 
 #include "scenes/transform.h"

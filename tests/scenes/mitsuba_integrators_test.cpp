@@ -1,4 +1,4 @@
-// What Mitsuba's integrators mean.
+// Conversion of Mitsuba's integrators.
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/integrator_parameters.h"
 

@@ -1,4 +1,4 @@
-// What stands in for plugins that are not read, and settings that override the file.
+// Placeholders for unsupported plugins, and settings that override the file.
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/integrator_parameters.h"
 

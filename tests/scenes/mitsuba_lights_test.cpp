@@ -1,4 +1,4 @@
-// What Mitsuba's emitters mean.
+// Conversion of Mitsuba's emitters.
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {

@@ -1,4 +1,4 @@
-// What Mitsuba's BSDFs mean.
+// Conversion of Mitsuba's BSDFs.
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {

@@ -1,4 +1,4 @@
-// What Mitsuba's media, their phase functions and volpath mean, and the tables that they come to.
+// Conversion of Mitsuba's media, their phase functions and volpath, and the resulting tables.
 #include <cstring>
 
 #include "kernels/features.h"

@@ -1,4 +1,4 @@
-// BSDFs that hold others, as Mitsuba's files have them.
+// Nested BSDFs of Mitsuba's files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

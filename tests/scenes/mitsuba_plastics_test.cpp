@@ -1,4 +1,4 @@
-// What Mitsuba's plastics, Ward's, Blinn's and Nori's BSDFs mean.
+// Conversion of Mitsuba's plastics, and of Ward's, Blinn's and Nori's BSDFs.
 #include <gmock/gmock.h>
 
 #include "kernels/host/device_scene_tables.h"

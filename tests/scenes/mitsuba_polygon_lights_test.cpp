@@ -1,4 +1,4 @@
-// Mitsuba XML of polygon lights: their integrators, the parameters of each, and how emitters are sampled.
+// Polygon lights in Mitsuba XML: their integrators, the parameters of each, and the sampling of emitters.
 #include <gmock/gmock.h>
 
 #include "scenes/settings.h"

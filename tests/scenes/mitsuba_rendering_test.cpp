@@ -1,5 +1,4 @@
-// What a file of Mitsuba's says about how it is rendered: integrators, films, filters, samplers, as public
-// scenes have them.
+// Rendering settings of Mitsuba's files, as public scenes have them: integrators, films, filters, samplers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What Mitsuba's cameras, films and samplers mean.
+// Conversion of Mitsuba's cameras, films and samplers.
 #include <cmath>
 #include <numbers>
 

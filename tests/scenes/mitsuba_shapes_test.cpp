@@ -1,5 +1,4 @@
-// Options of meshes, attributes of PLY files, skies in two parts, and materials that public scenes write in
-// ways of their own.
+// Options of meshes, attributes of PLY files, skies of two emitters, and unusual materials of public scenes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Spectra as Mitsuba's files have them: tables of files and plugins, black bodies, colours where numbers
-// stand. Colours that are compared with numbers are Mitsuba 3.9's (scalar_rgb).
+// Spectra in Mitsuba's files: tables from files and plugins, black bodies, and colours in place of numbers.
+// Expected colours are Mitsuba 3.9's (scalar_rgb).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

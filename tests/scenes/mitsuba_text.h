@@ -1,4 +1,4 @@
-// Plugins of Mitsuba's scenes as text.
+// Texts of Mitsuba plugins for tests.
 #pragma once
 
 #include <gmock/gmock.h>

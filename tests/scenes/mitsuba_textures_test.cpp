@@ -1,4 +1,4 @@
-// Textures of Mitsuba's scenes: image files of every format, parameters, nesting, what shapes need for them.
+// Textures of Mitsuba's scenes: image files of every format, parameters, nesting, and texture coordinates.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 

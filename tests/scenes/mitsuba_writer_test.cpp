@@ -1,4 +1,4 @@
-// Scenes that are written and read again are what they were: the same records for the kernels.
+// Scenes that are written and read again give the same records for the kernels.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

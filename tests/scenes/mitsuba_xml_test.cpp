@@ -1,4 +1,4 @@
-// What is XML about Mitsuba's format: versions, variables, includes, paths, references, values, transforms.
+// The XML of Mitsuba's format: versions, variables, includes, paths, references, values, transforms.
 #include <gmock/gmock.h>
 
 #include "scenes/spectrum.h"

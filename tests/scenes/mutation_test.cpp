@@ -1,5 +1,5 @@
-// Scenes with bytes flipped, pieces removed, swapped and doubled: each must be read or refused with a
-// message, and neither crash nor hang. What is read must be fit to render.
+// Scenes with flipped bytes and with removed, swapped and duplicated parts: each is either read or rejected
+// with a message, without a crash or a hang. What is read must be renderable.
 #include <gtest/gtest.h>
 
 #include <chrono>

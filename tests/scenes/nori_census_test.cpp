@@ -1,4 +1,4 @@
-// How many of the public scenes of Nori that the census knows load as they are, and as which dialect.
+// How many of the known public Nori scenes load unedited, and as which dialect.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

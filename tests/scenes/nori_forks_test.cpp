@@ -1,4 +1,4 @@
-// Nori's two dialects, and what courses have added: read as what means the same.
+// Nori's two dialects, and extensions of courses: both are read with the same meaning.
 #include <gmock/gmock.h>
 
 #include <cmath>

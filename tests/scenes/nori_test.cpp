@@ -1,4 +1,4 @@
-// Nori's scenes: told from Mitsuba's, and read as what means the same.
+// Nori's scenes: distinguished from Mitsuba's, and converted with the same meaning.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Other people's scenes, as they are.
+// Third-party scenes, unedited.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

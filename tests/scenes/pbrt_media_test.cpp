@@ -1,4 +1,4 @@
-// Media of pbrt-v4: coefficients, grids, and between which surfaces they are.
+// Media of pbrt-v4: coefficients, grids, and their boundaries.
 #include <gmock/gmock.h>
 
 #include "scenes/reader_report.h"

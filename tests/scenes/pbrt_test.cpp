@@ -1,4 +1,4 @@
-// Reading pbrt-v4: where things are, what lights shine, what materials become; what is wrong with a file.
+// Reading pbrt-v4: transforms, lights, materials, and errors in files.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Scenes of pbrt-v4 written into a test.
+// pbrt-v4 scenes written in tests.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Reading files by names from untrusted input.
+// Reading files with untrusted names.
 #include "kernels/host/plain_file.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Triangles merged into outlines: what encloses what, and the same light through either.
+// Triangles merged into outlines: nesting of loops, and equal light from outline and triangles.
 #include "scenes/device/polygon_outline.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The project's own scenes: each is read without a warning, and is what its README says.
+// The project's sample scenes: each is read without a warning, and matches its README.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

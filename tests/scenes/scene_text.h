@@ -1,4 +1,4 @@
-// Scenes written into a test, read from a folder of their own.
+// Scenes written in tests, and read from their own folder.
 #pragma once
 
 #include <gtest/gtest.h>

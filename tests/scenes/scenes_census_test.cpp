@@ -1,4 +1,4 @@
-// How many of the public scenes that the census knows load as they are.
+// How many of the known public scenes load unedited.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Grids of distances: their files, and the triangles that they become.
+// SDF grids: their files, and their conversion to triangles.
 #include "scenes/sdf_grid.h"
 
 #include <gmock/gmock.h>

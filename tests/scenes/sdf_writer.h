@@ -1,4 +1,4 @@
-// Grids of distances, and Mitsuba's files of them, for tests.
+// SDF grids, and Mitsuba files of them, for tests.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Serialized files of Mitsuba in every version, for tests.
+// Mitsuba's serialized files in every version, for tests.
 #pragma once
 
 #include <zlib.h>

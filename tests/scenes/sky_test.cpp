@@ -1,5 +1,5 @@
-// Skies and suns: the sun's place, the model's own formulas, what arrives from the drawn images, and the sky
-// that was baked by Mitsuba 3.
+// Skies and suns: the sun's position, the model's own formulas, the light from the images, and a sky that
+// Mitsuba 3 computed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// The expected colours are Mitsuba 3.9's (scalar_rgb), which integrates the same tables by the midpoint rule
-// in steps of 1 nm; it differs from the exact integral, as ours is, by less than the tolerance.
+// Expected colours are Mitsuba 3.9's (scalar_rgb), which integrates the same tables by the midpoint rule in
+// steps of 1 nm. Both it and Penumbra differ from the exact integral by less than the tolerance.
 #include "scenes/spectrum.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// [renderer] of TinyRender scenes: every type and method as settings of ours.
+// [renderer] of TinyRender scenes: conversion of every type and method.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// TinyRender scenes written into a test, read from a folder of their own.
+// TinyRender scenes written in tests, and read from their own folder.
 #pragma once
 
 #include <string>

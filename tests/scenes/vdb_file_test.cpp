@@ -1,4 +1,4 @@
-// OpenVDB's files, as OpenVDB writes them: what is read of them, and what is wrong with others.
+// OpenVDB files as OpenVDB writes them: what is read, and errors in invalid ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>

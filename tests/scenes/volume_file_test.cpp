@@ -1,4 +1,4 @@
-// Mitsuba's volume files: their bytes, and what is wrong with others.
+// Mitsuba's volume files: their format, and errors in invalid ones.
 #include "scenes/volume_file.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// A real Slurm on this machine: munged, slurmctld and three slurmd of one core each, all in a folder of their
-// own and on ports of their own.
+// A real Slurm on this machine: munged, slurmctld, and three slurmd of one core each. They use a folder and
+// ports of their own.
 #pragma once
 
 #include <memory>

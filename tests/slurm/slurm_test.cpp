@@ -1,4 +1,4 @@
-// Workers that a real Slurm starts, cancels, requeues and loses: the image is that of a render without it.
+// A real Slurm starts, cancels, requeues and loses workers. The image must be that of a render without Slurm.
 #include <gmock/gmock.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Distribution functions against closed forms and printed tables.
+// Compares distribution functions with closed forms and printed tables.
 #include <gtest/gtest.h>
 
 #include <cmath>

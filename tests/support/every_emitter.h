@@ -1,4 +1,4 @@
-// A scene with all lights that there are but skies.
+// A scene with all kinds of lights except environment maps.
 #pragma once
 
 #include <bit>

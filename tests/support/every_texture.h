@@ -1,4 +1,4 @@
-// A scene with all textures that there are.
+// A scene with all kinds of textures.
 #pragma once
 
 #include <algorithm>

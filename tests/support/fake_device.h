@@ -1,4 +1,4 @@
-// A device that renders nothing, and the faults that its worker process can have.
+// A device that renders nothing, and the faults that its worker process can show.
 #pragma once
 
 #include <memory>

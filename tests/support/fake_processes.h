@@ -1,4 +1,4 @@
-// What is running below this process, from /proc.
+// The child processes of a process and their states, read from /proc.
 #pragma once
 
 #include <sys/types.h>

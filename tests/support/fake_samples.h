@@ -1,4 +1,4 @@
-// Made-up radiance: what a device would return, without a renderer.
+// Made-up radiance in the form in which a device returns it. Needs no renderer.
 #pragma once
 
 #include "kernels/host/sample_buffer.h"

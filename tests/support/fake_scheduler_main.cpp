@@ -1,4 +1,4 @@
-// A process that does nothing but render with fake workers, to be killed: fake_scheduler WORKER_EXECUTABLE
+// A process that renders with fake workers until a test kills it. Usage: fake_scheduler WORKER_EXECUTABLE
 // [LISTEN_ADDRESS].
 #include <atomic>
 

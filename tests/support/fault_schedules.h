@@ -1,4 +1,4 @@
-// How many random schedules of faults a test runs, and which.
+// How many random fault schedules a test runs, and with which seeds.
 #pragma once
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// The layers of films that tests make up.
+// Layers of the films that tests make.
 #pragma once
 
 #include "kernels/host/sample_buffer.h"

@@ -1,5 +1,5 @@
-// The t- and chi-square tests on published data, on cases that are known by hand, and their false alarms over
-// many seeded trials.
+// Tests the t-test and the chi-square test on published data and on cases with results known by hand. Many
+// seeded trials count their false alarms.
 #include <gtest/gtest.h>
 
 #include <array>

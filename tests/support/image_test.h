@@ -1,4 +1,5 @@
-// Is a rendered image the same as a reference, up to the noise of both? A z-test for each block of pixels.
+// Tests whether a rendered image equals a reference within the noise of both: a z-test for each block of
+// pixels.
 #pragma once
 
 #include <cstddef>

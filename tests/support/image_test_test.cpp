@@ -1,4 +1,4 @@
-// The image test on images of known noise: right ones pass, slightly wrong ones do not.
+// Tests the image test on images of known noise: correct images pass, slightly wrong ones fail.
 #include "tests/support/image_test.h"
 
 #include <gtest/gtest.h>

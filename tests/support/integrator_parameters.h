@@ -1,5 +1,5 @@
-// Parameters of integrators where a test does not care, or does not know, which integrator it is:
-// param::max_depth(scene.integrator) = 7 throws if it has none.
+// Integrator parameters by name, for tests that do not know which integrator a scene has:
+// param::max_depth(scene.integrator) = 7 throws if the integrator has no such parameter.
 #pragma once
 
 #include <stdexcept>

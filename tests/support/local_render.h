@@ -1,4 +1,4 @@
-// A job and the farm that renders it, in one.
+// A job together with the farm that renders it.
 #pragma once
 
 #include <atomic>

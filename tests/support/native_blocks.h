@@ -1,4 +1,4 @@
-// One native variant of the kernels, called block by block, without a device.
+// Calls one native variant of the kernels block by block, without a device.
 #pragma once
 
 #include <functional>

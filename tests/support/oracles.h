@@ -1,4 +1,4 @@
-// Third-party references: ../shared/oracles beside the project's folder, never part of it.
+// Third-party references in ../shared/oracles, a folder beside the repository that is not part of it.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Runs the built `penumbra` as users do, in a folder of its own.
+// Runs the built `penumbra` as users run it, in a folder of its own.
 #pragma once
 
 #include <sys/types.h>

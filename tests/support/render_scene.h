@@ -1,5 +1,5 @@
-// Renders a scene in this process, on one device, the way the scheduler does: by passes, merged in order.
-// Everything that goes wrong is thrown as std::runtime_error, which fails the test with its message.
+// Renders a scene in this process on one device, in the same way as the scheduler: in passes that are merged
+// in order. Every error is thrown as std::runtime_error; the test then fails with its message.
 #pragma once
 
 #include <cstdint>

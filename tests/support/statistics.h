@@ -1,7 +1,7 @@
-// Statistical tests for tests: distributions, t-tests, the chi-square test and the Sidak correction. Every
-// p-value is the probability, if what is tested holds, of a deviation at least as large as the one seen; a
-// test at significance .01 fails when p < .01, so one correct implementation in a hundred seeds fails: seeds
-// are fixed for that reason.
+// Statistics for tests: distributions, t-tests, the chi-square test, and the Sidak correction. Each p-value
+// is the probability, under the null hypothesis, of a deviation at least as large as the observed one. A test
+// at significance .01 fails when p < .01. So a correct implementation fails with one seed in a hundred; tests
+// fix their seeds for that reason.
 #pragma once
 
 #include <cstddef>

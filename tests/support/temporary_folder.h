@@ -1,4 +1,4 @@
-// A folder that lives as long as the test that uses it.
+// A folder that exists as long as the test that uses it.
 #pragma once
 
 #include <algorithm>

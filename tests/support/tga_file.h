@@ -1,4 +1,4 @@
-// Image files without any library: uncompressed TGA of 8 bit.
+// Makes uncompressed 8-bit TGA images without any library.
 #pragma once
 
 #include <cstdint>

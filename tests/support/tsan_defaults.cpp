@@ -1,6 +1,6 @@
-// Linked into what uses gRPC. Debian's libraries are built without the thread sanitizer, which
-// therefore misunderstands what they do in libc; see also tsan_ignore.txt. Without the sanitizer nothing
-// calls this function.
+// Options of the thread sanitizer for programs that use gRPC. Debian's libraries are built without this
+// sanitizer, so it misinterprets what they do in libc; see also tsan_ignore.txt. Without the sanitizer
+// nothing calls this function.
 extern "C" const char* __tsan_default_options() { return "ignore_noninstrumented_modules=1"; }
 
 // What gRPC keeps of a message that is being sent goes from one of its threads to another, in a

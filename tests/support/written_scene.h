@@ -1,4 +1,4 @@
-// A scene as a file of Mitsuba 3 in a test's folder.
+// Writes a scene into a test's folder as a Mitsuba 3 file.
 #pragma once
 
 #include "scenes/mitsuba/scene_writer.h"

@@ -1,4 +1,4 @@
-// Two scenes that differ and that XXH3 does not tell apart: what anybody can make for a hash that is not
+// Two different scenes with the same XXH3 hash. Anybody can make such a pair, because XXH3 is not
 // collision-resistant.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Device scenes as they are built, for tests that look into their tables.
+// Device scenes built from descriptions, for tests that inspect their tables.
 #pragma once
 
 #include <stdexcept>

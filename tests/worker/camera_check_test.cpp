@@ -1,4 +1,4 @@
-// Cameras as they come off the wire: what a worker refuses of their numbers.
+// Cameras that arrive over the network: a worker refuses invalid values.
 #include <gtest/gtest.h>
 
 #include <cmath>

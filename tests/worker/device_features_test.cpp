@@ -1,4 +1,4 @@
-// The features, families and kinds of lights of a device scene are just those that are needed.
+// The features, BSDF families and kinds of lights that a device scene declares are just those that it needs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

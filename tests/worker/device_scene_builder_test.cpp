@@ -1,4 +1,4 @@
-// From description to device scene: recentring, sides, cameras, tables, errors.
+// From a scene description to a device scene: recentring, sides, cameras, tables, errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>

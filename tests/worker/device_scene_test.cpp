@@ -1,5 +1,5 @@
-// The serialised device scene: what comes off the wire is the scene that was sent, or an error; never a scene
-// that makes a kernel read outside it.
+// The serialised device scene: reading it back gives the scene that was sent, or an error. It never gives a
+// scene for which a kernel would read outside of it.
 #include "kernels/host/device_scene.h"
 
 #include <fmt/format.h>

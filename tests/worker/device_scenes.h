@@ -1,4 +1,4 @@
-// Small scenes for tests of devices and of the device scene, one for each way through the kernels.
+// Small scenes for tests of devices and of the device scene. Each takes another path through the kernels.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Devices: a pixel's samples do not depend on how the work is cut up, on threads, instruction sets or kernel
-// variants; what cannot be rendered is refused with a message; non-finite samples are counted.
+// Devices: a pixel's samples do not depend on how the image is divided into units, on threads, on instruction
+// sets or on kernel variants. Scenes that cannot be rendered are refused with a message, and non-finite
+// samples are counted.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>

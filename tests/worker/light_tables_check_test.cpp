@@ -1,4 +1,4 @@
-// Tables of lights as they come off the wire: what a worker refuses of the choice among them and of their
+// Light tables that arrive over the network: a worker refuses invalid data for choosing lights, and invalid
 // edges.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Compiled kernels on disk: a stored binary is found again, and a damaged file is never returned.
+// Compiled kernels on disk: a stored binary is found again, and a damaged file is never used.
 #include "worker/opencl_cache.h"
 
 #include <gmock/gmock.h>

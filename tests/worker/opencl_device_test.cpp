@@ -1,5 +1,5 @@
-// OpenCL devices give native code's bytes however their work is cut up, whichever shape their kernels have
-// and wherever these come from; and errors on the way are reported.
+// OpenCL devices give the same bytes as native code, however the image is divided into units, whichever form
+// their kernels have, and whether these are compiled or loaded. Errors are reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

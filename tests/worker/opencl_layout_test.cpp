@@ -1,4 +1,5 @@
-// The structs that host and device share are laid out alike: the device reports its sizes and offsets.
+// Structs that host and device share have the same layout: the device reports its sizes and offsets, and the
+// test compares them.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Buffers fit an OpenCL device's memory, and launch sizes adapt to the time that launches take.
+// Buffers fit into an OpenCL device's memory, and launch sizes adapt to measured launch times.
 #include "worker/opencl_memory.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// Pieces of scenes on disk: what was kept is found, what is damaged never, whoever else uses the folder.
+// Pieces of scenes on disk: a stored piece is found again, and a damaged one never is, whichever other
+// processes use the folder.
 #include "worker/piece_cache.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,6 @@
-// The tables of polygon lights as they come off the wire: what names something that is not there is refused,
-// field by field; non-finite values are traced all the same, and the samples are counted.
+// Polygon light tables that arrive over the network. An index of an entry that does not exist is refused,
+// field by field. Scenes with non-finite values are traced all the same, and the non-finite samples are
+// counted.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

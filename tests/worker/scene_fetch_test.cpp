@@ -1,5 +1,5 @@
-// What of a scene travels, from a real server: only what is not at hand, and nothing that is damaged is
-// taken.
+// Fetching a scene from a real server: only pieces that the worker does not have are sent, and damaged pieces
+// are refused.
 #include "scheduler/protocol/scene_fetch.h"
 
 #include <gmock/gmock.h>

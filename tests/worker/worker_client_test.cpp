@@ -1,4 +1,4 @@
-// The worker's side of the wire; the test plays the scheduler.
+// The worker's client; the test plays the scheduler.
 #include "worker/worker_client.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// penumbra-view as users run it, on a display in memory: what it saves against what `penumbra render` writes,
-// and how it behaves when processes die.
+// penumbra-view as users run it, on a virtual display: what it saves against what `penumbra render` writes,
+// and its behaviour when processes die.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Compaction: paths that go on move up with everything that travels, finished ones leave their samples.
+// Compaction: remaining paths move to the first lanes with all fields that move, finished paths write their
+// samples.
 #include <gtest/gtest.h>
 
 #include <algorithm>

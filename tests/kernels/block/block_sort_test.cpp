@@ -1,4 +1,4 @@
-// Paths sorted by the family that they hit: each takes everything along, and those of a family stay in order.
+// Sorting of paths by the BSDF family that they hit: every field moves with its path, and the sort is stable.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Surfaces of LANES paths at a time are those of each ray by itself.
+// Surfaces of LANES paths at a time equal those of single rays.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -1,4 +1,5 @@
-// The state of paths: which fields have storage, that each has its own, and what goes in and comes out.
+// The state of paths: which fields have storage, that storage does not overlap, and that values are read as
+// written.
 #include <gtest/gtest.h>
 
 #include <algorithm>

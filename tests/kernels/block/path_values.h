@@ -1,4 +1,4 @@
-// Values for the fields of paths and samples that tell fields and lanes apart.
+// Values for the fields of paths and samples, different for every field and lane.
 #pragma once
 
 #include "kernels/host/block_memory.h"

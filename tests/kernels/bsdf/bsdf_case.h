@@ -1,4 +1,4 @@
-// A BSDF that tests look at: a row of bsdf_cases.h.
+// A BSDF to test: a row of bsdf_cases.h.
 #pragma once
 
 #include <ostream>

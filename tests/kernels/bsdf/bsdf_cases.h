@@ -1,4 +1,4 @@
-// The BSDFs that tests look at.
+// The BSDFs that are tested.
 #pragma once
 
 #include <algorithm>

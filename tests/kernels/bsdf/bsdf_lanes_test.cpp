@@ -1,4 +1,4 @@
-// From materials to closures, and BSDFs of LANES closures at a time.
+// Resolving materials to closures, and BSDFs of LANES closures at a time.
 #include <gtest/gtest.h>
 
 #include <set>

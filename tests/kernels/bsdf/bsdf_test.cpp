@@ -1,4 +1,4 @@
-// BSDFs: samples against densities, normalisation, reciprocity, energy, and the ends of their ranges.
+// BSDFs: samples against pdfs, normalisation, reciprocity, energy, and the limits of their ranges.
 #include <gtest/gtest.h>
 
 #include <algorithm>

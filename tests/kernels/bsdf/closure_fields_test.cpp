@@ -1,4 +1,4 @@
-// The fields of a closure that a family reads are those that are resolved for it: USERS_* in families.h.
+// The closure fields that a family reads are those that are resolved for it: USERS_* in families.h.
 #include "kernels/bsdf/control_lanes.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The control lobes of glossy closures against the fit's own formulas in double, and against the closures:
-// the table is near them between its knots too.
+// Control lobes of glossy closures against the fit's own formulas in double, and against the closures: the
+// table is accurate between its knots, too.
 #include "kernels/bsdf/control_lanes.h"
 
 #include <gtest/gtest.h>

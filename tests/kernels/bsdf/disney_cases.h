@@ -1,6 +1,6 @@
-// Rows of principled BSDFs and Disney's, with what their formulas bound.
+// Test rows of principled BSDFs and Disney's, with bounds from their formulas.
 //
-// They give off more light than they receive: the diffuse lobe's retroreflection and the sheen come on top of
+// They reflect more light than they receive: the diffuse lobe's retroreflection and the sheen are added to
 // what the microfacets reflect. How much, in the red of kBase, is the measured `gain` of a row.
 #pragma once
 

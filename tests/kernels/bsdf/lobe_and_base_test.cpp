@@ -1,5 +1,5 @@
-// BSDFs of a lobe beside a diffuse base: samples against densities, energy, reciprocity, and the ends of
-// their ranges.
+// BSDFs with a lobe and a diffuse base: samples against pdfs, energy, reciprocity, and the limits of their
+// ranges.
 #include <gtest/gtest.h>
 
 #include <cmath>

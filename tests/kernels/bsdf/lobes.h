@@ -1,4 +1,4 @@
-// BSDFs as scene files have them, with the tables that they need, and their integrals over the hemisphere.
+// BSDFs from scene text, with their tables, and their integrals over the hemisphere.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Random trees of materials: which leaves numbers choose, and how much light gets through, against recursion.
+// Random material trees: which leaves numbers choose, and how much light passes, against recursion.
 #include <gtest/gtest.h>
 
 #include <cmath>

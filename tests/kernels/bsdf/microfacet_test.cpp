@@ -1,4 +1,4 @@
-// Microfacets and Fresnel's equations against formulas in double precision, written down another way.
+// Microfacets and Fresnel's equations against independent formulas in double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>

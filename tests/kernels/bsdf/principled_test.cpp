@@ -1,4 +1,4 @@
-// The principled BSDFs, as files describe them, against values of Mitsuba 3.
+// The principled BSDFs, read from files, against values of Mitsuba 3.
 #include <gtest/gtest.h>
 
 #include <fstream>

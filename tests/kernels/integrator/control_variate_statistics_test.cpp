@@ -1,4 +1,4 @@
-// Alpha from a pixel's own samples: bias, error and spread of the estimates over many pixels.
+// Alpha from a pixel's own samples: bias, error and variance of the estimates over many pixels.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Alpha from a pixel's own samples: what holds of every pixel.
+// Alpha from a pixel's own samples: properties that hold for every pixel.
 #include "kernels/integrator/control_variate.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The two portable intersectors against a test of every primitive, and against rays that look for leaks.
+// The two portable intersectors against a test of every primitive, and with rays that probe for leaks.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Cylinders against the same in extended precision.
+// Cylinders against extended precision.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// The rays of a block in turn through the hierarchy, whatever the instruction set that the tests are compiled
-// for. Few, and no multiple of anything, so that lists fill, end and start anew within a test.
+// Interleaved traversal of a block's rays, for any instruction set that the tests are compiled for. The
+// number of rays is small and odd, so that lists fill, end and restart within a test.
 #define RAYS_IN_FLIGHT 7
 #include "kernels/block/block_trace.h"
 #include "kernels/host/block_memory.h"

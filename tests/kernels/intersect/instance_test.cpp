@@ -1,4 +1,4 @@
-// Instances of groups against the same geometry where they place it, in double precision.
+// Instances of groups against the transformed geometry in double precision.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Where a ray meets a primitive: positions within their stated error, sides, normals, and rays that leave.
+// Hits of primitives: positions within their stated error, sides, normals, and rays that leave the surface.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The intersector without a hierarchy.
+// The intersector without BVH.
 #include "kernels/intersect/intersect_whole.h"
 
 #include <algorithm>

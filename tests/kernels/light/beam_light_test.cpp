@@ -1,5 +1,5 @@
-// Spot lights, projectors and directional lights: what arrives against formulas in double precision, powers
-// against quadrature, and nothing where there is nothing.
+// Spot lights, projectors and directional lights: arriving light against formulas in double precision, powers
+// against quadrature, and no light outside of the beam.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Environment maps: radiance against Mitsuba 3's, the density of directions against their frequencies and its
-// own integral, spikes and black parts.
+// Environment maps: radiance against Mitsuba 3, the pdf of directions against their frequencies and its own
+// integral, single bright texels and black regions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

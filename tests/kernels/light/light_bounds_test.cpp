@@ -1,6 +1,5 @@
-// Bounds of single lights by which they are chosen: never below the irradiance that the light brings, by
-// formulas and quadrature of this file, and 0 only where it brings none. Nodes above them: see
-// light_tree_test.cpp.
+// Bounds of single lights, by which they are chosen: never below the light's irradiance, by formulas and
+// quadrature in this file, and 0 only where there is none. Inner nodes: see light_tree_test.cpp.
 #include "scenes/device/light_bounds.h"
 
 #include <gtest/gtest.h>

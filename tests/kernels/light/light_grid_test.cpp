@@ -1,5 +1,5 @@
-// Textured lights: points follow the density that their grids say, which is known of points that rays find;
-// what samples and rays bring is the texture's value there.
+// Textured lights: points are distributed by the pdf of their grids, which can be evaluated at hits, too;
+// samples and rays bring the texture's value at the point.
 #include <gtest/gtest.h>
 
 #include <cmath>

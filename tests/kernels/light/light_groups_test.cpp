@@ -1,5 +1,4 @@
-// Lights that are as one from all places: what that adds to the second moment of the choice, by probabilities
-// that the kernels find.
+// Light clusters: what they add to the second moment of the choice, by the kernels' probabilities.
 #include "scenes/device/light_groups.h"
 
 #include <gtest/gtest.h>

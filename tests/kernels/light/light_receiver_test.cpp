@@ -1,5 +1,5 @@
-// Receivers without a normal, as points of a medium are: light of every kind reaches them from all sides,
-// from where they are.
+// Receivers without a normal, such as points in a medium: light of every kind reaches them from all
+// directions.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The table of cells against a count of every number that a sampler can give.
+// The table of cells for the choice of lights, tested with every number of a sampler.
 #include "scenes/device/light_table.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Light sampling: a sample's density is that of its direction, samples fill the light uniformly in the
-// measure that they claim, shadow rays end before the light, and nothing breaks at the ends of the range.
+// Light sampling: a sample's pdf is that of its direction, samples are uniform on the light in the stated
+// measure, shadow rays end before the light, and the limits of the range are valid.
 #include <gtest/gtest.h>
 
 #include <algorithm>

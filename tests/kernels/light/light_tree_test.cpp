@@ -1,5 +1,4 @@
-// The hierarchy of lights: bounds against points of the lights themselves, choices against their
-// probabilities.
+// The light hierarchy: bounds against points of the lights, choices against their probabilities.
 
 #include <gtest/gtest.h>
 

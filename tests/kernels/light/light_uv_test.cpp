@@ -1,4 +1,4 @@
-// Texture coordinates of points on lights: a sample's are those that a ray finds there.
+// Texture coordinates on lights: those of a sample equal those of a ray that hits the same point.
 #include <gtest/gtest.h>
 
 #include <cmath>

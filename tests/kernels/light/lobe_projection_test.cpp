@@ -1,6 +1,6 @@
-// Triangle lights sampled by the control lobes of glossy closures: the directions' densities integrate to 1
-// over what is seen of the light, and the directions are distributed by them (chi-square); across the
-// horizon, at grazing angles, for any roughness and any mixture of the lobes.
+// Triangle lights sampled by the control lobes of glossy closures: the pdf integrates to 1 over the visible
+// part of the light, and directions are distributed by it (chi-square); across the horizon, at grazing
+// angles, for any roughness and any mixture of the lobes.
 #include "kernels/light/lobe_projection.h"
 
 #include <gtest/gtest.h>

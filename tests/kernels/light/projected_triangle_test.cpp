@@ -1,5 +1,5 @@
-// Sampling by projected solid angle against Lambert's formula in extended precision, for triangles all around
-// the hemisphere: across the horizon, about, beside and on the edge of the zenith.
+// Sampling by projected solid angle against Lambert's formula in extended precision, for triangles all over
+// the hemisphere: across the horizon, around the zenith, beside it, and with the zenith on an edge.
 #include "kernels/light/projected_triangle.h"
 
 #include <gtest/gtest.h>

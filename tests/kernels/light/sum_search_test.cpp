@@ -1,4 +1,4 @@
-// The search by levels of sum_search.h against a search through all sums.
+// The multi-level search of sum_search.h against a linear search.
 #include "kernels/light/sum_search.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Frames and the directions drawn in them.
+// Frames, and directions sampled in them.
 #include "kernels/math/frame.h"
 
 #include <gtest/gtest.h>

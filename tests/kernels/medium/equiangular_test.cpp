@@ -1,4 +1,4 @@
-// Distances along a ray by the angle that they take as seen from a place.
+// Equiangular sampling of distances along a ray.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Which medium a ray is in, from the boundaries that it crossed.
+// The medium of a ray, from the boundaries that it crossed.
 #include <gtest/gtest.h>
 
 #include "tests/kernels/kernels_under_test.h"

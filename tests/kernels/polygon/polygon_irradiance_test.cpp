@@ -1,5 +1,5 @@
 // Irradiance from polygon lights: against Lambert's formula in 113 bits for triangles clipped one by one, and
-// against numbers that this project did not compute.
+// against published numbers.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// A polygon light by itself in a scene, and the kernel's answers for it.
+// A scene with a single polygon light, and the kernels' results for it.
 #pragma once
 
 #include <cmath>

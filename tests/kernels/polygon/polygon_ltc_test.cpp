@@ -1,5 +1,5 @@
 // Linearly transformed cosines under polygon lights: against quadrature of their density over the light's
-// area, and against Lambert's formula in 113 bits in the space of the cosine.
+// area, and against Lambert's formula in 113 bits in the cosine's space.
 #include <gtest/gtest.h>
 
 #include <algorithm>

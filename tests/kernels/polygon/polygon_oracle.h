@@ -1,5 +1,5 @@
-// What polygon lights add to a surface, by other routes than kernels/polygon/polygon_light.h: Lambert's and
-// Arvo's closed forms for clipped triangles in 113 bits, and quadrature over the light's area.
+// The contribution of polygon lights to a surface, computed independently of kernels/polygon/polygon_light.h:
+// Lambert's and Arvo's closed forms for clipped triangles in 113 bits, and quadrature over the light's area.
 #pragma once
 
 #include <functional>

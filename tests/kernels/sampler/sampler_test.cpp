@@ -1,4 +1,4 @@
-// What each sampler promises about its points: range, purity, strata, nets, radical inverses.
+// Properties of each sampler's points: range, purity, strata, nets, radical inverses.
 #include <gtest/gtest.h>
 
 #include <algorithm>

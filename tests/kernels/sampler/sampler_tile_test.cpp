@@ -1,5 +1,5 @@
-// What pixels of a Sobol tile share: nothing that one of them by itself would show, and an error of their
-// mean that is that of one long sequence.
+// Pixels of a Sobol tile: they are not correlated individually, and the error of their mean is that of one
+// long sequence.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
-// Textures: decoding of texels, wrapping and filtering against a plain reference in extended precision, value
-// noise, colours of meshes, and textures that hold others; LANES at a time as one by one.
+// Textures: decoding of texels, wrapping and filtering against a simple reference in extended precision,
+// value noise, mesh colours, and nested textures; LANES at a time as well as singly.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -1,4 +1,4 @@
-// Facts about public scenes, and tiny scenes that are made of them: the lists beside this say how.
+// Facts about public scenes, and tiny scenes made from them: see the lists beside this.
 #pragma once
 
 #include <filesystem>

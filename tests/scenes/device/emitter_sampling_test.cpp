@@ -1,4 +1,4 @@
-// Which emitter sampling the builder chooses, and the variances that it chooses by.
+// The emitter sampling that the builder chooses, and the variances that it compares.
 #include "scenes/device/emitter_sampling.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Outlines on the film: which edges are left, and shares of pixels by quadrature of the filters themselves.
+// Outlines on the film: which edges remain, and fractions of pixels by quadrature of the filters.
 #include "scenes/device/film_outline.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Places from where lights shine on media.
+// Light clusters that illuminate media, for equiangular sampling.
 #include "scenes/device/flight_centres.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What an integrator's settings and a scene's lights come to in the header of the device scene, which
-// features that takes, and which settings contradict each other.
+// The header of the device scene for an integrator's settings and a scene's lights, the features that they
+// need, and contradictory settings.
 #include "scenes/device/integrator_builder.h"
 #include "kernels/math/math.h"
 

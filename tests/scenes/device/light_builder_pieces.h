@@ -1,4 +1,4 @@
-// Emitting meshes for tests of the light builder, and what holds for every result of it.
+// Emitting meshes for tests of the light builder, and checks that hold for all of its results.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Emitters as tables of lights: kinds, order, areas, probabilities, and no more tables than needed.
+// The builder's tables of lights: kinds, order, areas, probabilities, and no unneeded tables.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Outlines of emitting meshes as tables of polygons.
+// The builder's tables of polygons for emitting meshes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

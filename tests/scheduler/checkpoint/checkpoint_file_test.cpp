@@ -1,4 +1,5 @@
-// Checkpoints on disk: written aside, in time, and what happens where that is not possible.
+// Tests checkpoints on disk: when they are written, that a complete old one remains until the new one is
+// complete, and what happens where a file or folder cannot be written.
 #include "scheduler/checkpoint/checkpoint_file.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The bytes of checkpoints: what comes back, and what is refused.
+// Tests the bytes of checkpoints: what is written can be read again, and damaged bytes are refused.
 #include "scheduler/checkpoint/checkpoint.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// A film that some passes are merged into, for tests of what is kept of it.
+// A film into which some of the passes are merged, for tests of checkpoints.
 #pragma once
 
 #include "scheduler/checkpoint/checkpoint.h"

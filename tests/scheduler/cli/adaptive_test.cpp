@@ -1,4 +1,5 @@
-// `penumbra render --adaptive`: the same mean as with equally many samples of every pixel, and less error.
+// `penumbra render --adaptive` has the same mean as a render with equally many samples in every pixel, and
+// less error.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

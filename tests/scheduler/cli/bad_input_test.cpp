@@ -1,4 +1,4 @@
-// Scenes and outputs that `penumbra render` and `penumbra info` refuse before any work is done.
+// Scenes and output paths that `penumbra render` and `penumbra info` refuse before they render anything.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

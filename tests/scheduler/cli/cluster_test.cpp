@@ -1,5 +1,6 @@
-// What a cluster asks of `penumbra render`: workers that a command starts, that are of all kinds, that leave,
-// that have parts of a scene already; and what a render would cost.
+// `penumbra render` on a cluster: workers that a command starts, workers with different instruction sets and
+// backends, workers that leave, workers that have parts of a scene cached; and estimates of what a render
+// takes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// `penumbra compare`, from files to exit code.
+// Tests `penumbra compare` from its input files to its exit code.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

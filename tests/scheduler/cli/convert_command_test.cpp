@@ -1,4 +1,4 @@
-// `penumbra convert` and its files.
+// Tests `penumbra convert` and the files that it writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-// A render with many idle connections to its address.
+// A render while more idle connections are open to its address than it has file descriptors.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

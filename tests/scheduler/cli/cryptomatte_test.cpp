@@ -1,4 +1,5 @@
-// `penumbra render --cryptomatte`: the same layers from any farm, as other programs read them.
+// `penumbra render --cryptomatte`: the layers are the same whichever workers render them, and other programs
+// can read them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What users read of the commands: help, settings, plugins and info, in lines that fit and words that are
-// known.
+// The texts that the commands print for users: help, settings, plugins and info. Lines fit the terminal, and
+// words are plain.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

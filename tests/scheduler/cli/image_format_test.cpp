@@ -1,5 +1,5 @@
-// Image files as other programs see them: alpha, half floats, compression, attributes, through OpenImageIO's
-// own tools; and what is read back here.
+// Image files as other programs read them, through OpenImageIO's tools: alpha, half floats, compression,
+// attributes. Also tests which files Penumbra reads back.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

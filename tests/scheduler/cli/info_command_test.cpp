@@ -1,4 +1,4 @@
-// `penumbra info`.
+// Tests `penumbra info`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Ctrl-C in the middle of a render.
+// Tests Ctrl-C (SIGINT) during a render.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// A render of the small scene that is killed amid its work.
+// Starts a render of the small scene and kills it before it is done.
 #pragma once
 
 #include <gtest/gtest.h>

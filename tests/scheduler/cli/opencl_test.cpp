@@ -1,4 +1,5 @@
-// `--backend opencl` from the command line: the list of devices, compiling once, the same image.
+// `--backend opencl` on the command line: devices are listed, kernels are compiled once, and the image is the
+// same as the native one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

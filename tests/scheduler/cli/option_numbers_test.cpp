@@ -1,4 +1,5 @@
-// Every number of every command line: what is none, and what is beyond its limits, is bad usage.
+// Tests every option that takes a number: text that is not a number and values outside the limits are usage
+// errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

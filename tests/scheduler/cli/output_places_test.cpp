@@ -1,4 +1,4 @@
-// Where the programs write: folders that are missing or vanish, links, devices, pipes.
+// Where the programs write: folders that do not exist or vanish, links, devices, pipes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Polygon lights' integrators and settings from the command line.
+// Integrators for polygon lights and their settings on the command line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `penumbra render`, from scene file to files.
+// Tests `penumbra render` from the scene file to the files that it writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `penumbra render --resume` after everything that ends a render early.
+// `penumbra render --resume` after each kind of event that ends a render early.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

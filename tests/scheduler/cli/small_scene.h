@@ -1,4 +1,4 @@
-// A scene that renders in no time: a grey floor under a square light, 24 x 20 pixels.
+// A scene that renders in a fraction of a second: a grey floor below a square area light, 24 x 20 pixels.
 #pragma once
 
 #include <filesystem>

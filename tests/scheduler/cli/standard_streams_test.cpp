@@ -1,4 +1,4 @@
-// Standard output and standard error that are full, closed, or no longer read.
+// The programs while standard output or standard error is full, closed, or no longer read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `penumbra render --target-error`: the error that an image comes to, against a reference.
+// `penumbra render --target-error`: the error of the image against a reference is the requested one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

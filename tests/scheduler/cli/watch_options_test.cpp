@@ -1,4 +1,4 @@
-// `penumbra preview`, and the options for watching a render, from the command line.
+// `penumbra preview`, and the options of `penumbra render` for watching it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

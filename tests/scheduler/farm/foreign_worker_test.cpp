@@ -1,4 +1,4 @@
-// Workers that the render did not start: what they are permitted to do.
+// Workers that the render did not start: what they are allowed to do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>

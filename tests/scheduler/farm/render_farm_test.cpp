@@ -1,4 +1,4 @@
-// Several jobs on one farm of real worker processes over the real wire; only the device is a fake.
+// Several jobs on one farm. Worker processes and connections are real; only the device is a fake.
 #include "scheduler/farm/render_farm.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// The whole path from job to film with real worker processes over the real wire; only the device is a fake.
+// One job from its submission to its film. Worker processes and connections are real; only the device is a
+// fake.
 #include "scheduler/farm/render_farm.h"
 
 #include <gmock/gmock.h>

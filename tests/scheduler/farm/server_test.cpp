@@ -1,4 +1,4 @@
-// How the server handles old, confused or malicious workers, played by a raw gRPC client.
+// How the server handles outdated, faulty or malicious workers. A raw gRPC client plays them.
 #include "scheduler/farm/server.h"
 
 #include <gmock/gmock.h>

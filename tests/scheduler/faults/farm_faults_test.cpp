@@ -1,5 +1,5 @@
-// Random schedules of faults against a whole farm: real worker processes and rogues that speak the real wire.
-// Whatever happens, the film is the one of an undisturbed render.
+// Random schedules of faults against a whole farm of real worker processes and of faulty workers that speak
+// the real protocol. Whatever happens, the film must be that of an undisturbed render.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <unistd.h>

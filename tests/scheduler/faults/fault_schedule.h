@@ -1,4 +1,4 @@
-// What goes wrong in one run, as a function of a seed alone.
+// The faults of one run. They depend on a seed alone.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Workers behind a network that delays what they say, or lets nothing through for a while.
+// Workers behind a network that delays their messages, or is down for a while.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 

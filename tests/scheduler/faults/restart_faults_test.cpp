@@ -1,4 +1,4 @@
-// `penumbra render` and its workers, killed and stopped at random and resumed: the real programs.
+// The real programs, `penumbra render` and its workers, are killed and stopped at random times, and resumed.
 #include <gtest/gtest.h>
 #include <signal.h>
 

@@ -1,5 +1,5 @@
-// A worker that speaks the protocol and does something wrong with one of its units. In this process: no
-// renderer, but the real wire.
+// A worker that speaks the protocol and does something wrong with one of its units. It runs in the test's
+// process and has no renderer, but its connection is real.
 #pragma once
 
 #include <atomic>

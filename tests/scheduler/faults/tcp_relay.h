@@ -1,4 +1,4 @@
-// A relay between a worker and a scheduler on this host, which can be slow, or cut for a while.
+// A TCP relay between a worker and a scheduler on this host. It can be slow, or be cut for a while.
 #pragma once
 
 #include <atomic>

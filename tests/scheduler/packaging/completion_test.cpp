@@ -1,4 +1,4 @@
-// Completion: what the programs answer, and what shells make of it.
+// Shell completion: the proposals that the programs print, and how shells use them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `cmake --install` into a fresh folder, which is then moved; and the Debian package.
+// Runs `cmake --install` into a new folder, then moves that folder; also tests the Debian package.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

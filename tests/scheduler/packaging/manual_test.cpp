@@ -1,4 +1,4 @@
-// The manual: a page for each program and command, which its readers take without complaint.
+// The manual has a page for each program and command, and groff and mandoc read the pages without warnings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

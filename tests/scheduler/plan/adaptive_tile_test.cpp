@@ -1,5 +1,5 @@
-// Tiles that stop by their error: that stopping leaves no bias where a simple rule does, and what a target is
-// worth.
+// Tiles that stop when their error reaches the target: the stopping rule has no bias where a simple rule has
+// one, and each tile reaches the target.
 #include "scheduler/plan/adaptive_tile.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Whom a film's samples met: sums that no order of tiles changes, a bound, and bytes that are not trusted.
+// The counts of object or material IDs (mattes) that a film's samples hit: sums do not depend on the order of
+// tiles, the number of IDs per pixel is bounded, and damaged bytes are refused.
 #include "scheduler/plan/film_mattes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A plan with made-up workers and a made-up clock, for tests of its rules.
+// A plan with fake workers and a fake clock, for tests of its rules.
 #pragma once
 
 #include <gmock/gmock.h>

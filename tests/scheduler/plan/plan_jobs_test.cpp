@@ -1,4 +1,4 @@
-// Each rule of the plan about several jobs and their phases.
+// Tests each rule of the plan about several jobs and their phases.
 #include "tests/scheduler/plan/plan_fixture.h"
 
 namespace penumbra {

@@ -1,7 +1,6 @@
-// The plan against thousands of random schedules: jobs of several phases and priorities, some of them begun
-// before by another scheduler, workers that die,
-// hang, come back late, fail, send damaged results, and units that do this to every worker. Whatever happens,
-// each film must be the one that an undisturbed render gives.
+// The plan against thousands of random schedules. Jobs have several phases and priorities, and another
+// scheduler has begun some of them. Workers die, hang, come back late, fail, or send damaged results; some
+// units make every worker do so. Whatever happens, each film must be that of an undisturbed render.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Each rule of the plan about one job's units.
+// Tests each rule of the plan about the units of one job.
 #include "tests/scheduler/plan/plan_fixture.h"
 
 namespace penumbra {

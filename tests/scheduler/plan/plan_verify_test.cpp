@@ -1,4 +1,4 @@
-// Units that a second worker does too.
+// Tests units that a second worker renders again for verification.
 #include "tests/scheduler/plan/plan_fixture.h"
 
 namespace penumbra {

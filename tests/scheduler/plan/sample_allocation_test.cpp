@@ -1,5 +1,6 @@
-// Samples shared out among tiles: that they go where the error is, that the film is that of the samples that
-// count alone, and that no order, interruption or gap changes it.
+// Samples are distributed among tiles by pilot paths: most go where the error is largest, the film is that of
+// the other samples alone (pilot paths are discarded), and it does not depend on order, interruptions or
+// skipped passes.
 #include "scheduler/plan/sample_allocation.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Thousands of workers in simulated time: the plan itself, and a scheduler that takes a fixed time for each
-// result, one after the other. What that comes to is computed in tests/load/README.md; here it is tried.
+// Simulates thousands of workers in simulated time: with the plan alone, and with a scheduler that handles
+// one result after the other and needs a fixed time for each. tests/load/README.md computes what to expect;
+// this test checks it.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The names of contents: the standard's values, and no two contents of one name for the asking. What users
-// read where a call fails.
+// Content hashes have the values of the SHA-256 standard, and tell contents apart for which anybody can make
+// XXH3 collide. Also tests the texts that users read when a call fails.
 #include "scheduler/protocol/content_hash.h"
 
 #include <gtest/gtest.h>

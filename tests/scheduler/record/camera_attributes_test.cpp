@@ -1,4 +1,4 @@
-// The matrices of an image against rays of the camera that rendered it.
+// Compares the camera matrices in an image's attributes with rays of the camera that rendered it.
 #include "scheduler/record/camera_attributes.h"
 
 #include <gtest/gtest.h>

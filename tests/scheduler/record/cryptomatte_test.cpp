@@ -1,4 +1,4 @@
-// Cryptomatte's hashes against published ones, and what its layers say of a film.
+// Compares Cryptomatte's hashes with published ones, and its layers with the film they are made of.
 #include "scheduler/record/cryptomatte.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The layers of polygon lights: present if requested and known; closed form and difference add up to the
-// image, and the visible share is in [0, 1].
+// The layers of polygon lights: they are written if requested and known, closed form and difference add up to
+// the image, and the visible fraction is in [0, 1].
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `penumbra report` as users run it.
+// Tests `penumbra report` as users run it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// What a report writes reads back as what it was made of.
+// The files of a report contain the values that it was made from.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Bias and noise told apart on synthetic images of which both are known.
+// Bias and noise are told apart on synthetic images for which both are known.
 #include "scheduler/report/seed_statistics.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Slopes of synthetic curves whose slope is known.
+// Fits slopes to synthetic curves of known slope.
 #include "scheduler/report/slope_fit.h"
 
 #include <gtest/gtest.h>

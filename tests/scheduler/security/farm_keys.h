@@ -1,4 +1,4 @@
-// Keys for tests: a farm's, good ones and bad ones.
+// Keys for tests: those of a farm, and invalid ones.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Clients that are slow, many, silent or send nonsense, against the scheduler itself over its sockets. The
-// number of connections is PENUMBRA_SECURITY_CONNECTIONS, that of messages a hundredth of
-// PENUMBRA_SECURITY_MUTATIONS.
+// Clients that are slow, many, silent or send invalid messages, against a real scheduler over its sockets.
+// PENUMBRA_SECURITY_CONNECTIONS is the number of connections. PENUMBRA_SECURITY_MUTATIONS is a hundred times
+// the number of messages.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <grpcpp/generic/generic_stub.h>

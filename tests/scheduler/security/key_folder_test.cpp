@@ -1,4 +1,4 @@
-// What `penumbra keys` writes, and what is read of it.
+// Tests the files that `penumbra keys` writes, and how they are read.
 #include "scheduler/keys/key_folder.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Messages that are almost right.
+// Mutates valid messages a little, for fuzz tests.
 #pragma once
 
 #include <random>

@@ -1,5 +1,5 @@
-// Mutated messages of every type: none crashes a reader, and what is taken of them makes sense. The count of
-// each type is PENUMBRA_SECURITY_MUTATIONS.
+// Mutated messages of every type: no reader crashes, and what a reader accepts is consistent.
+// PENUMBRA_SECURITY_MUTATIONS is the number of messages of each type.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A scheduler process with TLS, and keys for it.
+// A scheduler process that uses TLS, and its keys.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Where keys and tokens must not be found: words of commands, environments, messages, images, core dumps.
+// Keys and tokens must not be found in command lines, environments, messages, images or core dumps.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/prctl.h>

@@ -1,4 +1,4 @@
-// Certificates and tokens over TCP: who is let in, and what those are told who are not.
+// Certificates and tokens over TCP: who is accepted, and which message the others get.
 #include <gmock/gmock.h>
 
 #include <future>

@@ -1,4 +1,4 @@
-// In which order jobs are taken, and what clients can do to them when.
+// The order in which a service starts its jobs, and how clients can change and cancel them in each state.
 #include "scheduler/service/job_queue.h"
 
 #include <gmock/gmock.h>

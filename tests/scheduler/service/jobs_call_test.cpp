@@ -1,4 +1,4 @@
-// The calls of jobs.proto over a socket.
+// Tests the calls of jobs.proto over a socket.
 #include <gmock/gmock.h>
 #include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// `penumbra serve`, `submit`, `status`, `fetch` and the others, as users run them.
+// Tests `penumbra serve`, `submit`, `status`, `fetch` and the others as users run them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

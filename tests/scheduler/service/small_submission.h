@@ -1,4 +1,4 @@
-// A job as a client gives it to a service, for tests of what becomes of it.
+// A small job as a client submits it to a service.
 #pragma once
 
 #include <string>

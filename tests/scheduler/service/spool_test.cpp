@@ -1,4 +1,4 @@
-// What a service keeps on disk.
+// Tests the files that a service keeps on disk.
 #include "scheduler/service/spool.h"
 
 #include <gmock/gmock.h>

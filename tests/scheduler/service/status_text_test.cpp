@@ -1,4 +1,4 @@
-// The state of a service for people.
+// Tests the text that describes a service's state to users.
 #include "scheduler/cli/service/status_text.h"
 
 #include <gmock/gmock.h>

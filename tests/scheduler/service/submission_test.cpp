@@ -1,4 +1,4 @@
-// What a client says of a render arrives whole, or is refused in words.
+// A client's description of a render arrives completely, or is refused with a message.
 #include "scheduler/service/submission.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// `penumbra status --watch` on a terminal.
+// Tests `penumbra status --watch` on a terminal.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

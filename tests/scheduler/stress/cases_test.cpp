@@ -1,4 +1,4 @@
-// The list of cases: complete, and well formed.
+// The list of cases is complete and well formed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

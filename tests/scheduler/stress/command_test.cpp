@@ -1,4 +1,4 @@
-// `penumbra stress` as users call it.
+// Tests `penumbra stress` as users run it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-// The whole table against tests/scheduler/stress/record.json: no case fails, none vanishes, no truth changes,
-// and no verdict changes unnoticed. Where Penumbra becomes better or a case is added, run this with
-// PENUMBRA_UPDATE_RECORD=1 in the environment and look at what changed in the record: a case that fails is
-// none of it.
+// Compares the whole table of `penumbra stress` with tests/scheduler/stress/record.json. No case may fail or
+// vanish, no truth may change, and no verdict may change unnoticed. After an improvement or a new case, run
+// this test with PENUMBRA_UPDATE_RECORD=1 in the environment, and read the changes of the record. A case that
+// fails makes the test fail even then.
 #include <gtest/gtest.h>
 
 #include <cmath>

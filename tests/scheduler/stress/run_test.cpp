@@ -1,4 +1,4 @@
-// Running cases: on kernels that are right, and on ones that are not.
+// Runs cases on correct kernels and on wrong ones.
 #include "scheduler/stress/run.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Names, parts of them, and patterns.
+// Selects cases by names, parts of names, and patterns.
 #include "scheduler/stress/selection.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The table as text, JSON and HTML.
+// Tests the table of results as text, JSON and HTML.
 #include "scheduler/stress/table.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The truths of `penumbra stress` against values that are known by other ways.
+// Compares the true values of `penumbra stress` with values from independent sources.
 #include <gtest/gtest.h>
 
 #include "scheduler/stress/truth/phong.h"

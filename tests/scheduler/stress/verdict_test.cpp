@@ -1,4 +1,4 @@
-// What passes and what does not.
+// Tests which results pass and which fail.
 #include "scheduler/stress/verdict.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A tev that reads its bytes by the protocol's description, with a decoder of its own.
+// A fake tev. It decodes the bytes by the protocol's description, with a decoder of its own.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// What a tile's snapshot holds, and which tiles are shown when.
+// Tests what a tile's snapshot contains, and when tiles are shown.
 #include "scheduler/watch/render_feed.h"
 #include "tests/support/film_layers.h"
 

@@ -1,4 +1,5 @@
-// A name service that never answers for one host; others are asked as ever. For one file of a test program.
+// A name service that never answers for one host name; all other look-ups work as usual. Only one file of a
+// test program may include this.
 #pragma once
 
 #include <dlfcn.h>

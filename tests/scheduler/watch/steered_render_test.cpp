@@ -1,4 +1,4 @@
-// Interactive renders: watchers request cameras and samples, over the real wire with fake workers.
+// Interactive renders: watchers request cameras and sample counts. Connections are real, workers are fakes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// A render that is streamed to tev: a fake one reads every byte, or none.
+// A render is streamed to a fake tev that reads every byte, or none.
 #include "scheduler/watch/tev_stream.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// The client against a server that reads its bytes by the protocol's description, with a decoder of its own.
+// The tev client against a server that decodes its bytes by the protocol's description, with a decoder of its
+// own.
 #include "scheduler/watch/tev.h"
 
 #include <fmt/format.h>

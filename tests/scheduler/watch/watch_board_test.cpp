@@ -1,4 +1,4 @@
-// What watchers are shown, whatever their speed and number.
+// Tests what watchers are shown, however slow and many they are.
 #include "scheduler/watch/watch_board.h"
 
 #include <gmock/gmock.h>

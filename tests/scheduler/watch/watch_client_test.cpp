@@ -1,4 +1,4 @@
-// The watching client against schedulers that start, end, hang and send invalid messages.
+// The watching client against schedulers that start, end, hang, and send invalid messages.
 #include "scheduler/watch/watch_client.h"
 
 #include <gmock/gmock.h>

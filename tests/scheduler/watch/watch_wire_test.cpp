@@ -1,4 +1,4 @@
-// Messages for watchers: there and back, and what is refused on the way.
+// Messages for watchers: what is encoded can be decoded again, and invalid messages are refused.
 #include "scheduler/watch/watch_wire.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Renders that are watched, over the real wire with real worker processes; only their device is a fake.
+// Watched renders. Worker processes and connections are real; only the device is a fake.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>

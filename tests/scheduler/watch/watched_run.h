@@ -1,4 +1,4 @@
-// A render with fake workers in the background, and a watcher.
+// A render with fake workers that runs in the background, and a watcher of it.
 #pragma once
 
 #include <gmock/gmock.h>

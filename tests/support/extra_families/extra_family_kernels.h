@@ -1,4 +1,4 @@
-// Native kernels that have the extra family families, and scenes of them.
+// Native kernels with additional BSDF families that only tests have, and scenes that use them.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Values and samples of the extra family families, for kernels/bsdf/bsdf.h.
+// Evaluation and sampling of the tests' additional BSDF families, for kernels/bsdf/bsdf.h.
 #ifndef PENUMBRA_EXTRA_FAMILY_FUNCTIONS_H
 #define PENUMBRA_EXTRA_FAMILY_FUNCTIONS_H
 #include "kernels/bsdf/control_lobes.h"

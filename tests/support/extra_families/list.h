@@ -1,4 +1,5 @@
-// Families of BSDFs that only tests have, for kernels/bsdf/families.h: what the renderer's own do not do.
+// Additional BSDF families that only tests have, for kernels/bsdf/families.h. They cover properties that none
+// of the renderer's own families has.
 #ifndef PENUMBRA_EXTRA_FAMILY_LIST_H
 #define PENUMBRA_EXTRA_FAMILY_LIST_H
 #include "tests/support/extra_families/numbers.h"

@@ -1,4 +1,4 @@
-// The numbers of the extra family families, which tests patch into materials.
+// The numbers of the tests' additional BSDF families. Tests write them into materials.
 #ifndef PENUMBRA_EXTRA_FAMILY_NUMBERS_H
 #define PENUMBRA_EXTRA_FAMILY_NUMBERS_H
 

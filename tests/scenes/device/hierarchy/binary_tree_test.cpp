@@ -1,4 +1,4 @@
-// Binary trees over parts, and the wide trees that come of them, against trials of everything.
+// Binary trees over parts, and the wide trees made from them, against exhaustive search.
 #include "scenes/device/hierarchy/binary_tree.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Boxes around the parts of a triangle.
+// Bounding boxes of parts of a triangle.
 #include "scenes/device/hierarchy/triangle_split.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Job files: what they say, and what is wrong with them.
+// Tests how job files are read, and which errors are reported.
 #include "scheduler/cli/sets/job_file.h"
 
 #include <gmock/gmock.h>

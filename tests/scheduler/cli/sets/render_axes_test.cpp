@@ -1,4 +1,4 @@
-// Names with fields, ranges, combinations.
+// Tests output names with fields, ranges of values, and combinations of them.
 #include "scheduler/cli/sets/render_axes.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// `penumbra render` with several scenes and with job files.
+// Tests `penumbra render` with several scenes and with job files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Scenes that renders of a set share: read once, and no other bytes than if each had read its own.
+// Scenes that several renders of a set use: each is read once, and gives the same bytes as if every render
+// read it anew.
 #include "scheduler/cli/sets/shared_scenes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Colour spaces and the map of heat maps.
+// Tests colour spaces, and the colour map of heat maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Our metrics against OpenImageIO's comparison, where it has the same ones.
+// Compares the metrics with OpenImageIO's where both have the same ones.
 #include <OpenImageIO/imagebufalgo.h>
 #include <gtest/gtest.h>
 
