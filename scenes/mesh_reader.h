@@ -1,4 +1,4 @@
-// Triangle meshes from Wavefront OBJ, Stanford PLY and Mitsuba's serialized files.
+// Reads triangle meshes from Wavefront OBJ, Stanford PLY and Mitsuba's serialized files.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// Which attributes of vertices and of faces become a mesh's colours.
+/// The names of the vertex attribute and of the face attribute that become a mesh's colours.
 struct MeshAttributeNames {
   std::string vertex = "color", face = "color";
 };
@@ -20,16 +20,16 @@ struct MeshAttributeNames {
 struct MeshFile {
   Mesh mesh;
   FaceFindings faces;
-  bool face_normals = false;  ///< the file says that vertex normals are not wanted
+  bool face_normals = false;  ///< the file asks for face normals instead of vertex normals
   std::vector<std::string> warnings = {};
 };
 
-/// Positions, faces (see triangulate), texture coordinates and normals as the file has them, in the file's
-/// own space. Corners with the same position, texture and normal index share a vertex. Where some corners
-/// lack a normal or texture coordinates that others have, theirs are zero: place_mesh computes such normals.
-/// Faces of fewer than three corners are left out. Groups, materials, lines and points are passed over.
-/// Errors, with line and column: unknown statements, malformed or non-finite numbers, indices out of
-/// range, faces that cannot be cut into triangles.
+/// The mesh of an OBJ file in the file's own space: positions, faces (see triangulate), texture coordinates
+/// and normals. Corners with the same position, texture and normal index share a vertex. If only some corners
+/// have a normal or texture coordinates, those of the others are zero; place_mesh then computes their
+/// normals. Faces of fewer than three corners are left out. Groups, materials, lines and points are ignored.
+/// Errors, with line and column: unknown statements, malformed or non-finite numbers, indices out of range,
+/// faces that cannot be cut into triangles.
 Expected<MeshFile> read_obj(const SourceFile& file);
 
 /// A name and where it was read.
@@ -38,36 +38,36 @@ struct ObjName {
   SourceLocation location;
 };
 
-/// The faces of one object (or group) and one material, wherever in the file they are.
+/// All faces of one object (or group) and one material. They need not be adjacent in the file.
 struct ObjGroup {
-  std::string object;       ///< of the last `o` or `g`; empty: none
-  ObjName material;         ///< of `usemtl`; an empty name: none
+  std::string object;       ///< from the last `o` or `g`; empty: none
+  ObjName material;         ///< from `usemtl`; an empty name: none
   SourceLocation location;  ///< of the first face
   Mesh mesh;
   FaceFindings faces;
 };
 
 struct ObjModel {
-  std::vector<ObjName> libraries;  ///< of `mtllib`, a whole line each
+  std::vector<ObjName> libraries;  ///< from `mtllib`; each is the rest of a line
   std::vector<ObjGroup> groups;    ///< in the order of their first faces
 };
 
-/// The same as read_obj, by object and material.
+/// Like read_obj, but with one mesh per object and material.
 Expected<ObjModel> read_obj_groups(const SourceFile& file);
 
-/// The same of a PLY file, ascii or binary of either byte order, whatever the order and types of its
-/// properties: x y z, nx ny nz, and u v (or s t, texture_u texture_v) of `vertex`, vertex_indices (or
-/// vertex_index) of `face`. Other elements and properties are passed over. Errors: as of read_obj (binary:
-/// with the vertex's or face's number), a file that ends early.
-/// Colours of vertices and faces are the attributes of these names, as Mitsuba 3 has them: NAME is made of
-/// the properties NAME_0, NAME_1, NAME_2 (or of other endings; a single one is grey), of P_r, P_g, P_b where
-/// NAME is P_color, and `color` of red, green, blue (or r, g, b), too.
+/// The mesh of a PLY file, ascii or binary, little- or big-endian. It uses the properties x y z, nx ny nz,
+/// and u v (or s t, texture_u texture_v) of `vertex`, and vertex_indices (or vertex_index) of `face`, in any
+/// order and of any type. Other elements and properties are ignored. Errors: those of read_obj (for binary
+/// files with the number of the vertex or face); a file that ends early. Colours are the attributes of the
+/// given names, as in Mitsuba 3: the attribute NAME consists of the properties NAME_0, NAME_1, NAME_2 (or
+/// with other suffixes; a single property is grey). P_color consists of P_r, P_g, P_b, and `color` also of
+/// red, green, blue (or r, g, b).
 Expected<MeshFile> read_ply(const SourceFile& file, const MeshAttributeNames& attributes = {});
 
-/// A mesh of a serialized file of Mitsuba, of version 3 or 4, by its index from 0 on: single or double
-/// precision, with normals, texture coordinates and colours where it has them. Errors: another format or
-/// version, no mesh of that index, data that are damaged or end early, numbers that are not finite, indices
-/// out of range.
+/// The mesh number `index`, counted from 0, of a serialized file of Mitsuba (version 3 or 4). Numbers may be
+/// in single or double precision; normals, texture coordinates and colours are optional. Errors: another
+/// format or version, no mesh of that index, data that are damaged or end early, numbers that are not finite,
+/// indices out of range.
 Expected<MeshFile> read_serialized(const SourceFile& file, std::int64_t index);
 
 }  // namespace penumbra
