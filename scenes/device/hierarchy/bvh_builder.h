@@ -1,7 +1,7 @@
-// The portable intersector's hierarchy. Embree's builder makes a binary tree with full leaves and splits
-// large triangles. Three times, the largest fifth of its subtrees is moved to where boxes grow least
-// (binary_tree.h). The cheapest tree with 8 children a node is then taken from it (tree_collapse.h). Scenes
-// of more than a million primitives, and trees too deep for a ray's stack, keep Embree's own tree.
+// Builds the portable intersector's hierarchy. Embree's builder makes a binary tree with full leaves and
+// splits large triangles. Then, three times, the largest fifth of its subtrees is moved to where boxes grow
+// least (binary_tree.h). The cheapest tree with 8 children per node is extracted from it (tree_collapse.h).
+// Scenes of more than a million primitives, and trees too deep for a ray's stack, keep Embree's own tree.
 #pragma once
 
 #include <span>
@@ -13,18 +13,18 @@
 namespace penumbra {
 
 struct Hierarchy {
-  std::vector<BvhNode> nodes;  ///< the root first; children after their parent
-  std::vector<int> roots;      ///< of each group, a node
+  std::vector<BvhNode> nodes;  ///< the root first; children come after their parent
+  std::vector<int> roots;      ///< for each group its root node
   std::vector<TriangleLeaf> triangle_leaves;
   std::vector<QuadricLeaf> quadric_leaves;
 };
 
-/// Over all triangles and quadrics; at least one of either. Built by Embree's builder with a
-/// fixed instruction set, on all cores: the same scene always gets the same hierarchy.
+/// Builds the hierarchy over all triangles and quadrics, of which there must be at least one. It uses
+/// Embree's builder with a fixed instruction set on all cores. The same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
 
-/// Over the primitives of group 0 and the instances, and for each other group over its primitives. Group 0
-/// may be empty where there are instances, the others have primitives.
+/// Builds one hierarchy over the primitives of group 0 and the instances, and one for every other group over
+/// its primitives. Group 0 may be empty if there are instances. Every other group must have primitives.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
                                     std::span<const PrimitiveGroup> groups,
                                     std::span<const Instance> instances, int threads = 0);
