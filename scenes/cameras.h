@@ -28,14 +28,15 @@ inline OneOf<FovAxis> fov_axes() {
 /// perspective camera may have distortion.
 struct CameraSettings {
   Projection projection = Projection::kPerspective;
-  /// camera to world; the axes are orthogonal and may be mirrored; their lengths have no effect
+  /// Camera to world; the axes are orthogonal and may be mirrored; their lengths have no effect.
   glm::dmat4 to_world{1.0};
-  /// full angle of view in degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop window)
+  /// Full angle of view in degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop
+  /// window).
   double fov = 50.0;
   FovAxis fov_axis = FovAxis::kX;
-  /// orthographic camera: half the film's width, and half its height times its aspect ratio
+  /// Orthographic camera: half the film's width, and half its height times its aspect ratio.
   double scale_x = 1.0, scale_y = 1.0;
-  /// distances along +z; the camera sees nothing nearer than near_clip or farther than far_clip
+  /// Distances along +z; the camera sees nothing nearer than near_clip or farther than far_clip.
   double near_clip = 1e-2;
   double far_clip = 1e4;
   /// Shift of the film to the right and down, as fractions of its width and height.
@@ -43,7 +44,7 @@ struct CameraSettings {
   double aperture_radius = 0.0;  ///< scene units; 0: a pinhole
   double focus_distance = 1e4;   ///< distance along +z of the plane in focus
   int blades = 0;                ///< corners of the aperture, on its circle; 0: a disk
-  /// degrees, from camera space's x axis towards its y axis, to the first corner
+  /// Degrees, from camera space's x axis towards its y axis, to the first corner.
   double blade_rotation = 0.0;
   /// Radial distortion: a point that a pinhole camera shows at distance r from the axis appears at r (1 + k1
   /// r^2 + k2 r^4). Both distances are tangents of angles.

@@ -12,8 +12,8 @@ namespace penumbra {
 /// and starts at the direction (-t.y, t.x, 0), where t is the tangent; v runs along all curves of the shape.
 struct CurveMesh {
   Mesh mesh;
-  /// sides of the polygon that replaces the circular cross section; its width, averaged over directions, is
-  /// the circle's
+  /// Sides of the polygon that replaces the circular cross section; its width, averaged over directions, is
+  /// the circle's.
   int sides = 0;
   double error = 0.0;  ///< upper bound on the distance to the exact surface, in radii
 };

@@ -96,7 +96,7 @@ class Diagnostics {
     std::size_t count;
   };
   std::map<std::string, Counted, std::less<>> counted_;  ///< keyed by message
-  /// for removing duplicates: an object is read again for every reference to it
+  /// For removing duplicates: an object is read again for every reference to it.
   std::set<std::string> seen_;
 };
 

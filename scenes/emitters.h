@@ -49,7 +49,7 @@ class LightTextures;
 
 /// What an emitter needs to know of the scene to become a light of the kernels.
 struct EmitterPlace {
-  /// from world coordinates to the coordinates of the device scene
+  /// From world coordinates to the coordinates of the device scene.
   std::function<vec3(const glm::dvec3&)> local;
   double scene_radius;                      ///< of a bounding sphere of the whole scene
   SceneRecords& records;                    ///< receives tables that a kind of emitter needs
@@ -138,7 +138,7 @@ struct EnvironmentMapLight {
   std::string filename;
   glm::dmat4 to_world{1.0};  ///< a rotation that may mirror; the lengths of its axes have no effect
   float scale = 1.0f;
-  /// rows from the top; integer texels are sRGB-encoded; at least 2 x 2 texels
+  /// Rows from the top; integer texels are sRGB-encoded; at least 2 x 2 texels.
   std::shared_ptr<const Bitmap> image;
 
   template <typename Row>
@@ -151,7 +151,7 @@ struct EnvironmentMapLight {
   [[nodiscard]] bool is_black() const {
     return scale == 0.0f || std::ranges::all_of(image->words, [](std::uint32_t w) { return w == 0u; });
   }
-  /// defined in scenes/device/envmap_tables.cpp
+  /// Defined in scenes/device/envmap_tables.cpp.
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
@@ -193,7 +193,7 @@ struct SpotLight {
   }
   void check(Findings& findings) const;
   [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f) || !texture.is_lit(); }
-  /// defined in scenes/device/beam_lights.cpp
+  /// Defined in scenes/device/beam_lights.cpp.
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
@@ -269,7 +269,7 @@ struct ProjectorLight {
   void use_focal_length(Findings& findings);
   void check(Findings& findings) const;
   [[nodiscard]] bool is_black() const { return scale == 0.0f || !irradiance.is_lit(); }
-  /// defined in scenes/device/beam_lights.cpp
+  /// Defined in scenes/device/beam_lights.cpp.
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 

@@ -18,12 +18,12 @@ namespace penumbra {
 enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
 
 enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
-/// path: which of the two sampling techniques contributes to the image, to see where its noise comes from.
+/// Path: which of the two sampling techniques contributes to the image, to see where its noise comes from.
 enum class PathTechnique { kAll, kBsdf, kEmitter };
 enum class MisHeuristic { kBalance, kPower };  ///< power: beta = 2
-/// how direct samples the directions of `bsdf_samples`
+/// How direct samples the directions of `bsdf_samples`.
 enum class BsdfSampling { kBsdf, kCosine, kUniform };
-/// path: kCv uses the closed form of polygon lights as a control variate
+/// Path: kCv uses the closed form of polygon lights as a control variate.
 enum class NextEvent { kSample, kCv };
 /// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution at the
 /// shading point.
@@ -101,7 +101,7 @@ struct WhittedIntegrator {
   static constexpr const char* kText = "path tracing that branches at mirrors, glass and other surfaces";
   int max_depth = -1;  ///< in edges; -1: no limit
   int rr_depth = 5;
-  /// number of surfaces at which a path branches; after that it samples one of the branches
+  /// Number of surfaces at which a path branches; after that it samples one of the branches.
   int branch_depth = 4;
   int indirect_samples = 1;  ///< directions per surface that is not specular
   IndirectSampling indirect_sampling = IndirectSampling::kCosine;

@@ -74,7 +74,7 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
       "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; the albedo may be a "
       "gridvolume; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
-  /// the file's version lets a medium without coefficients stand for a named material
+  /// The file's version lets a medium without coefficients stand for a named material.
   bool by_material = false;
 
   template <typename Row>

@@ -12,7 +12,7 @@ namespace penumbra {
 
 struct MeshCleaning {
   std::size_t flat_triangles = 0;  ///< triangles left out because they have no area
-  /// normals that were missing, zero or infinite, and were replaced by computed ones
+  /// Normals that were missing, zero or infinite, and were replaced by computed ones.
   std::size_t bad_normals = 0;
 };
 

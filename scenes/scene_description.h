@@ -54,7 +54,7 @@ struct Cylinder {
   glm::dvec3 center{0.0};          ///< centre of its first end
   glm::dvec3 axis{0.0, 0.0, 1.0};  ///< unit, from the first end to the other
   double radius = 1.0, length = 1.0;
-  /// unit axes of its own frame, perpendicular to the axis
+  /// Unit axes of its own frame, perpendicular to the axis.
   glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};
 };
 
@@ -67,13 +67,13 @@ struct Shape {
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;
   std::optional<glm::vec3> radiance;  ///< radiance of diffuse emission from the front side
-  /// multiplies the radiance: an index into SceneDescription::textures, or kNoTexture
+  /// Multiplies the radiance: an index into SceneDescription::textures, or kNoTexture.
   int radiance_texture = kNoTexture;
   bool two_sided_emission = false;  ///< emits from the back as well (meshes and disks only)
-  /// how points on an emitter are sampled; kAuto: as the integrator chooses
+  /// How points on an emitter are sampled; kAuto: as the integrator chooses.
   EmitterSampling sampling = EmitterSampling::kAuto;
   bool flip_normals = false;  ///< swaps front and back
-  /// the medium behind the front side: an index into SceneDescription::media, or kNoMedium
+  /// The medium behind the front side: an index into SceneDescription::media, or kNoMedium.
   int interior = kNoMedium;
   int exterior = kNoMedium;  ///< the medium before the front side, likewise
   std::string material{};    ///< the material's name in the scene file; empty: the names of its BSDFs
@@ -141,7 +141,7 @@ struct SceneDescription : RenderSettings {
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< the images of textures, without duplicates
   std::vector<Bsdf> bsdfs;                             ///< a BSDF may hold only BSDFs with smaller indices
   std::vector<ParticipatingMedium> media;
-  /// the medium that contains the camera: an index into `media`, or kNoMedium
+  /// The medium that contains the camera: an index into `media`, or kNoMedium.
   int camera_medium = kNoMedium;
   std::vector<Shape> shapes;
   std::vector<ShapeGroup> groups;

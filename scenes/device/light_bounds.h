@@ -18,8 +18,8 @@ struct LightBounds {
   double reach = 1.57079632679489662;   ///< the largest angle between an emission axis and emitted light
   double intensity = 0;    ///< W/sr along an emission axis, averaged over channels; the sum over all lights
   bool two_sided = false;  ///< every emission axis stands for both directions
-  /// infinite light: it has no position, and its axes are directions in which light travels; its intensity is
-  /// determined elsewhere
+  /// Infinite light: it has no position, and its axes are directions in which light travels; its intensity is
+  /// determined elsewhere.
   bool infinite = true;
 };
 

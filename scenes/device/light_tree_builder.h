@@ -13,7 +13,7 @@ namespace penumbra {
 constexpr int kMaxLightTreeDepth = 28;
 
 struct LightTree {
-  /// first the nodes of the cut, infinite lights last among them; then pairs of siblings, after their parent
+  /// First the nodes of the cut, infinite lights last among them; then pairs of siblings, after their parent.
   std::vector<LightNode> nodes;
   /// The trail to each light: the index of its node of the cut, plus LIGHT_CUT times the bits of the turns
   /// from there on, first turn lowest. A light without intensity has no meaningful trail.

@@ -48,10 +48,10 @@ class MediaBook {
 
   const SceneDescription& scene_;
   bool empty_ = true;
-  /// for each medium of the scene its record's number, from 1 on; equal media share one
+  /// For each medium of the scene its record's number, from 1 on; equal media share one.
   std::vector<int> records_;
   int count_ = 0;  ///< number of different media
-  /// for each group the number of its first shape, counted after the scene's shapes
+  /// For each group the number of its first shape, counted after the scene's shapes.
   std::vector<std::size_t> firsts_;
   std::vector<Boundary> boundaries_;
   std::map<std::size_t, int> numbers_;  ///< boundary numbers, keyed by the numbers of shapes

@@ -21,9 +21,10 @@ struct PilotVertex {
 std::vector<PilotVertex> pilot_vertices(const SceneHeader& header, const SceneRecords& records);
 
 struct InfiniteLights {
-  /// the intensity of each infinite light in the hierarchy of lights, where it is chosen among all lights
+  /// The intensity of each infinite light in the hierarchy of lights, where it is chosen among all lights.
   std::vector<double> intensities;
-  /// probability of all infinite lights together, if lights are chosen with the same probabilities everywhere
+  /// Probability of all infinite lights together, if lights are chosen with the same probabilities
+  /// everywhere.
   double share = 0.5;
 };
 

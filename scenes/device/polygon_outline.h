@@ -34,7 +34,7 @@ struct Outline {
 
 struct Outlines {
   std::vector<Outline> outlines;  ///< ordered by their first triangles
-  /// triangles with the same corners and front as an earlier one, ascending; they belong to no outline
+  /// Triangles with the same corners and front as an earlier one, ascending; they belong to no outline.
   std::vector<int> duplicates;
 };
 

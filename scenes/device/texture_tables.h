@@ -13,7 +13,7 @@ namespace penumbra {
 struct TextureTables {
   std::vector<TextureNode> textures;
   std::vector<std::uint32_t> texels;
-  /// mesh attributes used by textures, in the order of a triangle's colours
+  /// Mesh attributes used by textures, in the order of a triangle's colours.
   std::vector<MeshAttribute> attributes;
   std::vector<int> places;  ///< for each texture of the scene its index in the table, or kNoTexture
 };

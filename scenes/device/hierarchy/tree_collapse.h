@@ -29,7 +29,7 @@ class TreeCollapse {
   /// The costs of representing the subtree by up to k trees.
   struct Forest {
     std::array<float, BVH_WIDTH> cost;  ///< for k up to BVH_WIDTH - 1
-    /// the number of trees given to the first child; 0: k - 1 trees are as good
+    /// The number of trees given to the first child; 0: k - 1 trees are as good.
     std::array<std::int8_t, BVH_WIDTH + 1> to_first;
     int parts;
   };

@@ -12,7 +12,7 @@ namespace penumbra {
 /// colours are nearly linear in the cosine.
 struct ControlKnot {
   vec3 diffuse;
-  /// together with the widths: arguments of make_ltc (kernels/bsdf/ltc.h) for a roughness of 1/2
+  /// Together with the widths: arguments of make_ltc (kernels/bsdf/ltc.h) for a roughness of 1/2.
   float lean;
   vec3 specular;
   float width_x;  ///< 0 or less: there is no lobe
