@@ -41,8 +41,8 @@ class TextureBuilder {
   std::optional<int> colours(const TextureUse& use);
   std::optional<int> channel(const TextureUse& use, BitmapChannels channel);
 
-  /// The image's alpha channel. Without arguments: nothing if the image has none; with a cutoff: where
-  /// `factor` times alpha is at least `cutoff`.
+  /// The image's alpha channel; nothing if it has none. cut_alpha is 1 where `factor` times alpha is at least
+  /// `cutoff`, else 0.
   std::optional<int> alpha(const TextureUse& use);
   std::optional<int> cut_alpha(const TextureUse& use, double factor, double cutoff);
 

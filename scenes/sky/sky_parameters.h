@@ -72,7 +72,7 @@ struct SkyParameters {
   /// This sky combined with that sun, for `emitter` of both parts. Errors: they do not belong together.
   [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
 
-  /// The emitter of a part: an environment map whose image is not black, or a directional light for a sun
+  /// The emitter of a part: an environment map, whose image may be black, or a directional light for a sun
   /// without a disk.
   [[nodiscard]] Emitter emitter(SkyPart part) const;
 
