@@ -3,11 +3,9 @@
 //
 // A BSDF is a struct with the plugin's name `kPlugin`, members with default values, and
 //   static void parameters(row)   calls row(name, member, values, text) for every parameter, in order.
-//   Readers,
-//                                 their messages and the plugin reference are generated from these rows.
+//                                 Readers, messages and the plugin reference are generated from these rows.
 //   void complete(findings)       optional: checks that involve several parameters. In the second form,
-//                                 complete(findings, given), `given(name)` tells whether a parameter was
-//                                 given.
+//                                 complete(findings, given), `given(name)` tells whether one was given.
 //   void written_for(version)     optional: sets defaults that depend on the scene file's major version.
 //   Model other_side() const      for a BSDF that transmits: the BSDF of its back side, or
 //   kSidesAreAlike = true         if both sides are the same. A BSDF with neither has a black back side.

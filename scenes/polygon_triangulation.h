@@ -26,7 +26,7 @@ struct Triangulation {
 /// Cuts a polygon of 3 or more finite corners into triangles:
 ///   - a convex polygon, or one without area, becomes a fan about its first corner;
 ///   - any other is cut by ear clipping (Meisters 1975) in the plane of Newell's normal (Sutherland et al.
-///   1974).
+///     1974).
 /// A corner on a straight edge becomes a corner of triangles that have area. An outline may touch itself, for
 /// example that of a polygon whose hole is joined by a bridge. The areas of the triangles of a flat polygon
 /// sum to its area. Errors: too many corners for a concave polygon.

@@ -9,9 +9,8 @@ namespace penumbra::tinyrender {
 /// Reads the OBJ file that `objfile` names and its MTL files. Each is searched in the folder of the file that
 /// names it. The faces of one object and one material become a shape:
 ///   - Kd gives a diffuse surface, Kd with Ks and Ns a Phong surface, on both sides. With `illum 7` it is
-///   diffuse
-///     whatever Ks says. With `illum 5` it is a mirror of reflectance Ks, or 1 without Ks. If Kd + Ks exceeds
-///     1 in a channel, both are scaled so that the sum is 0.99, as in TinyRender, with a warning.
+///     diffuse whatever Ks says. With `illum 5` it is a mirror of reflectance Ks, or 1 without Ks. If Kd + Ks
+///     exceeds 1 in a channel, both are scaled so that the sum is 0.99, as in TinyRender, with a warning.
 ///   - map_Kd, map_Ks and map_Ns are images that multiply these values.
 ///   - Ke makes the shape an area light that emits from its front. Without Kd and Ks it reflects nothing. The
 ///     front is the side to which vertex normals point, or without normals the side from which the corners

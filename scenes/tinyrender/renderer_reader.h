@@ -7,8 +7,8 @@ namespace penumbra::tinyrender {
 
 /// Reads `type`, its parameters, and `spp`:
 ///   - direct: `samplingStrategy` selects emitter sampling (by area or solid angle), BSDF sampling,
-///   hemisphere
-///     sampling (uniform or by cosine), or both emitter and BSDF sampling with the balance heuristic ("mis").
+///     hemisphere sampling (uniform or by cosine), or both emitter and BSDF sampling with the balance
+///     heuristic ("mis").
 ///   - polygonal: `method` selects the closed form, area sampling, or control variates. A scene for the
 ///     interactive window (`realtime`) without a method is rendered as the window would show it: by the
 ///     closed form, or with `test` as the limit to which its hybrid mode converges.

@@ -9,8 +9,7 @@
 //   - the chi-square of z^2 over blocks of pixels, channel by channel, as the channels of a pixel share their
 //     paths and are not independent (regions noisier than they say, or slightly wrong everywhere),
 //   - sum d / sqrt(sum Var) over those blocks (regions that are too bright or dark: far more power than the
-//   single
-//     values, and close to normal where they are not),
+//     single values, and close to normal where they are not),
 //   - the same over the whole image.
 // Few samples of skewed distributions are not normal and the variance is itself estimated: with less than
 // some hundred samples per pixel the first two see more than there is. Low-discrepancy samplers are better
