@@ -14,8 +14,7 @@
 
 namespace penumbra {
 
-/// The known names that are similar in kind to the unknown word: the command's options if it is an option,
-/// else its subcommands.
+/// The names that the command accepts: its options if the unknown word is an option, else its subcommands.
 inline std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
   std::vector<std::string> names;
   if (unknown.starts_with("-")) {

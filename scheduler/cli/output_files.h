@@ -13,7 +13,7 @@ namespace penumbra {
 struct OutputFiles {
   std::optional<std::filesystem::path> exr, png, statistics;
 
-  /// All files that are not empty paths.
+  /// The files that are set.
   [[nodiscard]] std::vector<std::filesystem::path> all() const;
 };
 

@@ -40,8 +40,7 @@ class StagedFile {
 /// Errors: those of find_target, a missing folder, a full disk.
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 
-/// Removes the temporary files of killed processes: those of this file, or all in this folder if the path is
-/// a folder.
+/// Removes the temporary files that killed processes have left: those of this file, or all in a folder.
 void remove_abandoned_parts(const std::filesystem::path& path);
 void remove_all_abandoned_parts(const std::filesystem::path& folder);
 
