@@ -12,16 +12,17 @@ Box joined(Box a, const Box& b) {
   return a;
 }
 
-/// However many boxes overlap, a place is looked for in at most so many: some hundred are usual.
+/// The largest number of candidates visited for a new position; some hundred are usual. It limits the time if
+/// many boxes overlap.
 constexpr int kMostVisits = 2000;
-/// So that roundings move nothing.
+/// Smaller gains may be rounding errors.
 constexpr double kLeastGain = 1e-6;
 
 class SubtreeMover {
  public:
   SubtreeMover(BinaryTree& tree, std::span<const char> is_leaf) : tree_(tree), is_leaf_(is_leaf) {}
 
-  /// Returns how many were moved.
+  /// Returns the number of subtrees moved.
   std::size_t pass(double share) {
     std::size_t moved = 0;
     for (const int node : largest(share)) {
@@ -40,7 +41,7 @@ class SubtreeMover {
     return parent.child[parent.child[0] == node ? 1 : 0];
   }
 
-  /// Of the nodes that share with the largest boxes, but some in the smallest tree; the largest first.
+  /// The nodes with the largest boxes, `share` of all, except those in the smallest trees; the largest first.
   std::vector<int> largest(double share) {
     constexpr std::size_t kSome = 4;
     std::vector<std::pair<double, int>> nodes;
@@ -59,16 +60,17 @@ class SubtreeMover {
     return first;
   }
 
-  /// The node beside which the subtree saves most, or -1 if it saves nothing. Without it, its parent goes and
-  /// those above shrink: `saved`, from the subtree up. Wherever it goes, those above that place grow.
+  /// The node beside which the subtree saves most, or -1 if no move saves anything. Removing it removes its
+  /// parent, and the boxes above shrink; `saved` accumulates that on the way up. Inserting it enlarges the
+  /// boxes above the new position.
   int best_place(int moving) {
-    if (tree_[moving].parent <= 0) return -1;  // then nothing is above its parent
+    if (tree_[moving].parent <= 0) return -1;  // nothing is above its parent
     const Box box = tree_[moving].box;
     const double own = half_area(box);
     const int beside = sibling(moving);
     int pivot = tree_[moving].parent, best = -1, visits = 0;
     double saved = half_area(tree_[pivot].box), best_gain = kLeastGain * own;
-    Box shrunk = tree_[beside].box;  // of the pivot, without what moves
+    Box shrunk = tree_[beside].box;  // box of the pivot without the moved subtree
     for (int from = beside;;) {
       places_.assign(1, {0.0, from});
       while (!places_.empty() && visits < kMostVisits) {
@@ -93,7 +95,7 @@ class SubtreeMover {
     }
   }
 
-  /// Its parent goes with it.
+  /// The parent node moves together with the subtree.
   void move(int moving, int place) {
     const int parent = tree_[moving].parent, beside = sibling(moving), above = tree_[parent].parent;
     replace_child(above, parent, beside);
@@ -109,7 +111,7 @@ class SubtreeMover {
     node.child[node.child[0] == child ? 0 : 1] = by;
     tree_[by].parent = parent;
   }
-  /// The boxes from that node up.
+  /// Recomputes the boxes from that node up to the root.
   void fit(int node) {
     for (; node >= 0; node = tree_[node].parent)
       tree_[node].box = joined(tree_[tree_[node].child[0]].box, tree_[tree_[node].child[1]].box);
@@ -117,10 +119,11 @@ class SubtreeMover {
 
   BinaryTree& tree_;
   std::span<const char> is_leaf_;
-  std::vector<std::pair<double, int>> places_;  // to look at, and by how much boxes above them grow
+  std::vector<std::pair<double, int>> places_;  // candidates with the growth of the boxes above them
 };
 
-/// Where the sorted parts are cut in two at the least cost, the number of parts times the surface about them.
+/// The position at which to split the sorted parts with the least cost: number of parts times surface area,
+/// summed over both sides.
 std::size_t best_cut(std::span<const TreePart> parts) {
   std::vector<double> above(parts.size());
   Box box;
