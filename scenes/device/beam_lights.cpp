@@ -63,9 +63,8 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
   beam.cutoff = float(to);
   beam.inverse_width = beam.cutoff > beam.beam_width ? 1.0f / (beam.cutoff - beam.beam_width) : 0.0f;
   if (texture.texture != kNoTexture) beam.u_by_x = beam.v_by_y = float(0.5 / std::tan(cutoff));
-  // The integral of the falloff over all directions. The square's mean is a third of that at its end, the
-  // cubic's mean is that of its ends. For the linear falloff (cutoff - angle) / (cutoff - beam) the integral
-  // is computed by parts.
+  // The integral of the falloff over all directions. Between `from` and `to` the cubic has mean 1/2 and the
+  // square mean 1/3. The linear falloff (cutoff - angle) / (cutoff - beam) is integrated by parts.
   const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
   const double solid_angle = 2 * kPi *
                              (falloff == SpotFalloff::kSmoothstep ? 0.5 * (from + to)
