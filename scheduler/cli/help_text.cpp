@@ -10,7 +10,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kNames = 28;  // columns before what an option is
+constexpr int kNames = 28;  // columns for the names of options
 
 std::string names_text(const CLI::Option& option) {
   std::string names;
@@ -90,7 +90,7 @@ class HelpText final : public CLI::Formatter {
       if (const std::string group = group_of(*option);
           !group.empty() && std::ranges::find(groups, group) == groups.end())
         groups.push_back(group);
-    // What every command has comes last.
+    // Options that every command has come last.
     std::ranges::stable_partition(groups, [](const std::string& group) { return group != group::kGeneral; });
     std::string text;
     for (const std::string& group : groups) {
