@@ -413,7 +413,7 @@ std::pair<int, int> ShapeReader::materials_of(const Use& use) {
   }
   SurfaceMaterial material = *own;
   if (alpha.texture != kNoTexture || alpha.value < 1.0f) {
-    // Once for all shapes that share both.
+    // Created once for all shapes with the same material and alpha.
     const auto [known, is_new] = masked_.try_emplace({own, alpha.value, alpha.texture});
     if (is_new) {
       MaskBsdf mask;
@@ -422,7 +422,7 @@ std::pair<int, int> ShapeReader::materials_of(const Use& use) {
     }
     material = known->second;
   }
-  // Alone, nothing is the mask of nothing.
+  // A mask of no surface is no surface.
   for (MaterialTree* side : {&material.front, &material.back})
     if (is_nothing(*side)) {
       const auto [known, is_new] = masked_.try_emplace({nullptr, 0.0f, kNoTexture});
@@ -455,7 +455,7 @@ void ShapeReader::finish(Shape& shape, Use& use) {
         use.location, "textures on spheres, cylinders and disks are as Mitsuba turns them, not as pbrt does");
 }
 
-/// Texture coordinates by the places of vertices, where its textures are mapped so.
+/// Computes texture coordinates from vertex positions if the shape's textures use a mapping.
 void ShapeReader::map_textures(Shape& shape, const Use& use) {
   ReaderReport& report = context_.report;
   const std::vector<int> textures = texture_needs(context_.scene, shape).mapped;
@@ -479,8 +479,8 @@ void ShapeReader::map_textures(Shape& shape, const Use& use) {
   map_mesh(*mesh, *mapping);
 }
 
-/// Into the world, or the space of its object; a mesh without normals becomes `smooth`, or is faceted.
-/// Whether it can be there.
+/// Transforms the shape to world space, or to the space of its object. A mesh without normals becomes
+/// `smooth` or faceted. Returns whether it can be rendered.
 bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto wrong = [&](std::string_view message) {
