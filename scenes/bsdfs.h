@@ -1,15 +1,16 @@
-// The BSDFs: one file each in bsdfs/, with its parameters, a row for every one, and the material of the
-// kernels that it becomes.
+// The BSDFs. Each has one file in bsdfs/, which holds its parameters, one table row for every parameter, and
+// the conversion to a material of the kernels.
 //
-// A BSDF is a struct with its plugin's name `kPlugin`, members with their defaults, and
-//   static void parameters(row)   which calls row(name, member, values, text) for every parameter, in order:
-//                                 readers, their messages and the reference of all plugins follow from it;
-//   void complete(findings)       if needed: what no single parameter can tell. `given(name)` of the second
-//                                 form, complete(findings, given), tells which were given;
-//   void written_for(version)     if needed: defaults that depend on the file's major version
-//   Model other_side() const      if it transmits: what its back is, or
-//   kSidesAreAlike = true         if that is the same; without either the back is black
-// and beside it material_of(bsdf), or material_of(bsdf, tables) where materials share tables of the scene.
+// A BSDF is a struct with the plugin's name `kPlugin`, members with default values, and
+//   static void parameters(row)   calls row(name, member, values, text) for every parameter, in order.
+//                                 Readers, messages and the plugin reference are generated from these rows.
+//   void complete(findings)       optional: checks that involve several parameters. In the second form,
+//                                 complete(findings, given), `given(name)` tells whether one was given.
+//   void written_for(version)     optional: sets defaults that depend on the scene file's major version.
+//   Model other_side() const      for a BSDF that transmits: the BSDF of its back side, or
+//   kSidesAreAlike = true         if both sides are the same. A BSDF with neither has a black back side.
+// Next to the struct stands material_of(bsdf), or material_of(bsdf, tables) if materials share tables of the
+// scene.
 #pragma once
 
 #include <string>
@@ -37,17 +38,18 @@ using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughCondu
                                PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
                                PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
 
-/// The parameters of those that hold others and are none of these themselves.
+/// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,
                                       BumpMapParameters, PolarizerParameters>;
 
 struct Bsdf {
-  std::string name;  ///< the file's id, or a description of the place, for messages
+  std::string name;  ///< the id in the scene file, or a description of the location; for messages
   BsdfModel model;
-  SurfaceBend bend = {};  ///< of one that holds no others
+  SurfaceBend bend = {};  ///< normal or bump map; only of a BSDF that holds no others
 };
 
-/// What its children are made of is not known: `passes` is up to the device scene.
+/// The material of one BSDF. The materials of its children are not known here, so the device scene sets
+/// `passes`.
 inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
   const auto material = [&](const auto& model) {
     if constexpr (requires { material_of(model, tables); })

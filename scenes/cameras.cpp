@@ -12,18 +12,18 @@
 namespace penumbra {
 namespace {
 
-/// Where what belongs at r is.
+/// The distorted radius of r.
 double distorted(const CameraSettings& camera, double r) {
   return r * (1 + r * r * (camera.distortion_k1 + r * r * camera.distortion_k2));
 }
 
-/// The least r from which on distorted(r) falls, if it ever does: the least root of its derivative,
+/// The smallest r beyond which distorted(r) decreases, if there is one: the smallest root of its derivative,
 /// 1 + 3 k1 r^2 + 5 k2 r^4.
 std::optional<double> fold(const CameraSettings& camera) {
   const double b = 3 * camera.distortion_k1, a = 5 * camera.distortion_k2;
   const double discriminant = b * b - 4 * a;
   if (discriminant < 0) return std::nullopt;
-  // Of the roots -2 / (b -+ sqrt(b^2 - 4 a)) the least that is positive.
+  // The smallest positive one of the roots -2 / (b -+ sqrt(b^2 - 4 a)).
   const double root = std::sqrt(discriminant);
   const double low = -2 / (b - root), high = -2 / (b + root);
   const double least = std::min(low > 0 ? low : high, high > 0 ? high : low);
@@ -31,7 +31,8 @@ std::optional<double> fold(const CameraSettings& camera) {
   return std::sqrt(least);
 }
 
-/// The greatest distance from the axis at which a channel's image reaches a pixel's filter.
+/// The largest distance from the axis of a point, in any channel's image, inside the support of a pixel's
+/// filter.
 double film_reach(const CameraSettings& camera, const Film& film) {
   const HalfFilm size = half_film(camera, film);
   const double beyond = std::max(0.0, double(film.filter_radius) - 0.5);

@@ -1,6 +1,6 @@
-// The camera, with one row for every parameter that is a number or a choice. A new parameter is a member here
-// and a row below: --set, scene files, messages, the table of all settings and the copy for the kernels
-// follow from the row.
+// The camera, with one table row for every parameter that is a number or a choice. A new parameter needs a
+// member here and a row below. --set, scene files, messages, the table of all settings and the copy to the
+// kernels are all generated from the row.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,30 +23,34 @@ inline OneOf<FovAxis> fov_axes() {
            {"larger", FovAxis::kLarger}}};
 }
 
-/// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention). Lens,
-/// distortion and images of channels are effects that any of them may have, but that distortion is of
-/// perspective.
+/// Camera space looks along +z, with +y up and +x to the left of the image (Mitsuba's convention). Every
+/// camera may have a lens and images that differ between colour channels (chromatic aberration). Only a
+/// perspective camera may have distortion.
 struct CameraSettings {
   Projection projection = Projection::kPerspective;
-  glm::dmat4 to_world{1.0};  ///< camera to world: axes at right angles, mirrored or not, whose lengths do not
-                             ///< count
-  double fov =
-      50.0;  ///< full angle, degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop)
+  /// Camera to world; the axes are orthogonal and may be mirrored; their lengths have no effect.
+  glm::dmat4 to_world{1.0};
+  /// Full angle of view in degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop
+  /// window).
+  double fov = 50.0;
   FovAxis fov_axis = FovAxis::kX;
-  double scale_x = 1.0, scale_y = 1.0;  ///< orthographic: half the film's width, and its height over its
-                                        ///< aspect
-  double near_clip = 1e-2;              ///< distances along +z; nothing outside is seen by the camera
+  /// Orthographic camera: half the film's width, and half its height times its aspect ratio.
+  double scale_x = 1.0, scale_y = 1.0;
+  /// Distances along +z; the camera sees nothing nearer than near_clip or farther than far_clip.
+  double near_clip = 1e-2;
   double far_clip = 1e4;
-  double principal_point_offset_x = 0.0,
-         principal_point_offset_y =
-             0.0;                ///< of the film that is seen, to the right and down, in widths, heights
+  /// Shift of the film to the right and down, as fractions of its width and height.
+  double principal_point_offset_x = 0.0, principal_point_offset_y = 0.0;
   double aperture_radius = 0.0;  ///< scene units; 0: a pinhole
-  double focus_distance = 1e4;   ///< along +z; what is there is sharp
-  int blades = 0;                ///< corners of the lens, on its circle; 0: the disk
-  double blade_rotation = 0.0;   ///< degrees, from camera space's x towards y to the first corner
-  /// What a pinhole shows at r from the axis is at r (1 + k1 r^2 + k2 r^4), both as tangents of angles.
+  double focus_distance = 1e4;   ///< distance along +z of the plane in focus
+  int blades = 0;                ///< corners of the aperture, on its circle; 0: a disk
+  /// Degrees, from camera space's x axis towards its y axis, to the first corner.
+  double blade_rotation = 0.0;
+  /// Radial distortion: a point that a pinhole camera shows at distance r from the axis appears at r (1 + k1
+  /// r^2 + k2 r^4). Both distances are tangents of angles.
   double distortion_k1 = 0.0, distortion_k2 = 0.0;
-  /// Shares by which a channel's image is larger than the film's, and its plane of focus farther away.
+  /// Chromatic aberration: the relative amount by which a channel's image is larger than the film's, and by
+  /// which its plane of focus is farther away.
   double magnify_red = 0.0, magnify_green = 0.0, magnify_blue = 0.0;
   double refocus_red = 0.0, refocus_green = 0.0, refocus_blue = 0.0;
 
@@ -55,7 +59,8 @@ struct CameraSettings {
   [[nodiscard]] bool is_distorted() const { return distortion_k1 != 0.0 || distortion_k2 != 0.0; }
 };
 
-/// Calls row(name, member, values, text[, member of the kernels' camera that it is copied to]) for each.
+/// Calls row(name, member, values, text[, member of the kernels' camera that it is copied to]) for each
+/// parameter.
 template <typename Row>
 void camera_parameters(const Row& row) {
   using C = CameraSettings;
@@ -107,19 +112,20 @@ void camera_parameters(const Row& row) {
 
 struct Film;
 
-/// Half of what the film sees at distance 1, or of what it sees in parallel projection.
+/// Half the width and height of what the film sees: at distance 1 for a perspective camera, in scene units
+/// for an orthographic one.
 struct HalfFilm {
   double x, y;
 };
 HalfFilm half_film(const CameraSettings& camera, const Film& film);
 
-/// A bound of the r whose places are within reach of the film, of a distorted image that check_camera
-/// accepts.
+/// An upper bound of the undistorted radius r whose distorted image lies on the film. The camera must have
+/// passed check_camera.
 double distortion_reach(const CameraSettings& camera, const Film& film);
 
-/// What no single parameter can tell. Errors: near is not before far, a lens of one or two corners, a
-/// distorted orthographic image, a distortion that does not grow up to the corners of the film (it says up to
-/// where it does).
+/// Checks that involve several parameters. Errors: near_clip is not below far_clip; an aperture of one or two
+/// corners; distortion of an orthographic camera; a distortion that does not increase monotonically up to the
+/// corners of the film (the message says up to which radius it does).
 Expected<void> check_camera(const CameraSettings& camera, const Film& film);
 
 }  // namespace penumbra

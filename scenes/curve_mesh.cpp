@@ -11,17 +11,17 @@
 namespace penumbra {
 namespace {
 
-/// How finely curves become triangles: the fewer circles there are, the better they are made.
+/// Levels of tessellation. Meshes with fewer rings get a finer one.
 struct Fineness {
-  int sides;           ///< of the polygon in the place of a circle
-  double chord_error;  ///< between a curve and its chords, in radii
+  int sides;           ///< of the polygon that replaces the circular cross section
+  double chord_error;  ///< largest distance between a curve and its chords, in radii
   std::size_t most_rings;
 };
 constexpr Fineness kFineness[] = {{32, 0.004, 20'000}, {16, 0.02, 250'000}, {8, 0.2, SIZE_MAX}};
-constexpr int kMostPieces = 64;  ///< of a segment
+constexpr int kMostPieces = 64;  ///< per segment
 constexpr std::size_t kMostTriangles = std::size_t{1} << 27;
 
-/// The best with so many rings as it has, `rings(fineness)`.
+/// The finest level for which the number of rings, `rings(fineness)`, is within the level's limit.
 template <typename Rings>
 const Fineness& fineness_for(const Rings& rings) {
   for (const Fineness& each : kFineness)
@@ -29,14 +29,14 @@ const Fineness& fineness_for(const Rings& rings) {
   return std::end(kFineness)[-1];
 }
 
-/// A point of a curve, by its parameter.
+/// A point of a curve and its derivatives by the parameter.
 struct Sample {
-  glm::dvec3 position, first, second;  ///< and derivatives
+  glm::dvec3 position, first, second;  ///< position, first and second derivative
   double radius, radius_slope;
   double v;
 };
 
-/// Where angles are measured from, across a tangent (u = 0), and a quarter turn on.
+/// Two unit vectors across a tangent: where u = 0, and a quarter turn further.
 struct Across {
   glm::dvec3 n, b;
 };
@@ -53,14 +53,14 @@ class Builder {
   explicit Builder(const Fineness& fineness) {
     result_.sides = fineness.sides;
     const double half = kPi / result_.sides;
-    // A polygon's mean width is its perimeter over pi (Cauchy).
+    // The mean width of a polygon is its perimeter over pi (Cauchy).
     widened_ = half / std::sin(half);
     result_.error = 1.0 - widened_ * std::cos(half) + fineness.chord_error;
   }
 
   [[nodiscard]] int sides() const { return result_.sides; }
 
-  /// Adds a circle, each of whose points has the normal that `normal` makes of its direction from the centre.
+  /// Adds a circle. `normal` computes each point's normal from its direction from the centre.
   template <typename Normal>
   void ring(const glm::dvec3& center, const glm::dvec3& tangent, double radius, double v,
             const Normal& normal) {
@@ -77,8 +77,8 @@ class Builder {
     before_ = {tangent, radius};
   }
 
-  /// Joins the last two rings, the second `along` the tangent of the first. Points that face each other are
-  /// those nearest when one tangent is turned into the other the short way.
+  /// Joins the last two rings with triangles; the second one is `along` the tangent of the first. Points are
+  /// matched by the shortest rotation from one tangent to the other.
   void join() {
     const int n = sides();
     const std::uint32_t to = std::uint32_t(result_.mesh.positions.size()) - std::uint32_t(n + 1),
@@ -103,7 +103,7 @@ class Builder {
     double radius = 0;
   };
 
-  /// The vector as the shortest turn from one unit vector to the other takes it along.
+  /// Applies the shortest rotation from one unit vector to the other to `vector`.
   static glm::dvec3 turned(const glm::dvec3& vector, const glm::dvec3& from, const glm::dvec3& to) {
     const glm::dvec3 axis = glm::cross(from, to);
     const double cosine = glm::dot(from, to);
@@ -116,7 +116,7 @@ class Builder {
   Ring last_, before_;
 };
 
-/// A segment of a uniform cubic B-spline: four points, with t in [0, 1].
+/// Evaluates a segment of a uniform cubic B-spline, given by four points, at t in [0, 1].
 Sample bspline_at(const CurvePoint* points, double t) {
   const double s = 1 - t;
   const std::array<double, 4> w = {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
@@ -140,11 +140,11 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return lengths > 0 ? std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) : 0.0;
 }
 
-/// So many that chords are near enough, on the outside of bends too, where a turn by an angle moves them by
-/// the angle's square over 8.
+/// The number of pieces for which the chords are near enough to the curve, also on the outside of bends,
+/// where a turn by an angle moves them by the square of the angle over 8.
 int pieces_of(const CurvePoint* points, const Fineness& fineness) {
   const Sample begin = bspline_at(points, 0), middle = bspline_at(points, 0.5), end = bspline_at(points, 1);
-  // The second derivative is linear, so its largest is at an end; a chord over h is off by |C''| h^2 / 8.
+  // The second derivative is linear, so it is largest at an end. A chord over h deviates by |C''| h^2 / 8.
   const double bend = std::max(glm::length(begin.second), glm::length(end.second));
   const double radius = std::max(middle.radius, 1e-30), error = 8 * fineness.chord_error;
   const double turn = angle_between(begin.first, middle.first) + angle_between(middle.first, end.first);
@@ -163,7 +163,7 @@ Expected<void> check_triangles(std::size_t rings, int sides) {
                           rings * 2 * std::size_t(sides), kMostTriangles));
 }
 
-/// A sphere as rings from pole to pole.
+/// Adds a sphere as rings from pole to pole.
 void add_sphere(Builder& builder, const CurvePoint& point, const glm::dvec3& axis, double v) {
   const int rings = builder.sides() / 2;
   for (int i = 0; i <= rings; ++i) {
@@ -197,11 +197,12 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
       const Sample sample = bspline_at(&curve[segment], t);
       tangent = direction(sample.first, tangent);
       const double speed = glm::length(sample.first);
-      // The tangent's own derivative.
+      // The derivative of the unit tangent.
       const glm::dvec3 bend =
           speed > 0 ? (sample.second - tangent * glm::dot(sample.second, tangent)) / speed : glm::dvec3(0);
       const double v = (double(before + segment) + t) / double(segments);
-      // Across both derivatives of the surface: that along the curve is (|C'| - r d.T') T + r' d.
+      // The normal is perpendicular to both derivatives of the surface; the one along the curve is (|C'| - r
+      // d.T') T + r' d.
       builder.ring(sample.position, tangent, sample.radius, v, [&](const glm::dvec3& side) {
         const double along = std::max(speed - sample.radius * glm::dot(side, bend), 1e-6 * speed);
         const glm::dvec3 normal = along * side - sample.radius_slope * tangent;
@@ -244,7 +245,8 @@ Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
       axis = direction(step, axis);
       if (curve[i].radius > 0) add_sphere(builder, curve[i], axis, v);
       if (last) continue;
-      // The cone's circles lean towards the smaller sphere; there is none where one sphere holds the other.
+      // The cone's circles are tilted towards the smaller sphere. There is no cone if one sphere contains the
+      // other.
       const double sine = (curve[i].radius - curve[i + 1].radius) / glm::length(step);
       if (!(std::abs(sine) < 1.0)) continue;
       const double cosine = std::sqrt(1 - sine * sine);

@@ -1,4 +1,4 @@
-// Curves with a thickness as triangles.
+// Triangle meshes of curves that have a thickness.
 #pragma once
 
 #include <span>
@@ -8,21 +8,24 @@
 
 namespace penumbra {
 
-/// Smooth, wound outwards, with Mitsuba 3's texture coordinates: u around the curve, from the direction
-/// (-t.y, t.x, 0) of the tangent t on, v along all curves of the shape.
+/// A smooth mesh whose front faces outwards. Its texture coordinates are Mitsuba 3's: u runs around the curve
+/// and starts at the direction (-t.y, t.x, 0), where t is the tangent; v runs along all curves of the shape.
 struct CurveMesh {
   Mesh mesh;
-  int sides = 0;  ///< of the polygon in the place of a circle; as wide as that on average over directions
-  double error = 0.0;  ///< bound on the distance to the surface, in radii
+  /// Sides of the polygon that replaces the circular cross section; its width, averaged over directions, is
+  /// the circle's.
+  int sides = 0;
+  double error = 0.0;  ///< upper bound on the distance to the exact surface, in radii
 };
 
-/// What a circle with the radius there leaves behind when it follows a uniform cubic B-spline, across its
-/// tangent, open at both ends; radii are interpolated alike (Embree's round B-spline curves). Each curve has
-/// at least four points. Errors: more triangles than are made.
+/// The surface swept by a circle across the tangent of a uniform cubic B-spline, open at both ends. Radii are
+/// interpolated by the same spline (Embree's round B-spline curves). Each curve needs at least four points.
+/// Errors: the mesh would exceed the limit on triangles.
 Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves);
 
-/// Spheres at all points and the cones that touch two in a row (Embree's round linear curves). At least two
-/// points each. Errors: likewise.
+/// The surface of spheres at all points and of the cones that touch two consecutive spheres (Embree's round
+/// linear curves). Each curve needs at least two points. Errors: the mesh would exceed the limit on
+/// triangles.
 Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves);
 
 }  // namespace penumbra

@@ -1,5 +1,5 @@
-// Curves of Mitsuba 3's text files: a line for each control point, "x y z radius", and an empty one between
-// curves.
+// Reads curves from Mitsuba 3's text files. Each control point is a line "x y z radius"; an empty line
+// separates two curves.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,8 +15,8 @@ struct CurvePoint {
 };
 using Curve = std::vector<CurvePoint>;
 
-/// Curves of at least `least` points each, which are finite and have no radius below 0. Errors, at their
-/// line: anything else; a file without curves.
+/// Reads curves of at least `least` points each. All numbers are finite, and no radius is negative. Errors,
+/// with the line: anything else in the file; a file without curves.
 Expected<std::vector<Curve>> read_curves(const SourceFile& file, std::size_t least);
 
 }  // namespace penumbra

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxMessageBytes = 2000;
 
 bool starts_code_point(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
 
-/// As visible() shows them: what is no UTF-8 counts byte by byte.
+/// Counts characters as visible() shows them: each invalid byte is one.
 std::size_t count_characters(std::string_view text) {
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size(); ++count)
@@ -34,7 +34,8 @@ std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t
   return line;
 }
 
-/// Sorted. Those within a line are at most about kMarkBytes apart, so that no place takes long to find.
+/// Sorted marks. Within a line they are at most about kMarkBytes apart, so that any position is found
+/// quickly.
 const std::vector<SourceFile::Mark>& marks_of(const SourceFile& file) {
   constexpr std::size_t kMarkBytes = 4096;
   std::vector<SourceFile::Mark>& marks = file.marks;

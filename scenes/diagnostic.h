@@ -1,5 +1,5 @@
-// How a scene reader tells people what is wrong: `file:line:column: error: …`, the source line, a caret, and
-// the nearest known name. Every reader reports through here, whatever its format.
+// The messages of scene readers: `file:line:column: error: …`, the source line, a caret under the location,
+// and the nearest known name. The readers of all formats report through this file.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,10 @@ namespace penumbra {
 
 struct LineColumn {
   std::size_t line = 1;    ///< from 1
-  std::size_t column = 1;  ///< from 1, in characters
+  std::size_t column = 1;  ///< from 1, in characters, not bytes
 };
 
-/// A text file in memory, kept as long as anything may be reported about it; its text must not change then.
+/// A text file in memory. It must outlive every message about it, and its text must not change meanwhile.
 struct SourceFile {
   std::filesystem::path path;  ///< as the user would write it
   std::string text;
@@ -32,56 +32,59 @@ struct SourceFile {
     std::size_t offset;
     LineColumn place;
   };
-  /// The start of each line, and places within long ones; filled in when the first place is looked up.
+  /// The offsets of line starts, and of some positions within long lines. Filled at the first look-up.
   mutable std::vector<Mark> marks = {};
 };
 
-/// A place in a source file; without a file, nowhere in particular.
+/// A location in a source file. Without a file the location is unknown.
 struct SourceLocation {
   const SourceFile* file = nullptr;
   std::size_t offset = 0;  ///< in bytes
 };
 
-/// Where `location` is in its file; past its end, the end.
+/// Line and column of `location`. An offset past the end gives the end of the file.
 LineColumn line_and_column(SourceLocation location);
 
-/// The place of a line and column; the nearest that the file has.
+/// The location of a line and column, or the nearest that exists in the file.
 SourceLocation location_of(const SourceFile& file, LineColumn place);
 
 /// "file:line:column".
 std::string describe(SourceLocation location);
 
-/// "file:line:column: severity: message", or without a file what follows; visible (see text.h), and
-/// cut to a readable length.
+/// "file:line:column: severity: message"; without a file the part "file:line:column: " is left out. Control
+/// characters are made visible (see text.h), and a long message is shortened.
 std::string format_message(SourceLocation location, std::string_view severity, std::string_view message);
 
-/// That, the source line and a caret under the place. Long lines are cut to the part around the caret.
+/// format_message, followed by the source line and a caret under the location. Of a long line only the part
+/// around the caret is shown.
 std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message);
 
 /// "a, b, c", or "none".
 std::string list_names(std::span<const std::string> names);
 
-/// The end of a message that a name is not one of those known, after what is wrong with it: "; did you mean
-/// 'x'? It has: x, y" or ". It has: x, y", where `these` is "It has".
+/// The end of a message about an unknown name: "; did you mean 'x'? It has: x, y", or ". It has: x, y" if no
+/// known name is similar. `these` is "It has" here.
 std::string known_names(std::string_view name, std::span<const std::string> known, std::string_view these);
 
-/// Collects what a reader finds. An error does not stop the reading, so that several are shown at once; a
-/// reader that has had any returns `error()` and no scene.
+/// Collects the errors and warnings of a reader. Reading goes on after an error, so that several are reported
+/// at once. A reader with any errors returns `error()` and no scene.
 class Diagnostics {
  public:
   void error(SourceLocation location, std::string_view message);
-  /// An error that has its place in its text already.
+  /// Adds an error whose text already contains its location.
   void error_text(std::string text);
   void warn(SourceLocation location, std::string_view message);
-  /// One that is the same wherever it is found: at the first place alone, with how often it was found.
+  /// Adds a warning that may occur many times. It is shown once, at its first location, with the number of
+  /// times that it occurred.
   void warn_counted(SourceLocation location, std::string_view message);
 
   [[nodiscard]] bool failed() const { return !errors_.empty(); }
-  /// There are so many errors that more would not be shown: a reader may stop here, and should.
+  /// True when there are so many errors that further ones would not be shown. A reader should then stop.
   [[nodiscard]] bool full() const;
-  /// The errors, each once and the first few of many. Only after `failed()`.
+  /// The errors without duplicates; of many only the first few. Call it only after `failed()`.
   [[nodiscard]] Error error() const;
-  /// Each once; of very many the first, and a last one that says how many more there are.
+  /// The warnings without duplicates. If there are very many, only the first are returned, and the last
+  /// element says how many were left out.
   [[nodiscard]] std::vector<std::string> take_warnings();
 
  private:
@@ -89,11 +92,12 @@ class Diagnostics {
   std::vector<std::string> warnings_;
   std::size_t more_warnings_ = 0;
   struct Counted {
-    std::size_t warning;  ///< index of the first
+    std::size_t warning;  ///< index of its first occurrence in the list of warnings
     std::size_t count;
   };
-  std::map<std::string, Counted, std::less<>> counted_;  ///< by message
-  std::set<std::string> seen_;  ///< an object that several others refer to is read for each of them
+  std::map<std::string, Counted, std::less<>> counted_;  ///< keyed by message
+  /// For removing duplicates: an object is read again for every reference to it.
+  std::set<std::string> seen_;
 };
 
 }  // namespace penumbra

@@ -1,5 +1,5 @@
-// Lights that are no shapes, each with its parameters and, beside them, the light of the kernels that it
-// becomes.
+// Emitters that are not shapes. Each has its parameters and, next to them, its conversion to a light of the
+// kernels.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace penumbra {
 
 constexpr ColourWithin kEmission{0.0f, kAnyNumber};
 
-/// What a shape that emits has beside its geometry.
+/// The parameters of an area light, beside the geometry of its shape.
 struct AreaLightParameters {
   static constexpr const char* kPlugin = "area";
   static constexpr const char* kText = "area light: the shape that holds it emits from its front";
@@ -44,21 +44,23 @@ struct AreaLightParameters {
   }
 };
 
-/// What the builder of a device scene knows of the textures that lights have.
+/// The textures of lights, as the builder of a device scene collects them.
 class LightTextures;
 
-/// Where emitters are.
+/// What an emitter needs to know of the scene to become a light of the kernels.
 struct EmitterPlace {
-  std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
-  double scene_radius;                           ///< of a sphere about everything
-  SceneRecords& records;                         ///< for tables of a kind's own
-  const LightTextures* textures = nullptr;       ///< null: no light has one
+  /// From world coordinates to the coordinates of the device scene.
+  std::function<vec3(const glm::dvec3&)> local;
+  double scene_radius;                      ///< of a bounding sphere of the whole scene
+  SceneRecords& records;                    ///< receives tables that a kind of emitter needs
+  const LightTextures* textures = nullptr;  ///< null: no light has a texture
 };
 
 struct EmitterLight {
   Light light;
-  double power;  ///< by which it is chosen among others
-  /// Where it shines, for the choice by contribution; none: what bounds_of_light knows of its kind.
+  double power;  ///< the weight with which this light is chosen among all lights
+  /// Bounds of its position and emission, for choosing lights by their contribution. If absent,
+  /// bounds_of_light computes them from the light's kind.
   std::optional<LightBounds> bounds = std::nullopt;
 };
 
@@ -70,7 +72,7 @@ inline EmitterLight emitter_light(int kind, const glm::vec3& radiance, double po
   return {light, (double(radiance.x) + radiance.y + radiance.z) / 3 * power_of_one};
 }
 
-/// Of a sky of unit radiance: what it sends through a sphere about everything.
+/// The power that an environment of unit radiance sends through a bounding sphere of the scene.
 inline double sky_power(const EmitterPlace& place) {
   const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
   return std::numbers::pi * section;
@@ -80,10 +82,10 @@ inline double sky_power(const EmitterPlace& place) {
 struct PointLight {
   static constexpr const char* kPlugin = "point";
   static constexpr const char* kText = "point light";
-  static constexpr bool kIsSky = false;  ///< seen where there is no shape
+  static constexpr bool kIsSky = false;  ///< whether rays that leave the scene see it
   glm::dvec3 position{0.0};
   glm::vec3 intensity{1.0f};
-  glm::dmat4 to_world{1.0};  ///< instead of a position: where it brings the origin
+  glm::dmat4 to_world{1.0};  ///< alternative to a position: the light is at the transformed origin
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -108,13 +110,13 @@ struct PointLight {
   }
 };
 
-/// Constant radiance from all directions that leave the scene.
+/// Constant radiance from all directions, seen by rays that leave the scene.
 struct ConstantEnvironment {
   static constexpr const char* kPlugin = "constant";
   static constexpr const char* kText = "constant environment";
   static constexpr bool kIsSky = true;
   glm::vec3 radiance{1.0f};
-  glm::dmat4 to_world{1.0};  ///< which it does not see
+  glm::dmat4 to_world{1.0};  ///< has no effect on a constant
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -127,16 +129,17 @@ struct ConstantEnvironment {
   }
 };
 
-/// Radiance from all directions that leave the scene, by an image of the sphere; see
-/// kernels/light/envmap_grid.h for where its texels are.
+/// An environment map: radiance from all directions, given by an image of the sphere and seen by rays that
+/// leave the scene. kernels/light/envmap_grid.h defines the positions of its texels.
 struct EnvironmentMapLight {
   static constexpr const char* kPlugin = "envmap";
   static constexpr const char* kText = "environment map: an image, longitude by polar angle";
   static constexpr bool kIsSky = true;
   std::string filename;
-  glm::dmat4 to_world{1.0};  ///< a rotation, mirrored or not; its lengths do not count
+  glm::dmat4 to_world{1.0};  ///< a rotation that may mirror; the lengths of its axes have no effect
   float scale = 1.0f;
-  std::shared_ptr<const Bitmap> image;  ///< rows from the top; whole numbers are sRGB; 2 x 2 texels or more
+  /// Rows from the top; integer texels are sRGB-encoded; at least 2 x 2 texels.
+  std::shared_ptr<const Bitmap> image;
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -148,20 +151,21 @@ struct EnvironmentMapLight {
   [[nodiscard]] bool is_black() const {
     return scale == 0.0f || std::ranges::all_of(image->words, [](std::uint32_t w) { return w == 0u; });
   }
-  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/envmap_tables.cpp
+  /// Defined in scenes/device/envmap_tables.cpp.
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
 enum class SpotFalloff { kLinear = SPOT_LINEAR, kSmoothstep = SPOT_SMOOTHSTEP, kSquared = SPOT_SQUARED };
 
-/// Radiant intensity about an axis, the z axis of its frame; see kernels/light/spot_light.h.
+/// A spot light: radiant intensity about the z axis of its frame; see kernels/light/spot_light.h.
 struct SpotLight {
   static constexpr const char* kPlugin = "spot";
   static constexpr const char* kText = "spot light: a cone about the z axis";
   static constexpr bool kIsSky = false;
   glm::vec3 intensity{1.0f};
   TexturedColour texture{glm::vec3(1.0f)};
-  double cutoff_angle = 20.0;  ///< degrees, from the axis
-  double beam_width = 15.0;    ///< likewise
+  double cutoff_angle = 20.0;  ///< degrees from the axis, beyond which there is no light
+  double beam_width = 15.0;    ///< degrees from the axis, up to which the intensity is full
   SpotFalloff falloff = SpotFalloff::kLinear;
   glm::dmat4 to_world{1.0};
 
@@ -189,17 +193,18 @@ struct SpotLight {
   }
   void check(Findings& findings) const;
   [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f) || !texture.is_lit(); }
-  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/beam_lights.cpp
+  /// Defined in scenes/device/beam_lights.cpp.
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
-/// Irradiance across one direction, from beyond the scene.
+/// Parallel light from outside the scene. Its strength is the irradiance on a surface perpendicular to it.
 struct DirectionalLight {
   static constexpr const char* kPlugin = "directional";
   static constexpr const char* kText = "directional light";
   static constexpr bool kIsSky = false;
   glm::vec3 irradiance{1.0f};
-  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< in which it travels, of any length above 0
-  glm::dmat4 to_world{1.0};             ///< instead of a direction: where it brings the z axis
+  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< in which the light travels; any length above 0
+  glm::dmat4 to_world{1.0};  ///< alternative to a direction: the light travels along the transformed z axis
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -229,7 +234,7 @@ struct DirectionalLight {
   }
 };
 
-/// An image that is in focus at every distance; see kernels/light/projector_light.h.
+/// A projector: it projects an image that is in focus at every distance; see kernels/light/projector_light.h.
 struct ProjectorLight {
   static constexpr const char* kPlugin = "projector";
   static constexpr const char* kText = "projects an image from a point, in focus at every distance";
@@ -264,7 +269,8 @@ struct ProjectorLight {
   void use_focal_length(Findings& findings);
   void check(Findings& findings) const;
   [[nodiscard]] bool is_black() const { return scale == 0.0f || !irradiance.is_lit(); }
-  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/beam_lights.cpp
+  /// Defined in scenes/device/beam_lights.cpp.
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
 using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight, SpotLight,

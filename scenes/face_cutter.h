@@ -1,4 +1,5 @@
-// Faces of mesh files as triangles, the same way for every format, with account of the odd ones.
+// Cuts the faces of mesh files into triangles, the same way for every format, and counts the faces that need
+// a warning.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +13,23 @@
 
 namespace penumbra {
 
-/// Six decimals, as exporters write them, on a face of a thousandth of the scene's unit.
+/// Tolerance for planar faces, relative to the face's extent. Exporters write six decimals, and a face may be
+/// as small as a thousandth of the scene's unit.
 constexpr double kFlatFace = 1e-3;
 
-/// Faces with something odd about them.
+/// Faces with the same defect.
 struct OddFaces {
   std::size_t count = 0;
-  SourceLocation first;    ///< no file where the first has no line: in a PLY file
+  SourceLocation first;    ///< without a file if the first such face has no line, as in a PLY file
   std::string first_name;  ///< "m.obj:6:1", "face 3"
 };
 
 struct FaceFindings {
-  OddFaces warped;  ///< not flat: a corner is further off the face's plane than kFlatFace of its extent
-  double deviation = 0.0;  ///< the most that one is off, of its extent
-  OddFaces tangled;        ///< they cross themselves (see Triangulation)
-  OddFaces too_short;      ///< of fewer than three corners, which are left out
-  OddFaces untextured;     ///< a corner lacks the texture coordinates that others of the mesh have
+  OddFaces warped;  ///< not planar: a corner is farther from the face's plane than kFlatFace times its extent
+  double deviation = 0.0;  ///< the largest such distance, relative to the face's extent
+  OddFaces tangled;        ///< the outline crosses itself (see Triangulation)
+  OddFaces too_short;      ///< fewer than three corners; the face is left out
+  OddFaces untextured;     ///< some corners lack texture coordinates although others of the mesh have them
 };
 
 /// "2 faces are not flat (by up to 0.1 of its extent); cut into flat triangles".
@@ -39,15 +41,16 @@ std::string describe_too_short(const FaceFindings& findings);
 /// "1 face has corners without texture coordinates; (0, 0) stands in for them".
 std::string describe_untextured(const FaceFindings& findings);
 
-/// What all formats warn of, each with the first face that it is about: all but that faces are warped.
+/// The warnings common to all formats, each with the first face concerned. Faces that are not planar are not
+/// included.
 std::vector<std::string> describe(const FaceFindings& findings);
 
-/// One more face of that kind: at `location`, or without a file called `name`.
+/// Counts one more such face. It is at `location`, or, without a file, it is called `name`.
 void note(OddFaces& faces, SourceLocation location, std::string_view name);
 
-/// Cuts the face whose corners lie at `outline` (see triangulate) and adds its triangles, over the vertices
-/// of the same numbers; none where there are fewer than three. It is at `location`, or without a file the one
-/// called `name`.
+/// Cuts one face into triangles (see triangulate) and appends them. `outline` holds the positions of its
+/// corners and `vertices` their vertex indices. A face of fewer than three corners yields no triangle. The
+/// face is at `location`, or, without a file, it is called `name`.
 Expected<void> cut_face(std::span<const glm::dvec3> outline, std::span<const std::uint32_t> vertices,
                         SourceLocation location, std::string_view name, std::vector<glm::uvec3>& triangles,
                         FaceFindings& findings);

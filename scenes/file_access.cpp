@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMaxFileNameBytes = 4096;  // PATH_MAX of Linux
 
-/// Takes the mark of UTF-8 away. Errors: text of another encoding that says so.
+/// Removes the byte order mark of UTF-8. Errors: the byte order mark of another encoding.
 Expected<void> take_byte_order_mark(std::string& text) {
   const std::string_view start = std::string_view(text).substr(0, 4);
   using namespace std::string_view_literals;
@@ -31,10 +31,10 @@ Expected<void> take_byte_order_mark(std::string& text) {
   return {};
 }
 
-/// What a gzip file unpacks to.
+/// Decompresses gzip data.
 Expected<std::string> unpacked(const std::string& packed, std::uint64_t max_bytes) {
   z_stream stream{};
-  constexpr int kGzip = 15 + 16;  // the largest window, and its header
+  constexpr int kGzip = 15 + 16;  // largest window, with gzip header
   if (inflateInit2(&stream, kGzip) != Z_OK) return fail("cannot be unpacked: no memory");
   std::string result;
   std::vector<char> part(std::size_t{1} << 20);
@@ -51,7 +51,7 @@ Expected<std::string> unpacked(const std::string& packed, std::uint64_t max_byte
     stream.avail_out = uInt(part.size());
     state = inflate(&stream, Z_NO_FLUSH);
     result.append(part.data(), part.size() - stream.avail_out);
-    // A file may be several, one after the other.
+    // A gzip file may consist of several members.
     if (state == Z_STREAM_END && (stream.avail_in > 0 || at < packed.size())) state = inflateReset(&stream);
   }
   inflateEnd(&stream);
@@ -75,7 +75,7 @@ bool FileAccess::allows(const fs::path& file) const {
   std::error_code code;
   const fs::path real = fs::weakly_canonical(fs::absolute(file, code), code);
   if (code) return false;
-  // An empty last component (a trailing slash) must not count.
+  // Ignore an empty last component (a trailing slash).
   const fs::path root = root_->has_filename() ? *root_ : root_->parent_path();
   return std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first == root.end();
 }

@@ -1,4 +1,4 @@
-// Finding and reading the files that a scene names, optionally confined to one folder.
+// Finds and reads the files that a scene refers to, optionally confined to one folder.
 #pragma once
 
 #include <cstdint>
@@ -24,42 +24,44 @@ constexpr std::uint64_t kMaxVolumeFileBytes = std::uint64_t{4} << 30;
 
 class FileAccess {
  public:
-  /// With `confine_to`, nothing outside that folder is looked at: neither through "..", nor an absolute path,
-  /// nor a symbolic link.
+  /// With `confine_to`, files outside that folder are never accessed, whether by "..", an absolute path or a
+  /// symbolic link.
   explicit FileAccess(std::optional<std::filesystem::path> confine_to);
 
-  /// `name` itself if absolute, else the first of `folders` that has it. Where none has, back slashes count
-  /// as slashes, and capital letters as small ones: then remarks() say so. Errors: nowhere found (says where
-  /// it looked), outside the confinement, longer than any name.
+  /// The path of `name`: itself if it is absolute, else in the first of `folders` that contains it. If no
+  /// folder does, backslashes are taken as slashes and letter case is ignored; remarks() then mention it.
+  /// Errors: not found (the message lists the folders searched), outside the confinement, a name that is too
+  /// long.
   [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
                                                      std::span<const std::filesystem::path> folders) const;
 
-  /// All bytes of the file; of one of gzip, unpacked. Errors: as of read, but for those of text.
+  /// All bytes of the file; a gzip file is decompressed. Errors: those of read, except those about text.
   [[nodiscard]] Expected<std::string> read_bytes(const std::filesystem::path& file,
                                                  std::uint64_t max_bytes) const;
 
-  /// The whole file, without the byte order mark of UTF-8. Errors: not there, not a plain file, larger than
-  /// `max_bytes`, unreadable, a pointer of Git LFS, UTF-16 or UTF-32 by its byte order mark.
+  /// The whole text file, without a UTF-8 byte order mark. Errors: the file does not exist, is not a regular
+  /// file, is larger than `max_bytes` or unreadable, is a Git LFS pointer, or has a byte order mark of UTF-16
+  /// or UTF-32.
   [[nodiscard]] Expected<std::unique_ptr<SourceFile>> read(const std::filesystem::path& file,
                                                            std::uint64_t max_bytes) const;
 
-  /// What is odd about names that find() was given, in words for people; each once.
+  /// Remarks about file names that find() could only match loosely; each once.
   [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
 
-  /// Of the contents of all files read so far, in their order; not of where they are.
+  /// A hash of the contents of all files read so far, in their order. It does not depend on their paths.
   [[nodiscard]] std::uint64_t contents_hash() const { return contents_hash_; }
 
-  /// Whether the path, all symbolic links followed, lies inside the confinement.
+  /// Whether the path, after following all symbolic links, lies inside the confinement.
   [[nodiscard]] bool allows(const std::filesystem::path& file) const;
 
-  /// All that have been read, in that order.
+  /// All files that were read, in that order.
   [[nodiscard]] const std::vector<std::filesystem::path>& files_read() const { return files_read_; }
 
  private:
-  /// The names in a folder by their small letters, of several alike the first; none of a folder outside the
-  /// confinement.
+  /// The entries of a folder, keyed by their names in lower case. Of several names that differ only in case
+  /// the first is kept. Empty for a folder outside the confinement.
   const std::map<std::string, std::filesystem::path>& entries(const std::filesystem::path& folder) const;
-  /// The file of a path that differs only in the case of letters.
+  /// The file whose path differs from `path` only in letter case.
   [[nodiscard]] std::optional<std::filesystem::path> find_in_any_case(
       const std::filesystem::path& path) const;
   [[nodiscard]] std::optional<std::filesystem::path> find_nearly(
@@ -69,7 +71,7 @@ class FileAccess {
   mutable std::uint64_t contents_hash_ = 0;
   mutable std::vector<std::filesystem::path> files_read_;
   mutable std::vector<std::string> remarks_;
-  mutable std::set<std::string> said_;  ///< the remarks
+  mutable std::set<std::string> said_;  ///< remarks already in remarks_
   mutable std::map<std::filesystem::path, std::map<std::string, std::filesystem::path>> entries_;
 };
 

@@ -1,10 +1,10 @@
-// How the film goes into a file: nothing of it changes what is rendered.
+// How the film is written to a file. Nothing here changes what is rendered.
 #pragma once
 
 namespace penumbra {
 
-/// OpenEXR's, in its documentation's order. From kPxr24 on they lose something, but for what they do not
-/// know.
+/// OpenEXR's compression methods, in the order of its documentation. Those from kPxr24 on are lossy, except
+/// for channels that they store unchanged.
 enum class ExrCompression { kNone, kRle, kZips, kZip, kPiz, kPxr24, kB44, kB44a, kDwaa, kDwab };
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Numbers on a grid that fills a box, by which what a medium is varies over it.
+// Numbers on a grid that fills a box. They make the properties of a medium vary in space.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,18 +7,19 @@
 
 namespace penumbra {
 
-/// Numbers at the centres of equal cells, x fastest; of each cell all channels.
+/// Numbers at the centres of equal cells, x fastest. All channels of a cell are adjacent.
 struct VolumeGrid {
   int nx = 0, ny = 0, nz = 0;
   int channels = 1;           ///< 1 or 3
   std::vector<float> values;  ///< nx * ny * nz * channels, finite and at least 0
 };
 
-/// A grid placed in space. Between centres it is interpolated, beyond the outermost ones constant.
+/// A grid placed in space. Values are interpolated between cell centres and constant beyond the outermost
+/// centres.
 struct GridVolume {
   std::shared_ptr<const VolumeGrid> grid;  ///< never null
-  glm::dmat4 to_world{1.0};                ///< of the unit cube, which the grid fills; it has an inverse
-  bool nearest = false;                    ///< each cell has its value throughout instead
+  glm::dmat4 to_world{1.0};  ///< the transform of the unit cube, which the grid fills; invertible
+  bool nearest = false;      ///< no interpolation: the value is constant in each cell
 };
 
 }  // namespace penumbra

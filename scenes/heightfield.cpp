@@ -27,8 +27,8 @@ class Grid {
 
   [[nodiscard]] double at(std::size_t x, std::size_t y) const { return heights_[y * width + x]; }
 
-  /// Not of unit length, in steps of the grid, of the bilinear patch whose corner (x, y) is, at that corner:
-  /// the patch lies towards (x + dx, y + dy), each step one way or the other.
+  /// The unnormalised normal, in grid steps, of a bilinear patch at its corner (x, y). The patch extends
+  /// towards (x + dx, y + dy), where each step is 1 or -1.
   [[nodiscard]] glm::dvec3 patch_normal(std::size_t x, std::size_t y, int dx, int dy) const {
     const double here = at(x, y);
     return {dx * (here - at(x + std::size_t(dx), y)), dy * (here - at(x, y + std::size_t(dy))), 1.0};
@@ -40,7 +40,7 @@ class Grid {
   std::vector<double> heights_;
 };
 
-/// Unit, where a step is `step` long.
+/// The unit normal at a vertex. `step` is the size of a grid step.
 glm::vec3 smooth_normal(const Grid& grid, std::size_t x, std::size_t y, const glm::dvec2& step) {
   glm::dvec3 sum(0.0);
   for (const int dx : {-1, 1})

@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-/// Beyond these, products of a transform's numbers leave the range of single precision.
+/// Beyond these limits products of a transform's numbers exceed the range of single precision.
 constexpr double kLeastScale = 1e-12, kMostScale = 1e12;
 
 Expected<void> check_transform(const glm::dmat4& to_world, const std::string& name) {
@@ -49,7 +49,7 @@ class Placement {
     return scene_.groups.at(std::size_t(instance.group));
   }
 
-  /// Before anything is placed: groups of groups multiply.
+  /// Counts before anything is placed, because nested groups multiply.
   [[nodiscard]] Expected<void> count() const {
     std::vector<std::size_t> places(scene_.groups.size());
     std::vector<int> levels(scene_.groups.size(), 1);
@@ -79,7 +79,7 @@ class Placement {
                     kMaxInstances));
   }
 
-  // Groups hold only such as come before them, and few levels of them.
+  // Recursion ends, because a group holds only groups with smaller indices and the depth is limited.
   Expected<void> place(const ShapeInstance& instance, const glm::dmat4& outside, std::size_t outermost) {
     const glm::dmat4 to_world = outside * instance.to_world;
     if (auto done = check_transform(to_world, scene_.instances[outermost].name); !done) return done;

@@ -7,7 +7,7 @@
 namespace penumbra {
 namespace {
 
-/// `is_owner`: of an integrator's settings, whether it has the parameter.
+/// `is_owner`: whether given integrator settings have the parameter.
 template <typename IsOwner>
 std::unexpected<Error> not_a_parameter(const IntegratorSettings& integrator, const char* name,
                                        const IsOwner& is_owner) {
@@ -68,7 +68,7 @@ Setting type_row() {
   return setting;
 }
 
-/// Mitsuba's name for both numbers of samples, and for those of its ambient occlusion.
+/// Mitsuba's single name for both numbers of samples, and for those of its ambient occlusion.
 Setting shading_samples_row() {
   const WholeNumber values{1, MAX_DIRECT_SAMPLES};
   Setting setting = setting_of("integrator.shading_samples", values,
@@ -92,7 +92,7 @@ Setting shading_samples_row() {
   return setting;
 }
 
-/// Those that have an effect only with certain values of others.
+/// Marks settings that have an effect only with certain values of others.
 void say_when_they_matter(std::vector<Setting>& table) {
   for (Setting& setting : table) {
     if (setting.key == "integrator.alpha")

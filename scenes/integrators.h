@@ -1,6 +1,6 @@
-// The integrators, each with its own parameters, and one row for every parameter. A new parameter is a member
-// here, of every integrator that has it, and a row below: scene files, --set, messages, the table of all
-// settings, what a render records of itself and the copy for the kernels follow from the row.
+// The integrators with their parameters, and one table row for every parameter. A new parameter needs a
+// member in every integrator that has it, and a row below. Scene files, --set, messages, the table of all
+// settings, the render's record and the copy to the kernels are all generated from the row.
 #pragma once
 
 #include <optional>
@@ -12,35 +12,37 @@
 
 namespace penumbra {
 
-/// How a point on an area light is chosen: uniformly by area, by solid angle (rectangles, triangles and
-/// spheres; disks by area), by projected solid angle (meshes; others by solid angle), or what is best for the
-/// integrator.
+/// How a point on an area light is sampled: uniformly by area; by solid angle (rectangles, triangles and
+/// spheres; disks by area); by projected solid angle (meshes; other shapes by solid angle); or by the method
+/// that is best for the integrator.
 enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
 
 enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
-/// path: what of its light is kept, to see where its noise comes from.
+/// Path: which of the two sampling techniques contributes to the image, to see where its noise comes from.
 enum class PathTechnique { kAll, kBsdf, kEmitter };
-enum class MisHeuristic { kBalance, kPower };          ///< power: beta = 2
-enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
-enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
-/// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
-/// point.
+enum class MisHeuristic { kBalance, kPower };  ///< power: beta = 2
+/// How direct samples the directions of `bsdf_samples`.
+enum class BsdfSampling { kBsdf, kCosine, kUniform };
+/// Path: kCv uses the closed form of polygon lights as a control variate.
+enum class NextEvent { kSample, kCv };
+/// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution at the
+/// shading point.
 enum class LightChoice { kAuto, kPower, kAnalytic, kTree };
 
-enum class IndirectSampling { kBsdf, kCosine, kUniform };        ///< whitted: how its directions are chosen
-enum class OcclusionSampling { kCosine, kHemisphere, kSphere };  ///< ao: density of its directions
-enum class OcclusionWeighting { kCosine, kUniform };             ///< ao: what a direction counts for
+enum class IndirectSampling { kBsdf, kCosine, kUniform };  ///< whitted: how indirect directions are sampled
+enum class OcclusionSampling { kCosine, kHemisphere, kSphere };  ///< ao: the density of directions
+enum class OcclusionWeighting { kCosine, kUniform };             ///< ao: the weight of a direction
 
-/// What the camera sees where an emitter is hidden: its surface without its light, as Mitsuba up to 3.6 has
-/// it, or what is behind it, as later ones.
+/// What the camera sees of a hidden emitter: its surface without its emission (Mitsuba up to 3.6), or what is
+/// behind it (later versions).
 enum class HiddenEmitters { kUnlit, kLookedThrough };
 
-/// Direct light by samples of emitters and of directions.
+/// Direct illumination by emitter samples and BSDF samples.
 struct DirectIntegrator {
   static constexpr const char* kName = "direct";
   static constexpr const char* kText = "direct illumination, by samples of emitters and BSDFs";
-  int emitter_samples = 1;  ///< n_g
-  int bsdf_samples = 1;     ///< n_f
+  int emitter_samples = 1;  ///< emitter samples, n_g
+  int bsdf_samples = 1;     ///< BSDF samples, n_f
   BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   MisHeuristic heuristic = MisHeuristic::kBalance;
@@ -52,7 +54,7 @@ struct PathIntegrator {
   static constexpr const char* kName = "path";
   static constexpr const char* kText =
       "path tracing; direct_sampling and its other names choose the sampling strategies";
-  /// Names of the integrator with its direct_sampling.
+  /// Names of the integrator that also set direct_sampling.
   static constexpr std::pair<const char*, DirectSampling> kPresets[] = {
       {"path_mats", DirectSampling::kBsdfOnly},
       {"path_ems", DirectSampling::kEmitterOnly},
@@ -64,12 +66,12 @@ struct PathIntegrator {
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
-  std::optional<float> alpha = std::nullopt;  ///< none: fitted
-  int only_bounces = -1;  ///< surfaces that scattered the light that is kept; -1: any number
+  std::optional<float> alpha = std::nullopt;  ///< of the control variate; none: fitted
+  int only_bounces = -1;  ///< keeps only light that was scattered by this many surfaces; -1: all light
   PathTechnique only_technique = PathTechnique::kAll;
 };
 
-/// The light of `path`, along its way through participating media as well.
+/// The light transport of `path`, also through participating media.
 struct VolpathIntegrator {
   static constexpr const char* kName = "volpath";
   static constexpr const char* kText = "path tracing through participating media";
@@ -84,49 +86,52 @@ struct VolpathIntegrator {
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
-  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  std::optional<float> alpha = std::nullopt;  ///< of the control variate; none: fitted
 };
 
-/// Whether not all of its light is kept.
+/// Whether only a part of the light is kept.
 constexpr bool keeps_parts(const PathIntegrator& path) {
   return path.only_bounces >= 0 || path.only_technique != PathTechnique::kAll;
 }
 
-/// Both branches of mirrors and glass, and directions of the hemisphere at other surfaces: the light of
-/// `path`.
+/// Follows both reflection and transmission at mirrors and glass, and samples the hemisphere at other
+/// surfaces. Its expected image is that of `path`.
 struct WhittedIntegrator {
   static constexpr const char* kName = "whitted";
   static constexpr const char* kText = "path tracing that branches at mirrors, glass and other surfaces";
   int max_depth = -1;  ///< in edges; -1: no limit
   int rr_depth = 5;
-  int branch_depth = 4;      ///< surfaces at which a path branches; beyond, it chooses a branch
-  int indirect_samples = 1;  ///< directions of a surface that is no mirror
+  /// Number of surfaces at which a path branches; after that it samples one of the branches.
+  int branch_depth = 4;
+  int indirect_samples = 1;  ///< directions per surface that is not specular
   IndirectSampling indirect_sampling = IndirectSampling::kCosine;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
   NextEvent next_event = NextEvent::kSample;
-  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  std::optional<float> alpha = std::nullopt;  ///< of the control variate; none: fitted
 };
 
-/// Ambient occlusion: the share of the directions above a surface in which nothing is within `ray_length`.
+/// Ambient occlusion: the fraction of the directions above a surface in which no surface lies within
+/// `ray_length`.
 struct AmbientOcclusionIntegrator {
   static constexpr const char* kName = "ao";
   static constexpr const char* kText = "ambient occlusion";
   int vis_samples = 1;
   OcclusionSampling sampling = OcclusionSampling::kCosine;
   OcclusionWeighting weighting = OcclusionWeighting::kCosine;
-  float ray_length = -1;  ///< scene units; negative: half the radius of the scene; 0: no limit
+  float ray_length = -1;  ///< scene units; negative: half the scene's radius; 0: no limit
   float background = 1;
 };
 
-/// Reflection occlusion: the same for a Phong lobe about the mirror direction, weighed by the cosine.
+/// Reflection occlusion: the unoccluded fraction of a Phong lobe around the mirror direction, weighted by the
+/// cosine.
 struct ReflectionOcclusionIntegrator {
   static constexpr const char* kName = "ro";
   static constexpr const char* kText = "reflection occlusion; for a Phong lobe about the mirror direction";
   int vis_samples = 1;
   float exponent = 30;
-  float ray_length = 0;  ///< likewise
+  float ray_length = 0;  ///< scene units; negative: half the scene's radius; 0: no limit
   float background = 0;
 };
 
@@ -136,13 +141,13 @@ struct NormalsIntegrator {
   static constexpr const char* kText = "shading normals as colours";
 };
 
-/// The unshadowed light of polygon lights in closed form.
+/// The unshadowed direct light of polygon lights in closed form.
 struct PolygonAnalyticIntegrator {
   static constexpr const char* kName = "polygon_analytic";
   static constexpr const char* kText = "unshadowed light of polygon lights, in closed form";
 };
 
-/// Direct light by samples of emitters by area.
+/// Direct illumination by area sampling of emitters.
 struct PolygonAreaIntegrator {
   static constexpr const char* kName = "polygon_area";
   static constexpr const char* kText = "direct light of polygon lights, by samples of their area";
@@ -152,12 +157,12 @@ struct PolygonAreaIntegrator {
   bool trace_shadows = true;
 };
 
-/// Direct light by samples of emitters, with the closed form as control variate.
+/// Direct illumination by emitter sampling, with the closed form as a control variate.
 struct PolygonCvIntegrator {
   static constexpr const char* kName = "polygon_cv";
   static constexpr const char* kText =
       "direct light of polygon lights, with the closed form as control variate";
-  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  std::optional<float> alpha = std::nullopt;  ///< of the control variate; none: fitted
   int vis_samples = 1;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   LightChoice light_choice = LightChoice::kAuto;
@@ -171,7 +176,7 @@ using IntegratorMethod =
 struct IntegratorSettings {
   IntegratorMethod method = PathIntegrator{};
   bool hide_emitters = false;
-  HiddenEmitters hidden_emitters = HiddenEmitters::kUnlit;  ///< with hide_emitters
+  HiddenEmitters hidden_emitters = HiddenEmitters::kUnlit;  ///< only with hide_emitters
 
   template <typename Method>
   [[nodiscard]] bool is() const {
@@ -183,18 +188,19 @@ struct IntegratorSettings {
   }
 };
 
-/// A parameter by its name as a member: of the integrators that have such a member, or of all.
+/// Selects a parameter by its member's name, in integrators that have such a member.
 #define PENUMBRA_PARAMETER(member) \
   [](auto& owner_of_##member) -> decltype((owner_of_##member.member)) { return owner_of_##member.member; }
 
-/// Calls use(parameter) if the integrator has the parameter; returns whether it has. `Settings` may be const.
+/// Calls use(parameter) if the integrator has the parameter, and returns whether it has. `Settings` may be
+/// const.
 template <typename Settings, typename Parameter, typename Use>
 bool with_parameter(Settings& settings, const Parameter& parameter, const Use& use) {
   if constexpr (std::is_invocable_v<const Parameter&, Settings&>) {
     use(parameter(settings));
     return true;
   } else {
-    // A table of functions, as std::visit makes, takes several times as long to compile.
+    // std::visit would make a table of functions, which takes several times as long to compile.
     const auto use_in = [&](auto* method) {
       if constexpr (std::is_invocable_v<const Parameter&, decltype(*method)>) {
         if (method != nullptr) use(parameter(*method));
@@ -223,7 +229,7 @@ inline OneOf<EmitterSampling> emitter_samplings() {
 }
 
 /// Calls row(name, parameter, values, text[, member of the kernels' parameters that it is copied to]) for
-/// each, in an order in which they may be set one after the other.
+/// each parameter, in an order in which they may be set one after the other.
 template <typename Row>
 void integrator_parameters(const Row& row) {
   using P = IntegratorParameters;
@@ -309,29 +315,29 @@ void integrator_parameters(const Row& row) {
       "what the camera sees of invisible lights: their unlit surface, or what is behind it");
 }
 
-/// Each integrator with its defaults, by all its names.
+/// Each integrator with its default values, under each of its names.
 std::vector<std::pair<const char*, IntegratorMethod>> integrator_names();
 
-/// One of each, with its defaults.
+/// One of each kind, with its default values.
 std::vector<IntegratorMethod> integrator_methods();
-/// "path", whatever its parameters.
+/// The integrator's kind, "path" for example, whatever its parameters.
 const char* method_name(const IntegratorMethod& method);
 
-/// The most precise of its names: "path_ems".
+/// The most specific of its names, "path_ems" for example.
 const char* integrator_name(const IntegratorSettings& integrator);
 
-/// Of `path` and `volpath`; else nothing.
+/// The direct sampling of `path` and `volpath`; nothing for other integrators.
 std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrator);
 
-/// Changes to another integrator. Parameters that both have keep their values, but for direct_sampling, which
-/// belongs to the name.
+/// Changes to another integrator. Parameters that both have keep their values, except direct_sampling, which
+/// the new name determines.
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);
 
-/// Of the closed form of polygon lights.
+/// Parameters of the control variate: the closed form of polygon lights.
 struct ControlVariate {
   std::optional<float> alpha;  ///< none: fitted
 };
-/// Nothing where the integrator takes no control variate.
+/// Nothing if the integrator uses no control variate.
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator);
 
 }  // namespace penumbra

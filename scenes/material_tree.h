@@ -1,4 +1,4 @@
-// Materials as readers put them together: trees of BSDFs, which may share parts, for the two sides of a
+// Materials as readers assemble them: trees of BSDFs, which may share subtrees, one for each side of a
 // surface.
 #pragma once
 
@@ -11,52 +11,54 @@
 
 namespace penumbra {
 
-/// A BSDF of one side with those that it holds; none: black.
+/// A BSDF of one side with its children. A null tree is black.
 struct MaterialNode;
 using MaterialTree = std::shared_ptr<const MaterialNode>;
 struct MaterialNode {
   Bsdf bsdf;
-  MaterialTree first, second;  ///< of a blend; of a mask the second
+  MaterialTree first, second;  ///< a blend has both children; a mask only `second`
 };
 
-/// What each side of a surface is made of.
+/// The BSDF trees of the two sides of a surface.
 struct SurfaceMaterial {
   MaterialTree front, back;
 };
 
-/// A BSDF that holds no others.
+/// A tree of one BSDF without children.
 MaterialTree leaf(std::string name, BsdfModel model);
 
-/// A blend of two, or a mask of the second.
+/// A blend of two trees, or a mask of the second.
 MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, MaterialTree second);
 
-/// Of one that stands by itself, with what it is seen from behind, if it can be.
+/// The material of a single BSDF; its back side is the BSDF's other_side(), if it has one.
 SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model);
 
-/// The mask of what each side is made of, and the blend of two; sides that are alike stay so.
+/// The mask of both sides of a material, and the blend of two materials. Sides that were the same remain the
+/// same.
 SurfaceMaterial masked(const std::string& name, const MaskBsdf& mask, const SurfaceMaterial& inside);
 SurfaceMaterial blended(const std::string& name, const BlendBsdf& blend, const SurfaceMaterial& first,
                         const SurfaceMaterial& second);
 
-/// Whether it is a NullBsdf.
+/// Whether the tree is a single NullBsdf.
 bool is_nothing(const MaterialTree& tree);
 
-/// Whether any leaf is bent.
+/// Whether any leaf has a normal or bump map.
 bool is_bent(const MaterialTree& tree);
 
-/// With leaves that are bent so.
+/// The tree with `bend` applied to all leaves.
 MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend);
 
-/// The same for both sides: what leans out in front leans in behind. Sides that are alike are so no more.
+/// Both sides bent by the same map: a normal that leans outwards on the front leans inwards on the back. The
+/// two sides then always differ.
 SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend);
 
-/// Makes BSDFs of a scene out of trees, each once.
+/// Adds the BSDFs of trees to a scene. A shared subtree is added once.
 class MaterialInstaller {
  public:
-  /// The index of the BSDF, which follows those that it holds.
+  /// Returns the index of the tree's root, which comes after its children.
   int add(const MaterialTree& tree, SceneDescription& scene);
 
-  /// Of both sides.
+  /// Adds both sides and returns their indices.
   std::pair<int, int> add(const SurfaceMaterial& material, SceneDescription& scene) {
     const int front = add(material.front, scene);
     return {front, add(material.back, scene)};

@@ -1,4 +1,4 @@
-// The mattes of a scene by name: a matte is a pair of an object and a material that camera rays can hit
+// The names of a scene's mattes. A matte is a pair of an object and a material that camera rays can hit
 // (Cryptomatte).
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-/// Number k of a device scene's mattes, from 1 on, is `mattes[k - 1]`. Each name is there once, so objects
-/// that are called the same are one.
+/// Matte number k of a device scene, counted from 1, is `mattes[k - 1]`. Each name is listed once, so objects
+/// of the same name share a matte ID.
 struct MatteNames {
   struct Matte {
-    std::uint32_t object = 0, material = 0;  ///< indices of their names
+    std::uint32_t object = 0, material = 0;  ///< indices into the lists of names
     friend bool operator==(const Matte&, const Matte&) = default;
   };
   std::vector<std::string> objects, materials;

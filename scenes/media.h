@@ -1,5 +1,5 @@
-// What fills space and scatters light: media as scene files describe them, and the parameters of the plugins
-// that they come from, a row for every one (see bsdfs.h).
+// Participating media as scene files describe them, and the parameters of their plugins, one table row for
+// each (see bsdfs.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -21,21 +21,22 @@ namespace penumbra {
 
 constexpr int kNoMedium = -1;
 
-/// A medium. Its lobes are records of the kernels.
+/// A participating medium. Its phase function is a mixture of lobes, stored as the kernels' records.
 struct ParticipatingMedium {
-  std::string name;                         ///< the file's id, or a description of the place, for messages
-  glm::vec3 extinction{1.0f};               ///< in 1 / scene unit, at least 0
-  glm::vec3 albedo{0.75f};                  ///< the scattered share of it, in [0, 1]
-  std::optional<GridVolume> density{};      ///< by which the extinction is multiplied; none outside its box
-  std::optional<GridVolume> albedo_grid{};  ///< by which the albedo is multiplied, values in [0, 1]
-  std::vector<PhaseLobe> phase{};  ///< 1 to PHASE_LOBES, all different; weights above 0 that add up to 1
+  std::string name;            ///< the id in the scene file, or a description of the location; for messages
+  glm::vec3 extinction{1.0f};  ///< extinction coefficient, in 1 / scene unit, at least 0
+  glm::vec3 albedo{0.75f};     ///< single-scattering albedo, in [0, 1]
+  std::optional<GridVolume> density{};      ///< multiplies the extinction; outside its box there is no medium
+  std::optional<GridVolume> albedo_grid{};  ///< multiplies the albedo; values in [0, 1]
+  /// 1 to PHASE_LOBES lobes, all different; the weights are positive and sum to 1
+  std::vector<PhaseLobe> phase{};
 };
 
 inline bool operator==(const PhaseLobe& a, const PhaseLobe& b) {
   return a.kind == b.kind && a.g == b.g && a.weight == b.weight;
 }
 
-/// What media of both kinds have: an extinction, a colour or a grid's, and the scattered share of it.
+/// The coefficients that media of both kinds have: the extinction, constant or a grid, and the albedo.
 template <typename Extinction>
 struct MediumCoefficients {
   Extinction sigma_t{glm::vec3(1.0f)};
@@ -55,7 +56,7 @@ struct MediumCoefficients {
     if (!std::isfinite(most.x) || !std::isfinite(most.y) || !std::isfinite(most.z))
       findings.push_back({"scale", "the extinction is too large for a number"});
   }
-  /// Without a name and a phase function.
+  /// The medium, still without a name and a phase function.
   [[nodiscard]] ParticipatingMedium medium() const {
     const GriddedColour extinction(sigma_t);
     ParticipatingMedium result;
@@ -73,7 +74,8 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
       "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; the albedo may be a "
       "gridvolume; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
-  bool by_material = false;  ///< what a file means that says none of these
+  /// The file's version lets a medium without coefficients stand for a named material.
+  bool by_material = false;
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -82,7 +84,7 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
         "what is scattered, instead of both");
     row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
   }
-  /// In Mitsuba 0.x a medium without coefficients is skin.
+  /// In Mitsuba 0.x a medium without coefficients has those of skin, which are not supported.
   void written_for(std::int64_t version) { by_material = version < 2; }
   template <typename Given>
   void complete(Findings& findings, const Given& given) {
@@ -108,7 +110,7 @@ struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   void complete(Findings& findings) {
     check_extinction(findings);
     if (sigma_t.grid) return;
-    // As in Mitsuba 3, also one that is the same everywhere ends at the unit cube of its to_world.
+    // As in Mitsuba 3, a constant medium also ends at the unit cube of its to_world.
     static const auto kOne = std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}});
     density = GridVolume{kOne, sigma_t.to_world};
   }
@@ -117,7 +119,7 @@ struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
     if (density) result.density = density;
     return result;
   }
-  std::optional<GridVolume> density{};  ///< of a sigma_t that is no grid
+  std::optional<GridVolume> density{};  ///< for a constant sigma_t: the box to which the medium is confined
 };
 
 struct IsotropicPhase {

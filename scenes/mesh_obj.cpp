@@ -40,13 +40,13 @@ std::string_view first_line(std::string_view text) { return text.substr(0, text.
 /// A group while it grows.
 struct OpenGroup {
   ObjGroup result;
-  std::vector<Corner> corners;  ///< of its vertices
+  std::vector<Corner> corners;  ///< the corner from which each vertex was made
   std::unordered_map<Corner, std::uint32_t, CornerHash> vertices;
 };
 
 class ObjReader {
  public:
-  /// All faces in one group, or one for each object and material.
+  /// Reads all faces into one group, or into one group per object and material.
   ObjReader(const SourceFile& file, bool by_group) : scanner_(file), file_(file), by_group_(by_group) {}
 
   Expected<ObjModel> read() {
@@ -64,7 +64,8 @@ class ObjReader {
   Expected<void> statement(std::string_view keyword) {
     std::array<double, 7> v{};
     if (keyword == "v") {
-      // A fourth number is a weight that only rational curves use; three or four more are a colour.
+      // A fourth number is a weight of rational curves, which are ignored. Three or four further numbers are
+      // a colour.
       const auto count = scanner_.numbers(keyword, 3, 7, v);
       if (!count) return std::unexpected(count.error());
       if (*count >= 6) {
@@ -257,7 +258,8 @@ class ObjReader {
   const SourceFile& file_;
   const bool by_group_;
   std::vector<glm::dvec3> positions_;
-  std::vector<glm::vec3> colours_;  ///< as far as the last vertex that has one
+  /// May be shorter than the vertices: ends with the last one that has a colour.
+  std::vector<glm::vec3> colours_;
   std::vector<glm::dvec3> normals_;
   std::vector<glm::dvec2> texcoords_;
   std::string object_;

@@ -22,8 +22,8 @@ enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDoub
 struct Property {
   std::string name;
   Type type = Type::kFloat;
-  std::optional<Type> count_type;  ///< of a list
-  int field = -1;                  ///< which of an element's numbers it is; -1: none of interest
+  std::optional<Type> count_type;  ///< type of the length of a list
+  int field = -1;                  ///< the vertex field (or list of a face) that it is; -1: ignored
 };
 
 struct Element {
@@ -56,7 +56,7 @@ std::optional<Type> type_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// Which of a vertex's numbers a property is; -1: none of interest.
+/// The fields of a vertex. -1 means an ignored property.
 enum Field : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kFields };
 int field_named(std::string_view name) {
   static constexpr std::pair<std::string_view, int> kNames[] = {
@@ -70,7 +70,8 @@ int field_named(std::string_view name) {
   return -1;
 }
 
-/// What the properties of an element are. An attribute's are its channels, one or three of them.
+/// Determines the field of each property of an element. The properties of an attribute are its channels, one
+/// or three of them.
 void find_fields(std::vector<Property>& properties, bool is_vertex, std::string_view attribute) {
   std::vector<Property*> channels;
   const std::string_view stem =
@@ -95,8 +96,8 @@ void find_fields(std::vector<Property>& properties, bool is_vertex, std::string_
   for (std::size_t i = 0; i < channels.size(); ++i) channels[i]->field = kRed + int(i);
 }
 
-/// Whole numbers are sRGB, the largest being 1, as programs write them; others are linear, as Mitsuba 3 has
-/// them.
+/// Integers are sRGB-encoded with the largest as 1, as programs write them. Floats are linear, as in Mitsuba
+/// 3.
 double linear_colour(Type type, double value) {
   if (type == Type::kFloat || type == Type::kDouble) return value;
   const double x = std::clamp(value / (std::exp2(8.0 * double(size_of(type))) - 1.0), 0.0, 1.0);
@@ -133,7 +134,7 @@ class PlyReader {
   std::unexpected<Error> wrong_at(std::size_t offset, std::string_view message) const {
     return fail(format_diagnostic({&file_, offset}, "error", message));
   }
-  /// In a binary body a place is an element's number, not a line.
+  /// In a binary body a location is the number of an element, not a line.
   std::unexpected<Error> wrong(const Element& element, std::uint64_t number, std::string_view message) const {
     const std::string text = fmt::format("{} {}: {}", element.name, number, message);
     if (format_ == Format::kAscii) return wrong_at(token_start_, text);
@@ -240,8 +241,8 @@ class PlyReader {
     return found == elements_.end() ? nullptr : &*found;
   }
 
-  /// Besides names, that the rest of the file can hold what the header promises: nothing is reserved on its
-  /// word.
+  /// Checks the elements' names, and that the rest of the file is long enough for the promised counts. Memory
+  /// is not reserved before this check.
   Expected<void> check_elements() const {
     const Element* vertex = element_named("vertex");
     if (vertex == nullptr) return wrong_at(0, "the header must have the element vertex");
@@ -264,7 +265,7 @@ class PlyReader {
       }
       least += each.count * bytes;
     }
-    const std::uint64_t rest = text_.size() - at_ + 1;  // the last line of a text may lack its end
+    const std::uint64_t rest = text_.size() - at_ + 1;  // the last line of a text may lack its line end
     if (least > rest) {
       return wrong_at(
           at_, fmt::format("the file ends early: its header promises at least {} bytes more, {} are left",
@@ -273,7 +274,8 @@ class PlyReader {
     return {};
   }
 
-  /// What the rest of the file is long enough for, so that large meshes are not moved as they grow.
+  /// Reserves memory for as many elements as the rest of the file can hold, so that large meshes are not
+  /// moved as they grow.
   void reserve() {
     const Element& vertex = *element_named("vertex");
     const std::uint64_t rest = text_.size() - at_;
@@ -306,7 +308,7 @@ class PlyReader {
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
   }
 
-  /// The next value; nothing at the end of the file or where an ascii token is not a number.
+  /// The next value. Nothing at the end of the file, or if an ascii token is not a number.
   Expected<double> value(Type type, const Element& element, std::uint64_t number) {
     if (format_ == Format::kAscii) {
       while (at_ < text_.size() && std::strchr(" \t\r\n", text_[at_]) != nullptr && text_[at_] != '\0') ++at_;
@@ -359,7 +361,7 @@ class PlyReader {
   }
 
   Expected<void> body(const Element& element) {
-    if (element.properties.empty()) return {};  // whatever its count
+    if (element.properties.empty()) return {};  // an element without properties has no data
     for (std::uint64_t number = 0; number < element.count; ++number) {
       std::array<double, kFields> fields{};
       std::array<bool, kFields> has{};
@@ -471,7 +473,7 @@ class PlyReader {
   std::size_t token_start_ = 0;
   Format format_ = Format::kAscii;
   std::vector<Element> elements_;
-  /// A face that comes before the vertices.
+  /// A face that precedes the vertices in the file.
   struct EarlyFace {
     std::uint64_t number;
     std::vector<std::uint32_t> corners;

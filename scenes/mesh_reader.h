@@ -1,4 +1,4 @@
-// Triangle meshes from Wavefront OBJ, Stanford PLY and Mitsuba's serialized files.
+// Reads triangle meshes from Wavefront OBJ, Stanford PLY and Mitsuba's serialized files.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// Which attributes of vertices and of faces become a mesh's colours.
+/// The names of the vertex attribute and of the face attribute that become a mesh's colours.
 struct MeshAttributeNames {
   std::string vertex = "color", face = "color";
 };
@@ -20,7 +20,7 @@ struct MeshAttributeNames {
 struct MeshFile {
   Mesh mesh;
   FaceFindings faces;
-  bool face_normals = false;  ///< the file says that vertex normals are not wanted
+  bool face_normals = false;  ///< the file asks for face normals instead of vertex normals
   std::vector<std::string> warnings = {};
 };
 
@@ -39,22 +39,22 @@ struct ObjName {
   SourceLocation location;
 };
 
-/// The faces of one object (or group) and one material, wherever in the file they are.
+/// All faces of one object (or group) and one material. They need not be adjacent in the file.
 struct ObjGroup {
-  std::string object;       ///< of the last `o` or `g`; empty: none
-  ObjName material;         ///< of `usemtl`; an empty name: none
+  std::string object;       ///< from the last `o` or `g`; empty: none
+  ObjName material;         ///< from `usemtl`; an empty name: none
   SourceLocation location;  ///< of the first face
   Mesh mesh;
   FaceFindings faces;
 };
 
 struct ObjModel {
-  std::vector<ObjName> libraries;  ///< of `mtllib`, a whole line each
+  std::vector<ObjName> libraries;  ///< from `mtllib`; each is the rest of a line
   std::vector<ObjGroup> groups;    ///< in the order of their first faces
   std::vector<std::string> warnings;
 };
 
-/// The same as read_obj, by object and material.
+/// Like read_obj, but with one mesh per object and material.
 Expected<ObjModel> read_obj_groups(const SourceFile& file);
 
 /// The same of a PLY file, ascii or binary of either byte order, whatever the order and types of its
@@ -68,10 +68,10 @@ Expected<ObjModel> read_obj_groups(const SourceFile& file);
 /// NAME is P_color, and `color` of red, green, blue (or r, g, b), too.
 Expected<MeshFile> read_ply(const SourceFile& file, const MeshAttributeNames& attributes = {});
 
-/// A mesh of a serialized file of Mitsuba, of version 3 or 4, by its index from 0 on: single or double
-/// precision, with normals, texture coordinates and colours where it has them. Errors: another format or
-/// version, no mesh of that index, data that are damaged or end early, numbers that are not finite, indices
-/// out of range.
+/// The mesh number `index`, counted from 0, of a serialized file of Mitsuba (version 3 or 4). Numbers may be
+/// in single or double precision; normals, texture coordinates and colours are optional. Errors: another
+/// format or version, no mesh of that index, data that are damaged or end early, numbers that are not finite,
+/// indices out of range.
 Expected<MeshFile> read_serialized(const SourceFile& file, std::int64_t index);
 
 }  // namespace penumbra

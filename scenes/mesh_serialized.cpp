@@ -17,10 +17,10 @@ static_assert(std::endian::native == std::endian::little, "the format's numbers 
 constexpr std::uint16_t kFormat = 0x041c;
 constexpr std::size_t kHeaderBytes = 4;  // format and version
 constexpr int kFirstVersion = 3, kLastVersion = 4;
-/// Deflate makes at most 1032 bytes of one (zlib's technical details).
+/// Deflate expands a byte to at most 1032 bytes (zlib's technical details).
 constexpr std::uint64_t kMostInflation = 1032;
 constexpr std::size_t kMaxNameBytes = 65536;
-constexpr std::size_t kChunk = std::size_t{1} << 20;  // values that are made room for at once
+constexpr std::size_t kChunk = std::size_t{1} << 20;  // number of values for which memory is reserved at once
 
 enum Flag : std::uint32_t {
   kNormals = 0x0001,
@@ -32,7 +32,7 @@ enum Flag : std::uint32_t {
 };
 constexpr std::uint32_t kKnownFlags = kNormals | kTexcoords | kColours | kFaceNormals | kSingle | kDouble;
 
-/// The bytes that a zlib stream unpacks to, in order.
+/// Reads the decompressed bytes of a zlib stream in order.
 class InflatedStream {
  public:
   explicit InflatedStream(std::string_view packed) {
@@ -44,7 +44,7 @@ class InflatedStream {
   InflatedStream(const InflatedStream&) = delete;
   InflatedStream& operator=(const InflatedStream&) = delete;
 
-  /// Exactly so many bytes. Errors: the stream ends before, or is damaged.
+  /// Reads exactly `bytes` bytes. Errors: the stream ends early or is damaged.
   Expected<void> read(void* to, std::size_t bytes) {
     auto* out = static_cast<Bytef*>(to);
     while (bytes > 0) {
@@ -78,7 +78,7 @@ class InflatedStream {
 
  private:
   z_stream stream_{};
-  std::size_t left_ = 0;  ///< packed bytes beyond those that zlib was given
+  std::size_t left_ = 0;  ///< compressed bytes not passed to zlib yet
   bool ready_ = false;
 };
 
@@ -110,7 +110,7 @@ class SerializedReader {
     return fail(fmt::format("{}: error: {}", file_.path.string(), message));
   }
 
-  /// Of the header at `at`; the version.
+  /// Checks the header at `at` and returns the version.
   Expected<int> check_header(std::size_t at) const {
     if (bytes_.size() < kHeaderBytes || at > bytes_.size() - kHeaderBytes)
       return fail("the file ends early: there is no room for a header");
@@ -126,7 +126,7 @@ class SerializedReader {
     return version;
   }
 
-  /// Where the mesh starts, by the table at the end of the file.
+  /// The offset of the mesh, from the table at the end of the file.
   Expected<std::size_t> offset() const {
     if (index_ < 0) return fail(fmt::format("shape_index is {}: meshes are counted from 0", index_));
     const auto version = check_header(0);
@@ -201,7 +201,7 @@ class SerializedReader {
     return done;
   }
 
-  /// A value for each vertex. Room is made as the values arrive, not on the word of their number.
+  /// Reads one value per vertex. Memory grows as values arrive, because the stated count is not trusted.
   template <typename Number, typename Vector>
   Expected<void> values(InflatedStream& stream, std::uint64_t count, std::vector<Vector>& to,
                         std::string_view what) {

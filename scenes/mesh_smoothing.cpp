@@ -10,15 +10,15 @@
 namespace penumbra {
 namespace {
 
-/// Normals that one point may have: beyond them every face has its own. It bounds the time that hubs of very
-/// many faces take.
+/// The largest number of normals at one point; beyond it every face has its own. It limits the time for
+/// points with very many faces.
 constexpr std::size_t kMostNormals = 256;
 
 struct FaceCorner {
   std::uint32_t triangle, corner;
 };
 
-/// Faces about a point that share a normal.
+/// Faces around a point that share a normal.
 struct Cluster {
   glm::dvec3 first, sum;
 };

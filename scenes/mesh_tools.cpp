@@ -12,12 +12,12 @@
 namespace penumbra {
 namespace {
 
-/// |(b - a) x (c - a)| over the square of the longest edge, at or below which a triangle has no area: far
-/// below the sliver of aspect 1e7, above the rounding of collinear points.
+/// A triangle has no area if |(b - a) x (c - a)| over the square of its longest edge is at most this. It is
+/// far below a sliver of aspect ratio 1e7, and above the rounding of collinear points.
 constexpr double kFlatTriangle = 1e-14;
-/// The cosine's distance from 1 within which a vertex normal is the face's.
+/// A vertex normal equals the face normal if the cosine between them differs from 1 by at most this.
 constexpr double kSameNormal = 1e-9;
-/// The sine within which a file's normal is the face's.
+/// A normal from a file equals the face normal if the sine between them is at most this.
 constexpr double kFileNormal = 1e-3;
 
 glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
@@ -29,11 +29,11 @@ bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
   const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   if (!(longest > 0.0)) return true;
-  // Divided before they are multiplied: tiny and huge scenes must not underflow or overflow.
+  // Divide before multiplying, so that tiny and huge scenes neither underflow nor overflow.
   return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
 }
 
-/// Whether its area, if it has any, is too small for single precision.
+/// Whether its area is too small for single precision, or zero.
 bool is_tiny(const Mesh& mesh, const glm::uvec3& t) { return !(triangle_cross(mesh, t) > kSmallestCross); }
 
 std::size_t drop_flat_triangles(Mesh& mesh) {
@@ -51,7 +51,7 @@ std::size_t drop_flat_triangles(Mesh& mesh) {
 
 double angle(glm::dvec3 u, glm::dvec3 v) { return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)); }
 
-/// Angle-weighted sums of the unit normals of the faces about each vertex, not normalised.
+/// For each vertex the sum of the adjacent faces' unit normals, weighted by angle; not normalised.
 std::vector<glm::dvec3> summed_face_normals(const Mesh& mesh) {
   std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3(0.0));
   for (const glm::uvec3& t : mesh.triangles) {
@@ -76,7 +76,7 @@ void add_smooth_normals(Mesh& mesh) {
   if (faceted) return;
   mesh.normals.resize(sums.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    // Where opposite faces meet there is no normal; any does, and vertices of no face are never seen.
+    // Where opposite faces meet there is no normal, so any will do. Vertices without a face are never seen.
     const double length = glm::length(sums[i]);
     mesh.normals[i] = length > 1e-12 ? glm::vec3(sums[i] / length) : glm::vec3(0.0f, 0.0f, 1.0f);
   }
@@ -105,7 +105,8 @@ void wind_with_normals(Mesh& mesh) {
   }
 }
 
-/// Quads (0, 1, 2, 3) of consecutive positions as triangles, wound so that their front stays where it was.
+/// Adds quads (0, 1, 2, 3) of consecutive positions as triangles, wound so that their front is the
+/// transformed front.
 void add_quads(Mesh& mesh, const glm::dmat4& to_world) {
   const bool mirror = is_mirror(to_world);
   for (glm::dvec3& p : mesh.positions) p = transform_point(to_world, p);
@@ -116,7 +117,7 @@ void add_quads(Mesh& mesh, const glm::dmat4& to_world) {
   }
 }
 
-/// Of a corner of the cube's side along `axis`, as Mitsuba's cube has them.
+/// The texture coordinates, as in Mitsuba, of a corner of the cube's side along `axis`.
 glm::vec2 cube_texcoord(int axis, double side, const glm::dvec3& p) {
   const bool far = side > 0.0;
   const glm::dvec2 uv = axis == 0   ? glm::dvec2(p.y, far ? -p.z : p.z)
@@ -189,7 +190,7 @@ Mesh make_rectangle(const glm::dmat4& to_world) {
 Mesh make_elliptic_disk(const glm::dmat4& to_world) {
   constexpr int kSides = 512;  // the edge is within 4e-5 of a radius
   constexpr double kTurn = 2.0 * std::numbers::pi / kSides;
-  // What a circle's area is over that of the polygon within it.
+  // The polygon's radius such that its area is that of the unit disk.
   const double radius = std::sqrt(kTurn / std::sin(kTurn));
   const bool mirror = is_mirror(to_world);
   Mesh mesh;
@@ -201,7 +202,7 @@ Mesh make_elliptic_disk(const glm::dmat4& to_world) {
     return std::uint32_t(mesh.positions.size() - 1);
   };
   for (int i = 0; i < kSides; ++i) {
-    // The centre lies in the middle of each sector.
+    // Each sector has its own centre vertex, whose texture coordinate is the middle of the sector.
     const std::uint32_t centre = corner(0.0, i + 0.5), first = corner(1.0, i), second = corner(1.0, i + 1);
     mesh.triangles.push_back(mirror ? glm::uvec3(centre, second, first) : glm::uvec3(centre, first, second));
   }
@@ -212,7 +213,7 @@ Mesh make_cube(const glm::dmat4& to_world) {
   Mesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      // (u, v, axis) is right-handed; the far side runs the other way round.
+      // (u, v, axis) is right-handed; the opposite side is wound the other way.
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       for (const glm::vec2& corner : kQuadTexcoords) {
         glm::dvec3 p;

@@ -1,4 +1,4 @@
-// What every mesh goes through between its file and the scene.
+// Steps that prepare a mesh from a file for rendering, and meshes of simple shapes.
 #pragma once
 
 #include <cstddef>
@@ -11,45 +11,46 @@
 namespace penumbra {
 
 struct MeshCleaning {
-  std::size_t flat_triangles = 0;  ///< left out: they have no area
-  std::size_t bad_normals = 0;     ///< missing, of no length or an infinite one: replaced by computed ones
+  std::size_t flat_triangles = 0;  ///< triangles left out because they have no area
+  /// Normals that were missing, zero or infinite, and were replaced by computed ones.
+  std::size_t bad_normals = 0;
 };
 
-/// What readers warn of: "left out 2 triangles without area", "1 normal is missing or of no length; …".
+/// The warnings of readers: "left out 2 triangles without area", "1 normal is missing or of no length; …".
 std::vector<std::string> describe(const MeshCleaning& cleaning);
 
-/// Takes a mesh from its own space to the world's and makes it fit to render:
-///  - without normals of its own, and unless `face_normals`, it gets smooth ones, weighted by the angle of
-///  each corner
-///    (Thürmer and Wüthrich 1998), as Mitsuba does; a mesh that is flat at every vertex stays faceted;
-///  - a triangle whose corners' normals point to its back is wound the other way, so that the geometric and
-///  the
-///    shading normal agree; one without normals keeps its winding, and so its front side turns with a mirror;
-///  - triangles without area, or with one too small for single precision, are left out.
-/// `to_world` is not singular. Errors: as of check_traceable; all triangles are too small.
+/// Transforms a mesh to world space and prepares it for rendering:
+///   - Smooth normals are computed if the mesh has none and `face_normals` is false. They are weighted by the
+///     angle of each corner (Thürmer and Wüthrich 1998), as in Mitsuba. A mesh that is flat at every vertex
+///     stays faceted.
+///   - A triangle whose vertex normals point to its back gets the opposite winding, so that the geometric and
+///     the shading normal agree. A triangle without normals keeps its winding, so a mirroring transform swaps
+///     its front and back.
+///   - Triangles without area, or with an area too small for single precision, are left out.
+/// `to_world` must not be singular. Errors: those of check_traceable; no triangle is left.
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
 
-/// Gives a faceted mesh normals that are smooth but for edges: about every point, faces that are at most
-/// `degrees` from the first of them share a normal, weighted by the angles of their corners; then the first
-/// of those that are left, and so on (Mitsuba 0.6's rule). Vertices are split where that takes it. One
-/// without a smooth vertex stays faceted. Its triangles have area.
+/// Gives a faceted mesh normals that are smooth except at edges (Mitsuba 0.6's rule). At every point, the
+/// faces within `degrees` of the first of them share a normal, weighted by the angles of their corners; then
+/// the first of the remaining faces starts the next group, and so on. Vertices are split where necessary. A
+/// mesh without a smooth vertex stays faceted. All triangles must have area.
 void smooth_up_to(Mesh& mesh, double degrees);
 
-/// Takes a mesh's normals away if all of them are those of its faces, but for the rounding of files: normals
-/// of four decimals, on triangles of six decimals and a thousandth of the scene's unit. Then it is faceted,
-/// and exactly so. Its triangles have area.
+/// Removes a mesh's vertex normals if all of them equal the face normals up to the rounding of files: normals
+/// with four decimals, on triangles with six decimals and a size of a thousandth of the scene's unit. The
+/// mesh is then exactly faceted. All triangles must have area.
 void drop_face_normals(Mesh& mesh);
 
-/// The square [-1, 1]² at z = 0 with its front towards +z, faceted, under a transform; the front follows the
+/// The square [-1, 1]² at z = 0 with its front towards +z, faceted and transformed. The front follows the
 /// transformed normal.
 Mesh make_rectangle(const glm::dmat4& to_world);
 
-/// The unit disk at z = 0 with its front towards +z, under a transform, as a polygon of the same area; the
-/// front follows the transformed normal. Texture coordinates are Mitsuba's: the distance from the centre, and
-/// the share of a turn.
+/// The unit disk at z = 0 with its front towards +z, transformed, as a polygon of the same area. The front
+/// follows the transformed normal. Texture coordinates are Mitsuba's: the distance from the centre, and the
+/// fraction of a full turn.
 Mesh make_elliptic_disk(const glm::dmat4& to_world);
 
-/// The cube [-1, 1]³ with its front outside, faceted, under a transform.
+/// The cube [-1, 1]³ with its front outside, faceted and transformed.
 Mesh make_cube(const glm::dmat4& to_world);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Meshes as files.
+// Writes meshes to files.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-/// A binary, little-endian PLY file of all that a mesh has: read_ply makes the same mesh of it.
+/// The mesh as a binary, little-endian PLY file. read_ply restores the same mesh.
 std::string ply_of(const Mesh& mesh);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// What is asked of names: the one place where their spellings are made alike, and their longest.
+// Names in scene files: spelling variants, maximum length, file extensions.
 #pragma once
 
 #include <filesystem>
@@ -12,20 +12,21 @@ namespace penumbra {
 /// toWorld, to_world → to_world; intIOR → int_ior; B → b.
 std::string to_snake_case(std::string_view name);
 
-/// A to Z as a to z, whatever the locale.
+/// Replaces A to Z by a to z, independent of the locale.
 std::string to_lower_case(std::string_view text);
 
-/// ".exr" of "a.EXR"; empty where there is none, as of ".exr".
+/// The extension in lower case: ".exr" for "a.EXR". Empty if there is none; ".exr" has none.
 std::string extension_of(const std::filesystem::path& path);
 
-/// Bytes that the name of an object, shape or material may have: scenes hold each in several places.
+/// The longest name of an object, shape or material, in bytes. A scene stores each name several times, hence
+/// the limit.
 constexpr std::size_t kMaxNameBytes = 1024;
 
-/// An error for a longer one; `kind` is "id", "name of a material".
+/// Error if `name` is longer. `kind` is "id" or "name of a material", for example.
 Expected<void> check_name_length(std::string_view kind, std::string_view name);
 
-/// Whether it is what readers call something that has no name in its file, for messages: "TYPE at
-/// FILE:LINE:COLUMN", perhaps with a part's name in brackets.
+/// Whether the name is one that readers make up for messages about something unnamed: "TYPE at
+/// FILE:LINE:COLUMN", possibly followed by a part's name in brackets.
 bool is_place_name(std::string_view name);
 
 }  // namespace penumbra

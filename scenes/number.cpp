@@ -11,7 +11,7 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f'; }
 
-/// The text for a message: cut where it is long, control characters replaced.
+/// The text for a message: shortened, and with control characters replaced.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   std::string shown(text.substr(0, kLongest));
@@ -43,7 +43,8 @@ Expected<double> parse_number(std::string_view text) {
     return fail(fmt::format("{} is not a number", quoted(text)));
   }
   if (code == std::errc::result_out_of_range) {
-    // The standard does not say which end was passed; a negative exponent or leading zeros do.
+    // The standard does not say whether the number overflowed or underflowed. A negative exponent or leading
+    // zeros tell.
     const std::size_t exponent = token.find_first_of("eE");
     const bool tiny = exponent == token.npos ? token.find_first_of("123456789") > token.find('.')
                                              : token.substr(exponent + 1).starts_with('-');

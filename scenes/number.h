@@ -1,4 +1,5 @@
-// Numbers in text: the same in every locale, whole tokens only, never NaN or infinite.
+// Numbers in text. They are read the same way in every locale. The whole token must be a number, and it must
+// be finite.
 #pragma once
 
 #include <cstdint>

@@ -51,7 +51,7 @@ PluginParameter parameter_of(const Setting& setting, const std::string& name) {
   return {name, setting.values, setting_default(setting), setting.description};
 }
 
-/// Settings under the names that they have there.
+/// Adds settings under their names in the plugin.
 void add_settings(PluginEntry& entry, const std::string& prefix, const mitsuba::SettingNames& names) {
   for (const std::string& name : names)
     entry.parameters.push_back(parameter_of(*find_setting(prefix + name), name));

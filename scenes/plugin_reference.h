@@ -1,4 +1,4 @@
-// The reference of all plugins that are read, made from the rows of their parameters.
+// The reference of all supported plugins, generated from the table rows of their parameters.
 #pragma once
 
 #include <span>
@@ -10,25 +10,25 @@ namespace penumbra {
 
 struct PluginParameter {
   std::string name;
-  std::string values;         ///< what is right, in words
-  std::string default_value;  ///< empty: there is none, or an empty text
-  std::string text;           ///< what it is
+  std::string values;         ///< the accepted values, in words
+  std::string default_value;  ///< empty: no default, or the empty text
+  std::string text;           ///< description
 };
 
 struct PluginEntry {
   std::string kind;  ///< the tag in Mitsuba's files: "bsdf"
   std::string name;
-  std::string text;  ///< up to its first semicolon a phrase for a list
+  std::string text;  ///< description; the part before its first semicolon is short enough for a list
   std::vector<PluginParameter> parameters;
-  std::vector<std::string> aliases = {};   ///< other names, read as this one
-  std::vector<std::string> replaces = {};  ///< plugins that this one renders instead, with a warning
+  std::vector<std::string> aliases = {};   ///< other names of the same plugin
+  std::vector<std::string> replaces = {};  ///< plugins that are rendered as this one, with a warning
 
   [[nodiscard]] std::string phrase() const { return text.substr(0, text.find(';')); }
-  /// Whether it is called so in files, also by another name.
+  /// Whether `other` is the plugin's name in scene files or one of its aliases.
   [[nodiscard]] bool is_called(std::string_view other) const;
 };
 
-/// All that Mitsuba's files may hold, by kind.
+/// All supported plugins of Mitsuba's scene files, sorted by kind.
 std::span<const PluginEntry> all_plugins();
 
 }  // namespace penumbra

@@ -1,5 +1,5 @@
-// What values the parameters of plugins take, beside those of settings (setting_values.h): each says in words
-// what is right. Textures may stand for colours and numbers of these kinds.
+// The types of plugin parameters, beside those of settings (setting_values.h). Each describes its accepted
+// values in words. Colours and numbers of these types may be textures.
 #pragma once
 
 #include <limits>
@@ -20,15 +20,16 @@ struct ColourWithin {
   [[nodiscard]] std::string values() const;
 };
 
-/// A colour whose channels are refractive indices, or absorption: of a spectrum, what it looks like under
-/// D65, without a limit.
+/// A colour whose channels are refractive indices or absorption coefficients. A spectrum is converted as a
+/// reflectance under D65, but without an upper limit.
 struct IndexColour {
   [[nodiscard]] bool contains(float value) const { return value >= 0.0f && value <= kMostIndex; }
   [[nodiscard]] std::string values() const;
   static constexpr float kMostIndex = 1e4f;
 };
 
-/// The same of a medium: a volume may stand for it. Beyond 1 it is a coefficient in 1 / scene unit.
+/// A colour of a medium, which may be a volume. With an upper limit above 1 it is a coefficient in 1 / scene
+/// unit.
 struct VolumeColour : ColourWithin {};
 
 /// A number with low < value <= high, or low <= value <= high.
@@ -41,14 +42,14 @@ struct NumberWithin {
   [[nodiscard]] std::string values() const;
 };
 
-/// A point of the scene, a file's name, a transform; what is read is what is given.
+/// A point in the scene, a file name or a transform. The value is taken as it is.
 struct AnyPoint {
   [[nodiscard]] static std::string values() { return "point"; }
 };
 struct FileName {
   [[nodiscard]] static std::string values() { return "name of a file"; }
 };
-/// A number in double precision, which its plugin checks.
+/// A number in double precision. The plugin itself checks its range.
 struct AnyNumber {
   const char* words;
   [[nodiscard]] std::string values() const { return words; }
@@ -63,7 +64,7 @@ struct AnyTransform {
 
 constexpr float kAnyNumber = std::numeric_limits<float>::max();
 
-/// Defaults, for people.
+/// Default values as text, for the reference.
 std::string print_default(const TexturedColour& colour);
 std::string print_default(const TexturedNumber& number);
 std::string print_default(const glm::vec3& colour);
@@ -74,13 +75,13 @@ std::string print_default(float number);
 std::string print_default(double number);
 std::string print_default(bool value);
 
-/// Whether a texture may stand for it.
+/// Whether a parameter of type T may be a texture.
 template <typename T>
 constexpr bool kMayBeTexture = std::is_same_v<T, TexturedColour> || std::is_same_v<T, TexturedNumber>;
 
-/// What is wrong with a plugin as a whole once its parameters are read, or worth a warning.
+/// An error or warning about a plugin, found after all its parameters were read.
 struct Finding {
-  std::string parameter;  ///< where; empty: the plugin
+  std::string parameter;  ///< the parameter concerned; empty: the plugin as a whole
   std::string message;
   bool is_warning = false;
 };

@@ -14,11 +14,12 @@ namespace {
 
 using Points = std::vector<glm::dvec2>;
 
-/// The polygon in its own plane, its extent scaled to about 1.
+/// The polygon in its plane, scaled to an extent of about 1.
 struct FlatPolygon {
   Points points;
-  std::vector<std::uint32_t> corners;  ///< which corner of the polygon each point is
-  double position_error = 0.0;         ///< of a point's coordinates, by the rounding of the corners'
+  std::vector<std::uint32_t> corners;  ///< for each point the index of its corner
+  /// Bound on the error of a point's coordinates due to the rounding of the corners.
+  double position_error = 0.0;
 };
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -38,8 +39,8 @@ double largest(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), st
 
 enum class Outline { kNoArea, kConvex, kConcave, kTangled };
 
-/// kNoArea: none that can be told from rounding. kTangled: its parts have area, which cancels. Else kConcave,
-/// and `flat` and `deviation` (as in Triangulation) are set.
+/// Projects the corners to the polygon's plane. kNoArea: the area is zero within rounding. kTangled: parts
+/// have area, but it cancels. Otherwise kConcave; then `flat` and `deviation` (as in Triangulation) are set.
 Outline flatten(std::span<const glm::dvec3> corners, FlatPolygon& flat, double& deviation) {
   double extent = 0.0, furthest = 0.0;
   for (const glm::dvec3& corner : corners) {
@@ -57,7 +58,7 @@ Outline flatten(std::span<const glm::dvec3> corners, FlatPolygon& flat, double& 
     most = std::max(most, largest(part));
     mean += scaled(i) / double(corners.size());
   }
-  // Products of numbers that are each wrong by position_error and at most 1, and sums of them.
+  // The error of sums of products of numbers that are at most 1 and off by position_error.
   const double error = 4.0 * flat.position_error;
   if (!(most > error)) return Outline::kNoArea;
   if (!(glm::length(normal) > error * double(corners.size()))) return Outline::kTangled;
@@ -68,7 +69,7 @@ Outline flatten(std::span<const glm::dvec3> corners, FlatPolygon& flat, double& 
     const glm::dvec3 p = scaled(i);
     deviation = std::max(deviation, std::abs(glm::dot(p - mean, normal)));
     const glm::dvec2 point(glm::dot(p, u), glm::dot(p, v));
-    // A corner that is there twice in a row is one.
+    // Consecutive equal corners are merged.
     if (!flat.points.empty() && point == flat.points.back()) continue;
     flat.points.push_back(point);
     flat.corners.push_back(std::uint32_t(i));
@@ -80,7 +81,8 @@ Outline flatten(std::span<const glm::dvec3> corners, FlatPolygon& flat, double& 
   return flat.points.size() < 3 ? Outline::kNoArea : Outline::kConcave;
 }
 
-/// By the turns at the corners alone: their sum is one revolution for an outline that does not cross itself.
+/// Classifies by the turns at the corners: for an outline that does not cross itself they sum to one
+/// revolution.
 Outline classify_turns(const FlatPolygon& flat) {
   const Points& p = flat.points;
   const std::size_t n = p.size();
@@ -93,7 +95,7 @@ Outline classify_turns(const FlatPolygon& flat) {
     const double error = 8.0 * flat.position_error * longer;
     if (std::abs(sine) <= error) {
       if (cosine < 0.0) return Outline::kTangled;  // it folds back
-      convex = false;                              // a corner on a straight edge: no place for a fan
+      convex = false;                              // a corner on a straight edge: a fan is not possible
     } else {
       convex = convex && sine > 0.0;
     }
@@ -104,7 +106,7 @@ Outline classify_turns(const FlatPolygon& flat) {
   return convex ? Outline::kConvex : Outline::kConcave;
 }
 
-/// Whether two edges cross at a point inside both, by more than rounding.
+/// Whether two edges cross in the interior of both, by more than rounding.
 bool crosses_itself(const FlatPolygon& flat) {
   const Points& p = flat.points;
   const std::size_t n = p.size();
@@ -139,7 +141,7 @@ class EarClipper {
     no_ear_.fill(std::vector<bool>(n, false));
   }
 
-  /// False where no ear is left though every simple polygon has two: it is not simple.
+  /// Returns false if no ear is left. Every simple polygon has two, so this one is not simple.
   bool clip() {
     std::size_t left = p_.size();
     std::uint32_t at = 0;
@@ -155,8 +157,9 @@ class EarClipper {
 
   enum Test : std::size_t { kStrict, kLoose };
 
-  /// A corner where the outline turns left, with no other corner in the triangle that it is the tip of:
-  /// kStrict: none on the triangle's border either, but for corners at the places of its own three.
+  /// Whether a corner is an ear: the outline turns left there, and no other corner lies in the triangle that
+  /// it forms with its neighbours. With kStrict none may lie on the triangle's border either, except corners
+  /// that coincide with one of its three.
   [[nodiscard]] bool is_ear(std::uint32_t tip, Test test) const {
     if (!(turn_at(tip) > error_)) return false;
     const glm::dvec2 a = p_[previous_[tip]], b = p_[tip], c = p_[next_[tip]];
@@ -171,8 +174,8 @@ class EarClipper {
     return true;
   }
 
-  /// Looks for an ear from `at` on, cuts it, and leaves `at` behind it. A corner that was found to be none is
-  /// not looked at again before one of its neighbours is gone, which no other cut makes an ear of it.
+  /// Finds the next ear from `at` on, cuts it, and moves `at` behind it. A corner that is not an ear is not
+  /// tested again until one of its neighbours is cut; no other cut can make it an ear.
   bool cut_one(std::uint32_t& at, std::size_t left, Test test) {
     for (std::size_t tried = 0; tried < left; ++tried, at = next_[at]) {
       if (no_ear_[test][at]) continue;
@@ -198,7 +201,7 @@ class EarClipper {
     for (auto& no_ear : no_ear_) no_ear[before] = no_ear[after] = false;
   }
 
-  /// What is left is a line there and back, or nearly: a corner goes without a triangle.
+  /// Removes a corner without a triangle when the rest is (nearly) a line back and forth.
   bool drop_straight(std::uint32_t& at, std::size_t left) {
     for (std::size_t tried = 0; tried < left; ++tried, at = next_[at]) {
       if (std::abs(turn_at(at)) > error_) continue;

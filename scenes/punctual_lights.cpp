@@ -6,7 +6,7 @@ namespace penumbra {
 
 namespace {
 
-/// With the z axis along the unit direction.
+/// A frame at `position` whose z axis is the unit direction.
 glm::dmat4 frame_along(const glm::dvec3& position, const glm::dvec3& direction) {
   const glm::dvec3 other = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 y = glm::normalize(glm::cross(direction, other)), x = glm::cross(y, direction);

@@ -1,4 +1,4 @@
-// What readers of other programs' formats say of what they cannot read as it is, beside plain errors.
+// How readers of other programs' formats report what they cannot represent exactly, beside plain errors.
 #pragma once
 
 #include <string>
@@ -21,12 +21,12 @@ class ReaderReport {
     diagnostics_.warn_counted(location, message);
   }
 
-  /// What there is no counterpart for: an error, or with leniency a warning that ends in `instead`, "it is
-  /// left out" for example.
+  /// Reports a feature that is not supported: an error, or in lenient mode a warning that ends in `instead`,
+  /// "it is left out" for example.
   void unsupported(SourceLocation location, std::string_view message, std::string_view instead);
 
-  /// place_mesh, with an error or warnings for what it finds. Whether the mesh is fit to render, which one
-  /// without triangles is not.
+  /// Calls place_mesh and reports its errors and warnings. Returns whether the mesh can be rendered; a mesh
+  /// without triangles cannot.
   bool place(Mesh& mesh, const glm::dmat4& to_world, bool face_normals, const std::string& name,
              SourceLocation location);
 
@@ -38,7 +38,7 @@ class ReaderReport {
   bool lenient_;
 };
 
-/// What stands in for a material or a texture that is not read: nothing in nature has this colour.
+/// The placeholder colour of a material or texture that could not be read. It is deliberately unnatural.
 constexpr glm::vec3 kUnreadColour(0.8f, 0.2f, 0.8f);
 
 }  // namespace penumbra

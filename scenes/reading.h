@@ -1,4 +1,4 @@
-// What the reader of every format does before and after it reads a scene file.
+// Steps that the readers of all formats share before and after reading a scene file.
 #pragma once
 
 #include <string_view>
@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// The reading of one scene file: files that it opens, and what is said of them.
+/// The state of reading one scene file: the files opened, and the messages about them.
 class Reading {
  public:
   explicit Reading(const ReadOptions& read_options)
@@ -22,16 +22,16 @@ class Reading {
   Diagnostics diagnostics;
   ReaderReport report;
 
-  /// Variables that are defined for a scene of the format, "glTF" for example, which has none, are errors.
+  /// Reports variables defined by -D as errors, for a format that has no variables, such as "glTF".
   void refuse_variables(std::string_view format);
 
   [[nodiscard]] bool failed() const { return diagnostics.failed(); }
-  /// Only after `failed()`.
+  /// The errors as a return value. Call it only after `failed()`.
   [[nodiscard]] std::unexpected<Error> error() const { return std::unexpected(diagnostics.error()); }
 
-  /// The scene with what there is to say of it, or the errors. Settings that contradict each other are one at
-  /// `root`, unless others are still to be applied, which may put it right; without a root that is left to
-  /// read_scene.
+  /// The scene with its warnings, or the errors. Settings that contradict each other are an error at `root`,
+  /// unless further settings (--set) are still to be applied, which may resolve it. Without a root,
+  /// read_scene checks them.
   Expected<SceneDescription> finish(SceneDescription scene, SourceLocation root = {});
 };
 

@@ -12,10 +12,10 @@ namespace penumbra {
 namespace {
 
 // Measured spectra of the SOPRA database and of E. D. Palik, Handbook of Optical Constants of Solids (1985
-// and 1991), as what they look like under D65 (see spectrum.h); negative channels are 0. Mitsuba's names,
-// which have some materials twice.
+// and 1991), converted to linear Rec. 709 under D65 (see spectrum.h). Negative channels are set to 0. The
+// names are Mitsuba's, which has some materials twice.
 struct Conductor {
-  const char *name, *other_name;  ///< null: there is no other
+  const char *name, *other_name;  ///< null: no other name
   glm::vec3 eta, k;
 };
 // clang-format off
@@ -64,7 +64,8 @@ constexpr Conductor kConductors[] = {
 };
 // clang-format on
 
-// At the sodium D line (589.3 nm): as Mitsuba has them, after the tables of physics and of makers of glass.
+// Indices at the sodium D line (589.3 nm), as in Mitsuba, which took them from tables of physics and of glass
+// makers.
 struct Dielectric {
   const char* name;
   float index;

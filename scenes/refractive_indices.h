@@ -1,4 +1,4 @@
-// Refractive indices of known materials, by the names that Mitsuba has for them.
+// Refractive indices of named materials, with Mitsuba's names.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,14 +9,14 @@
 
 namespace penumbra {
 
-/// Of a conductor: eta - i k, each as linear Rec. 709. As it stands, a perfect mirror.
+/// The complex index of a conductor, eta - i k, each as linear Rec. 709. The default is a perfect mirror.
 struct ComplexIndex {
   glm::vec3 eta{0.0f}, k{1.0f};
 };
 
 constexpr int kMirror = -1;  ///< the conductor "none"
 
-/// "none" and the conductors, and their numbers.
+/// The names of the conductors and "none", with their numbers.
 OneOf<int> conductor_names();
 ComplexIndex conductor_index(int conductor);
 
@@ -25,7 +25,7 @@ struct RefractiveIndex {
   static constexpr float kLeast = 1e-3f, kMost = 1e3f;
   [[nodiscard]] bool contains(float value) const { return value >= kLeast && value <= kMost; }
   [[nodiscard]] std::string values() const;
-  /// Of a name; letters may be of either case.
+  /// The index of the named material; letter case is ignored.
   [[nodiscard]] Expected<float> parse(std::string_view name) const;
 };
 

@@ -24,13 +24,15 @@
 namespace penumbra {
 namespace {
 
-/// A format: a new one is one more row here.
+/// A scene format. A new format needs one more row here.
 struct Format {
   std::string name;
   std::string extension;
-  char first_character;  ///< after white space and lines of comment, where the extension says nothing
+  /// The first character after white space and comment lines; used if the extension is unknown.
+  char first_character;
   std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
-  /// Of formats that share an extension: whether the file is of this one. Empty: what is of no other.
+  /// For formats that share an extension: whether the file has this format. Empty: all files that match no
+  /// other.
   std::function<bool(const std::filesystem::path&)> is_one = {};
   bool has_dialects = false;
 
@@ -47,7 +49,8 @@ std::span<const Format> formats() {
   return table;
 }
 
-/// Past a byte order mark, white space, and the lines of comment that TOML may begin with.
+/// The first character after a byte order mark, white space, and comment lines, with which TOML files may
+/// begin.
 char first_character(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   for (const int byte : {0xEF, 0xBB, 0xBF}) {
@@ -70,8 +73,8 @@ const Format* format_of(const std::filesystem::path& file) {
   return nullptr;
 }
 
-/// In the table's order, so that it does not matter in which they were given; of the same key the last
-/// counts.
+/// Applies settings in the order of the table, so that the order in which they were given does not matter. If
+/// a key was given twice, the last is used.
 Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
   std::map<std::ptrdiff_t, std::pair<std::string, std::string>> in_order;
   for (const auto& [key, value] : options.settings) {
@@ -91,13 +94,13 @@ bool has_light(const SceneDescription& scene) {
   return shines || std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
 }
 
-/// Lights play no part in what these show.
+/// Integrators whose image does not depend on lights.
 bool needs_no_light(const IntegratorSettings& integrator) {
   return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
          integrator.is<NormalsIntegrator>();
 }
 
-/// Warns of scenes whose image is black, or nearly, which is hardly intended.
+/// Warns about scenes whose image is black or nearly black, which is probably not intended.
 void warn_of_emptiness(SceneDescription& scene) {
   const bool light = has_light(scene);
   const auto warn = [&](std::string_view message) {
@@ -128,7 +131,7 @@ Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOpt
 }
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  // Before anything is said about its format.
+  // Check this first, before any message about the format.
   if (const auto found = check_scene_file(file, options); !found) return std::unexpected(found.error());
   const Format* format = format_of(file);
   if (format == nullptr) {

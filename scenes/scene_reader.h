@@ -1,4 +1,4 @@
-// The way in: a scene file of any format that is read, as a scene description.
+// The entry point of the readers: reads a scene file of any supported format.
 #pragma once
 
 #include <filesystem>
@@ -13,31 +13,31 @@
 namespace penumbra {
 
 struct ReadOptions {
-  /// -D name=value: fills `$name`, and beats the file's <default>. One that the scene has no use for is an
-  /// error.
+  /// -D name=value: the value of `$name`. It overrides the file's <default>. A variable that the scene does
+  /// not use is an error.
   std::vector<std::pair<std::string, std::string>> defines = {};
-  /// --set key=value (see settings.h), applied over what the file says.
+  /// --set key=value (see settings.h), applied after the scene file.
   std::vector<std::pair<std::string, std::string>> settings = {};
-  /// What can be parsed is rendered: what is not known, not there or out of range becomes a warning, and
-  /// something that can be seen in the picture, or is left out.
+  /// Render whatever can be parsed. Whatever is unknown, missing or out of range becomes a warning; it is
+  /// left out or replaced by a visible placeholder.
   bool lenient = false;
-  /// Every warning is an error.
+  /// Treat every warning as an error.
   bool strict = false;
-  /// Of formats that have dialects: "nori" or "nori-eth". Empty: what the file tells.
+  /// For formats with dialects: "nori" or "nori-eth". Empty: determined from the file.
   std::string dialect = {};
-  /// For scenes from elsewhere: every file must lie inside this folder, symbolic links followed.
+  /// For untrusted scenes: every file must lie inside this folder after following symbolic links.
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };
 
-/// Those that are read, for people: "Mitsuba XML (.xml)".
+/// The supported formats as text for users: "Mitsuba XML (.xml)".
 std::vector<std::string> scene_formats();
 
-/// Reads a scene; its format is told by the file's name, else by its first character. Errors: everything
-/// wrong with it, each with file, line, column, the source line and a caret. A scene without shapes or
-/// without light is one, with a warning.
+/// Reads a scene. The format is determined by the file's name, else by its first character. A scene without
+/// shapes or without emitters is valid but gets a warning. Errors: everything that is wrong, each with file,
+/// line, column, the source line and a caret.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
-/// Whether the file is there and may be looked at, as read_scene would find out.
+/// Checks that the file exists and may be read, as read_scene would.
 Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace penumbra

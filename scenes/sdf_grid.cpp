@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostPoints = 2048;  ///< along an edge
 
-/// The numbers between the grid's points, by places in cells.
+/// Interpolates the values between grid points. Positions are in cells.
 class Field {
  public:
   explicit Field(const SdfGrid& grid) : grid_(grid) {}
@@ -42,7 +42,7 @@ class Field {
                                std::size_t(x)]);
   }
 
-  /// Over a cell about the place, per unit of the cube.
+  /// Central difference over one cell, per unit of the cube.
   [[nodiscard]] glm::dvec3 gradient(const glm::dvec3& place) const {
     glm::dvec3 result;
     for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,8 @@ class Field {
     return result;
   }
 
-  /// Whether the surface may pass through the cell: between its corners there is nothing beyond them.
+  /// Whether the surface may pass through the cell. The trilinear interpolation stays within the values at
+  /// the cell's corners.
   [[nodiscard]] bool crosses(int x, int y, int z) const {
     bool inside = false, outside = false;
     for (int corner = 0; corner < 8; ++corner)
@@ -66,8 +67,8 @@ class Field {
   const SdfGrid& grid_;
 };
 
-/// Tetrahedra of finer cells: each has six about its diagonal, alike in all cells, so that neighbours fit
-/// (Kuhn 1960).
+/// Marching tetrahedra on the finer cells. Each cell is divided into six tetrahedra around its diagonal, in
+/// the same way for all cells, so that neighbours match (Kuhn 1960).
 class Mesher {
  public:
   Mesher(const SdfGrid& grid, int pieces) : grid_(grid), field_(grid), pieces_(pieces) {}
@@ -108,7 +109,7 @@ class Mesher {
         outside[outs++] = corner;
     }
     if (ins == 0 || outs == 0) return;
-    // Which side is the front is up to the normals.
+    // The winding is corrected later by the normals.
     if (ins == 2) {
       const std::uint32_t a = crossing(inside[0], outside[0]), b = crossing(inside[0], outside[1]),
                           c = crossing(inside[1], outside[1]), d = crossing(inside[1], outside[0]);
@@ -123,7 +124,7 @@ class Mesher {
 
   [[nodiscard]] glm::dvec3 place(const glm::dvec3& fine) const { return fine / double(pieces_); }
 
-  /// The vertex between two points on different sides, made once.
+  /// The vertex on the edge between two points on different sides. It is created once.
   std::uint32_t crossing(const glm::ivec3& a, const glm::ivec3& b) {
     const auto number = [&](const glm::ivec3& p) {
       const auto across = [&](std::size_t axis) { return std::uint64_t(grid_.size[axis] * pieces_ + 1); };

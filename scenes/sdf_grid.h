@@ -1,4 +1,4 @@
-// Surfaces of signed distances at the points of a grid, as Mitsuba 3's sdfgrid has them.
+// Surfaces given by signed distances on a grid, as Mitsuba 3's sdfgrid.
 #pragma once
 
 #include <array>
@@ -9,19 +9,19 @@
 
 namespace penumbra {
 
-/// Numbers at points that fill the unit cube, ends and all, x fastest.
+/// Signed distances at grid points, x fastest. The points fill the unit cube, including its faces.
 struct SdfGrid {
-  std::array<int, 3> size{};  ///< points along x, y, z, at least two each
-  std::vector<float> values;  ///< below 0 inside
+  std::array<int, 3> size{};  ///< number of points along x, y, z, at least two each
+  std::vector<float> values;  ///< negative inside
 };
 
-/// A volume file of one channel, whose box has no effect. Errors: of read_volume_file, other channels, fewer
-/// than two points along an axis, or too many.
+/// Reads a volume file of one channel; its box is ignored. Errors: those of read_volume_file, more than one
+/// channel, fewer than two points along an axis, too many points.
 Expected<SdfGrid> read_sdf_grid(const SourceFile& file);
 
-/// Where the numbers, trilinear between points, are 0: triangles whose corners are on it, four a cell along
-/// each edge, or two or one in grids of more than 64 or 256 points along one. Normals are those of the
-/// gradient, over a cell.
+/// The zero level set of the trilinear interpolation, as triangles whose corners lie on it. The mesh has four
+/// divisions per cell along each axis; two or one in grids of more than 64 or 256 points along an axis.
+/// Normals are gradients, by differences over one cell.
 Mesh sdf_mesh(const SdfGrid& grid);
 
 }  // namespace penumbra

@@ -13,14 +13,14 @@ namespace {
 
 using S = RenderSettings;
 
-// Far beyond any use; it keeps radii away from overflow.
+// Far beyond any use; it prevents an overflow of the radius.
 constexpr float kMaxStddev = 1024.0f;
 constexpr float kGaussianRadius = 4.0f;  // in standard deviations
 constexpr float kMaxRadius = kGaussianRadius * kMaxStddev;
-// Far less than a pixel, and its square is still a float.
+// Far less than a pixel, but its square does not underflow.
 constexpr float kMinRadius = 1e-4f;
 
-/// A crop window that was the whole film stays the whole film.
+/// A crop window that covered the whole film is resized with the film.
 void resize(int& size, int& crop_offset, int& crop_size, int new_size) {
   if (crop_offset == 0 && crop_size == size) crop_size = new_size;
   size = new_size;
@@ -32,7 +32,7 @@ void use_filter(Film& film, FilterKind kind) {
   film.filter_radius = radii[int(kind)];
 }
 
-/// The matrix without its scale, as it is where it has none.
+/// The matrix without its scale; unchanged if it has none.
 Expected<glm::dmat4> frame_of(const glm::dmat4& matrix) {
   if (is_singular(matrix)) return fail("the matrix is singular");
   auto rigid = without_scale(matrix);
@@ -45,7 +45,7 @@ Expected<glm::dmat4> frame_of(const glm::dmat4& matrix) {
   return rigid;
 }
 
-/// How the image goes into a file. Recorded where it is not as ever.
+/// Settings of the image file. They are recorded only if they differ from the defaults.
 void add_file_rows(std::vector<Setting>& table) {
   using enum ExrCompression;
   const auto add = [&](const char* key, const auto& values, auto member, const char* description) {
@@ -71,7 +71,7 @@ void add_file_rows(std::vector<Setting>& table) {
       &Film::compression, "compression of an EXR; lossy from pxr24 on");
 }
 
-/// Some numbers that make the camera's frame.
+/// A setting of several numbers from which `make` computes the camera's frame.
 template <typename Make>
 Setting frame_row(std::string key, std::size_t count, Make make, std::string description) {
   Setting setting{.key = std::move(key),

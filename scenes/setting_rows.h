@@ -1,4 +1,4 @@
-// How rows of the table of settings are made, and its parts.
+// Functions that make the rows of the table of settings, and the parts of that table.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ void add_sampler_rows(std::vector<Setting>& table);
 void add_film_rows(std::vector<Setting>& table);
 void add_camera_rows(std::vector<Setting>& table);
 
-/// A setting of these values, but for what reads and writes it.
+/// A setting with the description of its values, but still without the functions that read and write it.
 template <typename Values>
 Setting setting_of(std::string key, const Values& values, std::string description) {
   Setting setting{.key = std::move(key),
@@ -27,7 +27,7 @@ Setting setting_of(std::string key, const Values& values, std::string descriptio
   return setting;
 }
 
-/// A row whose value store(settings, value) sets and load(settings) gets.
+/// A setting that is written by store(settings, value) and read by load(settings).
 template <typename Values, typename Load, typename Store>
 Setting row(std::string key, const Values& values, Load load, Store store, std::string description) {
   Setting setting = setting_of(std::move(key), values, std::move(description));
@@ -41,7 +41,7 @@ Setting row(std::string key, const Values& values, Load load, Store store, std::
   return setting;
 }
 
-/// A row that is a member of one of the settings' parts: member_row("sampler.seed", …,
+/// A setting that is a member of one part of the settings: member_row("sampler.seed", …,
 /// &RenderSettings::sampler, &SamplerSettings::seed, …).
 template <typename Values, typename Part, typename T>
 Setting member_row(std::string key, const Values& values, Part RenderSettings::*part, T Part::*member,

@@ -18,7 +18,7 @@ std::string range_text(const Number<T>& number) {
 }  // namespace
 
 std::string WholeNumber::values() const {
-  // An int's limit is none that anybody needs to know.
+  // The limit of int is not worth mentioning.
   return high == kMaxInt ? fmt::format("{} or more", low) : fmt::format("{} to {}", low, high);
 }
 
@@ -30,7 +30,7 @@ std::string WholeNumber::print(std::int64_t value) { return fmt::to_string(value
 
 template <typename T>
 std::string Number<T>::values() const {
-  // Nor is that of a float.
+  // Nor is the limit of float.
   return high >= std::numeric_limits<float>::max() ? fmt::format("above {}", low) : range_text(*this);
 }
 

@@ -1,5 +1,5 @@
-// What values a setting takes: each kind parses text, prints a value as text that parses back to the same,
-// and says in words what is right.
+// The types of setting values. Each type parses text, prints a value as text that parses back to the same
+// value, and describes the accepted values in words.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ struct WholeNumber {
   [[nodiscard]] static std::string print(std::int64_t value);
 };
 
-/// A number with low < value < high, or low <= value < high. It is stored as a float or a double, which
-/// is what has to be in the range.
+/// A number with low < value < high, or low <= value < high. The range applies to the number after rounding
+/// to the type that stores it, float or double.
 enum class LowEnd { kOpen, kClosed };
 template <typename T>
 struct Number {
@@ -43,7 +43,7 @@ struct Number {
   [[nodiscard]] static std::string print(T value);
 };
 
-/// A number in [low, high], or "auto", for which there is none.
+/// A number in [low, high], or "auto", which is stored as no number.
 struct NumberOrAuto {
   float low, high;
 
@@ -60,10 +60,10 @@ struct TrueOrFalse {
   [[nodiscard]] static std::string print(bool value);
 };
 
-/// Which of the names it is; an error lists them, and the nearest.
+/// The index of the name. Errors: an unknown name; the message lists the names and suggests the nearest.
 Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names);
 
-/// One of several values by name. Of two names of the same value the first is printed.
+/// One of several values by name. If two names have the same value, the first is printed.
 template <typename T>
 struct OneOf {
   std::vector<std::pair<const char*, T>> choices;

@@ -23,7 +23,7 @@ std::vector<Setting> make_table() {
   return table;
 }
 
-/// Of one camera ray.
+/// Limit on the branches of one camera ray.
 constexpr double kMostBranches = 1 << 20;
 
 Expected<void> check_integrator(const IntegratorSettings& integrator) {

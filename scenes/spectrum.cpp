@@ -82,7 +82,7 @@ CieRow cie_at(double wavelength) {
   return {std::lerp(a.x, b.x, t), std::lerp(a.y, b.y, t), std::lerp(a.z, b.z, t), std::lerp(a.d65, b.d65, t)};
 }
 
-/// IEC 61966-2-1 (sRGB), the inverse of the matrix of Rec. 709 primaries and a D65 white.
+/// The inverse of the matrix of Rec. 709 primaries and a D65 white, IEC 61966-2-1 (sRGB).
 glm::dvec3 xyz_to_rec709(glm::dvec3 c) {
   return {3.2404542 * c.x - 1.5371385 * c.y - 0.4985314 * c.z,
           -0.9692660 * c.x + 1.8760108 * c.y + 0.0415560 * c.z,
@@ -99,9 +99,9 @@ double value_at(std::span<const SpectrumSample> samples, double wavelength) {
   return std::lerp(left->value, right->value, t);
 }
 
-/// The integral of spectrum times matching functions times illuminant (D65 or equal energy), as Rec. 709. All
-/// of them are linear between neighbouring breakpoints, so that their product is at most a cubic there and
-/// Simpson's rule exact.
+/// Integrates spectrum times matching functions times illuminant (D65 or equal energy) and converts to Rec.
+/// 709. All factors are linear between neighbouring breakpoints, so their product is at most a cubic there,
+/// for which Simpson's rule is exact.
 glm::dvec3 integrate(std::span<const SpectrumSample> samples, bool under_d65) {
   std::vector<double> breaks;
   for (std::size_t row = 0; row < std::size(kCie); ++row)

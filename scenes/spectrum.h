@@ -1,8 +1,8 @@
-// Spectra as linear Rec. 709 RGB, the way Mitsuba 3's RGB modes take them.
+// Converts spectra to linear Rec. 709 RGB as Mitsuba 3's RGB modes do.
 //
-// A reflectance is what it looks like under D65, so that a constant spectrum c is exactly (c, c, c). An
-// emission is the colour of the light itself: a constant spectrum is equal-energy white, which is not D65 but
-// reddish, about (1.205, 0.948, 0.909) c.
+// A reflectance becomes its colour under D65, so a constant spectrum c is exactly (c, c, c). An emission
+// becomes the colour of the light itself. A constant emission is equal-energy white, which is more reddish
+// than D65: about (1.205, 0.948, 0.909) c.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,24 +15,25 @@ struct SpectrumSample {
   double value;
 };
 
-/// A tabulated reflectance, in [0, 1]. Wavelengths ascend strictly; linear between them, zero outside.
-/// Colours outside the gamut are clamped to it.
+/// Converts a tabulated reflectance in [0, 1]. Wavelengths must ascend strictly. The spectrum is linear
+/// between samples and zero outside. Colours outside the gamut are clamped.
 glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples);
 
-/// A tabulated number that has no upper limit, a refractive index for example: the same but for the clamp
-/// at 1.
+/// Converts a tabulated quantity without an upper limit, such as a refractive index. Like reflectance_to_rgb,
+/// but values above 1 are not clamped.
 glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples);
 
-/// A tabulated emission, scaled so that a constant 1 has luminance 1; otherwise the same.
+/// Converts a tabulated emission. It is scaled so that a constant spectrum of 1 has luminance 1.
+/// Interpolation and gamut clamping are those of reflectance_to_rgb.
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples);
 
-/// The radiance of a black body (Planck's law) of that temperature in kelvins, W/(m² sr nm), as an emission.
+/// The emission of a black body (Planck's law) at `temperature` kelvins, in W/(m² sr nm).
 glm::vec3 blackbody_to_rgb(double temperature);
 
-/// An emission that is the same at all wavelengths.
+/// An emission that is constant over wavelength.
 glm::vec3 emission_to_rgb(double constant);
 
-/// The sRGB transfer function's inverse, IEC 61966-2-1.
+/// Decodes an sRGB value (the inverse of the transfer function of IEC 61966-2-1).
 double srgb_to_linear(double encoded);
 
 }  // namespace penumbra

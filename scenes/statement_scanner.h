@@ -1,5 +1,5 @@
-// The text that OBJ and MTL files share: a statement a line, its tokens between blanks, comments after '#', a
-// backslash at the end of a line that continues it.
+// The syntax that OBJ and MTL files share: one statement per line, tokens separated by blanks, comments after
+// '#', and a backslash at the end of a line that continues on the next.
 #pragma once
 
 #include <span>
@@ -16,15 +16,15 @@ class StatementScanner {
 
   [[nodiscard]] bool at_end() const { return at_ >= text_.size(); }
 
-  /// The next token of the statement; empty at its end.
+  /// The next token of the statement; empty at the end of the statement.
   std::string_view token() {
     const std::string_view text = token_text();
     start_ = at_ - text.size();
     return text;
   }
 
-  /// The rest of the line, for names that may hold blanks: without blanks at either end, and without a
-  /// comment (a '#' after a blank). Lines that continue it are passed over.
+  /// The rest of the line, for names that may contain blanks. Leading and trailing blanks and a comment (a
+  /// '#' after a blank) are removed. Continuation lines are skipped.
   std::string_view rest() {
     skip_blanks();
     start_ = at_;
@@ -42,7 +42,7 @@ class StatementScanner {
     return text_.substr(start_, end - start_);
   }
 
-  /// The same, to look at only.
+  /// Like rest(), but without advancing.
   std::string_view rest_of_line() {
     const std::size_t at = at_, start = start_;
     const std::string_view text = rest();
@@ -51,7 +51,7 @@ class StatementScanner {
     return text;
   }
 
-  /// Goes to the next statement.
+  /// Advances to the next statement.
   void next() {
     while (!token_text().empty()) {
     }
@@ -59,15 +59,15 @@ class StatementScanner {
     at_ = end == text_.npos ? text_.size() : end + 1;
   }
 
-  /// Of the last token.
+  /// The location of the last token.
   [[nodiscard]] SourceLocation location() const { return {&file_, start_}; }
 
   [[nodiscard]] std::unexpected<Error> wrong(std::string_view message) const {
     return fail(format_diagnostic(location(), "error", message));
   }
 
-  /// The numbers that the statement has left, `least` to `most` of them, most <= values.size(). Returns how
-  /// many. Errors: another count, tokens that are not finite numbers.
+  /// Reads all remaining numbers of the statement into `values`: between `least` and `most`, where most <=
+  /// values.size(). Returns their count. Errors: another count; tokens that are not finite numbers.
   Expected<int> numbers(std::string_view statement, int least, int most, std::span<double> values);
 
  private:
@@ -90,7 +90,7 @@ class StatementScanner {
     }
   }
 
-  /// The start of the next line, if at `at` there is a backslash at the end of this one, else `at`.
+  /// The start of the next line if a backslash at `at` ends this line, else `at`.
   [[nodiscard]] std::size_t continuation(std::size_t at) const {
     if (at >= text_.size() || text_[at] != '\\') return at;
     std::size_t end = at + 1;

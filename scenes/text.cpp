@@ -15,7 +15,8 @@ char32_t character_at(std::string_view text, std::size_t at, std::size_t length)
   return result;
 }
 
-/// Marks and overrides of the writing direction, line and paragraph separators, characters of no width.
+/// Characters that mislead readers: marks and overrides of the writing direction, line and paragraph
+/// separators, zero-width characters.
 bool misleads(char32_t c) {
   return (c >= 0x80 && c < 0xA0) || c == 0xAD || c == 0x61C || (c >= 0x200B && c <= 0x200F) ||
          (c >= 0x2028 && c <= 0x202E) || (c >= 0x2060 && c <= 0x206F) || c == 0xFEFF;

@@ -1,4 +1,4 @@
-// Text of files as it may be shown: on a terminal, in a report.
+// Text from files, made safe to show on a terminal or in a report.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace penumbra {
 
-/// Well-formed UTF-8 in which every character takes a column or is a tab: control characters as their
-/// pictures (U+2400 …), and what is no UTF-8, or would change the order or the place of what is beside it, as
-/// U+FFFD. A terminal obeys nothing of it.
+/// Well-formed UTF-8 in which every character is a tab or takes one column. Control characters become their
+/// pictures (U+2400 …). Invalid UTF-8, and characters that would reorder or move their neighbours, become
+/// U+FFFD. So the text cannot control a terminal.
 std::string visible(std::string_view text);
 
-/// The text, or its beginning of about `bytes` bytes and how long it is.
+/// The text, or if it is longer than about `bytes` bytes, its beginning and a note of its length.
 std::string shortened(std::string_view text, std::size_t bytes);
 
 }  // namespace penumbra

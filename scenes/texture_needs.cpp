@@ -22,7 +22,7 @@ void add_needs(const SceneDescription& scene, int texture, TextureNeeds& needs) 
 }
 
 void add_needs_of_bsdf(const SceneDescription& scene, int bsdf, TextureNeeds& needs) {
-  if (bsdf < 0) return;  // black, or none
+  if (bsdf < 0) return;  // black, or no BSDF
   const Bsdf& each = scene.bsdfs[std::size_t(bsdf)];
   add_needs(scene, each.bend.texture, needs);
   std::visit(

@@ -1,4 +1,4 @@
-// What the textures of a shape's materials and of its light need of the shape.
+// What the textures of a shape's materials and of its emission require from the shape.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,13 @@ namespace penumbra {
 
 struct TextureNeeds {
   bool coordinates = false;  ///< texture coordinates
-  std::vector<int> mapped;   ///< the textures that take them, by index
+  std::vector<int> mapped;   ///< indices of the textures that use texture coordinates
   std::vector<MeshAttribute> attributes;
 };
 TextureNeeds texture_needs(const SceneDescription& scene, const Shape& shape);
 
-/// What is missing of it: coordinates of a mesh that has none (barycentric ones stand in for them),
-/// attributes.
+/// What the shape lacks: texture coordinates, if it is a mesh without any (barycentric coordinates are used
+/// instead), and attributes.
 TextureNeeds missing_for_textures(const SceneDescription& scene, const Shape& shape);
 
 }  // namespace penumbra

@@ -10,19 +10,18 @@ namespace penumbra {
 
 constexpr int kNoTexture = -1;
 
-/// A colour, linear Rec. 709: the same everywhere, or `texture`'s, an index into
-/// SceneDescription::textures.
+/// A colour in linear Rec. 709: a constant, or a texture given by its index in SceneDescription::textures.
 struct TexturedColour {
   glm::vec3 value{0.0f};
   int texture = kNoTexture;
   TexturedColour() = default;
   TexturedColour(const glm::vec3& plain) : value(plain) {}
   friend bool operator==(const TexturedColour&, const TexturedColour&) = default;
-  /// May it be anything but black?
+  /// Whether the colour may be anything but black.
   [[nodiscard]] bool is_lit() const { return texture != kNoTexture || value != glm::vec3(0.0f); }
 };
 
-/// A number, likewise: the luminance of a texture.
+/// A number: a constant, or the luminance of a texture.
 struct TexturedNumber {
   float value = 0.0f;
   int texture = kNoTexture;
@@ -31,7 +30,7 @@ struct TexturedNumber {
   friend bool operator==(const TexturedNumber&, const TexturedNumber&) = default;
 };
 
-/// Sets a field of a material and its texture.
+/// Sets a field of a material and the index of its texture.
 inline void set_field(vec3& field, int& texture, const TexturedColour& colour) {
   field = to_vec3(colour.value);
   texture = colour.texture;

@@ -1,5 +1,5 @@
-// Textures, each with its parameters, a row for every one (see bsdfs.h), and the record of the kernels that
-// it becomes.
+// The textures. Each has its parameters, one table row for every parameter (see bsdfs.h), and the conversion
+// to a record of the kernels.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,9 +19,9 @@ using TextureModel =
     std::variant<CheckerboardTexture, BitmapTexture, ScaleTexture, NoiseTexture, MeshAttributeTexture>;
 
 struct SceneTexture {
-  std::string name;  ///< the file's id, or a description of the place, for messages
+  std::string name;  ///< the id in the scene file, or a description of the location; for messages
   TextureModel model;
-  glm::dmat3 to_uv{1.0};  ///< from texture coordinates of surfaces, homogeneous, to those of the texture
+  glm::dmat3 to_uv{1.0};  ///< maps homogeneous texture coordinates of the surface to those of the texture
 };
 
 inline TextureNode texture_of(const SceneTexture& texture) {

@@ -1,4 +1,4 @@
-// What rays in single precision can meet.
+// Limits of geometry that rays in single precision can intersect.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,26 @@
 
 namespace penumbra {
 
-/// Of a vertex or an instance, along each axis: intersections with triangles multiply three distances.
+/// The largest coordinate of a vertex or an instance along each axis: intersection with a triangle multiplies
+/// three distances.
 constexpr double kFarthest = 1e12;
-/// Of spheres, disks and cylinders, with their size: theirs multiply two.
+/// The largest coordinate of a sphere, disk or cylinder, including its radius: intersection multiplies two
+/// distances.
 constexpr double kFarthestQuadric = 1e18;
-/// Twice the area of a triangle: squares of it are numbers.
+/// Limits of twice the area of a triangle: its square must not overflow or underflow.
 constexpr double kLargestCross = 1.8e19, kSmallestCross = 1.1e-19;
-/// A radius, likewise.
+/// The smallest radius, for the same reason.
 constexpr double kSmallestRadius = 1.1e-19;
 
 /// |(b - a) x (c - a)|.
 double triangle_cross(const Mesh& mesh, const glm::uvec3& triangle);
 
-/// Every vertex is near enough; every triangle neither too large nor too small. Errors name the first that is
-/// not.
+/// Checks that every vertex is near enough and that no triangle is too large or too small. Errors name the
+/// first vertex or triangle that fails.
 Expected<void> check_vertices(const Mesh& mesh);
 Expected<void> check_faces(const Mesh& mesh);
 
-/// The same of any shape. Errors: one that is too far away, too large or too small.
+/// The same for any shape. Errors: a shape that is too far away, too large or too small.
 Expected<void> check_traceable(const Geometry& geometry);
 
 }  // namespace penumbra

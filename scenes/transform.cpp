@@ -10,7 +10,7 @@ namespace penumbra {
 namespace {
 
 constexpr double kSimilarityTolerance = 1e-4;
-/// The smallest sine of an angle between axes, times the others', that counts as three dimensions.
+/// A transform is singular if the sine of the angle between axes, times that of the others, is below this.
 constexpr double kSmallestVolume = 1e-14;
 
 }  // namespace
@@ -29,7 +29,7 @@ glm::dmat4 scaling(glm::dvec3 factors) {
 
 glm::dmat4 rotation(glm::dvec3 axis, double degrees) {
   const glm::dvec3 a = glm::normalize(axis);
-  // Quarter turns come out exact, so that rectangles put in place by them stay axis-aligned.
+  // Quarter turns are exact, so that rectangles placed by them stay axis-aligned.
   const double turn = std::remainder(degrees, 360.0);
   const double quarter = turn / 90.0;
   double c = std::cos(turn * std::numbers::pi / 180.0), s = std::sin(turn * std::numbers::pi / 180.0);
@@ -127,7 +127,7 @@ glm::dvec3 transform_vector(const glm::dmat4& transform, glm::dvec3 vector) {
 
 glm::dmat3 normal_matrix(const glm::dmat4& transform) {
   const glm::dmat3 m(transform);
-  // The cofactors are the inverse transpose times the determinant; the axes' lengths are taken out against
+  // The cofactors are the inverse transpose times the determinant. The axes are normalised first to avoid
   // overflow.
   const glm::dvec3 size(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
   const glm::dvec3 a = m[0] / size.x, b = m[1] / size.y, c = m[2] / size.z;

@@ -1,4 +1,4 @@
-// The module behind vdb_module.h.
+// The implementation of the module in vdb_module.h.
 #include "scenes/vdb_module.h"
 
 #include <fmt/format.h>
@@ -20,14 +20,14 @@ constexpr std::uint64_t kMostNumbers = std::uint64_t{1} << 28;
 float channel_of_number(float value, int) { return value; }
 float channel_of_number(const openvdb::Vec3s& value, int channel) { return value[channel]; }
 
-/// The names of grids that there may be several of.
+/// The names of the grids, for messages.
 std::string names_of(const std::vector<openvdb::GridBase::Ptr>& grids) {
   std::vector<std::string> names;
   for (const auto& grid : grids) names.push_back(fmt::format("'{}'", grid->getName()));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The grid that is meant.
+/// The grid to be read.
 Expected<openvdb::GridBase::Ptr> chosen(const openvdb::GridPtrVec& grids) {
   std::vector<openvdb::GridBase::Ptr> readable;
   for (const auto& grid : grids) {
@@ -68,7 +68,7 @@ Expected<VolumeFile> dense(const Grid& grid, int channels) {
             fmt::format("its grid '{}' is placed by more than a scale and a translation; place it by "
                         "to_world",
                         grid.getName()));
-    // Voxels are about their points.
+    // Voxels are centred on grid points.
     file.low[axis] = origin[axis] + step[axis] * (double(box.min()[axis]) - 0.5);
     file.high[axis] = origin[axis] + step[axis] * (double(box.max()[axis]) + 0.5);
   }

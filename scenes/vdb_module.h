@@ -1,5 +1,6 @@
-// OpenVDB's files (.vdb): of sparse numbers on a grid, what a medium takes of them. Behind a module that is
-// loaded once a scene names such a file, and that is there where OpenVDB was when it was built.
+// The interface to OpenVDB files (.vdb): reads the grid of a medium. The code lives in a separate module. It
+// is loaded when a scene refers to such a file, and it exists only if OpenVDB was present when the renderer
+// was built.
 #pragma once
 
 #include <string>
@@ -9,12 +10,12 @@
 
 namespace penumbra {
 
-/// What the module offers, under the name penumbra_vdb_reader.
+/// The interface that the module exports under the name penumbra_vdb_reader.
 struct VdbReader {
-  /// Of the file's grids that named "density", or else its only one of floats or of vectors of three: the box
-  /// of its active voxels, dense, and where that is. Errors: no such grid, a level set, a transform that
-  /// turns, shears or mirrors the box, more than 2^28 numbers in it, a number that is not finite, a damaged
-  /// file.
+  /// Reads the grid named "density", or else the file's only grid of floats or of vectors of three. Returns
+  /// the bounding box of its active voxels as a dense grid, and its position. Errors: no such grid, a level
+  /// set, a transform that rotates, shears or mirrors the box, more than 2^28 numbers in the box, a number
+  /// that is not finite, a damaged file.
   Expected<VolumeFile> (*read)(const std::string& bytes);
 };
 

@@ -1,4 +1,4 @@
-// What an angle of view spans, for whatever looks or shines through a rectangle.
+// Angles of view of cameras and of lights that project through a rectangle.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace penumbra {
 
-/// Tangent of half the angle that the width spans, of a rectangle of that width and height whose full angle
-/// along `axis` is `fov` degrees.
+/// The tangent of half the horizontal angle of view, for a rectangle of that width and height whose full
+/// angle along `axis` is `fov` degrees.
 inline double half_width_tangent(double fov, FovAxis axis, double width, double height) {
   const double tangent = std::tan(0.5 * fov * std::numbers::pi / 180);
   const bool along_x = axis == FovAxis::kX || (axis == FovAxis::kSmaller && width <= height) ||
@@ -23,13 +23,14 @@ inline double half_width_tangent(double fov, FovAxis axis, double width, double 
                                     : tangent * width / height;
 }
 
-/// The full angle, degrees, along the diagonal of a 35 mm film, 36 mm by 24 mm, for "50mm" (or "50").
+/// The full diagonal angle of view in degrees of a 35 mm film (36 mm by 24 mm), for a focal length of "50mm"
+/// (or "50").
 inline std::optional<double> angle_of_focal_length(std::string_view text) {
   std::string_view digits = trim(text);
   if (digits.ends_with("mm")) digits.remove_suffix(2);
   const auto millimetres = parse_number(digits);
   if (!millimetres || !(*millimetres > 0.0)) return std::nullopt;
-  constexpr double kFilmDiagonal = 43.266615305567875;  // mm
+  constexpr double kFilmDiagonal = 43.266615305567875;  // in mm
   return 2.0 * std::atan(0.5 * kFilmDiagonal / *millimetres) * 180.0 / std::numbers::pi;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kVolumeHeaderBytes = 48;
 
-/// Numbers of 4 bytes in the file's order, which is that of most machines.
+/// Converts 4-byte numbers from little-endian order.
 template <typename T>
 T little_endian(T value) {
   static_assert(sizeof(T) == 4);
@@ -32,7 +32,7 @@ T volume_number_at(std::string_view bytes, std::size_t at) {
   return little_endian(value);
 }
 
-/// The encodings of Mitsuba 0.x beside single precision.
+/// The names of Mitsuba 0.x's other encodings.
 const char* encoding_name(std::int32_t encoding) {
   switch (encoding) {
     case 2:
@@ -67,7 +67,7 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
   grid.channels = volume_number_at<std::int32_t>(bytes, at);
   if (grid.channels != 1 && grid.channels != 3)
     return wrong(fmt::format("it has {} channels; 1 and 3 are read", grid.channels));
-  // As many as no file has, and as a count can be without overflow.
+  // More than any file has, yet small enough that counts do not overflow.
   constexpr std::size_t kMost = std::size_t{1} << 60;
   std::size_t count = std::size_t(grid.channels);
   for (const int size : {grid.nx, grid.ny, grid.nz}) {
@@ -93,7 +93,7 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
   return file;
 }
 
-/// As a .vdb file begins.
+/// The first bytes of a .vdb file.
 constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
 
 Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {

@@ -1,5 +1,5 @@
-// Volumes as scene files describe them: colours that may vary in space, and the parameters of the plugins
-// that they come from, a row for every one (see bsdfs.h).
+// Volumes as scene files describe them: colours that may vary in space, and the parameters of their plugins,
+// one table row for each (see bsdfs.h).
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace penumbra {
 
-/// A colour, linear Rec. 709: the same everywhere, or `grid`'s, and then `value` is 1.
+/// A colour in linear Rec. 709: a constant, or a grid; `value` is 1 if there is a grid.
 struct GriddedColour {
   glm::vec3 value{0.0f};
   std::optional<GridVolume> grid{};
-  glm::dmat4 to_world{1.0};  ///< of one that is the same everywhere: where the unit cube is
+  glm::dmat4 to_world{1.0};  ///< of a constant volume: the transform of the unit cube that it fills
   GriddedColour() = default;
   GriddedColour(const glm::vec3& plain) : value(plain) {}
-  /// At least all that it is anywhere.
+  /// An upper bound of the colour over space.
   [[nodiscard]] glm::vec3 most() const {
     return grid ? glm::vec3(std::ranges::max(grid->grid->values)) : value;
   }

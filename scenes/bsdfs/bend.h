@@ -1,4 +1,4 @@
-// What bends the shading normal of a surface.
+// Normal maps and bump maps: textures that change the shading normal of a surface.
 #pragma once
 
 #include "kernels/scene_types.h"
@@ -9,17 +9,17 @@ namespace penumbra {
 enum class BendKind { kNone, kNormalMap, kBumpMap };
 static_assert(int(BendKind::kNormalMap) == BEND_NORMAL_MAP && int(BendKind::kBumpMap) == BEND_BUMP_MAP);
 
-/// A texture of normals, each (2 t - 1) in the frame of tangent, bitangent and normal, or of heights in the
-/// scene's units.
+/// A normal map, whose normals are 2 t - 1 in the frame of tangent, bitangent and normal; or a bump map,
+/// whose values are heights in scene units.
 struct SurfaceBend {
   BendKind kind = BendKind::kNone;
   int texture = kNoTexture;  ///< an index into SceneDescription::textures
-  float scale = 1.0f;        ///< of heights; negative: the bumps of the other side
-  bool shadows = true;       ///< bumps shade each other
+  float scale = 1.0f;        ///< factor of the heights; negative for the back side of the surface
+  bool shadows = true;       ///< bumps cast shadows on each other
   friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
 };
 
-/// The parameters of plugins that bend normals, beside the texture and the BSDF that they hold.
+/// Parameters that the plugins of normal maps and bump maps share, beside the nested texture and BSDF.
 template <typename Parameters>
 struct BendParameters {
   bool flip_invalid_normals = true;
@@ -50,8 +50,8 @@ struct BumpMapParameters : BendParameters<BumpMapParameters> {
   }
 };
 
-/// Between texture coordinates whose heights are compared, if they are no image's: enough for single
-/// precision.
+/// The distance in texture coordinates of the finite differences of a bump map that is not an image. It is
+/// large enough for single precision.
 constexpr float kBendStep = 1.0f / 4096.0f;
 
 inline void set_bend(Material& m, const SurfaceBend& bend) {

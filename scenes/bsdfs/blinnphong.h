@@ -1,4 +1,4 @@
-// Lambert and a normalised Blinn-Phong lobe: see kernels/bsdf/blinnphong.h.
+// A Lambertian and a normalised Blinn-Phong lobe: see kernels/bsdf/blinnphong.h.
 #pragma once
 
 #include "scenes/bsdfs/material.h"

@@ -1,4 +1,4 @@
-// Conductors, smooth and rough: reflection alone, by Fresnel's equations.
+// Smooth and rough conductors: Fresnel reflection without transmission.
 #pragma once
 
 #include "scenes/bsdfs/material.h"
@@ -8,7 +8,7 @@
 
 namespace penumbra {
 
-/// What conductors are made of.
+/// The refractive indices of a conductor.
 struct ConductorSurface {
   int material = kMirror;  ///< see conductor_names
   TexturedColour eta{glm::vec3(0.0f)};
@@ -26,7 +26,7 @@ struct ConductorSurface {
         "factor of the reflection");
   }
 
-  /// Before version 2, what is not said to be something else is copper.
+  /// In files before version 2 the default material is copper.
   void written_for(std::int64_t major_version) {
     if (major_version < 2) set_material(*conductor_names().parse("Cu"));
   }
@@ -43,7 +43,7 @@ struct ConductorSurface {
       findings.push_back({"ext_eta", "must be 1 where eta or k is a texture"});
   }
 
-  /// The fields that all conductors have.
+  /// A material of that family with the fields that all conductors have.
   [[nodiscard]] Material material_with(int family) const {
     Material m = material_of_family(family);
     PENUMBRA_SET_FIELD(m, specular, specular_reflectance);

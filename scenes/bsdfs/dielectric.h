@@ -1,5 +1,4 @@
-// Boundaries between dielectrics, smooth, rough, and of thin panes: they have two sides, which see each
-// other.
+// Dielectric boundaries: smooth, rough, and thin panes. They transmit, so each side has a BSDF.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +12,10 @@
 
 namespace penumbra {
 
-/// What dielectrics are made of.
+/// The refractive indices and the colours of a dielectric.
 struct DielectricSurface {
-  float int_ior = 1.5046f;    ///< refractive index on the back, BK7
-  float ext_ior = 1.000277f;  ///< on the front, air
+  float int_ior = 1.5046f;    ///< refractive index behind the front side; BK7
+  float ext_ior = 1.000277f;  ///< refractive index before the front side; air
   TexturedColour specular_reflectance{glm::vec3(1.0f)};
   TexturedColour specular_transmittance{glm::vec3(1.0f)};
 
@@ -40,7 +39,7 @@ struct DielectricSurface {
   }
 };
 
-/// As its other side sees it.
+/// The BSDF of the other side: interior and exterior are exchanged.
 template <typename Model>
 Model turned_dielectric(Model model) {
   std::swap(model.int_ior, model.ext_ior);
@@ -63,8 +62,8 @@ struct ThinDielectricBsdf : DielectricSurface {
 struct RoughDielectricBsdf : DielectricSurface, RoughSurface {
   static constexpr const char* kPlugin = "roughdielectric";
   static constexpr const char* kText = "rough boundary of glass and the like (microfacets)";
-  /// Indices that differ by less pass everything, as if they were the same: which normal refracts light where
-  /// it goes is not known in single precision then.
+  /// If the indices differ by less than this, light passes straight through, as if they were equal. With so
+  /// small a difference the half-vector of a refraction cannot be found in single precision.
   static constexpr float kLeastStep = 1e-3f;
 
   template <typename Row>

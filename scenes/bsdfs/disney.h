@@ -1,5 +1,5 @@
-// Disney's BRDF of 2012 by the names of its authors, baseColor for example, which readers spell base_color.
-// See kernels/bsdf/disney.h.
+// Disney's BRDF of 2012 with the parameter names of its authors. Readers spell them in snake_case: base_color
+// for baseColor. See kernels/bsdf/disney.h.
 #pragma once
 
 #include "scenes/bsdfs/material.h"

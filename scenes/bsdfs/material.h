@@ -1,4 +1,4 @@
-// What BSDFs become a material with.
+// Helpers that convert BSDFs to materials of the kernels.
 #pragma once
 
 #include "kernels/scene_types.h"
@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// A leaf of that family, with 0 for all it has and no textures.
+/// A material of that family without children, with all fields 0 and no textures.
 inline Material material_of_family(int family) {
   Material m{};
 #define NO_TEXTURE(_, type, name) m.name##_texture = kNoTexture;
@@ -17,7 +17,7 @@ inline Material material_of_family(int family) {
   return m;
 }
 
-/// Bits 1 << TEXTURED_* of the fields for which the material has a texture.
+/// The set of fields that have a texture, as bits 1 << TEXTURED_*.
 inline unsigned textured_fields(const Material& m) {
   unsigned fields = 0;
 #define NOTE_TEXTURE(_, type, name) fields |= m.name##_texture >= 0 ? 1u << TEXTURED_##name : 0u;

@@ -1,4 +1,4 @@
-// What materials share: tables of the scene that they point into.
+// Tables of the scene that materials share and point into.
 #pragma once
 
 #include <cmath>
@@ -14,14 +14,15 @@ namespace penumbra {
 
 class MaterialTables {
  public:
-  /// Of the scene's table of curves, to which it adds.
+  /// `curves` is the scene's table of curves; new curves are appended to it.
   explicit MaterialTables(std::vector<float>& curves) : curves_(curves) {}
 
-  /// Where the curves of the boundary begin in the table of curves; of `rows` roughnesses, if there is more
-  /// than one, instead of its own. Equal boundaries are computed and stored once.
+  /// The index in the table at which the curves of the boundary begin. With `rows` > 1 there are curves for
+  /// that many values of roughness, instead of one for the boundary's own. Equal boundaries are computed and
+  /// stored once.
   int boundary(RoughBoundary boundary, int rows);
 
-  /// The roughness that curve_rows() finds in a row.
+  /// The roughness of row number `row`, the inverse of curve_rows().
   static double row_alpha(int row, int rows) {
     const double first = std::pow(double(LEAST_ALPHA), 0.25);
     return std::pow(first + (1 - first) * row / (rows - 1), 4);

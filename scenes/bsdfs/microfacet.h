@@ -1,4 +1,4 @@
-// The roughness of surfaces of microfacets.
+// The roughness parameters of microfacet BSDFs.
 #pragma once
 
 #include "scenes/bsdfs/material.h"
@@ -9,7 +9,7 @@ namespace penumbra {
 struct RoughSurface {
   int distribution = DISTRIBUTION_BECKMANN;
   TexturedNumber alpha{0.1f};
-  TexturedNumber alpha_u{0.1f}, alpha_v{0.1f};  ///< after `complete` what counts
+  TexturedNumber alpha_u{0.1f}, alpha_v{0.1f};  ///< after `complete` these are used instead of alpha
   bool sample_visible = true;
 
   template <typename Row>
@@ -45,7 +45,7 @@ struct RoughSurface {
     PENUMBRA_SET_FIELD(m, alpha_v, alpha_v);
   }
 
-  static constexpr float kMostAlpha = 100.0f;  ///< MOST_ALPHA of the kernels
+  static constexpr float kMostAlpha = 100.0f;  ///< the kernels' MOST_ALPHA
 };
 
 }  // namespace penumbra

@@ -1,4 +1,5 @@
-// Nori's microfacet BSDF: Lambert beside a rough dielectric boundary of what the diffuse part leaves.
+// Nori's microfacet BSDF: the reflection of a rough dielectric boundary and a Lambertian lobe, whose weights
+// sum to 1.
 #pragma once
 
 #include <algorithm>

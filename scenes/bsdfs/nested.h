@@ -1,5 +1,5 @@
-// BSDFs that hold others, and what they hold where there is nothing. A BSDF holds only such as come before
-// it.
+// BSDFs that hold other BSDFs, and special values for absent children. A BSDF may hold only BSDFs with
+// smaller indices.
 #pragma once
 
 #include "scenes/bsdfs/material.h"
@@ -29,14 +29,17 @@ struct MixtureParameters {
   }
 };
 
-/// In the place of an index of a BSDF: it absorbs everything; there is none, so that rays pass through.
+/// Special values of a BSDF index: kBlackBsdf absorbs all light; with kNoBsdf there is no surface, so rays
+/// pass through.
 constexpr int kBlackBsdf = -1;
 constexpr int kNoBsdf = -2;
 
-/// Index of its material among those of a device scene, where the black one comes first; -1: nothing.
+/// The index of the BSDF's material in the device scene, whose first material is the black one. -1 for
+/// kNoBsdf.
 constexpr int material_index(int bsdf) { return bsdf + 1; }
 
-/// Rays pass through as if it were not there. If it belongs to a light, that shines all the same.
+/// An invisible surface: rays pass through it unchanged. If the shape is an emitter, its light is still
+/// visible.
 struct NullBsdf {
   static constexpr const char* kPlugin = "null";
   static constexpr const char* kText = "no surface: rays pass through, as at the boundary of a medium";
@@ -45,7 +48,7 @@ struct NullBsdf {
   static void parameters(const Row&) {}
 };
 
-/// Rays pass through, as many as the opacity leaves.
+/// A mask: the fraction 1 - opacity of all rays passes through.
 struct MaskBsdf {
   static constexpr const char* kPlugin = "mask";
   static constexpr const char* kText = "a BSDF with an opacity: other rays pass through";
@@ -58,8 +61,8 @@ struct MaskBsdf {
   }
 };
 
-/// A filter of polarised light, as light without polarisation goes through it: half, or of a retarder all, of
-/// `transmittance`; the rest is absorbed (Mitsuba 3 in its unpolarised variants).
+/// A polarising filter or retarder as it acts on unpolarised light. A filter transmits half of
+/// `transmittance`, a retarder all of it; the rest is absorbed (as in Mitsuba 3's unpolarised variants).
 struct PolarizerParameters {
   static constexpr const char* kPlugin = "polarizer";
   static constexpr const char* kText = "polarising filter: lets half of the light pass (a retarder: all)";
@@ -72,7 +75,7 @@ struct PolarizerParameters {
   }
 };
 
-/// One or the other, the sum of both so weighed.
+/// A linear blend of two BSDFs.
 struct BlendBsdf {
   static constexpr const char* kPlugin = "blendbsdf";
   static constexpr const char* kText = "two BSDFs, mixed by a weight";
@@ -85,7 +88,8 @@ struct BlendBsdf {
   }
 };
 
-/// `weight` of the second; values of its texture beyond [0, 1] are clamped.
+/// A material that chooses between two children. `weight` is that of the second; texture values outside [0,
+/// 1] are clamped.
 inline Material branching_material(int first, int second, const TexturedNumber& weight) {
   Material m = material_of_family(FAMILY_BLACK);
   m.branches = 1;

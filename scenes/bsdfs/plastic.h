@@ -1,4 +1,5 @@
-// A diffuse base under a smooth dielectric boundary, with what scatters between the two (Mitsuba 0.6 and 3).
+// A diffuse base under a smooth dielectric boundary, including interreflection between the two (Mitsuba 0.6
+// and 3).
 #pragma once
 
 #include <fmt/format.h>
@@ -10,7 +11,7 @@
 
 namespace penumbra {
 
-/// Finds indices for which there is no such boundary.
+/// Reports refractive indices for which the model is not valid.
 inline void check_boundary(float int_ior, float ext_ior, Findings& findings) {
   const float ratio = int_ior / ext_ior;
   if (!(ratio <= kMostIndexRatio && ratio >= 1 / kMostIndexRatio))

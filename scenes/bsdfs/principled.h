@@ -11,10 +11,10 @@
 
 namespace penumbra {
 
-/// How often a lobe is sampled, relative to the others.
+/// The rate at which a lobe is sampled, relative to the other lobes.
 constexpr NumberWithin kSamplingRate{LowEnd::kClosed, 0.0f, kAnyNumber};
 
-/// Of a lobe that is there: warns if it is never sampled.
+/// Warns if a lobe that the material has is never sampled.
 inline void check_sampling_rate(const char* parameter, float rate, Findings& findings) {
   if (rate > 0.0f) return;
   findings.push_back({parameter,
@@ -30,10 +30,10 @@ struct PrincipledBsdf {
   TexturedNumber roughness{0.5f};
   TexturedNumber anisotropic{}, metallic{}, spec_trans{};
   float eta = 1.5f;       ///< inside over outside
-  float specular = 0.5f;  ///< instead of eta
+  float specular = 0.5f;  ///< alternative to eta
   TexturedNumber spec_tint{}, sheen{}, sheen_tint{}, flatness{}, clearcoat{}, clearcoat_gloss{};
   float specular_rate = 1.0f, diffuse_rate = 1.0f, clearcoat_rate = 1.0f;
-  bool inside = false;  ///< as seen from there
+  bool inside = false;  ///< whether this is the BSDF of the inner side
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -61,7 +61,7 @@ struct PrincipledBsdf {
   }
 
   [[nodiscard]] bool transmits() const { return spec_trans.value > 0.0f; }
-  /// From inside: black where it does not transmit.
+  /// The BSDF seen from inside; none (black) if the material does not transmit.
   [[nodiscard]] std::optional<PrincipledBsdf> other_side() const {
     if (!transmits()) return std::nullopt;
     PrincipledBsdf other = *this;
@@ -73,7 +73,8 @@ struct PrincipledBsdf {
   void complete(Findings& findings, const Given& given) {
     if (given("eta") && given("specular"))
       findings.push_back({"specular", "specular is another name for eta: give one of the two"});
-    // At index 1 no direction is refracted from another: nearly 1 has a density.
+    // With an index of exactly 1 a transmitted direction does not determine a half-vector, so the BSDF has no
+    // density. An index slightly above 1 has one.
     if (!given("eta")) {
       if (transmits()) specular = std::max(specular, 1e-3f);
       eta = 2.0f / (1.0f - std::sqrt(0.08f * specular)) - 1.0f;

@@ -10,7 +10,7 @@
 namespace penumbra {
 namespace {
 
-/// The rule of Gauss and Legendre on [0, 1].
+/// A Gauss-Legendre quadrature rule on [0, 1].
 struct Rule {
   std::vector<double> nodes, weights;
   explicit Rule(int n) {
@@ -32,13 +32,13 @@ struct Rule {
   }
 };
 
-/// As many nodes each way as Mitsuba 3 takes: total internal reflection wants more.
+/// As many nodes in each dimension as in Mitsuba 3; more if there is total internal reflection.
 const Rule& rule_for(double ior) {
   static const Rule few(32), many(128);
   return ior > 1 ? few : many;
 }
 
-/// Where an increasing function has a value, between low and high.
+/// Finds where an increasing function has a given value, between low and high.
 template <typename Function>
 double solve(const Function& function, double value, double low, double high) {
   for (int turn = 0; turn < 60; ++turn) {
@@ -48,22 +48,22 @@ double solve(const Function& function, double value, double low, double high) {
   return 0.5 * (low + high);
 }
 
-/// Of the slopes of a Gaussian surface of roughness 1 across the viewer's plane, the one below which a share
-/// u of them is.
+/// The inverse distribution function of slopes perpendicular to the view plane, for a Gaussian surface of
+/// roughness 1.
 double gaussian_slope(double u) {
   return solve([](double s) { return std::erf(s); }, 2 * u - 1, -6, 6);
 }
 
-/// The same along the plane, of the slopes that a viewer sees whose tangent is `tangent` (Heitz and d'Eon
-/// 2014).
+/// The same for slopes in the view plane, among those visible from a direction whose tangent is `tangent`
+/// (Heitz and d'Eon 2014).
 double visible_gaussian_slope(double tangent, double u) {
   const auto below = [&](double s) { return 1 + std::erf(s) + tangent * std::exp(-s * s) / std::sqrt(kPi); };
   const double last = tangent > 1.0 / 6 ? 1 / tangent : 6;
   return solve(below, u * below(last), -6, last);
 }
 
-/// For a viewer at this cosine in the plane of x: how the microfacet normals that it sees are distributed, as
-/// those of a rule's nodes with equal weights.
+/// The distribution of visible microfacet normals for a viewer at this cosine in the xz plane, represented by
+/// the nodes of a quadrature rule.
 class VisibleNormals {
  public:
   VisibleNormals(const RoughBoundary& boundary, double cosine, const Rule& rule)
@@ -78,7 +78,7 @@ class VisibleNormals {
     }
   }
 
-  /// The normal of the rule's nodes i and j.
+  /// The normal for nodes i and j of the rule.
   [[nodiscard]] glm::dvec3 at(const Rule& rule, std::size_t i, std::size_t j) const {
     const glm::dvec2 slope =
         ggx_ ? ggx_slope(rule.nodes[i], rule.nodes[j]) : glm::dvec2(along_[i], across_[j]);
@@ -86,8 +86,8 @@ class VisibleNormals {
   }
 
  private:
-  /// Of GGX of roughness 1, whose visible normals are a projected hemisphere (Heitz 2018); the disk's map is
-  /// the concentric one of Shirley and Chiu 1997.
+  /// GGX of roughness 1, whose visible normals are a projected hemisphere (Heitz 2018), with the concentric
+  /// disk map of Shirley and Chiu 1997.
   [[nodiscard]] glm::dvec2 ggx_slope(double u, double v) const {
     const double x = 2 * u - 1, y = 2 * v - 1;
     const bool steep = std::abs(x) < std::abs(y);
@@ -104,8 +104,8 @@ class VisibleNormals {
   std::vector<double> along_, across_;
 };
 
-/// Smith's masking of the direction v, on the side of the microfacet that it is on: for Gaussian surfaces the
-/// rational fit of Walter et al. 2007, which is a part of the model.
+/// Smith's masking for direction v on its side of the microfacet. For Gaussian surfaces it is the rational
+/// fit of Walter et al. 2007, which is part of the model.
 double masking(const RoughBoundary& boundary, const glm::dvec3& v, const glm::dvec3& m) {
   if (glm::dot(v, m) * v.z <= 0) return 0;
   const double tangent = boundary.alpha * std::hypot(v.x, v.y) / std::abs(v.z);
@@ -116,7 +116,8 @@ double masking(const RoughBoundary& boundary, const glm::dvec3& v, const glm::dv
 }
 
 struct Refraction {
-  double reflected = 1, cosine = 0;  ///< Fresnel's reflectance; the cosine beyond, 0 if all is reflected
+  /// Fresnel reflectance; cosine of the transmitted direction, 0 for total reflection.
+  double reflected = 1, cosine = 0;
 };
 Refraction refract(double cosine, double ior) {
   const double beyond = 1 - (1 - cosine * cosine) / (ior * ior);
@@ -128,7 +129,7 @@ Refraction refract(double cosine, double ior) {
 
 double knot_cosine(int i) { return std::max(1e-6, double(i) / (CURVE_KNOTS - 1)); }
 
-/// The mean of part(wo, m) over the normals m that a viewer wo at this cosine sees.
+/// The mean of part(wo, m) over the normals m visible from a viewer wo at this cosine.
 template <typename Part>
 double mean_over_normals(const RoughBoundary& boundary, double cosine, const Part& part) {
   const Rule& rule = rule_for(boundary.ior);
@@ -168,7 +169,7 @@ double RoughBoundary::internal_reflectance() const {
     const glm::dvec3 wi = 2 * cosine * m - wo;
     return wi.z > 0 ? refract(cosine, beneath.ior).reflected * masking(beneath, wi, m) : 0;
   };
-  // 2 int R(mu) mu dmu as the mean over the knots, ends and all, which is what Mitsuba 3 takes.
+  // 2 int R(mu) mu dmu as the mean over all knots including both ends, as in Mitsuba 3.
   double sum = 0;
   for (int i = 0; i < CURVE_KNOTS; ++i)
     sum += 2 * knot_cosine(i) * mean_over_normals(beneath, knot_cosine(i), back);

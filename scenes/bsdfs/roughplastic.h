@@ -1,5 +1,5 @@
-// A diffuse base under a rough dielectric boundary, with what scatters between the two (Mitsuba 3; read from
-// files of 0.6 too, whose tables were others).
+// A diffuse base under a rough dielectric boundary, including interreflection between the two (Mitsuba 3). It
+// is also used for files of Mitsuba 0.6, which had different tables.
 #pragma once
 
 #include "kernels/bsdf/microfacet.h"
@@ -21,7 +21,7 @@ struct RoughPlasticBsdf {
   bool nonlinear = false;
   int distribution = DISTRIBUTION_BECKMANN;
   TexturedNumber alpha{0.1f};
-  bool sample_visible = true;  ///< always so
+  bool sample_visible = true;  ///< accepted; visible normals are always sampled
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -49,9 +49,9 @@ struct RoughPlasticBsdf {
   }
 };
 
-/// Mitsuba 3's pplastic without polarisation: the lobe of rough plastic beside a base that light enters and
-/// leaves as through a smooth boundary, once (Baek et al. 2018, "Simultaneous acquisition of polarimetric
-/// SVBRDF and normals").
+/// Mitsuba 3's pplastic without polarisation: the specular lobe of rough plastic, and a base that light
+/// enters and leaves once, as through a smooth boundary (Baek et al. 2018, "Simultaneous acquisition of
+/// polarimetric SVBRDF and normals").
 struct PolarizedPlasticBsdf {
   static constexpr const char* kPlugin = "pplastic";
   static constexpr const char* kText = "rough plastic of Baek et al. 2018, without polarisation";
@@ -61,7 +61,7 @@ struct PolarizedPlasticBsdf {
   float ext_ior = 1.000277f;
   int distribution = DISTRIBUTION_BECKMANN;
   TexturedNumber alpha{0.1f};
-  bool sample_visible = true;  ///< always so
+  bool sample_visible = true;  ///< accepted; visible normals are always sampled
 
   template <typename Row>
   static void parameters(const Row& row) {

@@ -1,4 +1,4 @@
-// Lambert and an anisotropic lobe of Ward's kind (Mitsuba 0.6).
+// A Lambertian lobe and an anisotropic Ward lobe (Mitsuba 0.6).
 #pragma once
 
 #include "scenes/bsdfs/material.h"

@@ -1,4 +1,4 @@
-// Spot lights and projectors as records, see kernels/light/beam.h.
+// Converts spot lights and projectors to records; see kernels/light/beam.h.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-/// The frame of a light: unit axes at right angles, the z axis as the transform has it, mirrored if it is.
+/// The frame of a light: orthonormal axes with the transform's z axis; mirrored if the transform mirrors.
 Beam frame_of(const glm::dmat4& to_world) {
   const glm::dvec3 z = glm::normalize(glm::dvec3(to_world[2])), given(to_world[0]);
   const glm::dvec3 x = glm::normalize(given - glm::dot(given, z) * z);
@@ -22,7 +22,8 @@ Beam frame_of(const glm::dmat4& to_world) {
   return beam;
 }
 
-/// A light at the transform's origin; `colour` over all directions has `power_of_one` of its intensity.
+/// A light at the transform's origin. With intensity `colour` its power is `power_of_one` times the colour's
+/// mean.
 EmitterLight beam_light(int kind, const TexturedColour& texture, const glm::vec3& colour, double power_of_one,
                         const Beam& beam, const glm::dmat4& to_world, const EmitterPlace& place) {
   LightTexture shown;
@@ -35,10 +36,10 @@ EmitterLight beam_light(int kind, const TexturedColour& texture, const glm::vec3
   return made;
 }
 
-/// Of a light that shines evenly within `angle` of its axis, and not beyond.
+/// Bounds of a light that shines with `intensity` within `angle` of its axis, and not beyond.
 LightBounds beam_bounds(const EmitterLight& made, const glm::dmat4& to_world, double angle,
                         double intensity) {
-  constexpr double kMargin = 1e-3;  // for rounding
+  constexpr double kMargin = 1e-3;  // allows for rounding
   LightBounds bounds;
   bounds.infinite = false;
   bounds.low = bounds.high = glm::dvec3(made.light.p0.x, made.light.p0.y, made.light.p0.z);
@@ -62,8 +63,8 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
   beam.cutoff = float(to);
   beam.inverse_width = beam.cutoff > beam.beam_width ? 1.0f / (beam.cutoff - beam.beam_width) : 0.0f;
   if (texture.texture != kNoTexture) beam.u_by_x = beam.v_by_y = float(0.5 / std::tan(cutoff));
-  // Integrals of the falloff over all directions: a cubic has the mean of its ends, a square a third, and of
-  // a line (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
+  // The integral of the falloff over all directions. Between `from` and `to` the cubic has mean 1/2 and the
+  // square mean 1/3. The linear falloff (cutoff - angle) / (cutoff - beam) is integrated by parts.
   const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
   const double solid_angle = 2 * kPi *
                              (falloff == SpotFalloff::kSmoothstep ? 0.5 * (from + to)
@@ -85,7 +86,7 @@ EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
   const double area = 4 * x * y;
   EmitterLight made =
       beam_light(LIGHT_PROJECTOR, irradiance, glm::vec3(scale), kPi * area, beam, to_world, place);
-  // In its corners the intensity is highest: see projector_light_radiance.
+  // The intensity is highest in the corners: see projector_light_radiance.
   const double corner = std::hypot(x, y), inverse_cosine = std::sqrt(1 + corner * corner);
   made.bounds =
       beam_bounds(made, to_world, std::atan(corner), made.power / area * std::pow(inverse_cosine, 3));

@@ -1,4 +1,4 @@
-// A scene's camera as the kernels' one.
+// Converts a scene's camera to the kernels' camera.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,11 @@
 
 namespace penumbra {
 
-/// `origin`: where it is, in the coordinates of the device scene. Of a camera that check_camera accepts.
+/// The kernels' camera. `origin` is its position in the coordinates of the device scene. The camera must have
+/// passed check_camera.
 Camera build_camera(const CameraSettings& camera, const Film& film, const vec3& origin);
 
-/// FEATURE_CAMERA for one that is more than a pinhole, or 0.
+/// FEATURE_CAMERA for a camera that is not a plain pinhole, else 0.
 std::uint64_t camera_features(const CameraSettings& camera);
 
 }  // namespace penumbra

@@ -34,7 +34,7 @@ float bend_step(const SceneDescription& scene, int texture) {
   const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
   const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
                along_v = glm::length(glm::dvec2(heights.to_uv[1]));
-  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times what rounds coordinates
+  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times the rounding error of coordinates
   return float(std::max(
       kLeast, 1 / (32.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height))));
 }

@@ -1,4 +1,4 @@
-// What materials of the kernels have from the scene around them: the materials and images that they refer to.
+// Fields of the kernels' materials that depend on the rest of the scene: on other materials and on images.
 #pragma once
 
 #include <vector>
@@ -8,19 +8,21 @@
 
 namespace penumbra {
 
-/// How many rays pass through a material, by its children, which come before it.
+/// Sets the fraction of rays that pass through a material, from its children. The children come before it in
+/// the list.
 void set_passes(Material& m, const std::vector<Material>& before);
 
-/// In scenes with media rays pass thin panes by chance, straight on, and the others meet a mirror.
+/// For scenes with media: a thin pane lets rays pass straight through with some probability, and acts as a
+/// mirror for the others.
 void open_pane(Material& m);
 
-/// Between texture coordinates whose heights are compared: a small part of a texel, across whose edges slopes
-/// change.
+/// The distance in texture coordinates of a bump map's finite differences. It is a small part of a texel,
+/// because slopes change at the edges of texels.
 float bend_step(const SceneDescription& scene, int texture);
 
-/// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
-/// takes twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp. Textures count as what
-/// their place is in the material.
+/// Whether a material has control lobes that are so narrow that points on lights are better sampled according
+/// to them. That takes twice the time; tests/benchmarks/glossy_variance_benchmark.cpp measured when it pays.
+/// A textured parameter is judged by its constant value.
 bool has_narrow_lobes(const std::vector<Material>& materials);
 
 }  // namespace penumbra

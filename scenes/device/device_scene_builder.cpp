@@ -39,7 +39,7 @@ static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-/// Whether camera rays that meet nothing see something all the same.
+/// Whether camera rays that miss all shapes may still see light.
 bool sees_sky(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
   if (p.kind == INTEGRATOR_OCCLUSION) return p.background > 0;
@@ -118,7 +118,7 @@ class Builder {
   void need(std::uint64_t feature) { h_.features |= feature; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
-  /// `reach`: how far the shape extends about the position.
+  /// Position relative to the scene's centre. `reach`: the shape's extent around the position.
   vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
     const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
     if (!(finite(v) && std::isfinite(float(reach))) && problem_.empty())
@@ -171,7 +171,8 @@ class Builder {
     need(FEATURE_TEXTURES | FEATURE_UV);
   }
 
-  /// Those of each shape once, so that tables of the largest scenes are never moved.
+  /// Reserves room for the triangles of all shapes, each counted once, so that the tables of the largest
+  /// scenes are never moved.
   void reserve_triangles() {
     std::size_t triangles = 0, smooth = 0;
     const auto count = [&](const std::vector<Shape>& shapes) {
@@ -190,7 +191,7 @@ class Builder {
   }
 
   void add_shape(const Shape& shape) {
-    // Materials of the geometric front and back: flipped normals make the other side the front one.
+    // Materials of the geometric front and back. With flipped normals they are exchanged.
     const int front = material_index(shape.front_bsdf), back = material_index(shape.back_bsdf);
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
@@ -236,7 +237,7 @@ class Builder {
     if (emits(shape)) add_mesh_lights(shape, first);
   }
 
-  /// Of the shape's triangles, which are those from `first` on.
+  /// Adds lights for the shape's triangles, which start at `first`.
   void add_mesh_lights(const Shape& shape, std::size_t first) {
     std::vector<LightTriangle> emitters;
     for (std::size_t i = first; i < records_.triangles.size(); ++i)
@@ -246,7 +247,7 @@ class Builder {
       records_.triangles[i].light = index[i - first];
   }
 
-  /// Of a triangle of the mesh, where a texture shows such colours.
+  /// Adds the colours of a triangle of the mesh if a texture shows mesh attributes.
   void add_colours(const Mesh& mesh, const glm::uvec3& corner, std::size_t triangle) {
     if (attributes_.empty()) return;
     if (mesh.colours.empty() && mesh.face_colours.empty()) {
@@ -258,8 +259,8 @@ class Builder {
       records_.vertex_colours.push_back(triangle_colours(mesh, attribute, corner, triangle));
   }
 
-  /// Groups' shapes once, but for those that emit: they are in the scene wherever an instance places them,
-  /// since each is a light of its own.
+  /// Adds each group's shapes once, except emitting ones. Those are copied for every instance, because each
+  /// copy is a light of its own.
   void add_instances() {
     if (placed_.empty()) return;
     add_instances_of_emitters();
@@ -286,7 +287,7 @@ class Builder {
     const auto emitters = placed_emitters(scene_, placed_, emits);
     if (!emitters) problem_ = emitters.error().message;
     if (!emitters) return;
-    // In the order of their places.
+    // In the order of their placement.
     std::size_t next = 0;
     for (const PlacedGroup& place : placed_) {
       const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
@@ -299,7 +300,7 @@ class Builder {
     }
   }
 
-  /// The index of its record, or 0 where it has no shape but such as emit.
+  /// Returns the index of the group's record, or 0 if all of its shapes emit.
   int add_group(int number, const glm::dvec3& center) {
     const std::vector<Shape>& shapes = scene_.groups[std::size_t(number)].shapes;
     PrimitiveGroup record{};
@@ -407,7 +408,7 @@ class Builder {
     if (!media_->empty()) quadric_boundaries_.push_back(boundary_);
   }
 
-  /// Those of triangles are in their table already.
+  /// The mattes of triangles are in their table already.
   Expected<void> store_mattes() {
     records_.mattes.insert(records_.mattes.end(), quadric_mattes_.begin(), quadric_mattes_.end());
     *options_.mattes = std::move(*mattes_).names();
@@ -424,7 +425,7 @@ class Builder {
   void add_other_lights() {
     h_.environment = -1;
     const auto at = [&](const glm::dvec3& p) { return local(p, "a light"); };
-    // Kind by kind: the order in which a file has them makes no difference.
+    // Add emitters kind by kind, so that their order in the file makes no difference.
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
@@ -439,7 +440,7 @@ class Builder {
     h_.duplicate_lights = lights_.duplicates();
   }
 
-  /// What is found by rays through the scene, which is whole otherwise.
+  /// Adds everything that is found by tracing rays through the scene, which is complete otherwise.
   Expected<void> look_at_scene() {
     BorrowedHierarchy hierarchy(records_);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
@@ -476,16 +477,17 @@ class Builder {
   glm::dvec3 center_{0};
   double radius_ = 0;
   std::vector<PlacedGroup> placed_;
-  std::optional<glm::dvec3> in_group_;  ///< the centre of the group whose shapes are added
+  std::optional<glm::dvec3> in_group_;  ///< the centre of the group whose shapes are being added
   LightBuilder lights_;
   SceneRecords records_;
   LightTextures light_textures_;
-  std::vector<MeshAttribute> attributes_;  ///< that textures show, in the order of a triangle's colours
+  /// Attributes shown by textures, in the order of a triangle's colours.
+  std::vector<MeshAttribute> attributes_;
   std::optional<MatteBook> mattes_;
-  int matte_ = 0;  ///< of the shape that is added
+  int matte_ = 0;  ///< of the shape that is being added
   std::vector<int> quadric_mattes_;
   std::optional<MediaBook> media_;
-  int boundary_ = -1;  ///< likewise
+  int boundary_ = -1;  ///< of the shape that is being added
   std::vector<int> quadric_boundaries_;
   std::string problem_;
 };
@@ -500,7 +502,7 @@ glm::dvec3 scene_center(const SceneDescription& scene) {
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
   auto built = Builder(scene, options).build();
   if (!built) return built;
-  // Here rather than by every worker that refuses it.
+  // Report it here, not by every worker that would refuse the scene.
   if (const auto checked = check_device_scene(*built); !checked)
     return fail(
         fmt::format("{}: the scene's tables contradict each other, which is a fault of this program: {}",

@@ -1,4 +1,4 @@
-// From a scene description to the flat arrays that the kernels read.
+// Builds the device scene: the flat arrays that the kernels read.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -16,20 +16,21 @@ struct MatteNames;
 
 struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
-  bool feature_layers = true;    ///< albedo, normal and depth beside the radiance
-  bool surface_uv = false;       ///< texture coordinates and tangents of surfaces, textures or not
-  MatteNames* mattes = nullptr;  ///< null, or where the mattes go, which results then count
+  bool feature_layers = true;  ///< render albedo, normal and depth layers beside the radiance
+  bool surface_uv = false;  ///< keep texture coordinates and tangents of all surfaces, even without textures
+  MatteNames* mattes = nullptr;  ///< if not null, receives the mattes, and the kernels count them
 };
 
-/// The middle of the scene's bounding box, which the device scene's positions are relative to.
+/// The centre of the scene's bounding box. Positions in the device scene are relative to it.
 glm::dvec3 scene_center(const SceneDescription& scene);
 
-/// Everything in float about the scene's centre, which is subtracted in double; only the tables and the
-/// feature bits that the scene needs. A pure function of its arguments: the same bytes every time. Errors:
-/// too many primitives for 32-bit offsets, a transform or a vertex that is not finite in float.
+/// Builds the device scene. Positions are in single precision relative to the scene's centre, which is
+/// subtracted in double precision. Only the tables and feature bits that the scene needs are present. The
+/// result is a pure function of the arguments, byte for byte. Errors: too many primitives for 32-bit offsets;
+/// a transform or a vertex that is not finite in float.
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options);
 
-/// What a scene needs and what was left out for it, as (what, how much) for people.
+/// What a scene contains and what was left out of it, as pairs (what, how much) for users.
 struct SceneSummary {
   std::vector<std::pair<std::string, std::string>> needs;
   std::vector<std::pair<std::string, std::string>> left_out;

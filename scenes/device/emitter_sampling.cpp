@@ -10,16 +10,18 @@
 namespace penumbra {
 namespace {
 
-// A light of more parts has small ones, which gain nothing and would take long to evaluate.
+// A light of more parts has small parts, which gain nothing from solid-angle sampling and take long to
+// evaluate.
 constexpr std::size_t kMaxParts = 1024;
-constexpr int kNodes = 6;  // of the quadrature along each axis of a part
+constexpr int kNodes = 6;  // quadrature nodes along each axis of a part
 constexpr double kOtherVariance = 0.2;
 constexpr double kDirectCost = 0.02, kPathCost = 0.17;
 
-/// k-th number of an additive sequence in [0, 1).
+/// The k-th number of an additive recurrence in [0, 1).
 double spread(int k, double step) { return std::fmod(0.5 + k * step, 1.0); }
 
-/// Calls add(area, point) for each piece of a shape's surface; point(u, v) maps the unit square onto it.
+/// Calls add(area, point) for each piece of a shape's surface. point(u, v) maps the unit square onto the
+/// piece.
 template <typename Add>
 void each_piece(const Shape& shape, const Add& add) {
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
@@ -88,8 +90,8 @@ std::vector<LightPart> parts_of(std::span<const LightTriangle> triangles, const 
   return parts;
 }
 
-/// Integrals over a part as a receiver sees it, with g = cosine at the light / distance^2 and c the
-/// receiver's cosine, by the midpoints of a grid that is uniform in area.
+/// Integrals over a part seen from a receiver, with g = cosine at the light / distance^2 and c = the
+/// receiver's cosine. They use the midpoint rule on a grid that is uniform in area.
 struct Moments {
   double g = 0, gc = 0, gc2 = 0, g2c2 = 0;
 };
@@ -127,7 +129,7 @@ std::vector<Receiver> light_receivers(const SceneDescription& scene, const glm::
   for (const Shape& shape : scene.shapes) {
     each_piece(shape, [&](double area, const auto& point) {
       passed += area;
-      // Steps of the plastic number's sequence (Roberts 2018).
+      // An additive recurrence with steps of the plastic number (Roberts 2018).
       for (int k = int(receivers.size()); k < kReceivers && (k + 0.5) / kReceivers * total < passed; ++k) {
         receivers.push_back(point(spread(k, 0.7548776662466927), spread(k, 0.5698402909980532)));
         receivers.back().p -= origin;

@@ -1,4 +1,4 @@
-// Which way of sampling points on a flat light is worth its cost in a scene.
+// Decides which method of sampling points on a planar light is worth its cost in a scene.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,36 +10,39 @@
 
 namespace penumbra {
 
-/// A point on the scene's surfaces that receives light on either side.
+/// A point on the scene's surfaces that receives light on both sides.
 struct Receiver {
-  glm::dvec3 p{0.0}, n{0.0};  ///< n unit
+  glm::dvec3 p{0.0}, n{0.0};  ///< position and unit normal
 };
 
-/// At most kReceivers points, spread evenly over the area of all shapes, in coordinates from `origin`; the
-/// same for the same scene. Without shapes that have an area: none.
+/// At most kReceivers points, spread evenly over the area of all shapes, relative to `origin`. The same scene
+/// always gives the same points. Empty if no shape has an area.
 std::vector<Receiver> light_receivers(const SceneDescription& scene, const glm::dvec3& origin);
 constexpr int kReceivers = 64;
 
-/// Relative variance of one sample of a light's unshadowed irradiance, with points by area and by solid
-/// angle: mean over receivers, each weighted by its irradiance and counted up to kMostVariance.
+/// The relative variance of one sample of a light's unshadowed irradiance, with area and with solid-angle
+/// sampling. It is the mean over all receivers, weighted by their irradiance; the variance of each is clamped
+/// to kMostVariance.
 struct SamplingVariance {
   double area = 0, solid_angle = 0;
 };
 constexpr double kMostVariance = 4;
 
-/// Of a light of these outlines, in the receivers' coordinates; the moments by quadrature. A part (rectangle
-/// or triangle) is chosen by its area. 0 for both where nothing receives light.
+/// The variance for a light of these outlines, which are in the receivers' coordinates. The moments are
+/// computed by quadrature. A rectangle or triangle of the light is chosen in proportion to its area. Both
+/// variances are 0 if no receiver gets light.
 SamplingVariance sampling_variance(std::span<const LightTriangle> triangles, const Outlines& outlines,
                                    bool two_sided, std::span<const Receiver> receivers);
 
-/// Whether the integrator takes emitter samples, and points by solid angle get to an error in less time. Time
-/// is samples times cost, and samples are the variance of a pixel, of which the light's is a part: so they
-/// pay where
-///   (other + solid angle) (1 + cost) < other + area.
-/// `other`, what shadows, materials and further bounces add to the variance of a sample, is set to 0.2: the
-/// sample scenes have relMSE 0.17 to 0.2 with one. `cost` was measured: 2 % of direct light, but 17 % of a
-/// path, where it takes kernels of more features. By projected solid angle nothing is ever chosen: no scene
-/// measured gains (time to equal error 1.2 to 2.3 times that by area, solid angle 0.6 to 1.1).
+/// Whether solid-angle sampling reaches a given error in less time, for an integrator that samples emitters.
+/// Time is the number of samples times the cost of one. The number of samples is proportional to the variance
+/// of a pixel, to which the light contributes only a part. So solid-angle sampling pays if
+///      (other + solid angle) (1 + cost) < other + area.
+/// `other` is the variance of a sample due to shadows, materials and further bounces. It is set to 0.2: the
+/// sample scenes have a relMSE of 0.17 to 0.2 with one sample. `cost` was measured: 2 % for direct
+/// illumination, but 17 % for a path, where it needs kernels with more features. Projected solid angle is
+/// never chosen: no measured scene gains from it (its time to equal error is 1.2 to 2.3 times that of area
+/// sampling; for solid angle it is 0.6 to 1.1).
 bool solid_angle_pays(const SamplingVariance& variance, const IntegratorSettings& integrator);
 
 }  // namespace penumbra

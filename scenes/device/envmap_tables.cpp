@@ -1,4 +1,4 @@
-// The tables of an environment map, see kernels/light/envmap_light.h.
+// The tables of an environment map; see kernels/light/envmap_light.h.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,8 +14,7 @@
 namespace penumbra {
 namespace {
 
-/// Appends the sums of the weights of a row's cells, from its first column up to each, of columns 0 to W.
-/// Returns the last.
+/// Appends the cumulative sums of the weights of a row's cells, for columns 0 to W. Returns the last sum.
 double append_sums(std::span<const vec3> row, float sine, std::vector<float>& columns) {
   const auto weight = [&](const vec3& texel) { return double(envmap_weight(texel, sine)); };
   const double first = weight(row.front());
@@ -32,7 +31,7 @@ double append_sums(std::span<const vec3> row, float sine, std::vector<float>& co
   return sum;
 }
 
-/// What is below 0, as resampled images have it beside bright texels, shines not.
+/// The radiance of a texel. Negative values, which resampling produces beside bright texels, become 0.
 vec3 radiance_of_texel(const BitmapValues& values, std::size_t channels, std::size_t index, float scale) {
   const auto channel = [&](std::size_t c) {
     const float value = values[channels * index + std::min(c, channels - 1)] * scale;
@@ -74,7 +73,7 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   for (const double row : rows) records.envmap_rows.push_back(whole > 0 ? float(row / whole) : 0.0f);
   append_sum_levels(std::size_t(envmap_shares(height)), records.envmap_rows);
   EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), sky_power(place));
-  // From directions of the world to those of the image.
+  // The transform from world directions to those of the image.
   made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
   made.light.p1 = to_vec3(glm::normalize(glm::dvec3(to_world[1])));
   made.light.p2 = to_vec3(glm::normalize(glm::dvec3(to_world[2])));

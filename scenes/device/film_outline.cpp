@@ -15,19 +15,19 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr std::size_t kMostEdges = 64;  // of a pixel
+constexpr std::size_t kMostEdges = 64;  // per pixel
 
 bool before(const dvec3& a, const dvec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 bool before(const dvec2& a, const dvec2& b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); }
 
-/// Where a to b crosses depth z: the same whichever way it leads.
+/// The point at which the line from a to b crosses depth z. It is bitwise the same from b to a.
 dvec3 cross_depth(dvec3 a, dvec3 b, double z) {
   if (before(b, a)) std::swap(a, b);
   const dvec3 p = a + (z - a.z) / (b.z - a.z) * (b - a);
   return {p.x, p.y, z};
 }
 
-/// What of a polygon is beyond depth z; `side` -1: before it.
+/// Clips a polygon to depths beyond z, or with `side` -1 to depths below z.
 std::vector<dvec3> clip_depth(const std::vector<dvec3>& polygon, double z, double side) {
   std::vector<dvec3> kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -39,8 +39,7 @@ std::vector<dvec3> clip_depth(const std::vector<dvec3>& polygon, double z, doubl
   return kept;
 }
 
-/// The part of an edge where `coordinate` is between low and high, all of one along which it does not change;
-/// nothing if that is a point or less.
+/// Clips an edge to the range [low, high] of `coordinate`. Nothing if the result is empty or a point.
 std::optional<FilmEdge> clip(FilmEdge e, int coordinate, double low, double high) {
   const auto at = [&](double value) {
     dvec2 p =
@@ -58,13 +57,13 @@ std::optional<FilmEdge> clip(FilmEdge e, int coordinate, double low, double high
   return kept;
 }
 
-/// Pixels, from first to last, within whose reach of a filter there is something of [low, high].
+/// The first and the last pixel whose filter support overlaps [low, high].
 std::array<int, 2> pixels_at(double low, double high, double radius, int size) {
   const double first = std::ceil(low - 0.5 - radius), last = std::floor(high - 0.5 + radius);
   return {int(std::clamp(first, 0.0, double(size))), int(std::clamp(last, -1.0, double(size - 1)))};
 }
 
-/// Of a row's edges, clipped to its reach, what matters to the pixel.
+/// The part of a row's edges that affects the pixel. The edges are clipped to the row's filter support.
 OutlinePixel edges_in_pixel(int x, int y, std::span<const FilmEdge> row, double radius) {
   OutlinePixel pixel{x, y, {}, {}};
   const dvec2 center(x + 0.5, y + 0.5);
@@ -78,7 +77,7 @@ OutlinePixel edges_in_pixel(int x, int y, std::span<const FilmEdge> row, double 
       pixel.inside.push_back({local(kept->from), local(kept->to)});
       add(*kept);
     }
-    // What is to the right.
+    // Edges to the right of the support.
     if (std::min(e.from.x, e.to.x) >= high) {
       add({{high, e.from.y}, {high, e.to.y}});
     } else if (const auto right = clip(e, 0, high, std::numeric_limits<double>::infinity())) {
@@ -95,7 +94,8 @@ std::vector<FilmEdge> outline_on_film(const Camera& camera, const FilmParameters
   const glm::dmat3 axes(to_dvec3(camera.x), to_dvec3(camera.y), to_dvec3(camera.z));
   const glm::dmat3 to_camera = glm::inverse(axes);
   const bool mirrored = glm::determinant(axes) > 0;
-  std::map<std::array<double, 4>, int> counts;  // of the way from the lesser end less that back
+  // Number of edges from the lesser to the greater end, minus those in the opposite direction.
+  std::map<std::array<double, 4>, int> counts;
   const auto to_film = [&](const dvec3& p) {
     return 0.5 * dvec2(film.width, film.height) * (1.0 - dvec2(p) / p.z);
   };
@@ -133,8 +133,9 @@ int OutlinePixel::winding(dvec2 p) const {
 }
 
 double OutlinePixel::share(const FilterMass& filter) const {
-  // Over pieces of edges the integral of F(x) dG(y), both the filter's mass, with both quadratic through a
-  // piece's ends and middle: exact for a box and a tent between their kinks.
+  // Integrates F(x) dG(y) over pieces of edges, where F and G are cumulative distributions of the filter.
+  // Both are interpolated quadratically through the ends and the middle of a piece. This is exact for a box
+  // and a tent between their kinks.
   constexpr double kLongest = 1.0 / 32;
   double sum = 0;
   for (const FilmEdge& e : edges) {

@@ -1,4 +1,4 @@
-// What a pinhole camera sees of flat pieces, by the outline of all of them on the film, pixel by pixel.
+// The outline of planar pieces on the film of a pinhole camera, pixel by pixel.
 #pragma once
 
 #include <array>
@@ -11,33 +11,34 @@
 
 namespace penumbra {
 
-/// In pixels from the film's upper left corner, x to the right and y down. What it is an edge of is at
-/// smaller x where `to` is below `from`, else at larger x.
+/// An edge of an outline, in pixels from the film's upper left corner, x to the right and y down. The
+/// outlined region lies at smaller x if `to` is below `from` (has the larger y), else at larger x.
 struct FilmEdge {
   glm::dvec2 from, to;
 };
 
-/// The edges of triangles between the camera's clipping planes, but for those that two of them share (their
-/// ends the same to the bit). The camera sees the triangles counter-clockwise. Time: n log n.
+/// The outline edges of triangles, clipped to the camera's clipping planes. Edges that two triangles share
+/// (with bitwise identical ends) are left out. The camera must see the triangles counter-clockwise. Time: O(n
+/// log n).
 std::vector<FilmEdge> outline_on_film(const Camera& camera, const FilmParameters& film,
                                       std::span<const std::array<vec3, 3>> triangles);
 
-/// An outline within the reach of a pixel's filter.
+/// The part of an outline within the support of a pixel's filter.
 struct OutlinePixel {
   int x, y;
-  /// In filter radii about the pixel's centre, within [-1, 1]. What is right of the reach is at its border:
-  /// how often edges wind about a point follows from those to its right.
+  /// Edges relative to the pixel's centre in filter radii, within [-1, 1]. Edges to the right of the support
+  /// are moved to its border, because the winding number of a point depends on the edges to its right.
   std::vector<FilmEdge> edges;
-  std::vector<FilmEdge> inside;  ///< those that are in reach, as they are
+  std::vector<FilmEdge> inside;  ///< the edges inside the support, unchanged
 
-  /// How many times the edges wind about a point in reach: 1 within a simple outline, 0 outside.
+  /// The winding number of a point in the support: 1 inside a simple outline, 0 outside.
   [[nodiscard]] int winding(glm::dvec2 p) const;
-  /// The share of the pixel by its filter that is within the outline.
+  /// The fraction of the pixel, weighted by its filter, that lies inside the outline.
   [[nodiscard]] double share(const FilterMass& filter) const;
 };
 
-/// Those pixels of the film whose filters an edge crosses, row by row, in the order of x; but for pixels with
-/// more than 64 edges.
+/// The pixels of the film whose filter support an edge crosses, row by row and by ascending x. Pixels with
+/// more than 64 edges are left out.
 std::vector<OutlinePixel> outline_pixels(std::span<const FilmEdge> edges, const FilmParameters& film);
 
 }  // namespace penumbra

@@ -6,7 +6,7 @@
 namespace penumbra {
 namespace {
 
-/// Of |f|, the share nearer than the table's place s, in cells from 0 to FILTER_CELLS.
+/// The cumulative distribution of |x| up to position s of the table, in cells from 0 to FILTER_CELLS.
 double mass_before(double s) {
   const double beyond = 1 - s / FILTER_CELLS;
   return 1 - beyond * beyond;

@@ -1,4 +1,5 @@
-// The pixel filter along one axis as film positions are sampled from it (sampler/filter.h), integrated.
+// The integral of the pixel filter along one axis, for the density with which film positions are sampled
+// (sampler/filter.h).
 #pragma once
 
 #include <cstddef>
@@ -10,25 +11,25 @@ namespace penumbra {
 
 class FilterMass {
  public:
-  /// `table`: of filter_table.h; it is there as long as this.
+  /// `table` is the result of filter_table(). It must outlive this object.
   FilterMass(int filter, const std::vector<float>& table);
 
-  /// The filter's integral from -1 to x, in filter radii, of [-1, 1]; that to 1 is 1, but for the rounding of
-  /// a table's weights.
+  /// The filter's cumulative distribution from -1 to x, in filter radii, for x in [-1, 1]. At 1 it is 1 up to
+  /// the rounding of a table's weights.
   [[nodiscard]] double up_to(double x) const;
 
  private:
-  /// Where a distance from the centre is in the table.
+  /// The position of a distance from the centre in the table.
   struct Place {
     int cell;
-    double inside;  ///< from 0 to 1 within the cell
+    double inside;  ///< position within the cell, from 0 to 1
   };
   [[nodiscard]] Place find(double distance) const;
   [[nodiscard]] double weight(int cell) const { return double(table_[std::size_t(FILTER_CELLS + 1 + cell)]); }
 
   int filter_;
   const std::vector<float>& table_;
-  std::vector<double> nearer_;  ///< of |x|, the filter's integral over what is nearer than each knot
+  std::vector<double> nearer_;  ///< cumulative distribution of |x| at each knot
 };
 
 }  // namespace penumbra

@@ -8,8 +8,8 @@
 namespace penumbra {
 namespace {
 
-// Steps of the midpoint rule for each filter: fine enough that a knot is off by less than a float's rounding
-// times 100.
+// Steps of the midpoint rule for each filter: fine enough that the error of a knot is below 100 rounding
+// errors of a float.
 constexpr int kSteps = 1 << 16;
 
 /// Mitchell and Netravali 1988 with parameters B and C, at x in pixels, |x| <= 2.
@@ -36,7 +36,7 @@ double filter_value(const Film& film, double x) {
     case FilterKind::kTent:
       return 1 - std::abs(x);
     case FilterKind::kGaussian: {
-      // Lowered so that it ends at 0 without a step.
+      // Shifted down so that it falls continuously to 0 at the radius.
       const double falloff = -1 / (2.0 * film.filter_stddev * film.filter_stddev);
       return std::max(0.0, std::exp(falloff * x * x * r * r) - std::exp(falloff * r * r));
     }

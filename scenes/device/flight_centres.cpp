@@ -8,8 +8,8 @@
 namespace penumbra {
 namespace {
 
-// A group takes a multiplication and a comparison of each flight; with more than so many lights the one that
-// is chosen is seldom that which a path finds.
+// Each group costs a multiplication and a comparison per flight. With more groups, the chosen one is rarely
+// the one whose light a path then samples.
 constexpr std::size_t kMostGroups = 16;
 
 glm::dvec3 middle(const LightBounds& b) { return 0.5 * (b.low + b.high); }
@@ -17,7 +17,7 @@ glm::dvec3 middle(const LightBounds& b) { return 0.5 * (b.low + b.high); }
 struct Group {
   std::vector<LightBounds> lights;
   LightBounds all;
-  glm::dvec3 low, high;  ///< box of their middles
+  glm::dvec3 low, high;  ///< bounding box of the lights' centres
 
   explicit Group(std::vector<LightBounds> members) : lights(std::move(members)), all(lights.front()) {
     low = high = middle(all);
@@ -28,11 +28,11 @@ struct Group {
     }
   }
 
-  /// How much there is to be gained by parting it.
+  /// An estimate of the gain from splitting the group.
   [[nodiscard]] double spread() const { return all.intensity * glm::length(high - low); }
 };
 
-/// About the middle of their box's longest side, so that clusters stay together.
+/// Splits at the middle of the longest side of the group's box, so that clusters stay together.
 std::pair<Group, Group> parted(const Group& group) {
   const glm::dvec3 size = group.high - group.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
@@ -53,7 +53,7 @@ std::vector<FlightCentre> flight_centres(std::span<const LightBounds> lights) {
   std::vector<Group> groups{Group(std::move(somewhere))};
   while (groups.size() < kMostGroups) {
     const auto widest = std::ranges::max_element(groups, {}, &Group::spread);
-    // Not so little that its middle is one of its ends.
+    // Stop if the box is so small that its middle equals one of its ends.
     if (!(widest->spread() > 1e-6 * widest->all.intensity * glm::length(widest->all.high + widest->all.low)))
       break;
     auto [first, second] = parted(*widest);

@@ -1,4 +1,4 @@
-// Places from where the lights of a scene shine on its media.
+// Centres of light clusters, for sampling distances along rays in media.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace penumbra {
 
-/// Of all lights that are somewhere, in few groups of such as are near each other; chosen as often as they
-/// are strong.
+/// Clusters all lights that have a position into a few groups of nearby lights. The probability of a centre
+/// is proportional to the power of its group.
 std::vector<FlightCentre> flight_centres(std::span<const LightBounds> lights);
 
 }  // namespace penumbra

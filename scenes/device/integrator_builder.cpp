@@ -10,7 +10,8 @@ namespace penumbra {
 namespace {
 
 constexpr int kLatestRoulette = 1024;
-// Evaluating more polygons at every shading point would cost more than a choice by contribution saves.
+// With more polygons, evaluating them at every shading point would cost more than choosing by contribution
+// saves.
 constexpr std::size_t kMaxContributionPolygons = 256;
 
 static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
@@ -19,8 +20,8 @@ static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPo
               int(IndirectSampling::kUniform) == DIRECTION_UNIFORM &&
               int(OcclusionWeighting::kUniform) == WEIGHTING_UNIFORM);
 
-/// The balance of emitter and direction samples needs the density of every direction, which a choice by
-/// contribution does not provide for directions of other samples.
+/// Balancing emitter and BSDF samples needs the density of emitter sampling for every direction. A choice by
+/// contribution does not provide it for directions of BSDF samples.
 bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
   if (const auto* direct = integrator.get<DirectIntegrator>()) return direct->bsdf_samples > 0;
   const auto path = direct_sampling(integrator);
@@ -30,7 +31,7 @@ bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) 
   return finds && !(control_variate(integrator) && lights.only_polygons());
 }
 
-/// Of surfaces alone, without lights and materials.
+/// Integrators that depend only on geometry, not on lights and materials.
 bool is_occlusion(const IntegratorSettings& integrator) {
   return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
          integrator.is<NormalsIntegrator>();
@@ -87,18 +88,18 @@ void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters&
 }
 
 void set_parameters(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
-  // What an integrator has no parameter for is the default of the first that has it.
+  // Parameters that the integrator lacks get the default of the first integrator that has them.
   for (const IntegratorMethod& method : integrator_methods() | std::views::reverse)
     copy_parameters({.method = method}, p);
   copy_parameters(integrator, p);
   p.kind = kind_of(integrator);
   if (p.only_bounces >= 0) {
-    const int edges = p.only_bounces + 1;  // longer paths bring nothing
+    const int edges = p.only_bounces + 1;  // longer paths contribute nothing
     p.max_depth = p.max_depth < 0 ? edges : std::min(p.max_depth, edges);
   }
   if (p.max_depth < 0) {
     p.max_depth = INT_MAX;
-    // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
+    // Enforces Russian roulette at last; otherwise paths in a closed room of albedo 1 would never end.
     p.rr_depth = std::min(p.rr_depth, kLatestRoulette);
   }
   if (integrator.is<PolygonAnalyticIntegrator>()) p.emitter_samples = 0;
@@ -112,15 +113,14 @@ void set_parameters(const IntegratorSettings& integrator, double scene_radius, I
                                               : HIDE_LIGHT;
 }
 
-/// The closed form is then of interest for the layers only.
+/// Does not use the closed form as estimator; it remains only for the layers.
 void use_samples_alone(SceneHeader& h) {
   h.integrator.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
   h.adjustable.alpha = 0.0f;
 }
 
-/// Where every sample without shadows is the closed form itself, no alpha changes anything, and plain samples
-/// are the best estimate known: one sequence of samples is then better than the two halves that fit each
-/// other's alpha.
+/// If every unshadowed sample equals the closed form, alpha has no effect, and plain samples are the best
+/// known estimator. One sequence of samples is then better than two halves that fit each other's alpha.
 void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lights, SceneHeader& h) {
   const std::optional<ControlVariate> variate = control_variate(integrator);
   h.integrator.estimator = ESTIMATOR_SAMPLES;
@@ -129,7 +129,7 @@ void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lig
   if (integrator.is<PolygonAnalyticIntegrator>()) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
   } else if (!variate) {
-    // A choice by contribution evaluates the closed form, so the layers show it.
+    // A choice by contribution evaluates the closed form anyway, so it is available for the layers.
     if (h.integrator.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
   } else if (variate->alpha) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
@@ -146,12 +146,12 @@ LightChoice light_choice(const IntegratorSettings& integrator) {
   return parameter_or(integrator, PENUMBRA_PARAMETER(light_choice), LightChoice::kAuto);
 }
 
-/// Whether samples choose among lights for which the hierarchy's choice is to be had.
+/// Whether light samples choose among lights for which the hierarchy can be used.
 bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& lights) {
   if (is_occlusion(integrator) || integrator.is<PolygonAnalyticIntegrator>()) return false;
   if (const auto* direct = integrator.get<DirectIntegrator>(); direct && direct->emitter_samples == 0)
     return false;
-  // Lights that rays find are not counted.
+  // Lights that rays can hit do not count.
   constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
                                    1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
   const bool finds_all =
@@ -174,8 +174,9 @@ EmitterSampling default_sampling(const IntegratorSettings& integrator, bool narr
   const auto wanted = parameter_or(integrator, PENUMBRA_PARAMETER(emitter_sampling), EmitterSampling::kAuto);
   if (wanted != EmitterSampling::kAuto) return wanted;
   if (integrator.is<PolygonAreaIntegrator>()) return EmitterSampling::kArea;
-  // With the closed form beside it, sampling by solid angle is as good as by projected solid angle in
-  // penumbrae and exact elsewhere, at a third of the cost; unless the lobe covers a part of the light.
+  // With the closed form as control variate, sampling by solid angle is as good as by projected solid angle
+  // in penumbrae and exact elsewhere, at a third of the cost, unless the lobe covers only a part of the
+  // light.
   if (!control_variate(integrator)) return EmitterSampling::kAuto;
   return narrow ? EmitterSampling::kProjected : EmitterSampling::kSolidAngle;
 }
@@ -201,7 +202,7 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
         "0, "
         "path or volpath with direct_sampling = ems, whitted with indirect_samples = 0, polygon_area or "
         "polygon_cv");
-  // Where closed forms choose, or are subtracted, by default nothing else does.
+  // If closed forms are used to choose lights or as control variates, the hierarchy is not used by default.
   const bool by_tree =
       wanted == LightChoice::kTree || (wanted == LightChoice::kAuto && !wants_polygons(integrator));
   if (by_tree && chooses_lights(integrator, lights)) {

@@ -12,14 +12,16 @@
 namespace penumbra {
 namespace {
 
-// Up to this many triangles testing all of them in lanes beats any hierarchy.
+// Up to this many triangles, testing all of them in SIMD lanes is faster than any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
-// Up to MAX_WHOLE_TRIANGLES it does on some devices, which choose: such scenes have both.
-// Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
+// Up to MAX_WHOLE_TRIANGLES that holds on some devices, which may choose, so such scenes have both.
+// kMaxPortableTriangles: where Embree becomes as fast as our own hierarchy, measured by
+// tests/benchmarks/traversal_benchmark.cpp.
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
-/// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
+/// Collects distinct vertices and the triangles over them. Returns false if the scene is too large to test
+/// every primitive.
 bool collect_corners(SceneRecords& records) {
   if (!records.instances.empty() || records.triangles.size() > MAX_WHOLE_TRIANGLES ||
       records.quadrics.size() > kMaxWholeQuadrics)

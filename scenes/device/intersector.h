@@ -1,4 +1,4 @@
-// The search structure of the intersector that a scene is rendered with.
+// Builds the acceleration structure of the intersector that renders a scene.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@ namespace penumbra {
 
 enum class IntersectorChoice { kAuto, kPortable, kEmbree };
 
-/// INTERSECTOR_* that is fastest for so many triangles, ours where both are equal: its images are the same
-/// everywhere.
+/// The intersector (INTERSECTOR_*) that is fastest for that number of triangles. If both are equally fast,
+/// the portable one, because its images are the same on every machine.
 int intersector_for(std::size_t triangles);
 
-/// Fills in the header's intersector and what it needs, over triangles, quadrics and instances that are
-/// complete: the distinct vertices of a scene that is tested whole, or a hierarchy. Errors: those of building
-/// the hierarchy.
+/// Sets the header's intersector and builds what it needs: a hierarchy, or the distinct vertices of a scene
+/// small enough to test every primitive. Triangles, quadrics and instances must be complete. Errors: those of
+/// building the hierarchy.
 Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records);
 
-/// The portable intersector's hierarchy over the records' primitives and instances, of which there are some,
-/// and the roots of their groups. Errors: as of build_hierarchy.
+/// Builds the portable intersector's hierarchy over the primitives and instances of the records, of which
+/// there must be at least one, and the roots of their groups. Errors: those of build_hierarchy.
 Expected<void> add_hierarchy(SceneRecords& records);
 
-/// The portable intersector's hierarchy while a scene is built, for what takes a look at it: built for the
-/// first that needs it, and gone with this, unless the scene's own rays take it.
+/// The portable intersector's hierarchy for steps of the scene's construction that trace rays. It is built on
+/// the first call of need(), and removed in the destructor unless rendering uses it.
 class BorrowedHierarchy {
  public:
   explicit BorrowedHierarchy(SceneRecords& records) : records_(records) {}
@@ -33,7 +33,7 @@ class BorrowedHierarchy {
   BorrowedHierarchy& operator=(const BorrowedHierarchy&) = delete;
   ~BorrowedHierarchy();
 
-  /// Of a scene with some primitive. Errors: as of add_hierarchy.
+  /// Builds the hierarchy if it is missing. The scene must have a primitive. Errors: those of add_hierarchy.
   Expected<void> need();
 
  private:

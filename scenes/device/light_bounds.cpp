@@ -11,7 +11,7 @@ namespace {
 
 glm::dvec3 widened(const vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
-/// Flat, facing `axis`, over these points.
+/// Bounds a planar light that faces `axis`, with these vertices.
 void bound_flat(LightBounds& bounds, const Light& light, const glm::dvec3& axis, double power,
                 std::initializer_list<glm::dvec3> points) {
   bounds.low = bounds.high = *points.begin();
@@ -25,7 +25,7 @@ void bound_flat(LightBounds& bounds, const Light& light, const glm::dvec3& axis,
   bounds.two_sided = light.two_sided != 0;
 }
 
-/// The cone about both cones of axes.
+/// Computes a cone that contains both cones of axes.
 void join_cones(LightBounds& all, const LightBounds& a, LightBounds b) {
   if (a.two_sided && b.two_sided && glm::dot(a.axis, b.axis) < 0) b.axis = -b.axis;
   all.axis = a.axis;
@@ -42,7 +42,7 @@ void join_cones(LightBounds& all, const LightBounds& a, LightBounds b) {
     all.spread = kPi;
     return;
   }
-  // From a's axis towards b's.
+  // The angle by which a's axis is rotated towards b's.
   const double turn = all.spread - a.spread;
   const glm::dvec3 across = glm::normalize(glm::cross(normal, a.axis));
   all.axis = glm::normalize(std::cos(turn) * a.axis + std::sin(turn) * across);
@@ -63,7 +63,7 @@ LightBounds bounds_of_light(const Light& light, double power) {
       break;
     }
     case LIGHT_DISK: {
-      // Half its extent along each coordinate axis.
+      // Half of its extent along each coordinate axis.
       const glm::dvec3 axis = glm::normalize(p1);
       const glm::dvec3 extent = p2.x * glm::sqrt(glm::max(glm::dvec3(1.0) - axis * axis, glm::dvec3(0.0)));
       bound_flat(bounds, light, axis, power, {p0 - extent, p0 + extent});
@@ -79,7 +79,7 @@ LightBounds bounds_of_light(const Light& light, double power) {
       const glm::dvec3 extent = p2.x * glm::sqrt(glm::max(glm::dvec3(1.0) - p1 * p1, glm::dvec3(0.0)));
       bounds.low = glm::min(p0, end) - extent;
       bounds.high = glm::max(p0, end) + extent;
-      bounds.intensity = power / (kPi * kPi);  // across its axis
+      bounds.intensity = power / (kPi * kPi);  // perpendicular to its axis
       break;
     }
     case LIGHT_POINT:

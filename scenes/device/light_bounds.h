@@ -1,4 +1,4 @@
-// Bounds of the light of one light, or of several: where it comes from, whereto, how much.
+// Bounds of the position, directions and intensity of one light or of several.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,24 +7,26 @@
 
 namespace penumbra {
 
-/// From points of a box, about axes within `spread` of `axis`, within `reach` of those, falling with the
-/// cosine of the angle between: after Conty Estevez and Kulla 2018. A new kind of light that leaves
-/// everything as it is here is infinite and shines from anywhere, so no place is without it.
+/// Light from points of a box. Emission axes lie within `spread` of `axis`; light leaves within `reach` of an
+/// emission axis, and falls off with the cosine of the angle between (after Conty Estevez and Kulla 2018).
+/// The defaults describe a light that is infinite and may shine from any direction, so a new kind of light
+/// without bounds of its own is never missed.
 struct LightBounds {
   glm::dvec3 low{0.0}, high{0.0};
   glm::dvec3 axis{0, 0, 1};             ///< unit
-  double spread = 3.14159265358979324;  ///< largest angle from it to an axis
-  double reach = 1.57079632679489662;   ///< largest angle from there to a way that light takes
-  double intensity = 0;                 ///< W/sr along an axis, channels averaged; of all lights together
-  bool two_sided = false;               ///< both directions of every axis
-  bool infinite =
-      true;  ///< without a place; axes are where light travels; the intensity is another's to find
+  double spread = 3.14159265358979324;  ///< the largest angle between `axis` and an emission axis
+  double reach = 1.57079632679489662;   ///< the largest angle between an emission axis and emitted light
+  double intensity = 0;    ///< W/sr along an emission axis, averaged over channels; the sum over all lights
+  bool two_sided = false;  ///< every emission axis stands for both directions
+  /// Infinite light: it has no position, and its axes are directions in which light travels; its intensity is
+  /// determined elsewhere.
+  bool infinite = true;
 };
 
-/// Of a light that chooses by `power`, 0 for none.
+/// The bounds of one light. `power` is the weight with which it is chosen; 0: no light.
 LightBounds bounds_of_light(const Light& light, double power);
 
-/// Of what either bounds. Both are infinite, or neither.
+/// Bounds of the union. Both arguments must be infinite, or neither.
 LightBounds joined(const LightBounds& a, const LightBounds& b);
 
 }  // namespace penumbra

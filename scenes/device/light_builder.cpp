@@ -14,9 +14,9 @@
 namespace penumbra {
 namespace {
 
-// By how much a grid has to lower the second moment of a textured light's samples: by area the numbers are
-// all that it changes; other ways of sampling choose points by where the receiver is, and a cone leaves out
-// the half of a sphere that is not seen.
+// The factor by which a grid must reduce the second moment of a textured light's samples. With area sampling
+// the grid changes only the random numbers. The other methods choose points depending on the receiver's
+// position, and a cone leaves out the half of a sphere that is not visible; a grid gives that up.
 constexpr double kGainOverArea = 1.2, kGainOverSolidAngle = 2, kGainOverCone = 4;
 
 double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
@@ -42,7 +42,8 @@ double triangle_area(const LightTriangle& t) {
 
 using Corners = std::array<std::array<float, 3>, 3>;
 
-/// In their order, from where it is the least: the same for triangles that differ in their first corner only.
+/// The vertices in cyclic order, beginning with the smallest. So triangles that differ only in their first
+/// vertex are equal.
 Corners corners_of(const LightTriangle& t) {
   Corners corners{{{t.p0.x, t.p0.y, t.p0.z}, {t.p1.x, t.p1.y, t.p1.z}, {t.p2.x, t.p2.y, t.p2.z}}};
   Corners least = corners;
@@ -53,7 +54,7 @@ Corners corners_of(const LightTriangle& t) {
   return least;
 }
 
-/// Each triangle by itself, where outlines are not needed.
+/// Each triangle as an outline of its own, if outlines are not needed.
 Outlines separate(std::span<const LightTriangle> triangles) {
   Outlines result;
   std::set<Corners> seen;
@@ -66,8 +67,9 @@ Outlines separate(std::span<const LightTriangle> triangles) {
   return result;
 }
 
-/// Makes a light that has its sampling the rectangle that two triangles are, if they are one; returns whether
-/// they are. Points of it cost less than theirs, of which each lane chooses one, and are spread better.
+/// If two triangles form a rectangle, makes a light whose sampling is set that rectangle. Returns whether
+/// they do. Sampling a rectangle costs less than choosing one of two triangles in each lane, and its points
+/// are distributed better.
 bool take_whole(const Outline& outline, Light& light) {
   if (!outline.rectangle || light.sampling == EMITTER_PROJECTED) return false;
   light.kind = LIGHT_RECTANGLE;
@@ -79,7 +81,7 @@ bool take_whole(const Outline& outline, Light& light) {
 
 }  // namespace
 
-/// EMITTER_* of a shape's triangles.
+/// The sampling method (EMITTER_*) of a shape's triangles.
 int LightBuilder::triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const {
   const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
   if (wanted != EmitterSampling::kAuto || receivers_.empty()) return code(wanted, EMITTER_AREA);
@@ -92,13 +94,14 @@ bool LightBuilder::is_textured(const Shape& shape) const {
   return shape.radiance_texture != kNoTexture && textures_ != nullptr;
 }
 
-/// What a grid must gain over the other way of sampling; one that a user has chosen stays.
+/// The factor that a grid must gain over the other method of sampling. Infinite if the user has chosen the
+/// method.
 double LightBuilder::least_gain(const Shape& shape, double gain) const {
   const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
   return wanted == EmitterSampling::kAuto ? gain : std::numeric_limits<double>::infinity();
 }
 
-/// The light with its texture; returns what that makes of its power.
+/// Sets the light's texture. Returns the factor of the light's power.
 double LightBuilder::show(const LightTexture& texture, Light& light) {
   light.texture = texture.texture;
   light.grid = texture.grid;
@@ -173,7 +176,7 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area, cons
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
   light.polygon = light.texture = light.grid = -1;
-  // Points of cylinders are not chosen by their texture.
+  // Points on cylinders are never sampled by their texture.
   const double gain = light.kind == LIGHT_CYLINDER
                           ? std::numeric_limits<double>::infinity()
                           : least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
@@ -193,7 +196,7 @@ int LightBuilder::add(const EmitterLight& made) {
   return int(lights_.size()) - 1;
 }
 
-/// `power`: per unit of radiance.
+/// `power`: for unit radiance.
 int LightBuilder::add(Light light, const glm::vec3& radiance, double area, double power) {
   light.radiance = to_vec3(radiance);
   light.area = float(area);
@@ -210,7 +213,7 @@ void LightBuilder::finish() {
   };
   std::array<double, kClasses> power{};
   for (std::size_t i = 0; i < lights_.size(); ++i) power[class_of(lights_[i])] += power_[i];
-  // A sky's power is over a sphere about the scene, which says nothing of what arrives.
+  // The power of a sky refers to a sphere around the scene, which says nothing about the light that arrives.
   const double others = power[kShapes] + power[kPoints];
   const double all = others > 0 ? others + std::min(power[kSkies], others) : power[kSkies];
   const auto present = std::ranges::count_if(power, [](double p) { return p > 0; });

@@ -1,4 +1,4 @@
-// The lights of a scene as the kernels' tables.
+// Builds the kernels' tables of lights.
 #pragma once
 
 #include <cstdint>
@@ -14,60 +14,64 @@
 
 namespace penumbra {
 
-/// Collects lights in the order in which they come.
+/// Collects the lights of a scene in the order in which they are added.
 class LightBuilder {
  public:
-  /// `by_default`: for shapes that do not say how they are sampled. `polygons`: whether the closed form of
-  /// polygon lights is wanted.
+  /// `by_default`: the sampling of shapes that do not specify it. `polygons`: whether the closed form of
+  /// polygon lights is needed.
   LightBuilder(EmitterSampling by_default, bool polygons)
       : by_default_(by_default), polygons_wanted_(polygons) {}
 
   void set_default_sampling(EmitterSampling by_default) { by_default_ = by_default; }
 
-  /// Points that receive light, in the lights' coordinates. A light without a sampling setting gets the
-  /// sampling that pays at these points for the integrator (emitter_sampling.h). Without receivers: by area.
+  /// Sets points that receive light, in the lights' coordinates. A light without a sampling setting gets the
+  /// method that pays at these points for the integrator (emitter_sampling.h). Without receivers it is
+  /// sampled by area.
   void set_receivers(std::vector<Receiver> receivers, const IntegratorSettings& integrator) {
     receivers_ = std::move(receivers);
     integrator_ = integrator;
   }
 
-  /// For shapes whose radiance has a texture.
+  /// Must be called before shapes with textured radiance are added.
   void set_textures(const LightTextures& textures) { textures_ = &textures; }
 
-  /// The triangles of an emitting shape, in the table of triangles from `first` on; returns the index of the
-  /// light of each. One that repeats another is the same light, or it would shine twice.
+  /// Adds the triangles of an emitting shape, which start at `first` in the table of triangles. Returns the
+  /// index of each triangle's light. A triangle that duplicates another shares its light; otherwise it would
+  /// shine twice.
   std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape, int first = 0);
 
-  /// A sphere or a disk, all but its radiance and sampling filled in; the quadric for its texture.
+  /// Adds a sphere or a disk. `light` is complete except for its radiance and sampling. `quadric` is needed
+  /// for a texture.
   int add_quadric(Light light, const Shape& shape, double area, const Quadric& quadric = {});
 
-  /// One that is not black.
+  /// Adds an emitter, which must not be black.
   int add_emitter(const Emitter& emitter, const EmitterPlace& place);
 
-  /// Sets the probabilities of choosing each light by power.
+  /// Sets the probability of choosing each light by its power.
   void finish();
 
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
-  [[nodiscard]] const std::vector<LightBounds>& bounds() const { return bounds_; }  ///< of each light
-  /// See set_light_probabilities; none before finish().
+  [[nodiscard]] const std::vector<LightBounds>& bounds() const { return bounds_; }  ///< one entry per light
+  /// The table of set_light_probabilities; empty before finish().
   [[nodiscard]] const std::vector<int>& cells() const { return cells_; }
   [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
   [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
   [[nodiscard]] int duplicates() const { return duplicates_; }
 
-  /// FEATURE_* bits that the sampling of the lights needs.
+  /// The FEATURE_* bits that sampling the lights requires.
   [[nodiscard]] std::uint64_t features() const;
-  /// Bits 1 << LIGHT_* of the lights there are.
+  /// The kinds of lights in the scene, as bits 1 << LIGHT_*.
   [[nodiscard]] std::uint32_t kinds() const;
   [[nodiscard]] bool only_polygons() const;
-  /// Whether samples of a diffuse surface's light are constant without shadows: every light is a polygon that
-  /// is sampled by projected solid angle, and all have one colour.
+  /// Whether samples of the unshadowed light on a diffuse surface all have the same value: every light is a
+  /// polygon sampled by projected solid angle, and all have the same colour.
   [[nodiscard]] bool constant_if_projected() const;
 
  private:
-  /// Powers of different classes do not compare: half of all samples go by power, half to each class that is
-  /// there alike; within a class all go by power.
-  enum Class { kShapes, kPoints, kSkies, kClasses };  ///< a directional light is a part of the sky
+  /// Powers of lights of different classes are not comparable. So half of all samples are distributed by
+  /// power over all lights, and the other half equally over the classes present. Within a class, lights are
+  /// chosen by power.
+  enum Class { kShapes, kPoints, kSkies, kClasses };  ///< a directional light belongs to the class of skies
 
   int add(Light light, const glm::vec3& radiance, double area, double power);
   int add(const EmitterLight& made);
@@ -78,7 +82,7 @@ class LightBuilder {
   static double show(const LightTexture& texture, Light& light);
   [[nodiscard]] int triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const;
 
-  IntegratorSettings integrator_;  ///< of the receivers
+  IntegratorSettings integrator_;  ///< for which the receivers decide
   EmitterSampling by_default_;
   bool polygons_wanted_;
   const LightTextures* textures_ = nullptr;

@@ -22,7 +22,7 @@ class Chooser {
           SceneRecords& records, BorrowedHierarchy& hierarchy)
       : lights_(lights), open_(open), radius_(radius), h_(header), records_(records), hierarchy_(hierarchy) {}
 
-  /// What infinite lights count for beside others takes a look at the scene.
+  /// The weight of infinite lights relative to the others is found by tracing pilot paths through the scene.
   Expected<void> add() {
     std::vector<LightBounds> all(lights_.begin(), lights_.end()), finite = all;
     std::vector<int> infinite;
@@ -62,7 +62,7 @@ class Chooser {
   }
 
  private:
-  /// Of no light where none has power.
+  /// Without lights if none has power.
   void set_light_tree(const LightTree& tree) {
     if (tree.nodes.empty()) {
       h_.light_cut = h_.light_tree_depth = 0;
@@ -79,7 +79,7 @@ class Chooser {
     h_.light_leaf_turns = tree.leaf_turns;
   }
 
-  /// Whether these are as one, say the triangles of a light.
+  /// Whether these lights are close together, like the triangles of one light.
   static bool in_one_place(const std::vector<LightBounds>& lights) {
     constexpr int kMost = 4;
     const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
@@ -95,8 +95,8 @@ class Chooser {
     return all && size(*all) <= 1.01 * largest;
   }
 
-  /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
-  /// table takes no time.
+  /// For an infinite light and a cluster of close lights only the probability of each matters, not where the
+  /// shading point is. The table suffices and takes no time.
   void choose_alike(int infinite, double share) {
     std::vector<double> shares;
     double intensity = 0;
@@ -112,7 +112,7 @@ class Chooser {
     records_.light_numbers.clear();
   }
 
-  /// See light_groups; of at least two lights that have a place.
+  /// Light clusters (see light_groups) of at least two finite lights.
   Expected<std::vector<LightGroup>> groups_of(const std::vector<LightBounds>& finite, double unit) {
     if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
       return std::vector<LightGroup>{};
@@ -122,7 +122,8 @@ class Chooser {
     return light_groups(finite, unit, places);
   }
 
-  /// Looks at the scene, which has the portable hierarchy meanwhile; not at an empty one.
+  /// Calls `look` with the scene, which has the portable hierarchy meanwhile. Does nothing for a scene
+  /// without primitives.
   template <typename Look>
   Expected<void> with_pilot_scene(const Look& look) {
     if (records_.triangles.empty() && records_.quadrics.empty()) return {};
@@ -132,7 +133,7 @@ class Chooser {
   }
 
   std::span<const LightBounds> lights_;
-  bool open_;  ///< whether how lights are chosen is left to what is best
+  bool open_;  ///< whether the settings leave the choice of lights to the renderer
   double radius_;
   SceneHeader& h_;
   SceneRecords& records_;

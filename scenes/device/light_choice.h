@@ -1,4 +1,4 @@
-// How lights are chosen: by the hierarchy of them, or by the table where they are as one.
+// Decides how lights are chosen: by the hierarchy of lights, or by the power table.
 #pragma once
 
 #include <span>
@@ -12,11 +12,12 @@
 
 namespace penumbra {
 
-/// Fills in the hierarchy of lights of a header with FEATURE_LIGHT_TREE, whose other tables are complete;
-/// `bounds` of each light. Where the settings leave the choice open and the lights are as one, takes it back:
-/// the header and the probabilities of the lights are then those of a choice by the table.
-/// `scene_radius`: of a sphere about all shapes. `hierarchy`: of the records. Errors: those of building a
-/// hierarchy of the shapes.
+/// Builds the hierarchy of lights for a header with FEATURE_LIGHT_TREE. All other tables must be complete;
+/// `bounds` has one entry per light. If the settings leave the choice open and all lights are close together,
+/// like the triangles of one light, the feature is removed again, and the header and the lights'
+/// probabilities are those of the table. `scene_radius` is the radius of a bounding sphere of all shapes.
+/// `hierarchy` is the acceleration structure of the records. Errors: those of building that acceleration
+/// structure.
 Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
                               double scene_radius, SceneHeader& header, SceneRecords& records,
                               BorrowedHierarchy& hierarchy);

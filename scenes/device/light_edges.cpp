@@ -23,26 +23,27 @@
 namespace penumbra {
 namespace {
 
-// Beyond these the edges are so many, or take so long to find, that they are left as they are.
+// Beyond these limits there are too many edges, or finding them takes too long, so they are left as they are.
 constexpr std::size_t kMostBorrowed = 1'000'000;  // triangles of a scene without the portable hierarchy
-constexpr std::size_t kMostTriangles = 1 << 18;   // that emit
-constexpr std::size_t kMostPixels = 1 << 18;      // with edges
-// By how many filter radii rays pass an edge on either side.
+constexpr std::size_t kMostTriangles = 1 << 18;   // emitting triangles
+constexpr std::size_t kMostPixels = 1 << 18;      // pixels with edges
+// The distance, in filter radii, at which rays pass an edge on either side.
 constexpr double kBeside = 0.01;
-// Circles are polygons whose sides are off by at most 1/500 of a pixel: pi sqrt(500 r / 2) of a radius of r
-// pixels. Their shares and their insides are of the same polygon, so the mean is right whatever the circle.
+// Circles are replaced by polygons whose sides deviate by at most 1/500 of a pixel, which takes pi sqrt(500 r
+// / 2) corners for a radius of r pixels. Coverage and inside test use the same polygon, so the mean is right
+// whatever the approximation.
 constexpr double kCircleCorners = 50;
 constexpr int kMostCorners = 4096;
 
 using Radiance = std::array<float, 3>;
 using Triangles = std::vector<std::array<vec3, 3>>;
 
-/// Looks at the lights of a scene from its camera.
+/// The lights of a scene as seen from its camera.
 class SeenLights {
  public:
   explicit SeenLights(const Scene& scene) : scene_(scene), h_(scene.header) {}
 
-  /// The radiance that a primitive by itself adds to the camera's rays, if it has edges.
+  /// The radiance of a primitive towards the camera, if its edges can be treated.
   [[nodiscard]] std::optional<Radiance> radiance_of(int primitive) const {
     const int index = light_of(primitive);
     if (index < 0) return {};
@@ -54,15 +55,15 @@ class SeenLights {
     return Radiance{light.radiance.x, light.radiance.y, light.radiance.z};
   }
 
-  /// What the camera sees of one that radiance_of has, by triangles that it sees counter-clockwise.
+  /// The visible shape of such a primitive, as triangles that the camera sees counter-clockwise.
   [[nodiscard]] Triangles seen_of(int primitive) const {
     if (primitive >= triangle_count()) return seen_of_quadric(quadric(primitive));
     const Triangle& t = scene_.triangles[primitive];
     return {faces(t) ? std::array{t.p0, t.p1, t.p2} : std::array{t.p0, t.p2, t.p1}};
   }
 
-  /// By how much lights of this radiance are brighter than what emits beside them, over the pixel's edges
-  /// that are seen; 0 for the others.
+  /// The difference in radiance between the lights and what is beside them, over the pixel's visible edges; 0
+  /// for edges that are not visible.
   [[nodiscard]] glm::vec3 contrast(const OutlinePixel& pixel, const Radiance& radiance) const {
     glm::vec3 sum(0);
     double length = 0;
@@ -96,8 +97,8 @@ class SeenLights {
     return dot3(cross3(sub(t.p1, t.p0), sub(t.p2, t.p0)), sub(h_.camera.origin, t.p0)) > 0.0f;
   }
 
-  /// Whether the camera sees a side of the primitive, which is a light, that shines: of a sphere the outside.
-  /// Cylinders have no outline here.
+  /// Whether the camera sees an emitting side of the primitive, which is a light. For a sphere that is the
+  /// outside. Cylinders are not treated here.
   [[nodiscard]] bool shines(int primitive) const {
     const bool two_sided = scene_.lights[light_of(primitive)].two_sided != 0;
     if (primitive < triangle_count()) return two_sided || faces(scene_.triangles[primitive]);
@@ -107,8 +108,8 @@ class SeenLights {
     return q.kind == QUADRIC_DISK && (two_sided || dot3(q.normal, from_center) > 0.0f);
   }
 
-  /// A disk, or the one behind whose rim the rest of a sphere is; nothing of a sphere about the camera, or
-  /// one that a clipping plane may cut.
+  /// A disk, or the disk bounded by a sphere's silhouette. Nothing if the camera is inside the sphere, or if
+  /// a clipping plane may cut the shape.
   [[nodiscard]] Triangles seen_of_quadric(const Quadric& q) const {
     const glm::dvec3 to_center = to_dvec3(q.center) - to_dvec3(h_.camera.origin);
     glm::dvec3 center = to_dvec3(q.center), toward = to_dvec3(q.normal);
@@ -139,7 +140,7 @@ class SeenLights {
     return fan;
   }
 
-  /// The primitive on which a camera ray ends; negative: none.
+  /// The primitive hit by a camera ray; negative: none.
   [[nodiscard]] int hit_at(const OutlinePixel& pixel, glm::dvec2 p) const {
     const float radius = h_.film.filter_radius;
     const Ray ray =
@@ -149,7 +150,7 @@ class SeenLights {
         .primitive;
   }
 
-  /// What is emitted towards the camera beside an edge; nothing if that is not the same everywhere there.
+  /// The radiance emitted towards the camera beside an edge. Nothing if it is not uniform there.
   [[nodiscard]] std::optional<Radiance> beside(int primitive) const {
     const int light = primitive < 0 ? h_.environment : light_of(primitive);
     if (light < 0 || (primitive >= 0 && !shines(primitive))) return Radiance{};
@@ -167,7 +168,7 @@ struct EdgePixel {
   Radiance radiance;  ///< of the light
 };
 
-/// Pixels with edges, whatever is in front of them, of all lights of equal radiance together; none if they
+/// The pixels with edges, ignoring occlusion. Lights of equal radiance are treated together. Empty if there
 /// are too many.
 std::vector<EdgePixel> find_outlines(const SceneHeader& header, const SceneRecords& records) {
   const RecordsView view(records, header);
@@ -191,7 +192,7 @@ std::vector<EdgePixel> find_outlines(const SceneHeader& header, const SceneRecor
   return pixels;
 }
 
-/// Of the outlines those that are seen, row by row, by how much they stand out; none if they are too many.
+/// The visible outlines, row by row, with their contrast. Empty if there are too many.
 using SeenEdges = std::multimap<std::pair<int, int>, std::pair<OutlinePixel, glm::vec3>>;
 SeenEdges find_seen(const SceneHeader& header, const SceneRecords& records, std::vector<EdgePixel> outlines) {
   const RecordsView view(records, header);
@@ -228,8 +229,9 @@ void store_edges(const SceneHeader& header, const SeenEdges& edges, SceneRecords
     records.light_edge_rows[y] += records.light_edge_rows[y - 1];
 }
 
-/// Whether edges can be without noise: a pinhole sees lights directly, all of their light counts, nothing but
-/// surfaces takes some of it, and the image has no alpha, which is sampled and goes with the colours.
+/// Whether edges can be integrated without noise. This requires a pinhole camera that sees lights directly,
+/// an integrator that keeps all of their light, no media, and an image without alpha (alpha is sampled
+/// together with the colours).
 bool may_have_edges(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
   const bool sees_lights = p.kind == INTEGRATOR_DIRECT ||

@@ -13,10 +13,10 @@
 
 namespace penumbra {
 
-/// Finds those of triangles, disks and spheres that emit the same from all their points, and let no rays
-/// pass, where rays from the camera meet them. Fills their tables and the header's fields, with the feature
-/// bit if there are any. The scene is whole otherwise; one of more than a million triangles that has no
-/// hierarchy of the portable intersector gets none. Errors: as of add_hierarchy.
+/// Finds the visible edges of triangles, disks and spheres that have uniform emission and are opaque. Fills
+/// in their tables and the header's fields, and sets the feature bit if there are any edges. The rest of the
+/// scene must be complete. A scene of more than a million triangles without a hierarchy of the portable
+/// intersector gets no edges. Errors: those of add_hierarchy.
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy);
 
 }  // namespace penumbra

@@ -8,18 +8,19 @@
 namespace penumbra {
 namespace {
 
-// To the second moment, in all; that is 1 where each light is taken for what it may contribute. Little, since
-// well spread numbers make of a good choice more than its moment says: measured by light_choice_benchmark,
-// 0.1 costs half of what the hierarchy gains with 1000 point lights, and saves another 4 % of the time in
-// spaceship.
+// Limit on the total increase of the second moment. That moment is 1 if every light is chosen in proportion
+// to its possible contribution. The limit is small because well-distributed random numbers make a good choice
+// better than its moment says. Measured by light_choice_benchmark: 0.1 costs half of the hierarchy's gain
+// with 1000 point lights, and saves another 4 % of the time in spaceship.
 constexpr double kMostAdded = 1e-4;
-// Times nodes of the hierarchy: how often a bound is computed. That takes some 15 ns.
+// Limits on vertices times nodes of the hierarchy, that is on the number of bounds computed, which take about
+// 15 ns each; and on the number of vertices.
 constexpr std::size_t kMostWork = std::size_t{1} << 22, kLeastPlaces = 16, kMostPlaces = 256;
 
-/// Of a node, over all places.
+/// Sums for a node over all vertices.
 struct NodeSum {
-  double share = 0;  ///< how often a walk gets there
-  double added = 0;  ///< to the second moment if its lights kept their shares
+  double share = 0;  ///< how often a traversal reaches it
+  double added = 0;  ///< increase of the second moment if its lights were chosen with fixed probabilities
 };
 
 class Grouping {
@@ -74,19 +75,19 @@ class Grouping {
     }
   }
 
-  /// From the root on: a node adds no more than its part of what all may add.
+  /// Traverses from the root. A node may add no more than its part of the allowed total.
   std::vector<LightGroup> groups() {
     if (weight_ > 0) take(0);
     return std::move(groups_);
   }
 
  private:
-  /// At one place.
+  /// Values at one vertex.
   struct Here {
     double importance, share;
-    double light;         ///< that all its lights may contribute
-    double moment;        ///< of walks from there
-    double by_intensity;  ///< sum of (what a light may contribute)^2 / intensity
+    double light;         ///< possible contribution of all its lights
+    double moment;        ///< second moment of traversals from there
+    double by_intensity;  ///< sum of (possible contribution of a light)^2 / intensity
   };
 
   void collect(std::size_t node, LightGroup& group) const {

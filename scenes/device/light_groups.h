@@ -1,5 +1,6 @@
-// Clusters of lights that look alike from all vertices of the pilot paths, say the triangles of a mesh. A
-// walk through the hierarchy of lights ends at a cluster and takes its lights by fixed probabilities.
+// Light clusters: lights whose relative contributions are similar at all vertices of the pilot paths, for
+// example the triangles of a mesh. A traversal of the hierarchy of lights ends at a cluster, whose lights are
+// then chosen with fixed probabilities.
 #pragma once
 
 #include <span>
@@ -10,10 +11,10 @@
 
 namespace penumbra {
 
-/// Of the lights that are not infinite, as leaves of a hierarchy in units of `unit` (build_light_tree).
-/// Taking those of a group in proportion to their intensities, whatever the place, adds little to the second
-/// moment of the choice over these places: of the sum over lights of (what the light may contribute)^2 /
-/// probability, relative to the square of what all may contribute.
+/// Clusters of the finite lights, as leaves of a hierarchy whose intensities are in units of `unit` (see
+/// build_light_tree). Choosing a cluster's lights in proportion to their intensities, at every shading point,
+/// adds little to the second moment of the choice over `places`. That moment is the sum over lights of
+/// (possible contribution)^2 / probability, relative to the square of the sum of all possible contributions.
 std::vector<LightGroup> light_groups(std::span<const LightBounds> lights, double unit,
                                      std::span<const PilotVertex> places);
 

@@ -11,22 +11,22 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kLeastCells = 1024, kCellsPerLight = 16;
-constexpr int kCurveBits = 20;  // of a coordinate along the curve
+constexpr int kCurveBits = 20;  // bits of each coordinate along the curve
 
-/// Of lights with power: 1 for the largest.
+/// The powers relative to the largest, which becomes 1.
 std::vector<double> relative(std::span<const double> power) {
   const double largest = std::ranges::max(power);
   std::vector<double> shares;
   for (const double p : power) {
-    // Of infinite ones those alone count, as far as any can.
+    // If there are infinite powers, only these get probabilities.
     const double share = std::isfinite(largest) ? p / largest : (p == largest ? 1.0 : 0.0);
     shares.push_back(p > 0 ? std::max(share, std::numeric_limits<double>::min()) : 0.0);
   }
   return shares;
 }
 
-/// Of each light how many of the cells it gets, all together `cells`: one if that is more than its share, and
-/// the others theirs of the rest, by largest remainders.
+/// The number of cells of each light, in total `cells`. A light whose share is less than one cell gets one.
+/// The others divide the rest in proportion by the largest-remainder method.
 std::vector<std::size_t> deal_cells(const std::vector<double>& shares, std::size_t cells) {
   std::vector<std::size_t> dealt(shares.size(), 0);
   double sum = 0;
@@ -37,7 +37,7 @@ std::vector<std::size_t> deal_cells(const std::vector<double>& shares, std::size
     if (shares[i] > 0) by_share.push_back(i);
   }
   std::ranges::sort(by_share, {}, [&](std::size_t i) { return std::pair(shares[i], i); });
-  // The smallest ones first: what they get too much, the others get less.
+  // Smallest first: the excess of small lights is taken from the others.
   std::size_t small = 0;
   for (; small + 1 < by_share.size() && shares[by_share[small]] * rest < sum; ++small) {
     dealt[by_share[small]] = 1;
@@ -59,15 +59,15 @@ std::vector<std::size_t> deal_cells(const std::vector<double>& shares, std::size
   return dealt;
 }
 
-/// Every third bit.
+/// Moves each bit to every third position.
 std::uint64_t spread_bits(std::uint32_t x) {
   std::uint64_t bits = 0;
   for (int k = 0; k < kCurveBits; ++k) bits |= std::uint64_t(x >> k & 1u) << (3 * k);
   return bits;
 }
 
-/// Of each light its place along Morton's curve through the box of all; those that are nowhere first,
-/// infinite ones last.
+/// The position of each light along a Morton curve through the bounding box. Lights without a position come
+/// first, infinite ones last.
 std::vector<std::uint64_t> places_on_curve(std::span<const LightBounds> bounds) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const LightBounds& b : bounds) {
@@ -110,7 +110,7 @@ std::vector<int> set_light_probabilities(std::span<Light> lights, std::span<cons
     light.start = int(cells.size() * ((std::size_t{1} << 24) / count));
     cells.insert(cells.end(), own, i);
   }
-  if (cells.empty()) cells.assign(count, 0);  // no light has power, and none a probability
+  if (cells.empty()) cells.assign(count, 0);  // no light has power, so none has a probability
   return cells;
 }
 

@@ -1,4 +1,4 @@
-// Probabilities of choosing among lights.
+// The table by which lights are chosen in proportion to their power.
 #pragma once
 
 #include <span>
@@ -9,12 +9,11 @@
 
 namespace penumbra {
 
-/// The cells of the table by which each light is chosen in proportion to its power (choose_light), of each
-/// its light; sets `pmf` and `start` of the lights. A light has a whole number of neighbouring cells, one at
-/// least if it has power, so that small ones are chosen somewhat more often than they should be. Their order
-/// is that of the lights' places along a curve through space: points that are well spread over the numbers
-/// are so over lights that are parts of one light, too. `power` and `bounds` have one entry a light, at least
-/// one power is positive.
+/// Returns the cells of the table (choose_light): each holds the index of a light. Sets `pmf` and `start` of
+/// the lights. A light has an integer number of adjacent cells, and at least one if it has power; so weak
+/// lights are chosen somewhat too often, which their `pmf` accounts for. Lights are ordered along a
+/// space-filling curve, so that well-distributed random numbers give well-distributed points, even on the
+/// parts of one light. `power` and `bounds` have one entry per light, and at least one power is positive.
 std::vector<int> set_light_probabilities(std::span<Light> lights, std::span<const double> power,
                                          std::span<const LightBounds> bounds);
 

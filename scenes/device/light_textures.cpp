@@ -14,11 +14,11 @@
 namespace penumbra {
 namespace {
 
-// Of a light's grid: the share of its points that are uniform whatever the texture, so that what the cells'
-// means have missed is found too.
+// The fraction of a light's points that are sampled uniformly whatever the texture, so that details missed by
+// the cells' means are sampled too.
 constexpr double kUniformShare = 0.1;
-constexpr double kLeastMean = 1e-6;  // of a texture that is black wherever it was looked at
-constexpr int kMostLooks = 1024;     // at a light, one way
+constexpr double kLeastMean = 1e-6;  // mean of a texture that was black at all points tested
+constexpr int kMostLooks = 1024;     // number of test points along one direction of a light
 
 template <typename Model>
 void add_textures_of(const Model& model, std::vector<int>& textures) {
@@ -56,7 +56,7 @@ std::vector<vec3> LightTextures::values(const RecordsView& view, int texture,
       surfaces.primitive[j] = at.primitive;
       textures[j] = texture;
     }
-    // Of every kind: the header, which is not yet complete, names none.
+    // The header is not complete yet and lists no kinds, so textures of every kind are evaluated.
     eval_textures(&scene, &surfaces, textures, &lanes);
     for (int j = 0; j < LANES && first + std::size_t(j) < places.size(); ++j)
       result.push_back(LOAD_LANE_vec3(lanes.value, j));
@@ -68,7 +68,7 @@ glm::dvec2 LightTextures::texels_a_unit(int texture) const {
   if (texture < 0) return glm::dvec2(1.0);
   const SceneTexture& each = scene_->textures.at(std::size_t(texture));
   const TextureNode node = texture_of(each);
-  glm::dvec2 own(2.0);  // a checkerboard's squares
+  glm::dvec2 own(2.0);  // the squares of a checkerboard
   if (const auto* image = std::get_if<BitmapTexture>(&each.model); image != nullptr && image->bitmap >= 0) {
     const Bitmap& bitmap = *scene_->bitmaps.at(std::size_t(image->bitmap));
     own = glm::dvec2(bitmap.width, bitmap.height);
@@ -109,7 +109,7 @@ LightTexture LightTextures::measure(int texture, const PlaceOf& place, double ac
   result.texture = places_.at(std::size_t(texture));
   const double cells = std::clamp(std::ceil(across), 1.0, double(MOST_LIGHT_GRID_SIDE));
   const int side = int(std::bit_ceil(unsigned(cells)));
-  // Looks at each cell, one way: at every texel, if there are no more than kMostLooks.
+  // The number of test points per cell along one direction: every texel, up to kMostLooks in total.
   const int looks = std::clamp(int(std::ceil(std::min(2.0 * across, double(kMostLooks)) / side)),
                                side < 8 ? 4 : 2, kMostLooks / side);
   const RecordsView view(*records_);

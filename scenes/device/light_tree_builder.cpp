@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kBuckets = 12;
 
-/// What a node costs: its intensity times how far its lights are apart and how differently they face.
+/// The cost of a node: its intensity times a measure of how far its lights are apart and how differently they
+/// face.
 double cost_of(const LightBounds& b) {
   const double o = b.spread, w = std::min(o + b.reach, std::numbers::pi);
   const double solid = 2 * (1 - std::cos(o)) +
@@ -30,9 +31,9 @@ float above(double x) {
   return double(f) >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
 }
 
-/// The node's numbers, rounded so that they still bound.
+/// The node's record, rounded conservatively.
 LightNode node_of(const LightBounds& b, double unit) {
-  constexpr double kSlack = 1e-6;  // of angles in single precision
+  constexpr double kSlack = 1e-6;  // error of angles in single precision
   LightNode node{};
   node.center = to_vec3(0.5 * (b.low + b.high));
   const glm::dvec3 center(node.center.x, node.center.y, node.center.z);
@@ -43,7 +44,7 @@ LightNode node_of(const LightBounds& b, double unit) {
   node.cos_o = float(std::cos(spread));
   node.sin_o = spread < std::numbers::pi ? float(std::sin(spread)) : 0.0f;
   const double reach = std::min(b.reach, std::numbers::pi);
-  // A right angle is that of surfaces, exactly.
+  // A right angle, which surfaces have, is kept exact.
   node.cos_e = std::abs(reach - 0.5 * std::numbers::pi) < kSlack ? 0.0f : float(std::cos(reach + kSlack));
   if (reach >= std::numbers::pi) node.cos_e = -2.0f;
   node.intensity = float(std::clamp(b.intensity * unit, 1e-30, 1e30));
@@ -53,7 +54,7 @@ LightNode node_of(const LightBounds& b, double unit) {
   return node;
 }
 
-/// Over items: groups of lights, or lights by themselves.
+/// Builds the tree over items: clusters of lights, or single lights.
 class Builder {
  public:
   Builder(std::span<const LightBounds> lights, double unit, std::span<const LightGroup> groups,
@@ -99,7 +100,7 @@ class Builder {
     return all;
   }
 
-  /// Splits what costs most again and again.
+  /// Splits the most expensive node repeatedly.
   std::vector<std::span<int>> cut_of(std::span<int> finite, std::span<int> infinite) {
     std::vector<std::span<int>> cut;
     for (const std::span<int> items : {finite, infinite})
@@ -121,7 +122,7 @@ class Builder {
     return cut;
   }
 
-  /// Makes the node a leaf of these lights.
+  /// Makes the node a leaf with these lights.
   void add_leaf(LightNode& node, const LightGroup& lights, std::uint32_t trail) {
     for (const int light : lights) tree_.trails[std::size_t(light)] = trail;
     node.lights = int(lights.size());
@@ -132,7 +133,7 @@ class Builder {
     tree_.leaf_turns = std::max(tree_.leaf_turns, int(std::bit_width(lights.size() - 1)));
     double all = 0, before = 0;
     for (const int light : lights) all += lights_[std::size_t(light)].intensity;
-    // Each has at least one number.
+    // Each light gets at least one number.
     const int spare = int(LIGHT_NUMBERS) - int(lights.size());
     const auto end_of = [&](std::size_t k) { return int(std::min(before / all, 1.0) * spare) + int(k); };
     int start = 0;
@@ -152,7 +153,7 @@ class Builder {
     return pair;
   }
 
-  /// Makes node `index`, `depth` turns below the cut along `trail`.
+  /// Builds node `index`, which is `depth` levels below the cut at the end of `trail`.
   void add(int index, std::span<int> items, int depth, std::uint32_t trail) {
     tree_.depth = std::max(tree_.depth, depth);
     tree_.nodes[std::size_t(index)] = node_of(bounds_of(items), unit_);
@@ -166,7 +167,8 @@ class Builder {
     add(pair + 1, items.subspan(first), depth + 1, trail | std::uint32_t(LIGHT_CUT) << depth);
   }
 
-  /// Orders the items and returns how many of them the first child gets; `levels` may follow.
+  /// Reorders the items and returns how many of them go to the first child. At most `levels` levels may
+  /// follow.
   std::size_t split(std::span<int> items, int levels) {
     const bool may_lean = int(std::bit_width(items.size() - 1)) < levels;
     glm::dvec3 low = middle(items[0]), high = low;
@@ -211,7 +213,7 @@ class Builder {
         add_to(sum, buckets[std::size_t(k)]);
         costs[std::size_t(k - 1)] += sum ? cost_of(*sum) : std::numeric_limits<double>::infinity();
       }
-      // Thin slabs are bad bounds.
+      // Penalises thin slabs, which are bad bounds.
       const double thinness = longest / extent[axis];
       for (int k = 0; k + 1 < kBuckets; ++k)
         if (thinness * costs[std::size_t(k)] < best) {
@@ -241,7 +243,7 @@ class Builder {
   double unit_;
   std::size_t most_of_cut_;
   std::vector<LightGroup> items_;
-  std::vector<LightBounds> bounds_;  ///< of items
+  std::vector<LightBounds> bounds_;  ///< of each item
   LightTree tree_;
 };
 

@@ -1,4 +1,4 @@
-// The hierarchy by which lights are chosen, see kernels/light/light_tree.h.
+// Builds the hierarchy by which lights are chosen; see kernels/light/light_tree.h.
 #pragma once
 
 #include <cstdint>
@@ -9,34 +9,35 @@
 
 namespace penumbra {
 
-/// Turns below the cut: a trail has a bit for each.
+/// The largest depth below the cut. A trail has one bit per level.
 constexpr int kMaxLightTreeDepth = 28;
 
 struct LightTree {
-  std::vector<LightNode>
-      nodes;  ///< those of the cut first, infinite ones last among them; pairs after their parent
-  /// Of each light the number of its node of the cut, times LIGHT_CUT its turns from there on, the first one
-  /// lowest; of a light without intensity no way to it.
+  /// First the nodes of the cut, infinite lights last among them; then pairs of siblings, after their parent.
+  std::vector<LightNode> nodes;
+  /// The trail to each light: the index of its node of the cut, plus LIGHT_CUT times the bits of the turns
+  /// from there on, first turn lowest. A light without intensity has no meaningful trail.
   std::vector<std::uint32_t> trails;
-  /// Of leaves of several lights those, one leaf after the other, and of each light how many of the
-  /// LIGHT_NUMBERS take it there; empty if there is no such leaf.
+  /// The lights of leaves with several lights, leaf by leaf, and how many of the LIGHT_NUMBERS random numbers
+  /// select each of them. Empty if there is no such leaf.
   std::vector<LightMember> members;
   std::vector<int> numbers;
-  int cut = 0;         ///< nodes from which walks begin
-  int depth = 0;       ///< turns from there to the lowest leaf
-  int leaf_turns = 0;  ///< such that 2^leaf_turns lights are as many as a leaf has, or more
+  int cut = 0;         ///< number of nodes at which traversals begin
+  int depth = 0;       ///< number of levels from there to the lowest leaf
+  int leaf_turns = 0;  ///< 2^leaf_turns is at least the number of lights in any leaf
 };
 
-/// Lights of one leaf, which are taken there in proportion to their intensities.
+/// A light cluster: the lights of one leaf, which are chosen in proportion to their intensities.
 using LightGroup = std::vector<int>;
 constexpr std::size_t kMostOfLeaf = std::size_t{1} << 20;
 
-/// Over the lights that have an intensity; no node is of both infinite lights and others. Intensities of
-/// nodes are those of the bounds times `unit`. Splits by the surface area orientation heuristic (Conty
-/// Estevez and Kulla 2018, section 4.4).
+/// Builds the tree over all lights with a positive intensity. No node contains both infinite and finite
+/// lights. The intensity of a node is that of the bounds times `unit`. Nodes are split by the surface area
+/// orientation heuristic (Conty Estevez and Kulla 2018, section 4.4).
 ///
-/// `groups`: of lights that have an intensity, are not infinite and in no other group; the others are by
-/// themselves. `most_of_cut`: up to LIGHT_CUT; lights of both kinds take 2 in any case.
+/// `groups`: disjoint clusters of finite lights with positive intensities; each remaining light is a leaf of
+/// its own. `most_of_cut`: the largest number of nodes in the cut, up to LIGHT_CUT. If there are both finite
+/// and infinite lights, it has at least 2.
 LightTree build_light_tree(std::span<const LightBounds> lights, double unit,
                            std::span<const LightGroup> groups = {}, int most_of_cut = LIGHT_CUT);
 

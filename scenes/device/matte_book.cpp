@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-/// Manifests are JSON.
+/// The name as valid UTF-8, because manifests are JSON.
 std::string well_formed(const std::string& name) {
   std::string text;
   for (std::size_t at = 0; at < name.size();) {
@@ -75,7 +75,7 @@ int MatteBook::of_placed(const PlacedGroup& place, const Shape& shape) {
 int MatteBook::first_of(const PlacedGroup& place) {
   const std::uint32_t object = object_of(place);
   const auto [entry, is_new] = firsts_.try_emplace({object, place.group}, int(names_.mattes.size()) + 1);
-  // Too many are an error of the device scene; no more memory than that takes.
+  // Too many mattes are an error reported later. The list does not grow further than that check needs.
   if (is_new && names_.mattes.size() <= std::size_t(MAX_MATTES))
     for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes)
       if (!emits(shape)) names_.mattes.push_back({object, material_of(shape)});

@@ -1,4 +1,4 @@
-// The numbers of a device scene's mattes, and the names of their objects and materials.
+// Assigns the matte IDs of a device scene and collects the names of their objects and materials.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,20 @@
 
 namespace penumbra {
 
-/// Names are those of the file, as UTF-8: other bytes become '?'. Where it has none, an object is "shape-N",
-/// the N-th of the scene from 1 on, or "instance-N"; a material is "material-N", the N-th BSDF of the scene,
-/// and what absorbs everything "black". All that an instance places is one object: the instance, or else its
-/// group.
+/// Names are those of the scene file, as UTF-8; invalid bytes become '?'. An unnamed object is called
+/// "shape-N", the N-th of the scene counted from 1, or "instance-N". An unnamed material is called
+/// "material-N", the N-th BSDF of the scene; an absorbing one is called "black". All shapes that an instance
+/// places form one object, named after the instance, or else after its group.
 class MatteBook {
  public:
   explicit MatteBook(const SceneDescription& scene) : scene_(scene) {}
 
-  /// Of a shape of the scene, by its index: a number from 1 on.
+  /// The matte ID, counted from 1, of the scene's shape of that index.
   int of_shape(std::size_t index);
-  /// Of a group's shape in a place, such as are in the scene themselves.
+  /// The matte ID of a copy of a group's shape, for shapes that are copied into the scene.
   int of_placed(const PlacedGroup& place, const Shape& shape);
-  /// Of the group's first shape that does not emit in that place; those that follow have the next numbers.
+  /// The matte ID of the first shape in the placed group that does not emit. Its other such shapes have the
+  /// following IDs.
   int first_of(const PlacedGroup& place);
 
   [[nodiscard]] MatteNames names() && { return std::move(names_); }
@@ -41,8 +42,8 @@ class MatteBook {
   const SceneDescription& scene_;
   MatteNames names_;
   Index objects_, materials_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> numbers_;  // of objects with their materials
-  std::map<std::pair<std::uint32_t, int>, int> firsts_;             // of objects and their groups
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> numbers_;  // keyed by object and material
+  std::map<std::pair<std::uint32_t, int>, int> firsts_;             // keyed by object and group
 };
 
 }  // namespace penumbra

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostMedia = MAX_MEDIA - 1;
 
-/// The material of the phase function, whose lobes are added where they are new.
+/// The index of the phase function's material. Its lobes are added if they are new.
 int material_of_phase(const std::vector<PhaseLobe>& phase, SceneRecords& records, int first_material) {
   std::vector<PhaseLobe> lobes = phase;
   lobes.resize(PHASE_LOBES, PhaseLobe{PHASE_HG, 0.0f, 0.0f});
@@ -72,19 +72,20 @@ MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGrou
       ++number;
     }
   }
-  // As in Mitsuba 3, volpath's paths and shadow rays pass thin panes as they pass boundaries.
+  // As in Mitsuba 3, volpath's paths and shadow rays pass through thin panes as through boundaries.
   const bool has_pane = std::ranges::any_of(
       scene.bsdfs, [](const Bsdf& bsdf) { return std::holds_alternative<ThinDielectricBsdf>(bsdf.model); });
   empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium && !has_pane;
 }
 
-/// Media are told apart by what they are: the same one may be written twice, on both sides of a boundary too.
+/// Media with equal properties are merged, because a file may define the same medium twice, even on both
+/// sides of a boundary.
 void MediaBook::find_equal_media() {
   std::vector<const ParticipatingMedium*> different;
   for (const ParticipatingMedium& medium : scene_.media) {
     const auto same = std::ranges::find_if(different, [&](const auto* each) { return equal(*each, medium); });
     records_.push_back(int(same - different.begin()) + 1);
-    // More than there may be are not told apart.
+    // Beyond the limit media are not compared any more; the limit is reported later.
     if (same == different.end() && different.size() <= kMostMedia) different.push_back(&medium);
   }
   count_ = int(different.size());
@@ -126,7 +127,7 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
   for (std::size_t i = 0; i < scene_.media.size(); ++i) {
-    if (records_[i] < int(records.media.size())) continue;  // one that it equals is there
+    if (records_[i] < int(records.media.size())) continue;  // an equal one is there already
     const ParticipatingMedium& medium = scene_.media[i];
     Medium record{};
     record.extinction = to_vec3(medium.extinction);

@@ -1,4 +1,4 @@
-// The tables of participating media: what fills space, and which surfaces part what.
+// The tables of participating media and of the surfaces that bound them.
 #pragma once
 
 #include <map>
@@ -12,32 +12,34 @@
 
 namespace penumbra {
 
-/// The names of the shapes that bound media, by the numbers that boundaries have for them: of the scene's own
-/// shapes, then of each group's.
+/// The names of shapes that bound media, by the number of the boundary: first of the scene's own shapes, then
+/// of each group's.
 std::map<int, std::string> boundary_names(const SceneDescription& scene);
 
 class MediaBook {
  public:
-  /// Empty, unless the scene's integrator sees media and the camera is in one, a shape of the scene or of a
-  /// group in a place bounds one, or a thin pane is among its BSDFs.
+  /// The book is empty unless the scene's integrator supports media, and one of these holds: the camera is in
+  /// a medium; a shape of the scene or of a placed group bounds one; a BSDF is a thin pane.
   MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed);
 
   [[nodiscard]] bool empty() const { return empty_; }
 
-  /// Whether a medium is the same everywhere and scatters.
+  /// Whether any medium is homogeneous and scatters.
   [[nodiscard]] bool has_homogeneous() const;
 
-  /// The boundary that the scene's shape of that index is, or -1; likewise of a group's.
+  /// The number of the boundary that the scene's shape of that index is, or -1. The other overload takes a
+  /// group's shape.
   [[nodiscard]] int of_shape(std::size_t index) const;
   [[nodiscard]] int of_group(int group, std::size_t index) const;
 
-  /// The number of the record of the scene's medium of that index, or of nothing for kNoMedium.
+  /// The index of the record of a medium, given by its index in the scene or as kNoMedium (vacuum).
   [[nodiscard]] int record_of(int medium) const {
     return medium == kNoMedium ? 0 : records_[std::size_t(medium)];
   }
 
-  /// Sets the tables of media, of their phase functions and of boundaries, and appends a material for each
-  /// phase function. Nothing if it is empty. `center`: of the scene, where the kernels' coordinates begin.
+  /// Fills the tables of media, phase functions and boundaries, and appends a material for each phase
+  /// function. Does nothing if the book is empty. `center`: the centre of the scene, which is the origin of
+  /// the kernels' coordinates.
   Expected<void> fill(const glm::dvec3& center, SceneRecords& records);
 
  private:
@@ -46,11 +48,13 @@ class MediaBook {
 
   const SceneDescription& scene_;
   bool empty_ = true;
-  std::vector<int> records_;         ///< of each of the scene's media: from 1 on, the same for equal ones
-  int count_ = 0;                    ///< of media that differ
-  std::vector<std::size_t> firsts_;  ///< of each group: the number of its first shape, after the scene's
+  /// For each medium of the scene its record's number, from 1 on; equal media share one.
+  std::vector<int> records_;
+  int count_ = 0;  ///< number of different media
+  /// For each group the number of its first shape, counted after the scene's shapes.
+  std::vector<std::size_t> firsts_;
   std::vector<Boundary> boundaries_;
-  std::map<std::size_t, int> numbers_;  ///< of boundaries, by those of shapes
+  std::map<std::size_t, int> numbers_;  ///< boundary numbers, keyed by the numbers of shapes
 };
 
 }  // namespace penumbra

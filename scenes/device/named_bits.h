@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// A bit of a scene's features, families or kinds of light, for people.
+/// The name, for users, of a bit of a scene's features, BSDF families or kinds of lights.
 struct NamedBit {
   std::uint64_t bit;
   const char *name, *description;

@@ -14,13 +14,14 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Relative change of area from leaving out corners of straight sides.
+// The largest relative change of area from removing corners of straight sides.
 constexpr double kAreaChange = 1e-5;
 
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-/// Says which edge goes on where each one ends. Where several meet, an edge goes on with the one that bounds
-/// the same wedge of the inside, the next one clockwise: so loops touch there but never cross.
+/// Determines the successor of each edge at its end. If several edges meet there, an edge is followed by the
+/// one that bounds the same wedge of the inside, which is the next one clockwise. So loops may touch there
+/// but never cross.
 std::vector<int> successors(const std::vector<OutlineEdge>& edges, const Plane& plane) {
   std::vector<int> in(edges.size()), out(edges.size()), next(edges.size());
   std::iota(in.begin(), in.end(), 0);
@@ -30,7 +31,7 @@ std::vector<int> successors(const std::vector<OutlineEdge>& edges, const Plane& 
             [&](int a, int b) { return std::pair(edge(a).to, a) < std::pair(edge(b).to, b); });
   std::sort(out.begin(), out.end(),
             [&](int a, int b) { return std::pair(edge(a).from, a) < std::pair(edge(b).from, b); });
-  // As many edges end in a vertex as start there, so both orders have a vertex at the same places.
+  // At each vertex as many edges end as start, so a vertex has the same positions in both orders.
   struct Spoke {
     double clockwise;
     bool leaves;
@@ -79,11 +80,11 @@ double signed_area(const Loop& loop, const Plane& plane) {
   return 0.5 * twice;
 }
 
-/// Leaves out corners within `tolerance` of the straight line between those that stay. Sklansky and Gonzalez
-/// 1980, Fast Polygonal Approximation of Digitized Curves: a wedge of directions in which a line from the
-/// last corner passes close enough to all that were left out since.
+/// Removes corners that are within `tolerance` of the straight line between the remaining ones. Sklansky and
+/// Gonzalez 1980, Fast Polygonal Approximation of Digitized Curves: keep the wedge of directions in which a
+/// line from the last corner passes close enough to all corners removed since.
 Loop straighten(Loop loop, const Plane& plane, double tolerance) {
-  // No corner within a side is the farthest from a point.
+  // Start at the corner farthest from some point; such a corner is never in the middle of a side.
   const dvec2 start = plane.at(loop[0]);
   const auto farther = [&](int a, int b) {
     return glm::distance(plane.at(a), start) < glm::distance(plane.at(b), start);
@@ -117,7 +118,7 @@ Loop straighten(Loop loop, const Plane& plane, double tolerance) {
         }
         break;
       }
-      if (kept.back() == loop[i - 1]) break;  // back at the anchor itself
+      if (kept.back() == loop[i - 1]) break;  // back at the start
       restart(loop[i - 1]);
     }
   }

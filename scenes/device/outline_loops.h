@@ -1,4 +1,4 @@
-// From the edges of a planar figure to its loops.
+// Turns the edges of a planar figure into closed loops.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -6,8 +6,8 @@
 
 namespace penumbra {
 
-/// Two-dimensional coordinates in a plane; counter-clockwise is as its normal sees it. Keeps a reference to
-/// the vertices.
+/// Two-dimensional coordinates in a plane. Counter-clockwise is as seen from the side to which its normal
+/// points. Keeps a reference to the vertices.
 class Plane {
  public:
   Plane(const std::vector<glm::dvec3>& vertices, const glm::dvec3& origin, const glm::dvec3& normal);
@@ -21,21 +21,21 @@ class Plane {
   glm::dvec3 origin_, x_, y_;
 };
 
-/// From a vertex to another one, with the figure's inside to its left.
+/// A directed edge between two vertices. The inside of the figure is to its left.
 struct OutlineEdge {
   int from, to;
 };
 
-/// Distinct vertices, the first one not repeated at the end.
+/// Distinct vertices; the first one is not repeated at the end.
 using Loop = std::vector<int>;
 
-/// Chains edges into loops, none of which visits a vertex twice; where loops touch they do not cross, if the
-/// edges are those of a planar figure. In each vertex as many edges end as start. Time: n log n.
+/// Chains edges into loops, none of which visits a vertex twice. Loops that touch do not cross if the edges
+/// belong to a planar figure. At each vertex as many edges must end as start. Time: O(n log n).
 std::vector<Loop> chain_edges(const std::vector<OutlineEdge>& edges, const Plane& plane);
 
-/// Without the corners within straight sides, where that moves no point of the loops by more than
-/// `tolerance`, and without loops of no width; as they were, if that would change the area by more than 1e-5
-/// of it.
+/// Removes corners in the middle of straight sides if that moves no point of the loops by more than
+/// `tolerance`, and removes loops of zero width. Returns the loops unchanged if this would change the area by
+/// more than a fraction of 1e-5.
 std::vector<Loop> simplify_loops(const std::vector<Loop>& loops, const Plane& plane, double tolerance);
 
 }  // namespace penumbra

@@ -17,16 +17,16 @@ namespace penumbra {
 namespace {
 
 constexpr int kCameraRays = 1024, kBounces = 3, kMostPassed = 16;
-constexpr int kSamples = 8;           // of each light at a place, and of all others together
-constexpr double kLaterWeight = 0.5;  // of a place against the one from which it was found
-// No infinite light gets less than this of what all of them get, per light.
+constexpr int kSamples = 8;  // samples of each infinite light at a vertex, and of all other lights together
+constexpr double kLaterWeight = 0.5;  // weight of a vertex relative to the previous one on its path
+// The smallest intensity of an infinite light, as a fraction of its equal share.
 constexpr double kLeastOfInfinite = 0.05;
 
-/// What one sample of a light brings to a place.
+/// The contribution of one light sample to a vertex.
 struct Arrival {
-  double light = 0;      ///< radiance times the receiver's cosine, channels averaged; 0: nothing
-  double pdf = 1;        ///< per solid angle, the choice among the lights of its group included
-  double other_pdf = 0;  ///< with which a direction of the surface is sampled, were it diffuse
+  double light = 0;      ///< radiance times the receiver's cosine, averaged over channels; 0: no light
+  double pdf = 1;        ///< per solid angle, including the choice among the lights of its group
+  double other_pdf = 0;  ///< density of diffuse BSDF sampling for the same direction
 };
 
 class PilotPaths {
@@ -49,7 +49,7 @@ class PilotPaths {
   }
 
  private:
-  /// Of a place the samples that brought light: of lights that are not infinite, and of each that is.
+  /// The samples at a vertex that received light: of the finite lights, and of each infinite light.
   struct Place {
     double weight, importance, irradiance;
     std::vector<Arrival> finite;
@@ -58,7 +58,7 @@ class PilotPaths {
 
   float number() { return unit_float(hash_uint(count_++)); }
 
-  /// The leaf that a path scatters at most likely; nothing if rays pass.
+  /// The leaf BSDF at which a path is most likely scattered. Null if rays pass through.
   const Material* leaf_of(int index) const {
     while (index >= 0 && scene_.materials[index].branches != 0) {
       const Material& m = scene_.materials[index];
@@ -73,7 +73,8 @@ class PilotPaths {
            scene_.materials[sides.back].passes != PASSES_NONE;
   }
 
-  /// The closest hit in (0, tmax), but of what the ray starts on: `skip`, of instance `skip_instance`.
+  /// The closest hit in (0, tmax), ignoring the primitive on which the ray starts: `skip` of instance
+  /// `skip_instance`.
   [[nodiscard]] Hit closest(vec3 o, vec3 d, float tmax, int skip, int skip_instance) const {
     const bool instances = scene_.header.tables.instances.count > 0;
     return intersect_levels(&scene_, o, d, tmax, skip, skip_instance, instances);
@@ -83,7 +84,7 @@ class PilotPaths {
                              : surface_at(&scene_, hit.primitive, o, d);
   }
 
-  /// Whether nothing that is certain to be in the way blocks the sample, which starts at `s`.
+  /// Whether the sample is visible from `s`. Only surfaces that certainly block light count.
   [[nodiscard]] bool is_seen(const LightSample& sample, const Surface& s) const {
     vec3 origin = sample.origin;
     float left = sample.tmax;
@@ -100,7 +101,7 @@ class PilotPaths {
     return false;
   }
 
-  /// A sample of the light at the surface, by `u`.
+  /// A sample of the light at the surface with the random number `u`.
   Arrival arriving(const Surface& s, bool all_around, int light, float u, double pmf) {
     const LightReceiver r = receiver_of(s);
     if (is_own_light(&scene_, r, light)) return {};
@@ -159,11 +160,11 @@ class PilotPaths {
     if (place.irradiance > 0) places_.push_back(std::move(place));
   }
 
-  /// The k-th camera ray and where light goes on from there.
+  /// Follows the k-th camera ray and scattered light from there.
   template <typename Visit>
   void follow(int k, const Visit& visited) {
     const SceneHeader& h = scene_.header;
-    // An additive sequence (Roberts 2018), and numbers of its own for each ray.
+    // An additive recurrence (Roberts 2018), plus separate random numbers for each ray.
     const double x = std::fmod(0.5 + k * 0.7548776662466927, 1.0) * h.film.width;
     const double y = std::fmod(0.5 + k * 0.5698402909980532, 1.0) * h.film.height;
     count_ = hash_uint(std::uint32_t(k));
@@ -203,10 +204,10 @@ class PilotPaths {
     }
   }
 
-  /// Variance of the light that samples bring, of which a group's are taken with probability p, and of that
-  /// which directions find, by the balance heuristic: of f the integral of f^2 / (p pdf + other_pdf) less the
-  /// squares of both means. Which light is taken is well spread, so most of that makes no noise: the mean of
-  /// a group counts as if it were taken for certain.
+  /// The variance of the combined estimator by the balance heuristic: light samples, which choose the group
+  /// with probability p, and BSDF samples. It is the integral of f^2 / (p pdf + other_pdf) minus the squares
+  /// of both means. The choice among lights is well distributed and so makes little noise; therefore a
+  /// group's mean is computed as if the group were always chosen.
   static double variance(const std::vector<Arrival>& samples, double p) {
     constexpr double kSpread = 0.5;
     double moment = 0, sum = 0, squares = 0, other_sum = 0, other_squares = 0;
@@ -219,21 +220,21 @@ class PilotPaths {
       other_sum += other;
       other_squares += other * other;
     }
-    // Squared means without bias, by pairs of samples.
+    // Unbiased squared means from pairs of different samples.
     constexpr double kPairs = double(kSamples) * (kSamples - 1);
     const double mean2 = (sum * sum - squares) / kPairs,
                  other_mean2 = (other_sum * other_sum - other_squares) / kPairs;
     return moment / kSamples - kSpread * (mean2 / p + other_mean2);
   }
 
-  /// Relative to the light there, as far as one place tells.
+  /// The weight relative to the light there, as far as one vertex can tell.
   [[nodiscard]] double relative_weight(const Place& place) const {
     const double irradiance = place.irradiance + mean_irradiance_;
     return place.weight / (irradiance * irradiance);
   }
 
-  /// Of all places, where infinite lights have intensities that are shares of x, beside importances to the
-  /// power of `exponent`.
+  /// The sum of variances over all vertices, if infinite lights have intensities that are `shares` of x,
+  /// beside importances to the power of `exponent`.
   [[nodiscard]] double variance_of_all(double x, double exponent, std::span<const double> shares) const {
     double sum = 0;
     for (const Place& place : places_) {
@@ -254,8 +255,8 @@ class PilotPaths {
       weights += place.weight;
     }
     mean_irradiance_ = weights > 0 ? irradiances / weights : 0.0;
-    // Among each other as the roots of their variances, which is best where light of one comes without
-    // others.
+    // Shares among infinite lights in proportion to the roots of their variances, which is optimal where only
+    // one of them contributes.
     const double equal = 1 / double(infinite_.size());
     std::vector<double> shares(infinite_.size(), 0.0);
     double all = 0;
@@ -272,7 +273,7 @@ class PilotPaths {
     return {shares, constant};
   }
 
-  /// Of the least variance, by factors of two, then within the best of them.
+  /// Minimises the variance: first by factors of two, then around the best of them.
   [[nodiscard]] double least_intensity(std::span<const double> shares) const {
     double best = 0, least = std::numeric_limits<double>::infinity();
     const auto consider = [&](double k) {
@@ -287,8 +288,8 @@ class PilotPaths {
     return std::exp2(best);
   }
 
-  /// A half, which well spread numbers divide best and which is never worse than twice the best, unless
-  /// another part of a power of two promises much less.
+  /// The constant probability. It is one half, which well-distributed numbers divide best and whose variance
+  /// is at most twice the optimum, unless another multiple of a power of two is predicted to be much better.
   [[nodiscard]] double constant_share(std::span<const double> shares) const {
     constexpr double kMuchLess = 0.7;
     double best = 0.5, least = kMuchLess * variance_of_all(1, 0, shares);

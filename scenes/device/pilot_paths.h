@@ -1,4 +1,5 @@
-// What infinite lights bring to a scene beside the others, found once while the scene is built.
+// Pilot paths: a few paths traced while the scene is built. They measure how much infinite lights contribute
+// compared with the other lights.
 #pragma once
 
 #include <span>
@@ -8,30 +9,32 @@
 
 namespace penumbra {
 
-/// A place that the camera sees, or that light reaches from one.
+/// A point on a pilot path: visible to the camera, or lit by light scattered from such a point.
 struct PilotVertex {
   vec3 p;
-  vec3 facing;  ///< unit shading normal; 0 where light from all directions counts
+  vec3 facing;  ///< unit shading normal; 0 if light from all directions matters
   double weight;
 };
 
-/// Always the same for the same scene, which has the hierarchy of the portable intersector; its lights do not
-/// matter.
+/// The vertices of the pilot paths. They are deterministic and do not depend on the scene's lights. The scene
+/// must have the portable intersector's hierarchy.
 std::vector<PilotVertex> pilot_vertices(const SceneHeader& header, const SceneRecords& records);
 
 struct InfiniteLights {
-  std::vector<double>
-      intensities;     ///< of each in the hierarchy of lights, by which it is chosen beside others
-  double share = 0.5;  ///< probability of all together where all places choose alike
+  /// The intensity of each infinite light in the hierarchy of lights, where it is chosen among all lights.
+  std::vector<double> intensities;
+  /// Probability of all infinite lights together, if lights are chosen with the same probabilities
+  /// everywhere.
+  double share = 0.5;
 };
 
-/// What the infinite lights get, by index: such that the variance of light samples, balanced with samples of
-/// diffuse directions, is least, relative to the light there, over places that the camera sees and others
-/// that light reaches from there. Always the same for the same scene.
+/// The intensities of the infinite lights, given by their indices. They minimise the variance of light
+/// samples, combined by MIS with samples of diffuse directions, relative to the received light, over the
+/// vertices of the pilot paths. The result is deterministic.
 ///
-/// The scene has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays
-/// find what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records
-/// say.
+/// The scene must have the portable intersector's hierarchy, and a hierarchy of all other lights. Shadow rays
+/// determine visibility; glass and mirrors block them. Materials are judged by the constant values in their
+/// records.
 InfiniteLights weigh_infinite_lights(const SceneHeader& header, const SceneRecords& records,
                                      std::span<const int> infinite);
 

@@ -17,12 +17,15 @@ namespace {
 
 using glm::dvec3;
 
-// Of a patch's extent. Files with six decimals put the vertices of a decimetre this far off their plane.
+// Tolerance for planarity, relative to a patch's extent. In files with six decimals the vertices of a polygon
+// of a tenth of a unit are this far off their plane.
 constexpr double kFlatness = 1e-5;
-// Of the coordinates: twice what rounding to single precision moves a point relative to two others.
+// Tolerance relative to the coordinates: twice the error of a point relative to two others due to rounding to
+// single precision.
 constexpr double kRounding = 0x1p-22;
 constexpr double kSquareness = 1e-5;
-// More triangles at one edge than this are not searched for neighbours: every pair would be tried.
+// If more triangles than this share an edge, they are not merged across it, because every pair would be
+// tried.
 constexpr std::size_t kMaxAtEdge = 32;
 
 struct Box {
@@ -34,7 +37,7 @@ struct Box {
   [[nodiscard]] double diagonal() const { return glm::length(high - low); }
 };
 
-/// Triangles over distinct vertices, which are numbered as they appear.
+/// Triangles over distinct vertices, which are numbered in order of appearance.
 struct Indexed {
   std::vector<dvec3> vertices;
   std::vector<std::array<int, 3>> triangles;
@@ -44,7 +47,7 @@ Indexed index_vertices(std::span<const LightTriangle> triangles) {
   struct Hash {
     std::size_t operator()(const std::array<float, 3>& p) const {
       std::uint64_t h = 0;
-      for (const float x : p)  // + 0: both zeros are equal
+      for (const float x : p)  // + 0 makes both zeros equal
         h = (h ^ (h >> 29) ^ std::hash<float>()(x + 0.0f)) * 0x9e3779b97f4a7c15ULL;
       return std::size_t(h ^ (h >> 32));
     }
@@ -64,7 +67,7 @@ Indexed index_vertices(std::span<const LightTriangle> triangles) {
   return out;
 }
 
-/// Triangles whose corners an earlier one has in the same cyclic order.
+/// Triangles that have the vertices of an earlier one in the same cyclic order.
 std::vector<int> find_duplicates(const Indexed& mesh) {
   std::vector<std::pair<std::array<int, 3>, int>> keys;
   for (std::array<int, 3> t : mesh.triangles) {
@@ -79,7 +82,7 @@ std::vector<int> find_duplicates(const Indexed& mesh) {
   return duplicates;
 }
 
-/// Which triangles have the sides of a triangle in the opposite direction.
+/// Finds the triangles that have a side of a given triangle in the opposite direction.
 class Neighbours {
  public:
   Neighbours(const Indexed& mesh, const std::vector<char>& left_out) : sides_(3 * mesh.triangles.size()) {
@@ -110,7 +113,7 @@ class Neighbours {
  private:
   struct Side {
     int low, high;
-    bool up;  ///< runs from low to high
+    bool up;  ///< from the lower to the higher vertex
     int triangle, side;
     auto operator<=>(const Side&) const = default;
   };
@@ -119,10 +122,10 @@ class Neighbours {
     bool up = false;
   };
   std::vector<Side> order_;
-  std::vector<Range> sides_;  ///< of all sides over the same two vertices in order_
+  std::vector<Range> sides_;  ///< for each side the range in order_ of all sides with the same two vertices
 };
 
-/// A growing set of triangles in one plane, and their mean plane.
+/// A growing set of triangles in one plane, with the mean plane.
 class Patch {
  public:
   Patch(const Indexed& mesh, int seed) : mesh_(mesh) { add(seed); }
@@ -168,8 +171,8 @@ class Patch {
   dvec3 area_vector_{0}, moment_{0};
 };
 
-/// Adds what can be reached from the patch's seed and lies in its plane. The more triangles are in, the
-/// better is their mean plane known, so those that did not fit are tried again at the end.
+/// Adds all triangles that can be reached from the patch's seed and lie in its plane. The mean plane becomes
+/// more accurate as triangles are added, so those that did not fit are tried again at the end.
 void grow(Patch& patch, const Neighbours& neighbours, std::vector<char>& taken) {
   std::vector<int> refused;
   std::size_t next = 0;
@@ -199,7 +202,7 @@ void grow(Patch& patch, const Neighbours& neighbours, std::vector<char>& taken) 
   }
 }
 
-/// Edges of the triangles that remain after those in opposite directions have cancelled.
+/// The edges of the triangles that remain after edges in opposite directions have cancelled.
 std::vector<OutlineEdge> boundary(const Indexed& mesh, const std::vector<int>& triangles) {
   std::vector<std::array<int, 3>> sides;  // low, high, 1 upwards or -1 downwards
   for (const int t : triangles)
@@ -267,7 +270,7 @@ Outlines merge_coplanar(std::span<const LightTriangle> triangles) {
   for (const int t : out.duplicates) taken[std::size_t(t)] = 1;
   const Neighbours neighbours(mesh, taken);
 
-  // The largest first: their planes are known best.
+  // Largest first, because their planes are known best.
   std::vector<std::pair<double, int>> seeds;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     if (!taken[t]) seeds.emplace_back(-Patch(mesh, int(t)).area, int(t));

@@ -1,5 +1,5 @@
-// A scene that is being built as kernels see it, without a copy of its tables. For sources that include
-// kernels; after those.
+// Presents a scene under construction to kernel code without copying its tables. Include it after the
+// kernels' headers.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-/// Lives no longer than the records, which stay as they are.
+/// The records must outlive the view and must not change meanwhile.
 class RecordsView {
  public:
   explicit RecordsView(const SceneRecords& records, const SceneHeader& header = {}) {
@@ -26,7 +26,7 @@ class RecordsView {
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
-  /// Where kernels read more records than there are, zeros follow them.
+  /// Pads a table with zeros if kernels read more records than it has.
   template <typename Record>
   static const Record* pointer_to(const std::vector<Record>& records, std::size_t least,
                                   std::vector<Record>& padded) {

@@ -1,4 +1,4 @@
-// The box about a scene's shapes, before they have a place in the device's coordinates.
+// The bounding box of a scene's shapes in world coordinates.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,13 +19,14 @@ struct SceneBounds {
   [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
 };
 
-/// Nothing where there are no shapes.
+/// Empty if there are no shapes.
 SceneBounds bounds_of(std::span<const Shape> shapes);
 
-/// About the transformed box.
+/// The bounding box of the transformed box.
 SceneBounds bounds_of(const SceneBounds& box, const glm::dmat4& to_world);
 
-/// Instances count as the boxes about their groups; a scene without shapes is the camera's place.
+/// The bounding box of the scene. An instance is bounded by the transformed box of its group. A scene without
+/// shapes has the camera's position as its box.
 SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed);
 
 }  // namespace penumbra

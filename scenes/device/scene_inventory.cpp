@@ -25,18 +25,18 @@ constexpr NamedBit kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
 
 constexpr int kUnknown = -1;
 
-/// How many vertices differ: by a table of triangles' corners, open, by their coordinates.
+/// The number of distinct vertices, counted with an open-addressing hash table of triangle corners.
 std::size_t distinct_vertices(std::span<const Triangle> triangles) {
   const std::size_t corners = triangles.size() * 3;
   const auto vertex = [&](std::size_t corner) {
     const Triangle& t = triangles[corner / 3];
     const vec3& p = corner % 3 == 0 ? t.p0 : corner % 3 == 1 ? t.p1 : t.p2;
-    return std::array<float, 3>{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // of one zero
+    return std::array<float, 3>{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // both zeros become equal
   };
   constexpr std::uint32_t kFree = ~std::uint32_t{0};
   std::size_t count = 0;
   std::vector<std::uint32_t> slots(64, kFree);
-  // Where that corner is, or would be.
+  // The slot of that corner, or the empty one for it.
   const auto slot_of = [&](const std::array<float, 3>& p) -> std::uint32_t& {
     std::size_t at = XXH3_64bits(p.data(), sizeof p) & (slots.size() - 1);
     while (slots[at] != kFree && vertex(slots[at]) != p) at = (at + 1) & (slots.size() - 1);
@@ -54,7 +54,7 @@ std::size_t distinct_vertices(std::span<const Triangle> triangles) {
   return count;
 }
 
-/// Counts of both search structures over the scene's primitives; what cannot be built is unknown.
+/// The sizes of both acceleration structures over the scene's primitives. Unknown if one cannot be built.
 void count_search(const DeviceScene& scene, TableSpans& all) {
   const auto triangles = table<Triangle>(scene, scene.header.tables.triangles);
   const auto quadrics = table<Quadric>(scene, scene.header.tables.quadrics);
@@ -71,7 +71,7 @@ void count_search(const DeviceScene& scene, TableSpans& all) {
   all.quadric_leaves.count = hierarchy ? int(hierarchy->quadric_leaves.size()) : kUnknown;
 }
 
-/// Counts of the outlines of all mesh lights.
+/// The sizes of the outlines of all mesh lights.
 void count_polygons(const SceneDescription& description, TableSpans& all) {
   SceneDescription lights = polygon_lights_of(description);
   lights.integrator = {.method = PolygonAnalyticIntegrator{}};
@@ -80,7 +80,7 @@ void count_polygons(const SceneDescription& description, TableSpans& all) {
   all.polygon_corners.count = built ? built->header.tables.polygon_corners.count : kUnknown;
 }
 
-/// The tables' counts with everything.
+/// The sizes of all tables with every feature.
 TableSpans count_everything(const SceneDescription& description, const DeviceScene& scene, bool thorough) {
   TableSpans all = scene.header.tables;
   all.normals.count = all.vertex_uvs.count = all.triangles.count;
@@ -146,7 +146,7 @@ SceneInventory take_inventory(const SceneDescription& description, const DeviceS
         {each.what, {each.bytes(h.tables), known ? std::optional(each.bytes(all)) : std::nullopt}});
   }
 
-  // Header and alignment are the same with everything.
+  // Header and alignment are the same with every feature.
   inventory.device_scene.own = sizeof h + scene.words.size() * sizeof(std::uint32_t);
   inventory.device_scene.everything = inventory.device_scene.own;
   for (const TableCost& t : inventory.tables) {

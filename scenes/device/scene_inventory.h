@@ -1,5 +1,5 @@
-// What a scene costs as it is, beside what it would cost if nothing were left out: in numbers, for `penumbra
-// info` and the report.
+// The cost of a device scene, compared with one that leaves out no feature: the numbers of `penumbra info`
+// and of the report.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,15 @@
 
 namespace penumbra {
 
-/// The scene's own figure, and that with every feature; nothing where finding it out would take too long.
+/// The value for the scene as it is, and for a scene with every feature. The latter is missing if it would
+/// take too long to find out.
 struct Cost {
   std::uint64_t own = 0;
   std::optional<std::uint64_t> everything;
 };
 
 struct FeatureUse {
-  std::string name;  ///< of the bit, in capitals
+  std::string name;  ///< the bit's name, in capitals
   std::string description;
   bool used = false;
 };
@@ -29,13 +30,13 @@ struct TableCost {
   Cost bytes;
 };
 
-/// The native kernels, which are the same for every scene.
+/// The native kernels. They are the same for every scene.
 struct NativeCode {
   std::string isa;          ///< instruction set
   std::uint64_t bytes = 0;  ///< code and constants
 };
 
-/// Measured: the scene's own kernels against those with everything, without any cache.
+/// Measured compile times of the scene's own kernels and of kernels with every feature, without any cache.
 struct CompileTimes {
   std::string device;
   double own_seconds = 0, everything_seconds = 0;
@@ -45,20 +46,20 @@ struct SceneInventory {
   std::uint64_t features = 0;  ///< FEATURE_* bits
   std::vector<FeatureUse> feature_uses;
   std::vector<TableCost> tables;     ///< of the device scene
-  Cost device_scene;                 ///< bytes: header, tables and what aligns them
-  Cost path_state;                   ///< bytes of one path under way and its sample
-  Cost result;                       ///< bytes for each pixel of a work unit's result
-  std::optional<NativeCode> native;  ///< where the caller knows
+  Cost device_scene;                 ///< in bytes: header, tables and alignment
+  Cost path_state;                   ///< in bytes: one path under way and its sample
+  Cost result;                       ///< in bytes for each pixel of a work unit's result
+  std::optional<NativeCode> native;  ///< if the caller provides it
   std::optional<CompileTimes> opencl;
 };
 
-/// The settings of a scene, what is known of its files, and of its shapes the meshes that are lights of one
-/// colour: all that take_inventory wants of it.
+/// The part of a scene that take_inventory needs: its settings, the data about its files, and those meshes
+/// that are lights of uniform colour.
 SceneDescription polygon_lights_of(const SceneDescription& description);
 
-/// With everything means: shading normals for each triangle, outlines of all mesh lights, both search
-/// structures, all planes. What that takes is found by building it, which for more than 65536 primitives is
-/// done only if `thorough`.
+/// Counts the costs of a device scene. "Every feature" means shading normals for each triangle, outlines of
+/// all mesh lights, both acceleration structures, and all planes. Their cost is found by building them. For
+/// more than 65536 primitives that is done only if `thorough`.
 SceneInventory take_inventory(const SceneDescription& description, const DeviceScene& scene, bool thorough);
 
 }  // namespace penumbra

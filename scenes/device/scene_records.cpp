@@ -15,7 +15,7 @@ std::size_t words_of(const std::vector<Record>& records, int least) {
   return std::max(records.size(), std::size_t(least)) * (sizeof(Record) / 4);
 }
 
-/// So that words are never moved: the largest scenes fill most of the memory.
+/// Reserves the memory once, because the largest scenes fill most of it.
 void reserve(const SceneRecords& records, AlignedVector<std::uint32_t>& words) {
   std::size_t total = words.size();
 #define COUNT_TABLE(_, name, record, least, what) total = next_line(total) + words_of(records.name, least);
@@ -32,8 +32,8 @@ TableSpan append(const std::vector<Record>& records, int least, AlignedVector<st
   return {int(records.size()), std::uint32_t(offset)};
 }
 
-/// Kernels look at the first triangle for rays that meet none. Where there is none, one with an area is
-/// there: its normal is a number.
+/// Kernels read the first triangle even for rays that hit nothing. If the scene has none, this adds one that
+/// has an area, so that its normal is finite.
 void put_placeholder_triangle(DeviceScene& scene) {
   const TableSpan span = scene.header.tables.triangles;
   if (span.count > 0) return;

@@ -1,4 +1,4 @@
-// The records of every table of a device scene, while it is built.
+// The records of all tables of a device scene under construction.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct SceneRecords {
 #undef TABLE_RECORDS
 };
 
-/// Appends all tables to the scene's words. Each begins at a cache line; where kernels read more records than
-/// there are, zeros follow them. A table of the records is gone once the scene has it.
+/// Appends all tables to the scene's words. Each table begins at a cache line and is padded with zeros if
+/// kernels read more records than it has. Each table is freed once it is stored.
 void store(SceneRecords&& records, DeviceScene& scene);
 
 }  // namespace penumbra

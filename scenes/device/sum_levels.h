@@ -1,4 +1,4 @@
-// The coarser levels of a table of sums, see kernels/light/sum_search.h.
+// The coarser levels of a table of cumulative sums; see kernels/light/sum_search.h.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-/// Appends those of the sums from `first` on to the end of the table, which do not fall.
+/// Appends the coarser levels of the non-decreasing sums from `first` to the end of the table.
 inline void append_sum_levels(std::size_t first, std::vector<float>& table) {
   const SearchLevels levels = search_levels(int(table.size() - first));
   const auto fill = [&](int level) {

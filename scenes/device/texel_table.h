@@ -1,4 +1,4 @@
-// The table of texels: what the bitmaps of a scene's textures are, and what their whole numbers count.
+// The table of texels: the bitmaps of a scene's textures, and the decoding of their integer values.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ class TexelTable {
  public:
   explicit TexelTable(std::span<const std::shared_ptr<const Bitmap>> bitmaps) : bitmaps_(bitmaps) {}
 
-  /// Completes the record of a texture: its kind, and where its texels are. A bitmap is there once, however
-  /// many textures show it.
+  /// Completes the record of a texture: its kind and the position of its texels. A bitmap is stored once,
+  /// however many textures use it.
   void place(const BitmapTexture& texture, TextureNode& node);
 
-  /// The table, with the word that kernels may read beyond the last texel.
+  /// Returns the table, including the padding word that kernels may read beyond the last texel.
   [[nodiscard]] std::vector<std::uint32_t> take();
 
  private:
@@ -31,8 +31,8 @@ class TexelTable {
 
   std::span<const std::shared_ptr<const Bitmap>> bitmaps_;
   std::vector<std::uint32_t> words_;
-  std::map<int, int> places_;                       ///< by bitmap
-  std::map<std::pair<int, float>, int> decodings_;  ///< by the number of values and gamma
+  std::map<int, int> places_;                       ///< keyed by bitmap
+  std::map<std::pair<int, float>, int> decodings_;  ///< keyed by number of values and gamma
 };
 
 }  // namespace penumbra

@@ -10,7 +10,7 @@ namespace {
 
 bool same(const vec3& a, const vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-/// Whether one has the corners of the other, whatever their order.
+/// Whether both triangles have the same vertices in any order.
 bool repeats(const Triangle& a, const Triangle& b) {
   const std::array corners{b.p0, b.p1, b.p2};
   const auto has = [&](const vec3& p) {

@@ -1,4 +1,4 @@
-// Texture coordinates of triangles, and the triangles whose coordinates lights have.
+// Texture coordinates of triangles, and the triangles that belong to each light.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,16 @@
 
 namespace penumbra {
 
-/// Of the triangle of these vertices of the mesh. Without texture coordinates they are Mitsuba's: barycentric
-/// ones of the second and third vertex; `flipped`: which the caller exchanged.
+/// The texture coordinates of a triangle of the mesh. A mesh without texture coordinates gets Mitsuba's
+/// default: the barycentric coordinates of the second and third vertex. `flipped`: the caller exchanged these
+/// two.
 VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped);
 
-/// The colours of a triangle of the mesh with these vertices; black where it has none.
+/// The vertex colours of a triangle of the mesh; black if the mesh has none.
 VertexColours triangle_colours(const Mesh& mesh, MeshAttribute attribute, const glm::uvec3& corner,
                                std::size_t triangle);
 
-/// For each light the triangles that are it, none twice where triangles repeat others, or the quadric.
+/// For each light its triangles, without duplicates, or its quadric.
 std::vector<LightTriangles> light_triangles(std::span<const Triangle> triangles,
                                             std::span<const Quadric> quadrics, std::size_t lights);
 

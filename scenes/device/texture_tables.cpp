@@ -18,7 +18,7 @@ int place_of(MeshAttribute attribute, std::vector<MeshAttribute>& attributes) {
 
 TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials,
                              std::span<const int> others) {
-  // Where each is in the table; at first, whether it is there.
+  // First whether each texture is in the table, then its index there.
   std::vector<int> places(scene.textures.size(), kNoTexture);
   const auto use = [&](int texture) {
     if (texture >= 0) places[std::size_t(texture)] = 0;
@@ -29,7 +29,7 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
 #undef USE_TEXTURE
   }
   for (const int texture : others) use(texture);
-  // One holds only such as come before it.
+  // A texture refers only to textures with smaller indices.
   for (std::size_t i = places.size(); i-- > 0;) {
     if (places[i] == kNoTexture) continue;
     const TextureNode node = texture_of(scene.textures[i]);

@@ -1,4 +1,4 @@
-// The tables of a scene's textures.
+// Builds the tables of a scene's textures.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,14 @@ namespace penumbra {
 struct TextureTables {
   std::vector<TextureNode> textures;
   std::vector<std::uint32_t> texels;
-  std::vector<MeshAttribute> attributes;  ///< that textures show, in the order of a triangle's colours
-  std::vector<int> places;                ///< of the scene's textures in the table, or kNoTexture
+  /// Mesh attributes used by textures, in the order of a triangle's colours.
+  std::vector<MeshAttribute> attributes;
+  std::vector<int> places;  ///< for each texture of the scene its index in the table, or kNoTexture
 };
 
-/// Of those that the materials have, those among `others`, and those that they hold: the rest is left out,
-/// with its bitmaps.
-/// Indices of materials become those of the table.
+/// Builds tables of the textures that the materials use, of those in `others`, and of the textures nested in
+/// them. Other textures and their bitmaps are left out. The materials' texture indices are changed to those
+/// of the table.
 TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials,
                              std::span<const int> others);
 

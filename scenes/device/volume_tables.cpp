@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kMostNumbers = std::numeric_limits<int>::max() / 2;
 
-/// The cells that matter within one of the coarse grid: interpolation looks at their neighbours too.
+/// The fine cells that affect a cell of the coarse grid, including the neighbours that interpolation reads.
 struct Range {
   int from, to;
 };
@@ -55,7 +55,7 @@ Expected<int> VolumeTables::add(const GridVolume& volume, SceneRecords& records)
     return fail(fmt::format("the volumes of the scene have more than {} numbers", kMostNumbers));
   const auto [entry, is_new] = known_.try_emplace({&grid, volume.nearest});
   if (is_new) {
-    // Interpolated and not, a grid has other majorants.
+    // A grid has different majorants with and without interpolation.
     const auto other = known_.find({&grid, !volume.nearest});
     const bool stored = other != known_.end();
     entry->second = {stored ? other->second.first_value : int(records.volume_values.size()),

@@ -1,4 +1,4 @@
-// The tables of volumes: grids by which media vary, and their majorants.
+// The tables of volumes: grids by which media vary in space, and their majorants.
 #pragma once
 
 #include <map>
@@ -10,11 +10,11 @@ namespace penumbra {
 
 class VolumeTables {
  public:
-  /// `center`: of the scene, where the kernels' coordinates begin.
+  /// `center`: the centre of the scene, which is the origin of the kernels' coordinates.
   explicit VolumeTables(const glm::dvec3& center) : center_(center) {}
 
-  /// Appends to the tables of volumes, a grid that is there already not again. Returns the volume's index; an
-  /// error where the tables would be too large for their indices, or the place has no inverse.
+  /// Adds a volume to the tables and returns its index. A grid that is already in the tables is not stored
+  /// again. Errors: tables too large for their indices; a transform that has no inverse.
   Expected<int> add(const GridVolume& volume, SceneRecords& records);
 
  private:

@@ -11,7 +11,8 @@ namespace penumbra::gltf {
 namespace {
 
 constexpr std::size_t kMostElements = std::size_t{1} << 28;
-constexpr std::size_t kMostWithoutBuffer = std::size_t{1} << 24;  ///< their zeros are nowhere in the file
+/// Limits accessors whose zeros are not in the file.
+constexpr std::size_t kMostWithoutBuffer = std::size_t{1} << 24;
 
 template <typename T>
 double number_at(std::string_view bytes, std::size_t at, double most) {
@@ -20,7 +21,7 @@ double number_at(std::string_view bytes, std::size_t at, double most) {
   return most > 0 ? std::max(double(value) / most, -1.0) : double(value);
 }
 
-/// By which numbers of the type are divided where they are normalised; 0 for those that never are.
+/// The divisor of normalised numbers of the type; 0 for types that are never normalised.
 double largest_of(int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -54,7 +55,7 @@ double component(std::string_view bytes, std::size_t at, int type, bool normalis
   }
 }
 
-/// 0 for types that glTF does not have.
+/// 0 for unknown types.
 std::size_t bytes_of(int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -71,7 +72,7 @@ std::size_t bytes_of(int type) {
   }
 }
 
-/// `count` elements from `offset` of a view on; 0 for a stride: side by side.
+/// Reads `count` elements of a view, from `offset` on. A stride of 0 means packed elements.
 Expected<std::vector<double>> read_packed(const Asset& asset, int view, std::size_t offset,
                                           std::size_t stride, std::size_t count, std::size_t components,
                                           int type, bool normalised) {

@@ -30,7 +30,7 @@ struct GlbChunks {
   std::string_view json, binary;
 };
 
-/// Those of a GLB file (glTF 2.0, 4.4), all of whose lengths are checked; of other chunks nothing is known.
+/// The chunks of a GLB file (glTF 2.0, 4.4). All lengths are checked; unknown chunks are ignored.
 Expected<GlbChunks> glb_chunks(const fs::path& file, std::string_view bytes) {
   constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;
   const auto wrong = [&](std::string_view message) {
@@ -63,7 +63,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// What an address holds or names.
+/// The data that a URI contains or refers to.
 Expected<std::string> contents_of(const Asset& asset, std::string_view address, std::uint64_t most) {
   if (is_data_address(address)) return data_of_address(address);
   const auto found = find_file(asset, address);
@@ -84,8 +84,7 @@ Expected<void> read_buffers(Asset& asset, const std::vector<BufferEntry>& entrie
       if (!contents) return wrong(fmt::format("buffer {}: {}", i, contents.error().message));
       bytes = *contents;
     } else if (bytes.empty()) {
-      continue;  // one that stands in for compressed data has no address; its views say so where they are
-                 // used
+      continue;  // a placeholder for compressed data has no URI; its views report that where they are used
     }
     if (bytes.size() < entry.bytes)
       return wrong(
@@ -114,7 +113,7 @@ Expected<fs::path> find_file(const Asset& asset, std::string_view address) {
   if (address.starts_with("http://") || address.starts_with("https://"))
     return fail(fmt::format("'{}' is not on this machine; only files are read", address));
   auto found = asset.files.find(percent_decoded(address), folders);
-  // Names with a percent sign that is no escape occur.
+  // Some names contain a percent sign that is not an escape.
   if (!found && address.contains('%'))
     if (auto as_it_stands = asset.files.find(address, folders)) return as_it_stands;
   return found;
@@ -204,7 +203,7 @@ Expected<std::unique_ptr<Asset>> read_asset(const fs::path& file, const FileAcce
   try {
     done = parser.LoadASCIIFromString(&asset->model, &problem, &warnings, input->text.data(),
                                       unsigned(input->text.size()), "");
-  } catch (const std::exception& what) {  // numbers beyond what an index may be, among others
+  } catch (const std::exception& what) {  // for example for numbers beyond the range of an index
     problem = what.what();
   }
   if (!done)

@@ -18,7 +18,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-/// Six bits a digit, of both alphabets of RFC 4648; -1 for what is none.
+/// The six bits of each digit, for both alphabets of RFC 4648; -1 for other characters.
 constexpr std::array<std::int8_t, 256> base64_digits() {
   std::array<std::int8_t, 256> digits{};
   digits.fill(-1);

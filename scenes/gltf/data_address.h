@@ -1,4 +1,4 @@
-// What addresses of glTF's buffers and images say: data themselves, or a file's name.
+// The URIs of glTF's buffers and images: either embedded data or a file name.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace penumbra::gltf {
 
-/// Whether the address holds data, and not a name (RFC 2397).
+/// Whether the URI contains data (RFC 2397).
 bool is_data_address(std::string_view address);
 
-/// The data that an address holds, of whatever media type. Errors: no comma, not base64.
+/// The data embedded in a URI, of any media type. Errors: no comma, not base64.
 Expected<std::string> data_of_address(std::string_view address);
 
-/// With %20 and the like as what they stand for; what is no such escape stays (RFC 3986, 2.1).
+/// Decodes percent escapes such as %20 (RFC 3986, 2.1). Malformed escapes are kept.
 std::string percent_decoded(std::string_view text);
 
 }  // namespace penumbra::gltf

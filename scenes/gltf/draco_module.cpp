@@ -1,4 +1,4 @@
-// The module behind draco_module.h.
+// The implementation of the module in draco_module.h.
 #include "scenes/gltf/draco_module.h"
 
 #include <draco/compression/decode.h>
@@ -9,7 +9,7 @@
 namespace penumbra::gltf {
 namespace {
 
-/// All values of one attribute, one a vertex, by way of the type that holds them exactly.
+/// Reads all values of one attribute, one per vertex, through a type that holds them exactly.
 template <typename Number>
 bool read_values(const draco::Mesh& mesh, const draco::PointAttribute& from, DracoAttribute& to) {
   std::vector<Number> values(to.components);

@@ -1,5 +1,6 @@
-// Meshes that Draco compressed (KHR_draco_mesh_compression), behind a module that is loaded once a file has
-// one, and that is there where libdraco was when it was built.
+// The interface to meshes compressed by Draco (KHR_draco_mesh_compression). The code lives in a separate
+// module. It is loaded when a file has such a mesh, and it exists only if libdraco was present when the
+// renderer was built.
 #pragma once
 
 #include <cstddef>
@@ -14,19 +15,19 @@
 namespace penumbra::gltf {
 
 struct DracoAttribute {
-  std::size_t components = 1;   ///< of each vertex
-  std::vector<double> numbers;  ///< as they are stored: whole numbers are not normalised
+  std::size_t components = 1;   ///< components per vertex
+  std::vector<double> numbers;  ///< as stored: integers are not normalised
 };
 
 struct DracoMesh {
   std::size_t vertices = 0;
-  std::vector<std::uint32_t> corners;          ///< three for each triangle
-  std::map<int, DracoAttribute> attributes{};  ///< by the unique id that Draco gives them
+  std::vector<std::uint32_t> corners;          ///< three per triangle
+  std::map<int, DracoAttribute> attributes{};  ///< keyed by Draco's unique attribute ID
 };
 
-/// What the module offers, under the name penumbra_draco_reader.
+/// The interface that the module exports under the name penumbra_draco_reader.
 struct DracoReader {
-  /// A mesh with those of its attributes. Errors: damaged, not of triangles, no such attribute.
+  /// Decodes a mesh and the given attributes. Errors: damaged data, not a triangle mesh, no such attribute.
   Expected<DracoMesh> (*read)(std::string_view bytes, std::span<const int> attributes);
 };
 

@@ -10,18 +10,18 @@
 namespace penumbra::gltf {
 namespace {
 
-/// What the reader does of an extension.
+/// How the reader handles an extension.
 enum class Handling {
   kRead,
   kNothingSeen,  ///< it has no effect on the image at rest
-  kLeftOut,      ///< the scene is as it would be without it, which a warning says
-  kRefused       ///< without it, the scene is another one
+  kLeftOut,      ///< the scene is read without it, and a warning says so
+  kRefused       ///< without it the scene would be wrong
 };
 
 struct Extension {
   std::string_view name;
   Handling handling;
-  std::string_view words{};  ///< what is left out, or what would be right
+  std::string_view words{};  ///< what is left out, or what to do instead
 };
 
 constexpr Extension kExtensions[] = {
@@ -42,7 +42,7 @@ constexpr Extension kExtensions[] = {
     {"KHR_meshopt_compression", Handling::kRead},
     {"KHR_node_visibility", Handling::kRead},
     {"KHR_texture_transform", Handling::kRead},
-    // Its textures say so where they have no other image.
+    // Textures without another image are reported individually.
     {"KHR_texture_basisu", Handling::kRead},
     {"EXT_texture_avif", Handling::kRead},
     {"MSFT_texture_dds", Handling::kRead},
@@ -53,7 +53,7 @@ constexpr Extension kExtensions[] = {
     {"KHR_animation_pointer", Handling::kNothingSeen},
     {"KHR_audio", Handling::kNothingSeen},
     {"KHR_interactivity", Handling::kNothingSeen},
-    {"KHR_materials_variants", Handling::kNothingSeen},  // the default material is shown
+    {"KHR_materials_variants", Handling::kNothingSeen},  // the default material is used
     {"KHR_node_hoverability", Handling::kNothingSeen},
     {"KHR_node_selectability", Handling::kNothingSeen},
     {"KHR_xmp", Handling::kNothingSeen},

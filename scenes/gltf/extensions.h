@@ -1,4 +1,5 @@
-// Which extensions of glTF are read, which change nothing that is seen, and what the others leave out.
+// The glTF extensions that are supported, those that can be ignored because they do not affect the image, and
+// what is lost without each of the others.
 #pragma once
 
 #include "scenes/gltf/asset.h"
@@ -6,8 +7,8 @@
 
 namespace penumbra::gltf {
 
-/// Those that the file requires and that are not read are errors; those that it uses, and that change what is
-/// seen, warnings.
+/// Reports unsupported extensions: an error if the file requires the extension, a warning if it only uses it
+/// and the image is affected.
 void check_extensions(const Asset& asset, ReaderReport& report);
 
 }  // namespace penumbra::gltf

@@ -46,12 +46,12 @@ class SceneBuilder {
   }
 
  private:
-  /// Lights that are there for what else there is; where all is unlit, nothing needs one.
+  /// Whether there is light for the surfaces. If all materials are unlit, none is needed.
   [[nodiscard]] bool is_lit() const {
     return !scene_.emitters.empty() || has_area_light_ || (has_unlit_ && !has_lit_);
   }
 
-  /// Of the scene that is to be shown; of a file without scenes all nodes that are nobody's children.
+  /// The root nodes of the scene to show; in a file without scenes all nodes without a parent.
   std::vector<int> roots() {
     const tinygltf::Model& model = asset_.model;
     if (!model.scenes.empty()) {
@@ -81,8 +81,8 @@ class SceneBuilder {
     bool visible;
   };
 
-  /// Depth first, without recursion: no nesting can exhaust the stack. Nodes have one parent at most; one
-  /// that is met twice is an error, and so are cycles.
+  /// Traverses depth first without recursion, so that deep nesting cannot overflow the stack. A node that is
+  /// reached twice is an error, and so are cycles.
   void visit(int root) {
     if (visited_.empty()) visited_.assign(asset_.model.nodes.size(), false);
     std::vector<Pending> stack = {{root, glm::dmat4(1.0), true}};
@@ -111,7 +111,7 @@ class SceneBuilder {
     }
   }
 
-  /// KHR_node_visibility, which hides all below a node too.
+  /// KHR_node_visibility also hides all descendants.
   static bool is_visible(const tinygltf::Node& node) {
     const auto found = node.extensions.find("KHR_node_visibility");
     if (found == node.extensions.end() || !found->second.Has("visible")) return true;
@@ -134,7 +134,7 @@ class SceneBuilder {
                           : -1;
     const bool has_light = there(light, asset_.model.lights.size(), "light") && visible;
     const bool has_mesh = there(node.mesh, asset_.model.meshes.size(), "mesh") && visible;
-    // A skin's joints place its mesh, and not the node.
+    // The joints of a skin place its mesh, not the node.
     const bool is_flat = is_singular(to_world) && (has_camera || has_light || (has_mesh && node.skin < 0));
     if (is_flat && (has_camera || has_light || !keeps_areas(to_world)))
       return report_.warn(
@@ -145,7 +145,7 @@ class SceneBuilder {
     if (has_mesh) place_mesh_of(node, index, to_world);
   }
 
-  /// Whether any triangle keeps an area: at most one axis is flattened.
+  /// Whether any triangle keeps an area, that is, at most one axis is flattened.
   static bool keeps_areas(const glm::dmat4& to_world) {
     const glm::dmat3 m(to_world);
     const auto area = [&](int i, int j) {
@@ -220,7 +220,7 @@ class SceneBuilder {
     }
   }
 
-  /// The mesh of a primitive as it rests: in its own space, or with a skin in the world's.
+  /// The mesh of a primitive in its rest pose: in its own space, or with a skin in world space.
   Expected<Mesh> read_posed(const tinygltf::Node& node, const tinygltf::Mesh& mesh,
                             const tinygltf::Primitive& primitive, int texcoord) {
     const auto attributes = PrimitiveAttributes::open(asset_, primitive);
@@ -239,12 +239,12 @@ class SceneBuilder {
   void add_mesh(Mesh mesh, const SurfaceOfMaterial& surface, glm::dmat4 to_world, SourceLocation location,
                 const std::string& name, std::vector<Shape>& shapes) {
     if (is_singular(to_world)) {
-      // Normals of what is flattened are those of the plane.
+      // The normals of a flattened mesh are those of its plane.
       for (glm::dvec3& position : mesh.positions) position = transform_point(to_world, position);
       mesh.normals.clear();
       to_world = glm::dmat4(1.0);
     }
-    // A mirror turns glTF's winding round. Normals turn it here, where there are some.
+    // A mirroring transform reverses glTF's winding. If there are normals, they determine it here.
     const bool faceted = mesh.normals.empty();
     if (faceted && is_mirror(to_world))
       for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
@@ -268,7 +268,7 @@ class SceneBuilder {
     shapes.push_back(std::move(shape));
   }
 
-  /// Ours follow from the texture coordinates, as MikkTSpace's do, but for mirrored ones.
+  /// Our tangents follow from the texture coordinates, like MikkTSpace's, except for mirrored ones.
   void check_tangents(const tinygltf::Primitive& primitive, SourceLocation location) {
     if (primitive.attributes.contains("TANGENT"))
       report_.warn_counted(
@@ -277,7 +277,7 @@ class SceneBuilder {
           "and where those are mirrored, green counts the other way");
   }
 
-  /// Colours of vertices have none here.
+  /// The alpha of vertex colours is not supported.
   void check_opacity(const tinygltf::Primitive& primitive, SourceLocation location) {
     const auto colours = primitive.attributes.find("COLOR_0");
     if (colours == primitive.attributes.end() || primitive.material < 0 ||

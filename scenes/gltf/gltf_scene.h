@@ -5,7 +5,7 @@
 
 namespace penumbra::gltf {
 
-/// Reads a glTF scene, all but `options.settings`.
+/// Reads a glTF scene. `options.settings` are not applied here.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace penumbra::gltf

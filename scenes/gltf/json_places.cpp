@@ -10,14 +10,14 @@ namespace {
 
 constexpr int kMaxDepth = 64;
 
-/// Goes over well-formed JSON without building anything.
+/// Scans well-formed JSON without building a document.
 class Scanner {
  public:
   Scanner(std::string_view text, std::size_t at) : text_(text), at_(at) { skip_space(); }
 
   [[nodiscard]] std::size_t at() const { return at_; }
 
-  /// To the member or element, if there is one.
+  /// Advances to the member or element, if it exists.
   bool enter(const JsonStep& step) {
     const bool is_member = std::holds_alternative<std::string_view>(step);
     if (at_ >= text_.size() || text_[at_] != (is_member ? '{' : '[')) return false;
@@ -55,7 +55,7 @@ class Scanner {
       if (text_[at_] == '\\') ++at_;
     at_ = std::min(at_ + 1, text_.size());
   }
-  /// Whatever it holds: brackets are counted, outside of strings.
+  /// Skips a value by counting brackets outside of strings.
   void skip_value() {
     int depth = 0;
     while (at_ < text_.size()) {
@@ -82,7 +82,7 @@ class Scanner {
   std::size_t at_;
 };
 
-/// Builds nothing; notes where something is wrong.
+/// Checks JSON without building a document, and records where something is wrong.
 class Checker : public nlohmann::json_sax<nlohmann::json> {
  public:
   bool null() override { return true; }

@@ -47,7 +47,7 @@ std::vector<double> numbers_of(const tinygltf::Value& extension, const char* nam
 
 constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
 
-/// The refractive index whose reflection along the normal is `factor` of that of `ior`.
+/// The refractive index whose reflectance at normal incidence is `factor` times that of `ior`.
 float index_with(double ior, double factor) {
   const double root = std::sqrt(std::clamp(factor, 0.0, 1.0)) * std::abs((ior - 1) / (ior + 1));
   return float((1 + root) / (1 - root));
@@ -166,7 +166,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
   const auto& pbr = material.pbrMetallicRoughness;
   const std::string name = name_of(material, index);
   const Base base = base_of(material, index);
-  if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it shines, see build
+  if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it only emits, see build
   if (extension_of(material, kSpecularGlossiness) != nullptr)
     return specular_glossiness(material, index, base, coloured);
   const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
@@ -195,7 +195,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
                          extension_use(*transmission, "transmissionTexture", index), BitmapChannels::kRed);
   const double thickness = number_of(extension_of(material, "KHR_materials_volume"), "thicknessFactor", 0.0);
   if (transmitted.value > 0.0f && !(thickness > 0.0)) {
-    // Without a volume, glTF's surfaces are thin panes.
+    // Without a volume, glTF's transmitting surfaces are thin.
     PrincipledThinBsdf thin;
     thin.base_color = colour;
     thin.roughness = roughness;
@@ -223,7 +223,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
   }
   SurfaceMaterial surface = surface_of(name, solid);
   if (surface.back == nullptr)
-    surface.back = surface.front;  // both sides are alike, as in rasterisers' two-sided
+    surface.back = surface.front;  // both sides are the same, as in a rasteriser's two-sided materials
   return surface;
 }
 

@@ -1,4 +1,4 @@
-// Materials of glTF, physically based by metalness and roughness, as materials of a scene.
+// Converts glTF's metallic-roughness materials to materials of a scene.
 #pragma once
 
 #include <map>
@@ -11,14 +11,14 @@
 
 namespace penumbra::gltf {
 
-/// What a surface of a material is made of, and what it needs.
+/// The material of a surface, its emission, and the vertex data that it needs.
 struct SurfaceOfMaterial {
   int front = kBlackBsdf, back = kBlackBsdf;
   std::optional<glm::vec3> radiance = std::nullopt;
-  int radiance_texture = kNoTexture;  ///< by which it is multiplied
+  int radiance_texture = kNoTexture;  ///< multiplies the radiance
   bool two_sided_emission = false;
-  bool unlit = false;  ///< it shines only because its colour is to be seen as it is
-  int texcoord = -1;   ///< the set of texture coordinates; none: -1
+  bool unlit = false;  ///< unlit material: the radiance only makes its colour visible unchanged
+  int texcoord = -1;   ///< the set of texture coordinates; -1: none
   bool has_normal_map = false;
 };
 
@@ -27,12 +27,13 @@ class MaterialBuilder {
   MaterialBuilder(const Asset& asset, ReaderReport& report, TextureBuilder& textures, SceneDescription& scene)
       : asset_(asset), report_(report), textures_(textures), scene_(scene) {}
 
-  /// Of a material's index, -1: glTF's default; `coloured`: the mesh has colours of vertices.
+  /// The surface of material number `material`; -1 is glTF's default material. `coloured`: the mesh has
+  /// vertex colours.
   const SurfaceOfMaterial& surface(int material, bool coloured);
 
  private:
   SurfaceOfMaterial build(const tinygltf::Material& material, std::size_t index, bool coloured);
-  /// The colour of the surface, whichever model says it, with its opacity.
+  /// The base colour of a surface and its opacity, whichever material model defines them.
   struct Base {
     glm::vec3 colour{1.0f};
     double alpha = 1.0;
@@ -57,7 +58,7 @@ class MaterialBuilder {
   SceneDescription& scene_;
   MaterialInstaller installer_;
   std::map<std::pair<int, bool>, SurfaceOfMaterial> surfaces_;
-  int texcoord_ = -1;  ///< of the one that is being built
+  int texcoord_ = -1;  ///< of the material that is being built
 };
 
 }  // namespace penumbra::gltf

@@ -10,7 +10,7 @@
 namespace penumbra::gltf {
 namespace {
 
-/// What a joint does to vertices: from the mesh's space at binding to the world's.
+/// The transform of each joint, from the mesh's space at binding to world space.
 Expected<std::vector<glm::dmat4>> joint_matrices(const Asset& asset, const tinygltf::Skin& skin,
                                                  const std::vector<glm::dmat4>& node_to_world) {
   std::vector<glm::dmat4> result;
@@ -67,7 +67,7 @@ Expected<void> apply_skin(const Asset& asset, const PrimitiveAttributes& attribu
   const std::size_t count = mesh.positions.size();
   std::vector<glm::dmat4> moves(count, glm::dmat4(0.0));
   std::vector<double> sums(count, 0.0);
-  // Four joints of each vertex a set.
+  // Each set has four joints per vertex.
   for (int set = 0;; ++set) {
     const std::string name = fmt::format("JOINTS_{}", set), weight_name = fmt::format("WEIGHTS_{}", set);
     const auto indices = attributes.read(name, 4, 4), weights = attributes.read(weight_name, 4, 4);
@@ -86,7 +86,7 @@ Expected<void> apply_skin(const Asset& asset, const PrimitiveAttributes& attribu
       }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    // Vertices without a joint stay in the space of the first.
+    // Vertices without a joint stay in the space of the first one.
     const glm::dmat4 move = sums[i] > 0.0     ? moves[i] / sums[i]
                             : joints->empty() ? glm::dmat4(1.0)
                                               : joints->front();

@@ -11,14 +11,14 @@
 namespace penumbra::gltf {
 namespace {
 
-constexpr std::size_t kGroup = 16;  ///< elements whose deltas are packed alike
+constexpr std::size_t kGroup = 16;  ///< number of elements whose deltas have the same encoding
 constexpr std::size_t kMostBlock = 256, kMostBlockBytes = 8192;
 constexpr std::size_t kShortestTail = 24;
 constexpr char kHeader = char(0xa1);
 
-/// How the deltas of one byte of all elements are stored.
+/// How the deltas of one byte of all elements are encoded.
 enum class Control { kFewBits, kMoreBits, kZero, kLiteral };
-/// What the deltas of four bytes are.
+/// The type of the deltas of four bytes.
 enum class Channel { kBytes, kShorts, kWords };
 
 std::unexpected<Error> damaged() { return fail("meshopt: the compressed data are damaged"); }
@@ -33,7 +33,7 @@ class Stream {
   explicit Stream(std::string_view bytes) : bytes_(bytes) {}
 
   [[nodiscard]] bool at_end() const { return bytes_.empty(); }
-  /// The next bytes; fewer where it ends.
+  /// The next `count` bytes; fewer at the end.
   std::string_view take(std::size_t count) {
     const std::string_view taken = bytes_.substr(0, count);
     bytes_.remove_prefix(taken.size());
@@ -44,7 +44,7 @@ class Stream {
   std::string_view bytes_;
 };
 
-/// Sixteen deltas of so many bits; one with all bits set stands for a byte that follows.
+/// Reads sixteen deltas of `bits` bits. One with all bits set means that the value follows as a byte.
 bool read_group(Stream& stream, int bits, std::uint8_t* deltas) {
   if (bits == 0) {
     std::fill_n(deltas, kGroup, std::uint8_t(0));
@@ -56,7 +56,7 @@ bool read_group(Stream& stream, int bits, std::uint8_t* deltas) {
   const unsigned all = (1u << bits) - 1;
   for (std::size_t i = 0; i < kGroup; ++i) {
     const std::size_t place = i % per_byte;
-    // From the highest bits on, but single bits from the lowest.
+    // From the highest bits down, except single bits, which start at the lowest.
     const std::size_t shift = bits == 1 ? place : (per_byte - 1 - place) * std::size_t(bits);
     const unsigned value = std::uint8_t(packed[i / per_byte]) >> shift & all;
     deltas[i] = std::uint8_t(value);
@@ -68,7 +68,7 @@ bool read_group(Stream& stream, int bits, std::uint8_t* deltas) {
   return true;
 }
 
-/// The deltas of one byte of a block's elements.
+/// Reads the deltas of one byte of a block's elements.
 bool read_deltas(Stream& stream, Control control, std::size_t count, std::vector<std::uint8_t>& deltas) {
   const std::size_t groups = (count + kGroup - 1) / kGroup;
   deltas.assign(groups * kGroup, 0);
@@ -88,7 +88,7 @@ bool read_deltas(Stream& stream, Control control, std::size_t count, std::vector
   return true;
 }
 
-/// An element's four bytes from those of the one before it.
+/// Computes four bytes of an element from those of the previous one.
 std::uint32_t next_word(std::uint32_t previous, std::uint32_t delta, Channel channel, int rotation) {
   std::uint32_t word = 0;
   switch (channel) {
@@ -114,7 +114,7 @@ template <typename Unsigned, typename Signed>
 void unfilter_colour(char* element) {
   std::array<Unsigned, 4> in;
   std::memcpy(in.data(), element, sizeof(in));
-  // The highest bit of alpha says how many bits there are.
+  // The highest set bit of alpha tells the number of bits.
   const int all = (1 << std::bit_width(unsigned(in[3]))) - 1;
   const int y = in[0], co = Signed(in[1]), cg = Signed(in[2]), half = in[3] & (all >> 1);
   const int rgba[] = {y + co - cg, y + cg, y - co - cg, half << 1 | (half & 1)};

@@ -1,4 +1,4 @@
-// The module behind meshopt_module.h.
+// The implementation of the module in meshopt_module.h.
 #include "scenes/gltf/meshopt_module.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
-// Buffer views that meshoptimizer compressed (EXT_meshopt_compression), behind a module that is loaded once a
-// file has one, and that is there where meshoptimizer was when it was built.
+// The interface to buffer views compressed by meshoptimizer (EXT_meshopt_compression). The code lives in a
+// separate module. It is loaded when a file has such a view, and it exists only if meshoptimizer was present
+// when the renderer was built.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +11,16 @@
 
 namespace penumbra::gltf {
 
-/// Of how many elements of how many bytes, and how they are packed: the names that the extension has for it.
+/// The number and size of the elements and their compression, with the extension's names.
 struct MeshoptPacking {
   std::size_t count = 0, stride = 0;
   std::string mode, filter = "NONE";
 };
 
-/// What the module offers, under the name penumbra_meshopt_reader.
+/// The interface that the module exports under the name penumbra_meshopt_reader.
 struct MeshoptReader {
-  /// The elements, side by side. Errors: damaged, a mode, filter or stride that the extension does not have.
+  /// Decodes packed elements. Errors: damaged data; a mode, filter or stride that the extension does not
+  /// define.
   Expected<std::string> (*read)(std::string_view bytes, const MeshoptPacking& packing);
 };
 

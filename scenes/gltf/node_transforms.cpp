@@ -12,13 +12,13 @@
 namespace penumbra::gltf {
 namespace {
 
-constexpr double kRounding = 1e-6;  ///< of matrices that programs multiplied in single precision
+constexpr double kRounding = 1e-6;  ///< of matrices that were multiplied in single precision
 
 glm::dvec3 vector_or(const std::vector<double>& numbers, double fallback) {
   return numbers.empty() ? glm::dvec3(fallback) : glm::dvec3(numbers[0], numbers[1], numbers[2]);
 }
 
-/// What is wrong with a node's numbers; nothing, and its transform.
+/// Reads a node's transform. Returns what is wrong with its numbers, or null.
 const char* read_local(const tinygltf::Node& node, glm::dmat4& result) {
   const auto sized = [](const std::vector<double>& numbers, std::size_t size) {
     return numbers.empty() || numbers.size() == size;
@@ -73,7 +73,7 @@ std::vector<glm::dmat4> world_transforms(const Asset& asset) {
   std::vector<State> state(nodes.size(), State::kNew);
   std::vector<glm::dmat4> world = local;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    // Up to a node that is done, and back.
+    // Follow the parents up to a node that is done, then go back.
     std::vector<std::size_t> chain;
     for (int at = int(i); at >= 0 && state[std::size_t(at)] == State::kNew; at = parent[std::size_t(at)]) {
       state[std::size_t(at)] = State::kBelow;

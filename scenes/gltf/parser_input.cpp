@@ -17,7 +17,7 @@ std::string text_of(const json& object, const char* name) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// Takes an array out of the root; an empty one where there is none.
+/// Removes an array from the root and returns it; empty if there is none.
 json take(json& root, const char* name) {
   const auto found = root.find(name);
   if (found == root.end()) return json::array();

@@ -1,4 +1,5 @@
-// A glTF file's JSON as tinygltf gets it: without what is read here, and without what it wrongly refuses.
+// Prepares a glTF file's JSON for tinygltf. Parts that are read here are removed, as are parts that tinygltf
+// wrongly rejects.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +12,28 @@
 namespace penumbra::gltf {
 
 struct BufferEntry {
-  std::string uri{};  ///< empty: the binary part of a GLB file, or nothing
+  std::string uri{};  ///< empty: the binary chunk of a GLB file, or none
   std::size_t bytes = 0;
 };
 struct ImageEntry {
   std::string name{}, uri{}, media_type{};
-  int view = -1;  ///< none: -1
+  int view = -1;  ///< -1: none
 };
 
-/// What is left to the parser, and what is not.
+/// The JSON for the parser, and what was removed from it.
 struct ParserInput {
   std::string text;
   std::vector<BufferEntry>
-      buffers{};  ///< tinygltf knows few types of data, and wants files of exactly their length
-  std::vector<ImageEntry> images{};  ///< those that nothing shows are never read
-  bool has_animations = false;       ///< not read at all
-  /// Accessors of indices without a buffer view, which get one that is the last: tinygltf holds them for an
-  /// error, compressed and sparse meshes have them.
+      buffers{};  ///< tinygltf supports few media types, and requires files of exactly the stated length
+  std::vector<ImageEntry> images{};  ///< images that no texture uses are never read
+  bool has_animations = false;       ///< animations are ignored
+  /// Index accessors without a buffer view. They occur in compressed and sparse meshes, but tinygltf rejects
+  /// them. Here they get an additional buffer view, the last one.
   std::vector<std::size_t> without_view{};
 };
 
-/// Of a text that check_json found good. Errors, with their place: another version than glTF 2, values of the
-/// wrong kind.
+/// The text must have passed check_json. Errors, with their location: another version than glTF 2, values of
+/// the wrong type.
 Expected<ParserInput> parser_input(const SourceFile& json);
 
 }  // namespace penumbra::gltf

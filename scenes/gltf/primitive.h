@@ -1,4 +1,4 @@
-// Primitives of glTF's meshes as triangles.
+// Converts glTF primitives to triangles.
 #pragma once
 
 #include "scenes/gltf/primitive_attributes.h"
@@ -6,13 +6,12 @@
 
 namespace penumbra::gltf {
 
-/// The triangles of a primitive in the mesh's own space: of lists, strips and fans, with indices or without.
-/// `texcoord` is the set of texture coordinates that counts; -1: the first. Normals as the file has them,
-/// none where it has none. Errors: see read_accessor; indices beyond the vertices, attributes of other
-/// counts.
+/// The triangles of a primitive in the mesh's own space. The mode may be list, strip or fan, with or without
+/// indices. `texcoord` selects the set of texture coordinates; -1: the first. The mesh has normals only if
+/// the file has. Errors: those of read_accessor; indices beyond the vertices; attributes of different counts.
 Expected<Mesh> read_primitive(const PrimitiveAttributes& attributes, int mode, int texcoord);
 
-/// Whether it is made of triangles, and not of points or lines.
+/// Whether the primitive consists of triangles, not points or lines.
 bool is_surface(const tinygltf::Primitive& primitive);
 
 }  // namespace penumbra::gltf

@@ -1,4 +1,4 @@
-// What the vertices of a primitive have, and its corners: from accessors, or from what Draco compressed.
+// The vertex attributes and the indices of a primitive, from accessors or from Draco-compressed data.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@ namespace penumbra::gltf {
 
 class PrimitiveAttributes {
  public:
-  /// Errors: no POSITION, compressed data that are damaged, libdraco is not there.
+  /// Errors: no POSITION, damaged compressed data, libdraco not available.
   static Expected<PrimitiveAttributes> open(const Asset& asset, const tinygltf::Primitive& primitive);
 
   [[nodiscard]] std::size_t vertices() const { return vertices_; }
 
-  /// An attribute of each vertex, of `least` to `most` components; nothing where there is none of that name.
-  /// Errors: see read_accessor; of another number of vertices.
+  /// A vertex attribute of `least` to `most` components. Nothing if there is none of that name. Errors: those
+  /// of read_accessor; another number of vertices.
   [[nodiscard]] Expected<std::optional<AccessorValues>> read(const std::string& name, std::size_t least,
                                                              std::size_t most) const;
 
-  /// The vertices in the order in which the primitive's mode takes them. Errors: as above; beyond the
+  /// The vertex indices in the order of the primitive's mode. Errors: those of read(); indices beyond the
   /// vertices.
   [[nodiscard]] Expected<std::vector<std::uint32_t>> corners() const;
 
-  /// Draco's corners are three a triangle, whatever the mode says.
+  /// Draco stores three corners per triangle, whatever the mode says.
   [[nodiscard]] bool is_compressed() const { return compressed_.has_value(); }
 
  private:
@@ -39,7 +39,7 @@ class PrimitiveAttributes {
   const tinygltf::Primitive* primitive_;
   std::size_t vertices_ = 0;
   std::optional<DracoMesh> compressed_{};
-  std::map<std::string, int> compressed_ids_{};  ///< those that Draco has, by name
+  std::map<std::string, int> compressed_ids_{};  ///< attributes in the compressed data, by name
 };
 
 }  // namespace penumbra::gltf

@@ -6,13 +6,13 @@
 namespace penumbra::gltf {
 namespace {
 
-constexpr double kDielectric = 0.04;  ///< what a refractive index of 1.5 reflects along the normal
+constexpr double kDielectric = 0.04;  ///< reflectance at normal incidence for a refractive index of 1.5
 
 double luminance(const glm::dvec3& colour) { return glm::dot(colour, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// Of a material that scatters `diffuse` and reflects `specular`. With a base colour b and metalness m these
-/// are b (1 - m) (1 - d) and d (1 - m) + b m, where d is a dielectric's; without b, that is a square equation
-/// for m.
+/// The metalness of a material with these reflectances. With base colour b and metalness m they are b (1 - m)
+/// (1 - d) and d (1 - m) + b m, where d is a dielectric's reflectance. Eliminating b gives a quadratic
+/// equation for m.
 double metalness(double diffuse, double specular) {
   if (specular <= kDielectric) return 0.0;
   const double linear = diffuse / (1.0 - kDielectric) + specular - 2.0 * kDielectric;
@@ -23,7 +23,7 @@ double metalness(double diffuse, double specular) {
 }  // namespace
 
 MetalRoughness metal_roughness_of(const glm::dvec3& diffuse, const glm::dvec3& specular, double glossiness) {
-  // The extension scatters what its strongest channel does not reflect.
+  // In the extension, the diffuse part is reduced by the strongest specular channel.
   const double strongest = std::clamp(std::max({specular.x, specular.y, specular.z}), 0.0, 1.0);
   const glm::dvec3 scattered = diffuse * (1.0 - strongest);
   const double m = metalness(luminance(scattered), luminance(specular));

@@ -1,4 +1,4 @@
-// Materials of KHR_materials_pbrSpecularGlossiness as ones of metal and roughness.
+// Converts materials of KHR_materials_pbrSpecularGlossiness to metallic-roughness.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,8 +10,9 @@ struct MetalRoughness {
   double metallic = 0.0, roughness = 1.0;
 };
 
-/// The material that reflects as much along the normal, in each channel, and of that as much specularly in
-/// luminance: exact for metals, and for dielectrics of a refractive index of 1.5; others are in between.
+/// The material with the same total reflectance at normal incidence in each channel, and with the same
+/// luminance of its specular part. It is exact for metals and for dielectrics of refractive index 1.5. Other
+/// materials are interpolated between these.
 MetalRoughness metal_roughness_of(const glm::dvec3& diffuse, const glm::dvec3& specular, double glossiness);
 
 }  // namespace penumbra::gltf

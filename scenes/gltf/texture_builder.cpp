@@ -28,7 +28,7 @@ glm::dvec2 pair_of(const tinygltf::Value& value, const char* name, glm::dvec2 fa
   return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
 }
 
-/// Of a file of that media type.
+/// The file extension for a media type.
 const char* ending_of(std::string_view media_type) {
   constexpr std::pair<std::string_view, const char*> kEndings[] = {{"image/jpeg", ".jpg"},
                                                                    {"image/jpg", ".jpg"},
@@ -40,7 +40,7 @@ const char* ending_of(std::string_view media_type) {
   return ".png";
 }
 
-/// A bitmap of bytes, whose values count 0 to 1.
+/// A bitmap of bytes, whose values represent 0 to 1.
 Bitmap byte_bitmap(const std::string& name, int width, int height, int channels,
                    const std::vector<std::uint8_t>& values) {
   Bitmap bitmap{
@@ -52,12 +52,12 @@ Bitmap byte_bitmap(const std::string& name, int width, int height, int channels,
 
 std::uint8_t to_byte(double value) { return std::uint8_t(std::lround(255.0 * std::clamp(value, 0.0, 1.0))); }
 
-/// By sRGB (IEC 61966-2-1).
+/// Encodes as sRGB (IEC 61966-2-1).
 std::uint8_t to_srgb_byte(double value) {
   return to_byte(value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055);
 }
 
-/// A bitmap that is looked up in the raster of another size; without one, 1 everywhere.
+/// Looks up a bitmap at the resolution of another one. Without a bitmap the value is 1 everywhere.
 class Resampled {
  public:
   Resampled(const Bitmap* bitmap, float gamma) : bitmap_(bitmap) {
@@ -115,7 +115,7 @@ std::string TextureBuilder::name_of(const TextureUse& use) const {
     const auto file = find_file(asset_, image.uri);
     return (file ? *file : asset_.json->path.parent_path() / image.uri).string();
   }
-  // The ending tells readers the format, where the contents do not.
+  // The extension tells readers the format if the contents do not.
   return fmt::format("{}: image {}{}{}", asset_.json->path.filename().string(), source,
                      image.name.empty() ? "" : " " + image.name, ending_of(image.mimeType));
 }
@@ -145,7 +145,7 @@ std::optional<int> TextureBuilder::bitmap(const TextureUse& use, BitmapChannels 
   if (!contents) return without(contents.error().message);
   const auto entry = bitmaps_.read_contents(name_of(use), *contents, channels);
   if (!entry) {
-    if (channels == BitmapChannels::kAlpha) return std::nullopt;  // an opaque image, as a rule
+    if (channels == BitmapChannels::kAlpha) return std::nullopt;  // usually an opaque image
     return without(entry.error().message);
   }
   return entry->bitmap;

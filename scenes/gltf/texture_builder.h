@@ -1,4 +1,4 @@
-// Textures of glTF as textures of a scene.
+// Converts glTF textures to textures of a scene.
 #pragma once
 
 #include <map>
@@ -15,19 +15,20 @@ namespace penumbra::gltf {
 
 /// A texture as a material refers to it.
 struct TextureUse {
-  int index = -1;                ///< none: -1
-  int texcoord = 0;              ///< which set of coordinates
+  int index = -1;                ///< -1: none
+  int texcoord = 0;              ///< the set of texture coordinates
   glm::dmat3 to_uv{1.0};         ///< KHR_texture_transform
   SourceLocation location = {};  ///< for messages
   [[nodiscard]] bool there() const { return index >= 0; }
 };
 
-/// Of a textureInfo: its index, its set of coordinates, and its extensions.
+/// The texture that a textureInfo refers to: its index, its set of coordinates, and its extensions.
 TextureUse texture_use(int index, int texcoord, const tinygltf::ExtensionMap& extensions,
                        SourceLocation location);
 
-/// u' = c sx u + s sy v + ox, v' = -s sx u + c sy v + oy: scale first, then the rotation by which the
-/// extension's example shows the lower left quadrant, v from the top.
+/// The transform u' = c sx u + s sy v + ox, v' = -s sx u + c sy v + oy, where v points down. Scale is applied
+/// first, then the rotation, whose direction is the one with which the extension's example shows the lower
+/// left quadrant.
 glm::dmat3 texture_transform(glm::dvec2 offset, double rotation, glm::dvec2 scale);
 
 class TextureBuilder {
@@ -35,20 +36,21 @@ class TextureBuilder {
   TextureBuilder(const Asset& asset, const FileAccess& files, ReaderReport& report, SceneDescription& scene)
       : asset_(asset), bitmaps_(files), report_(report), scene_(scene) {}
 
-  /// Index of a texture of its colours (sRGB) or of one channel (linear); none, and an error, where there is
-  /// no image.
+  /// The index of a texture of the image's colours (decoded from sRGB), or of one of its channels (linear).
+  /// Nothing, and an error, if there is no image.
   std::optional<int> colours(const TextureUse& use);
   std::optional<int> channel(const TextureUse& use, BitmapChannels channel);
 
-  /// Whether the image has an alpha channel; its values, and where `factor` times them is at least `cutoff`.
+  /// The image's alpha channel; nothing if it has none. cut_alpha is 1 where `factor` times alpha is at least
+  /// `cutoff`, else 0.
   std::optional<int> alpha(const TextureUse& use);
   std::optional<int> cut_alpha(const TextureUse& use, double factor, double cutoff);
 
-  /// Its normals, x and y times `scale`.
+  /// The image as a normal map, with x and y multiplied by `scale`.
   std::optional<int> normals(const TextureUse& use, double scale);
 
-  /// The textures of KHR_materials_pbrSpecularGlossiness, of which one at least is there, times its factors,
-  /// as ones of metal and roughness with the coordinates of the first of them; nothing where none is.
+  /// The textures of KHR_materials_pbrSpecularGlossiness times its factors, converted to metallic-roughness,
+  /// with the coordinates of the first texture present. Nothing if there is no texture.
   struct Converted {
     int base_colour = kNoTexture, metallic = kNoTexture, roughness = kNoTexture;
   };
@@ -65,7 +67,7 @@ class TextureBuilder {
  private:
   std::optional<int> bitmap(const TextureUse& use, BitmapChannels channels);
   int add(const TextureUse& use, int bitmap, float gamma, BitmapChannels channels);
-  /// The image of a texture, of whichever extension; -1: none that is read.
+  /// The index of a texture's image, from whichever extension provides it; -1: none that can be read.
   [[nodiscard]] int source_of(const TextureUse& use) const;
   std::string name_of(const TextureUse& use) const;
 
@@ -73,8 +75,8 @@ class TextureBuilder {
   BitmapFiles bitmaps_;
   ReaderReport& report_;
   SceneDescription& scene_;
-  std::map<std::tuple<int, double>, int> scaled_normals_;       ///< by bitmap and scale
-  std::map<std::tuple<int, double, double>, int> cut_bitmaps_;  ///< by bitmap, factor and cutoff
+  std::map<std::tuple<int, double>, int> scaled_normals_;       ///< keyed by bitmap and scale
+  std::map<std::tuple<int, double, double>, int> cut_bitmaps_;  ///< keyed by bitmap, factor and cutoff
 };
 
 }  // namespace penumbra::gltf

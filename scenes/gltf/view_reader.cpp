@@ -14,9 +14,9 @@ namespace penumbra::gltf {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr int kMostSide = 16384;  ///< of a film whose shape follows from an aspect ratio
+constexpr int kMostSide = 16384;  ///< largest film size that follows from an aspect ratio
 
-/// glTF has no resolution: the film's height stays. False where the film would be too wide or have no width.
+/// glTF has no resolution, so the film's height is kept. False if the width would be 0 or too large.
 bool set_width(double aspect, SceneDescription& scene) {
   const double width = std::round(scene.film.height * aspect);
   if (!(width >= 1 && width <= kMostSide)) return false;
@@ -30,7 +30,7 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
                  SceneDescription& scene) {
   const SourceLocation location = asset.place({"cameras", std::size_t(camera)});
   const tinygltf::Camera& gltf = asset.model.cameras[std::size_t(camera)];
-  // +x is to the left of the image and +z the view here.
+  // Here +x points to the left of the image and +z is the view direction.
   const glm::dmat4 facing = to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0));
   auto frame = without_scale(facing);
   if (!frame) {
@@ -44,7 +44,7 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   scene.camera.to_world = *frame;
   if (gltf.type == "orthographic") {
     const tinygltf::OrthographicCamera& view = gltf.orthographic;
-    // Negative ones are discouraged, and mean the same view.
+    // Negative values are discouraged and mean the same view.
     const double xmag = std::abs(view.xmag), ymag = std::abs(view.ymag);
     if (!(xmag > 0.0 && ymag > 0.0 && xmag < 1e30 && ymag < 1e30))
       return report.error(location,
@@ -72,7 +72,7 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   if (!(view.znear > 0.0) || !std::isfinite(view.znear))
     return report.error(location, fmt::format("znear must be above 0, not {}", view.znear));
   scene.camera.near_clip = view.znear;
-  // Without an end, the view is infinite.
+  // Without zfar the view is infinite.
   scene.camera.far_clip = view.zfar > 0.0 && std::isfinite(view.zfar) ? view.zfar : 1e30;
   if (!(scene.camera.far_clip > scene.camera.near_clip) || scene.camera.far_clip > 1e37)
     return report.error(location,
@@ -134,7 +134,7 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
   punctual.strength = glm::vec3(strength);
   punctual.inner_angle = gltf.spot.innerConeAngle * kDegrees;
   punctual.outer_angle = gltf.spot.outerConeAngle * kDegrees;
-  // Programs write pi/2 in single precision, and the same angle twice for a sharp edge.
+  // Programs write pi/2 in single precision, and twice the same angle for a sharp edge.
   constexpr double kAngleRounding = 1e-5;
   if (punctual.outer_angle > 90.0 && punctual.outer_angle < 90.0 * (1 + kAngleRounding))
     punctual.outer_angle = 90.0;

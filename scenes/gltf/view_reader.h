@@ -1,4 +1,4 @@
-// Cameras and lights of glTF.
+// Reads the cameras and lights of glTF.
 #pragma once
 
 #include "scenes/gltf/asset.h"
@@ -7,18 +7,18 @@
 
 namespace penumbra::gltf {
 
-/// Lumens a watt that Blender's exporter counts ("Standard"), at every wavelength alike: candela over it are
-/// W/sr, lux W/m².
+/// Lumens per watt in Blender's exporter ("Standard"), the same at all wavelengths: candela divided by it are
+/// W/sr, and lux W/m².
 constexpr double kLumensPerWatt = 683.0;
 
-/// Sets the scene's view and the shape of its film from a camera of that frame, which looks along its -z.
+/// Sets the scene's camera and the film's aspect ratio from a glTF camera, which looks along its -z axis.
 void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, ReaderReport& report,
                  SceneDescription& scene);
 
-/// Looks at the whole scene from in front, where a file has no camera.
+/// Sets a camera that sees the whole scene from the front, for files without a camera.
 void look_at_everything(SceneDescription& scene);
 
-/// Adds a light of KHR_lights_punctual, which shines along its -z.
+/// Adds a light of KHR_lights_punctual, which shines along its -z axis.
 void read_light(const Asset& asset, int light, const glm::dmat4& to_world, ReaderReport& report,
                 SceneDescription& scene);
 

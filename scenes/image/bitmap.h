@@ -1,4 +1,4 @@
-// Bitmaps of textures: texels as their file has them.
+// Bitmaps of textures: texels as stored in the file.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +15,18 @@ constexpr std::size_t size_of(TexelType type) {
   return type == TexelType::kByte ? 1 : type == TexelType::kFloat ? 4 : 2;
 }
 
-/// Of 8 and 16 bit, values are whole numbers that count 0 to 1, by an encoding (sRGB, say) or linearly;
-/// others are what they say, finite.
+/// An image. Values of 8 and 16 bits are integers that represent 0 to 1, either sRGB-encoded or linear.
+/// Values of other types are used as they are, and are finite.
 struct Bitmap {
-  std::string name;  ///< the file, or for messages what it is
+  std::string name;  ///< the file name, or a description for messages
   int width = 0, height = 0;
-  int channels = 0;  ///< 1: grey, 3: red, green and blue
+  int channels = 0;  ///< 1: grey; 3: red, green and blue
   TexelType type = TexelType::kByte;
-  /// Rows from the top, channels of a texel side by side, in words whose lowest byte is first, as of texel.h.
+  /// Rows from the top, with the channels of a texel adjacent, packed into words with the lowest byte first,
+  /// as in texel.h.
   std::vector<std::uint32_t> words;
   std::shared_ptr<const std::string> contents =
-      {};  ///< of one that is no file of its own: what a file of it has
+      {};  ///< of a bitmap that is not a file itself: the properties of its source file
 };
 
 }  // namespace penumbra

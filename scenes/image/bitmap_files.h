@@ -1,4 +1,4 @@
-// The image files of a scene, each read once.
+// The image files of a scene. Each is read only once.
 #pragma once
 
 #include <cstdint>
@@ -21,16 +21,16 @@ class BitmapFiles {
 
   struct Entry {
     int bitmap = -1;
-    BitmapFindings findings;  ///< at the first reading alone
+    BitmapFindings findings;  ///< only for the first reading
   };
-  /// The index of a bitmap among those of the scene. Files of the same contents are one, whatever their
-  /// names. Errors: see FileAccess::read_bytes and read_bitmap, the same for the same file.
+  /// The index of a bitmap in the scene. Files with the same contents share a bitmap, whatever their names.
+  /// Errors: those of FileAccess::read_bytes and read_bitmap; the same file always gives the same error.
   Expected<Entry> read(const std::filesystem::path& file, BitmapChannels channels);
 
-  /// The same of contents that are in memory; `name` is the file that has them, or for messages, and its
-  /// ending may say the format.
+  /// The same for contents in memory. `name` is used for messages, and its extension may determine the
+  /// format.
   Expected<Entry> read_contents(const std::string& name, std::string_view contents, BitmapChannels channels);
-  /// One that was made.
+  /// Adds a computed bitmap and returns its index.
   int add(Bitmap bitmap);
 
   [[nodiscard]] const Bitmap& bitmap(int index) const { return *bitmaps_[std::size_t(index)]; }

@@ -24,7 +24,7 @@ std::optional<std::size_t> index_of(const Names& names, std::string_view name) {
   return found == names.end() ? std::nullopt : std::optional(std::size_t(found - names.begin()));
 }
 
-/// The channels of the image that become the bitmap's; none, where it has others than a texture's.
+/// The image's channels that become the bitmap's. Empty if the image's channels are not those of a texture.
 std::vector<std::size_t> chosen(const Names& names, BitmapChannels channels) {
   if (channels != BitmapChannels::kAll) {
     const char* const name = channels == BitmapChannels::kRed     ? "R"
@@ -32,26 +32,26 @@ std::vector<std::size_t> chosen(const Names& names, BitmapChannels channels) {
                              : channels == BitmapChannels::kBlue  ? "B"
                                                                   : "A";
     const auto at = index_of(names, name);
-    // A grey image is its red, green and blue.
+    // A grey channel is used as red, green and blue.
     const auto grey = channels == BitmapChannels::kAlpha ? std::nullopt : index_of(names, "Y");
     if (!at && !grey) return {};
     return {at ? *at : *grey};
   }
   if (names.size() == 1) return {0};
-  // Other layers are left out.
+  // Other layers are ignored.
   const auto r = index_of(names, "R"), g = index_of(names, "G"), b = index_of(names, "B");
   if (r && g && b) return {*r, *g, *b};
   if (const auto y = index_of(names, "Y")) return {*y};
   return {};
 }
 
-// Of the bits of numbers, which are many: whether they are finite, and whether they are within [0, 1].
+// Fast tests on the bits of numbers: whether they are finite, and whether they are in [0, 1].
 bool is_finite(std::uint16_t half) { return (half & 0x7c00u) != 0x7c00u; }
 bool is_in_unit(std::uint16_t half) { return half <= 0x3c00u || half == 0x8000u; }
 bool is_finite(float value) { return std::isfinite(value); }
 bool is_in_unit(float value) { return value >= 0.0f && value <= 1.0f; }
 
-/// Sets what is no number to 0.
+/// Replaces values that are not finite by 0.
 template <typename Value>
 void check_values(std::span<std::uint32_t> words, std::size_t count, int width, int channels,
                   BitmapFindings& findings) {
@@ -72,7 +72,7 @@ void check_values(std::span<std::uint32_t> words, std::size_t count, int width, 
   }
 }
 
-/// Those channels of all texels, of `Size` bytes each.
+/// Copies these channels of all texels, of `Size` bytes each.
 template <std::size_t Size>
 void copy_channels(const ImageContents& image, std::span<const std::size_t> from, std::byte* to) {
   const std::size_t texels = std::size_t(image.width) * std::size_t(image.height);
@@ -84,7 +84,7 @@ void copy_channels(const ImageContents& image, std::span<const std::size_t> from
     }
 }
 
-/// A bitmap of three floats a texel, from linear colours of other primaries to Rec. 709.
+/// Converts a bitmap of three floats per texel from linear colours of other primaries to Rec. 709.
 void convert_primaries(const ColorMatrix& matrix, Bitmap& bitmap) {
   for (std::size_t i = 0; i + 2 < bitmap.words.size(); i += 3) {
     const auto at = [&](std::size_t k) { return double(std::bit_cast<float>(bitmap.words[i + k])); };

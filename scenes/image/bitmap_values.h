@@ -1,4 +1,4 @@
-// What the values of a bitmap count.
+// Decodes the values of a bitmap.
 #pragma once
 
 #include <bit>
@@ -10,16 +10,16 @@
 
 namespace penumbra {
 
-constexpr float kSrgb = -1.0f;  ///< in the place of a gamma
+constexpr float kSrgb = -1.0f;  ///< special value of a gamma: decode sRGB
 
-/// What a whole number n of 0 ... most counts: (n / most)^gamma, or by sRGB (IEC 61966-2-1) with kSrgb.
+/// Decodes the integer n of 0 ... most: (n / most)^gamma, or by the sRGB curve (IEC 61966-2-1) with kSrgb.
 inline float decoded_value(int n, int most, float gamma) {
   const double x = double(n) / most;
   if (gamma != kSrgb) return float(gamma == 1.0f ? x : std::pow(x, double(gamma)));
   return float(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
 }
 
-/// Value k of a bitmap, whole numbers by `gamma`.
+/// Value number k of a bitmap. Integers are decoded with `gamma`.
 inline double bitmap_value(const Bitmap& bitmap, std::size_t k, float gamma) {
   const auto bits = [&](std::size_t per_word) {
     const std::size_t size = 32 / per_word;
@@ -38,8 +38,8 @@ inline double bitmap_value(const Bitmap& bitmap, std::size_t k, float gamma) {
   return double(std::bit_cast<float>(bitmap.words[k]));
 }
 
-/// All values of a bitmap, each as bitmap_value says, by a table where they are of 8 or 16 bits: for images
-/// whose every value is asked for.
+/// All values of a bitmap as bitmap_value decodes them. It uses a table for 8 and 16 bits, so it is faster if
+/// every value of an image is needed.
 class BitmapValues {
  public:
   BitmapValues(const Bitmap& bitmap, float gamma) : words_(bitmap.words.data()), type_(bitmap.type) {
@@ -64,7 +64,7 @@ class BitmapValues {
   std::vector<float> table_;
 };
 
-/// A bitmap of floats with these values, rows from the top.
+/// A bitmap of floats with these values; rows from the top.
 template <typename Values>
 Bitmap float_bitmap(std::string name, int width, int height, int channels, const Values& values) {
   Bitmap bitmap{std::move(name), width, height, channels, TexelType::kFloat, {}};

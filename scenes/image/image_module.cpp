@@ -1,4 +1,4 @@
-// The module behind image_module.h.
+// The implementation of the module in image_module.h.
 #include "scenes/image/image_module.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-/// What OpenImageIO says, in one line.
+/// OpenImageIO's message in one line.
 std::string one_line(std::string text) {
   for (char& c : text)
     if (c == '\n' || c == '\r') c = ' ';
@@ -20,7 +20,7 @@ std::string one_line(std::string text) {
   return text.empty() ? "unknown error" : text;
 }
 
-/// Texels are kept as they come; formats without a counterpart become float.
+/// Texels keep their type; types without a counterpart become float.
 TexelType type_of(const OIIO::ImageSpec& spec) {
   if (!spec.channelformats.empty()) return TexelType::kFloat;
   switch (spec.format.basetype) {
@@ -84,7 +84,7 @@ Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_by
   }
   image.bytes.resize(std::size_t(bytes));
   const bool done = input.read_image(0, 0, 0, spec.nchannels, format_of(image.type), image.bytes.data());
-  // Readers of JPEG and TIFF fill up what a file that ends early lacks, and say so.
+  // For truncated files the readers of JPEG and TIFF fill in the rest and report an error.
   const std::string problem = input.geterror();
   if (!done || !problem.empty())
     return fail(fmt::format("cannot be read as an image: {}", one_line(problem)));
@@ -95,12 +95,13 @@ Expected<ImageContents> read_file(const std::string& name, std::string_view cont
                                   std::size_t most_bytes) {
   OIIO::Filesystem::IOMemReader memory(contents.data(), contents.size());
   OIIO::ImageSpec wishes;
-  wishes["oiio:UnassociatedAlpha"] = 1;  // colours as the file has them
+  wishes["oiio:UnassociatedAlpha"] = 1;  // colours as stored in the file
   try {
-    // Formats that cannot be read from memory are read again from their file.
+    // Formats that cannot be read from memory are read from their file instead.
     OIIO::ImageSpec from_memory = wishes;
     void* proxy = &memory;
-    // As an attribute: given to open() it does not work for names of no file (OpenImageIO 2.4).
+    // As an attribute, because passing it to open() does not work for names that are not files (OpenImageIO
+    // 2.4).
     from_memory.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
     auto input = OIIO::ImageInput::open(name, &from_memory);
     if (!input) {

@@ -1,5 +1,6 @@
-// Reading image files through OpenImageIO, behind a module that is loaded once a scene has a bitmap: the 250
-// libraries behind Debian's OpenImageIO would cost every start 0.2 s and 120 MB.
+// The interface to OpenImageIO, which reads image files. The code lives in a separate module that is loaded
+// when a scene has a bitmap. Otherwise the 250 libraries behind Debian's OpenImageIO would add 0.2 s and 120
+// MB to every start.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +15,20 @@
 
 namespace penumbra {
 
-/// The first image of a file, with all its channels.
+/// The first image of a file with all its channels.
 struct ImageContents {
   int width = 0, height = 0;
-  std::vector<std::string> channels;  ///< names, in the order in which a texel has them
+  std::vector<std::string> channels;  ///< names of the channels, in the order within a texel
   TexelType type = TexelType::kByte;
   std::vector<std::byte> bytes;
-  /// Of R, G and B, where the file says others than Rec. 709's; its texels are floats then.
+  /// The primaries and white point, if the file states others than Rec. 709's. The texels are floats then.
   std::optional<Chromaticities> chromaticities = {};
 };
 
-/// What the module offers, under the name penumbra_texel_reader.
+/// The interface that the module exports under the name penumbra_texel_reader.
 struct TexelReader {
-  /// `name` says the format, unless the contents do. Errors: of no format that is known, no pixels, larger
-  /// than `most_bytes` (which is known before they are read), truncated or broken.
+  /// Reads an image. `name` determines the format if the contents do not. Errors: an unknown format, no
+  /// pixels, larger than `most_bytes` (checked before reading texels), truncated or damaged.
   Expected<ImageContents> (*read)(const std::string& name, std::string_view contents, std::size_t most_bytes);
 };
 

@@ -10,14 +10,14 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// M = rotation * stretch, with a rotation that is no mirror.
+/// M = rotation * stretch; the rotation does not mirror.
 struct PolarParts {
   glm::dquat rotation;
   glm::dmat3 stretch;
 };
 
-/// The orthogonal matrix nearest to M, by the mean of M and its inverse transpose until nothing changes
-/// (Higham 1986). M is not singular.
+/// The orthogonal matrix nearest to M, found by averaging M and its inverse transpose until it no longer
+/// changes (Higham 1986). M must not be singular.
 PolarParts polar_parts(const glm::dmat3& m) {
   glm::dmat3 q = m;
   for (int step = 0; step < 100; ++step) {

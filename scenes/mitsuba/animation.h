@@ -1,17 +1,19 @@
-// Animated transforms: nothing moves in Penumbra, so each is what it is when the shutter opens.
+// Animated transforms. The renderer has no motion, so each animation is evaluated at the time when the
+// shutter opens.
 #pragma once
 
 #include "scenes/mitsuba/plugin.h"
 
 namespace penumbra::mitsuba {
 
-/// Between keys: translations and stretches are linear and rotations spherically linear, of the polar
-/// decomposition of each (Shoemake and Duff 1992, "Matrix animation and polar decomposition"). Before the
-/// first key it is that, after the last that.
+/// The transform at a time between two keys. The polar decomposition of each key (Shoemake and Duff 1992,
+/// "Matrix animation and polar decomposition") is interpolated: translations and stretches linearly,
+/// rotations by spherical linear interpolation. Before the first key it is the first, after the last key the
+/// last.
 glm::dmat4 transform_at(const AnimationValue& animation, double time);
 
-/// Makes a transform of every animation of the scene, that at the `shutter_open` of the sensor, with one
-/// warning. That of an instance may be named `animation`.
+/// Replaces every animation of the scene by its transform at the sensor's `shutter_open`, with one warning
+/// for all. The animation of an instance may be named `animation`.
 void freeze_animations(const Context& context, const Object* sensor);
 
 }  // namespace penumbra::mitsuba

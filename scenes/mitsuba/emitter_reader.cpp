@@ -10,7 +10,7 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// What lights are added to.
+/// The destination of lights.
 struct Lights {
   SceneDescription& scene;
   SkyReader& sky;
@@ -24,7 +24,7 @@ Model read_emitter_parameters(PluginReader& plugin) {
   return light;
 }
 
-/// Its parameters; an error for one of two skies.
+/// Reads the parameters of an emitter. A second sky is an error.
 template <typename Model>
 Model read_one_emitter(PluginReader& plugin, const SceneDescription& scene) {
   if (Model::kIsSky && std::ranges::any_of(scene.emitters, is_sky))
@@ -57,7 +57,7 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, Lights& lights) {
   scene.emitters.emplace_back(std::move(light));
 }
 
-/// A sky that becomes an environment map.
+/// Reads a sky that becomes an environment map.
 template <typename Sky>
 void read_sky(PluginReader& plugin, Lights& lights) {
   const auto sky = read_emitter_parameters<Sky>(plugin);
@@ -86,10 +86,11 @@ constexpr auto both(const std::array<EmitterPlugin, N>& first, const std::array<
 }
 constexpr auto kEmitters = both(emitter_plugins(static_cast<const Emitter*>(nullptr)),
                                 sky_plugins(static_cast<const SkyModels*>(nullptr)));
-/// Around the light: paths that come from a camera know it from there.
+/// Accepts a medium around the emitter. It is not needed, because paths that start at the camera know their
+/// medium.
 void accept_medium(PluginReader& plugin) { plugin.nested("medium"); }
 
-// One that belongs to shapes.
+// The emitter that belongs to shapes.
 constexpr std::string_view kArea = "area";
 
 }  // namespace
@@ -130,7 +131,7 @@ bool read_emitter(const Context& context, const Object& object, SceneDescription
     known->read(plugin, lights);
     accept_medium(plugin);
   } else if (object.type == kArea) {
-    // It shines only from the shapes that refer to it.
+    // Its light comes only from the shapes that refer to it.
     Shape nowhere;
     read_area_light(context, object, nowhere);
     plugin.skip();

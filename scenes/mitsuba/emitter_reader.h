@@ -1,4 +1,4 @@
-// <emitter> objects: those of a shape, and those of the scene.
+// Reads <emitter> objects of shapes and of the scene.
 #pragma once
 
 #include "scenes/mitsuba/plugin.h"
@@ -7,11 +7,12 @@
 
 namespace penumbra::mitsuba {
 
-/// Makes the shape, whose geometry is known, shine as <emitter type="area"> says; any other type is reported.
+/// Makes the shape, whose geometry is already known, an area light as given by <emitter type="area">. Any
+/// other type is reported.
 void read_area_light(const Context& context, const Object& emitter, Shape& shape);
 
-/// Reads a light that is no shape into `scene.emitters`; what is wrong is reported. False for one that needs
-/// a placeholder.
+/// Reads an emitter that is not a shape into `scene.emitters`. Problems are reported. Returns false if the
+/// emitter needs a placeholder.
 bool read_emitter(const Context& context, const Object& object, SceneDescription& scene, SkyReader& sky);
 
 }  // namespace penumbra::mitsuba

@@ -13,20 +13,21 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Those that add something to another.
+/// Integrators that wrap another one.
 struct WrapperPlugin {
   std::string_view type;
-  std::string_view without;  ///< what the image goes without; empty: nothing
+  std::string_view without;  ///< what is lost without the wrapper; empty: nothing
 };
 constexpr std::string_view kAov = "aov";
 constexpr WrapperPlugin kWrappers[] = {{"moment", ""},
                                        {kAov, ""},
                                        {"stokes", "polarisation"},
-                                       {"adaptive", ""},  // every pixel has the same number of samples
+                                       {"adaptive", ""},  // here every pixel has the same number of samples
                                        {"irrcache", "its cache, so that nothing is interpolated"},
                                        {"multichannel", ""}};
 
-/// Of `name:quantity, …` what no layer of the image has. Every image has depth, albedo and shading normals.
+/// Warns about the quantities in `name:quantity, …` for which the image has no layer. Every image has depth,
+/// albedo and shading normals.
 void warn_of_missing_layers(PluginReader& plugin) {
   static constexpr std::string_view kLayers[] = {"depth", "albedo", "sh_normal"};
   const std::string text = plugin.text("aovs", "");
@@ -42,14 +43,14 @@ void warn_of_missing_layers(PluginReader& plugin) {
         fmt::format("the image has layers of depth, albedo and sh_normal, none of {}", list_names(missing)));
 }
 
-/// The integrator itself, out of those that only add to it.
+/// Returns the innermost integrator, inside all wrappers.
 const Object* unwrap(const Context& context, const Object& object) {
   const Object* inner = &object;
   for (int depth = 0; inner != nullptr; ++depth) {
     const WrapperPlugin* wrapper = find_plugin(kWrappers, inner->type);
     if (wrapper == nullptr) break;
     PluginReader plugin(context, *inner);
-    // Several of them make several images: the first is the one that others are added to.
+    // Several nested integrators make several images; the first is the main image.
     const std::vector<const Object*> inside = plugin.nested("integrator");
     const Object* next = inside.empty() ? nullptr : inside.front();
     plugin.accept({"aovs", "max_error", "p_value", "max_sample_factor", "resolution", "quality",
@@ -75,18 +76,18 @@ const Object* unwrap(const Context& context, const Object& object) {
   return inner;
 }
 
-/// Mitsuba's ways to compute what `path` and `volpath` do, with the parameters of their own.
-constexpr std::string_view kThroughMedia = "";  // volpath where the scene has media, else path
+/// Mitsuba's other integrators for the light transport of `path` and `volpath`, with their own parameters.
+constexpr std::string_view kThroughMedia = "";  // volpath if the scene has media, else path
 struct Substitute {
   std::string_view type;
-  bool same;  ///< it is what stands in where there are no media, sample by sample
+  bool same;  ///< without media the substitute's samples are the same
   std::vector<std::string_view> parameters;
   std::string_view method = kThroughMedia;
 };
 const std::vector<Substitute>& substitutes() {
   static const std::vector<Substitute> all = {
       {"volpath_simple", true, {}, "volpath"},
-      // Mitsuba 3's for gradients, which differ in those alone.
+      // Mitsuba 3's integrators for differentiation; they differ only in gradients.
       {"prb", true, {}, "path"},
       {"prb_basic", true, {}, "path"},
       {"prb_projective", true, {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"}, "path"},
@@ -127,12 +128,13 @@ const std::vector<Substitute>& substitutes() {
   return all;
 }
 
-/// How Mitsuba divides its work, and a rule about shading normals that its version 3 has dropped.
+/// Accepts parameters about how Mitsuba divides its work, and a rule about shading normals that version 3 has
+/// dropped.
 void accept_ways_of_working(PluginReader& plugin) {
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
-/// The integrator that follows all light that there is.
+/// The integrator that simulates all light transport of the scene.
 std::string_view path_tracer_of(const Context& context) {
   const bool media =
       std::ranges::any_of(context.tree.objects, [](const Object& each) { return each.tag == "medium"; });
@@ -155,7 +157,7 @@ void read_substitute(const Context& context, PluginReader& plugin, const Substit
     plugin.warn(fmt::format("{} stands in for the integrator '{}'", ours, substitute.type));
 }
 
-/// The parameters of the scene's integrator. Those that its name has chosen have no others.
+/// The names of the scene's integrator parameters, except those that the integrator's name determines.
 Names integrator_parameter_names(const SceneDescription& scene, std::string_view type) {
   const bool preset = type != method_name(scene.integrator.method);
   Names names;
@@ -166,7 +168,7 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
   return names;
 }
 
-/// With all that there is to say of it.
+/// Reads an integrator and reports all problems.
 void read_shown(const Context& context, const Object& object, SceneDescription& scene) {
   const Object* inner = unwrap(context, object);
   if (inner == nullptr) return;
@@ -197,7 +199,8 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
   if (!context.is_replaced("integrator.type")) return read_shown(context, object, scene);
-  // What it has in common with the one of the command line counts; what is wrong with the rest does not.
+  // The command line replaces the integrator. Parameters that both have are used; problems with the others
+  // are not reported.
   Diagnostics unseen;
   read_shown({context.tree, unseen, true, context.settings}, object, scene);
 }

@@ -1,4 +1,4 @@
-// <integrator>.
+// Reads <integrator>.
 #pragma once
 
 #include <string_view>
@@ -9,18 +9,18 @@
 
 namespace penumbra::mitsuba {
 
-/// Sets the integrator; what is wrong is reported. Of those that only wrap another, the other counts. For
-/// Mitsuba's other ways to compute what `path` computes, `path` stands in, with a warning; or `volpath`, if
-/// the scene has media and they see them. `path` and its like see nothing of media, in every version of
-/// Mitsuba.
+/// Sets the integrator; problems are reported. For an integrator that only wraps another, the inner one is
+/// used. Mitsuba's other integrators for the light transport of `path` are replaced by `path`, with a
+/// warning, or by `volpath` if the scene has media and they support them. `path` itself ignores media, as in
+/// every version of Mitsuba.
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene);
 
-/// Another integrator of Mitsuba's.
+/// An integrator of Mitsuba that is rendered by another one.
 struct OtherIntegrator {
   std::string_view name;
-  std::string_view rendered_by;  ///< path, also for those that are volpath where there are media; empty: the
-                                 ///< integrator that it holds
-  bool warns = false;            ///< the image is not the same sample by sample
+  /// `path`, also for those that become `volpath` if there are media; empty: the nested integrator.
+  std::string_view rendered_by;
+  bool warns = false;  ///< whether to warn: individual samples differ from those of Mitsuba's integrator
 };
 std::vector<OtherIntegrator> other_integrators();
 

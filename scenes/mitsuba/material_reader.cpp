@@ -24,7 +24,7 @@ struct BsdfPlugin {
   std::string_view type;
   BsdfModel (*read)(PluginReader&);
 };
-/// Those that hold no others: what MaterialReader::holders() has is read there.
+/// Plugins without nested BSDFs. Those in MaterialReader::holders() are read there.
 template <typename... Models>
 constexpr auto bsdf_plugins(const std::variant<Models...>*) {
   return std::array{BsdfPlugin{Models::kPlugin, read_bsdf<Models>}...};
@@ -32,7 +32,7 @@ constexpr auto bsdf_plugins(const std::variant<Models...>*) {
 constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
 constexpr std::string_view kTwoSided = "twosided";
 
-/// Of Mitsuba's, what is not read, and what to use instead.
+/// BSDFs of Mitsuba that are not supported, and what to use instead.
 struct UnreadBsdf {
   std::string_view type, words;
 };
@@ -49,7 +49,7 @@ constexpr UnreadBsdf kUnreadBsdfs[] = {
 
 }  // namespace
 
-/// A BSDF that holds others, or is none.
+/// A plugin that holds BSDFs or has no BSDF model.
 struct MaterialReader::Holder {
   std::string_view type;
   SurfaceMaterial (MaterialReader::*read)(PluginReader&);
@@ -68,7 +68,8 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
                                           {RoughCoatingParameters::kPlugin, &MaterialReader::read_coating},
                                           {"normalmap", &MaterialReader::read_normal_map},
                                           {"bumpmap", &MaterialReader::read_bump_map},
-                                          {"bump", &MaterialReader::read_bump_map}};  // Mitsuba 0.5's name
+                                          // The name in Mitsuba 0.5.
+                                          {"bump", &MaterialReader::read_bump_map}};
   return all;
 }
 
@@ -112,7 +113,7 @@ SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
   return result;
 }
 
-/// The BSDFs that it holds, of which there have to be so many; else none, and an error.
+/// Reads the nested BSDFs, of which there must be `count`; otherwise none, and an error.
 std::vector<const SurfaceMaterial*> MaterialReader::read_nested(PluginReader& plugin, std::size_t count) {
   const std::vector<const Object*> nested = plugin.nested("bsdf");
   std::vector<const SurfaceMaterial*> result;
@@ -172,7 +173,7 @@ SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
 SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {
   PolarizerParameters filter;
   plugin.read_parameters(filter);
-  // Of the polarisation that it has an effect on.
+  // Parameters that affect only the polarisation.
   plugin.accept({"theta", "delta", "polarizing", "left_handed"});
   if (filter.transmittance.texture != kNoTexture) {
     plugin.wrong("transmittance", "the transmittance of a polariser is a number, not a texture");
@@ -233,7 +234,7 @@ SurfaceMaterial MaterialReader::read_mixture(PluginReader& plugin) {
   }
   const auto inside = read_nested(plugin, weights.size());
   if (inside.empty()) return {};
-  // From the last on: the first of the weights against all that follow, and so on.
+  // Builds a chain of blends from the last BSDF on: the first weight against all following ones, and so on.
   const std::string name = name_of(plugin.object());
   SurfaceMaterial rest;
   double before = 1.0 - sum;
@@ -251,7 +252,7 @@ SurfaceMaterial MaterialReader::read_mixture(PluginReader& plugin) {
 template <typename Parameters>
 SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, Parameters parameters, SurfaceBend bend) {
   plugin.read_parameters(parameters);
-  // Mitsuba 3's way with normals that look away.
+  // Only Mitsuba 3's treatment of normals that face away is supported.
   if (!parameters.flip_invalid_normals)
     plugin.warn("normals that face away from the viewer lean the other way all the same");
   bend.shadows = parameters.use_shadowing_function;

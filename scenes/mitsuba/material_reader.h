@@ -1,4 +1,4 @@
-// <bsdf> objects as materials of the two sides of a surface.
+// Reads <bsdf> objects as materials of the two sides of a surface.
 #pragma once
 
 #include <map>
@@ -17,16 +17,16 @@ class MaterialReader {
  public:
   explicit MaterialReader(const Context& context) : context_(context) {}
 
-  /// Reads `bsdf`, once; what is wrong with it is reported, once.
+  /// Reads `bsdf` on the first call; later calls return the same. Problems are reported once.
   const SurfaceMaterial& read(const Object& bsdf);
 
-  /// The indices into `scene.bsdfs` for a shape of this material, added where they are new. Without one
-  /// (null) a surface is diffuse 0.5, and one that emits black, as in Mitsuba 0.5 to 3; in 0.x one that only
-  /// parts media is none.
+  /// The indices in `scene.bsdfs` of the two sides for a shape with this BSDF, which is added if it is new.
+  /// Without a BSDF (null) a surface is diffuse with reflectance 0.5, and an emitting one is black, as in
+  /// Mitsuba 0.5 to 3. In 0.x a shape without a BSDF that only bounds a medium is invisible.
   std::pair<int, int> install(const Object* bsdf, const Shape& shape, SceneDescription& scene);
 
-  /// The id of the BSDF, or of the first with one of those that it holds, each the first of its holder; empty
-  /// if there is none.
+  /// The id of the BSDF; if it has none, that of its first nested BSDF, and so on. Empty if none of them has
+  /// an id.
   [[nodiscard]] std::string id_of(const Object* bsdf) const;
 
  private:

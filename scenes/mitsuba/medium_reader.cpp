@@ -31,9 +31,9 @@ constexpr auto kinds(const std::variant<Models...>*) {
 constexpr auto kPhases = kinds<PhaseLobe>(static_cast<const PhasePlugins*>(nullptr));
 constexpr auto kMedia = kinds<ParticipatingMedium>(static_cast<const MediumKinds*>(nullptr));
 
-constexpr std::size_t kMostLevels = 8;  // each of which reads two
+constexpr std::size_t kMostLevels = 8;  // each level may read two phase functions
 
-/// Adds lobes with their share of a mixture, those that are there already to these.
+/// Adds lobes with their share of a mixture. Equal lobes are merged.
 void mix(std::vector<PhaseLobe>& mixture, const std::vector<PhaseLobe>& lobes, float share) {
   for (PhaseLobe lobe : lobes) {
     lobe.weight *= share;
@@ -116,7 +116,7 @@ std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context
                  "albedo");
   ParticipatingMedium result = kind->read(plugin);
   if (homogeneous) plugin.accept({"material"});
-  // How others sample them.
+  // Parameters of sampling methods that are not used here.
   plugin.accept({"sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
                  "medium_sampling_mode", "majorant_resolution_factor", "majorant_factor"});
   const Object* phase = plugin.only_nested("phase");

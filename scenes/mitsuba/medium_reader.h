@@ -1,4 +1,4 @@
-// <medium> objects, with their phase functions.
+// Reads <medium> objects with their phase functions.
 #pragma once
 
 #include <map>
@@ -15,14 +15,14 @@ class MediumReader {
  public:
   explicit MediumReader(const Context& context) : context_(context) {}
 
-  /// Reads `medium`, once. What is wrong with it is reported, once; where the scene's integrator does not see
-  /// media, it is left out instead, and there is a warning anyway.
+  /// Reads `medium` on the first call. Problems are reported once. If the scene's integrator does not support
+  /// media, the medium is left out, which a warning reports elsewhere.
   void read(const Object& medium);
 
-  /// Its index among the scene's media, which it is added to where it is new, or kNoMedium.
+  /// The index of the medium in the scene, to which it is added if it is new; or kNoMedium.
   int install(const Object& medium, SceneDescription& scene);
 
-  /// Those that a shape names as its interior and its exterior.
+  /// Sets the media that a shape names as its interior and exterior.
   void install(PluginReader& plugin, Shape& shape, SceneDescription& scene);
 
  private:
@@ -37,7 +37,7 @@ class MediumReader {
 
   const Context& context_;
   std::map<const Object*, Entry> media_;
-  std::set<const Object*> reading_;  ///< blends of phase functions
+  std::set<const Object*> reading_;  ///< nested blends of phase functions that are being read
 };
 
 }  // namespace penumbra::mitsuba

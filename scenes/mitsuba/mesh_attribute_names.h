@@ -1,4 +1,4 @@
-// Which attributes of a mesh the textures of its shape show.
+// Finds the mesh attributes that the textures of a shape use.
 #pragma once
 
 #include "scenes/mesh_reader.h"
@@ -6,8 +6,9 @@
 
 namespace penumbra::mitsuba {
 
-/// By the textures `mesh_attribute` that the shape's BSDFs and its emitter hold, at any depth. An error where
-/// they show two of the vertices, or two of the faces: a mesh has one of each.
+/// The attributes used by `mesh_attribute` textures nested at any depth in the shape's BSDFs and emitter. It
+/// is an error if they use two different vertex attributes or two different face attributes, because a mesh
+/// stores only one of each.
 MeshAttributeNames mesh_attribute_names(const Context& context, const Object& shape);
 
 }  // namespace penumbra::mitsuba

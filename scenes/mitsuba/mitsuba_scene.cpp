@@ -9,7 +9,7 @@ namespace penumbra::mitsuba {
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   Reading reading(options);
   ObjectTree tree = read_object_tree(file, options, reading.files, reading.diagnostics);
-  // A tree with holes would only give rise to misleading errors.
+  // An incomplete tree would only cause misleading errors.
   if (reading.failed()) return reading.error();
   const Context context{tree, reading.diagnostics, options.lenient, options.settings};
   return reading.finish(build_scene(context, reading.files), tree.scene.location);

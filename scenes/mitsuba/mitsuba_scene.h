@@ -5,7 +5,7 @@
 
 namespace penumbra::mitsuba {
 
-/// Reads a Mitsuba XML scene, all but `options.settings`.
+/// Reads a Mitsuba XML scene. `options.settings` are not applied here.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace penumbra::mitsuba

@@ -1,5 +1,5 @@
-// A Mitsuba XML file after everything that is XML about it is done: includes joined, $variables filled in,
-// names spelt one way, values parsed. What the plugins mean is not known here.
+// The contents of a Mitsuba XML file after all XML processing: includes are merged, $variables substituted,
+// names normalised to snake_case, and values parsed. The meaning of plugins is not known here.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct RgbValue {
   glm::vec3 rgb{0.0f};
 };
 
-/// <spectrum>: the same at all wavelengths (no samples), tabulated, or tabulated in a file.
+/// <spectrum>: constant over wavelength (no samples), tabulated, or tabulated in a file.
 struct SpectrumValue {
   double constant = 0.0;
   std::vector<SpectrumSample> samples;
   std::string filename;
 };
 
-/// <animation>: transforms at times that ascend, at least one.
+/// <animation>: at least one transform, with ascending times.
 struct AnimationValue {
   struct Key {
     double time;
@@ -47,22 +47,22 @@ struct Parameter {
   std::string name;  ///< snake_case
   std::string tag;   ///< the element it came from, for messages
   Value value;
-  std::string text;               ///< of a scalar value, as written, for settings
+  std::string text;               ///< for a scalar: the text as written, for settings
   SourceLocation location;        ///< of the element
-  SourceLocation value_location;  ///< of its value attribute, or the element
+  SourceLocation value_location;  ///< of the `value` attribute, or else of the element
 };
 
 struct Object;
 
-/// An object nested in another, or a <ref> to one.
+/// A nested object, or a <ref> to one.
 struct Child {
   std::string name;  ///< snake_case; often empty
   Object* object = nullptr;
-  std::string reference;  ///< the id, where there is no object
+  std::string reference;  ///< the referenced id, if there is no object
   SourceLocation location;
 };
 
-/// A plugin: <bsdf type="diffuse" id="white">…
+/// A plugin, for example <bsdf type="diffuse" id="white">….
 struct Object {
   std::string tag;   ///< bsdf, shape, …
   std::string type;  ///< diffuse, obj, …; empty for <scene>
@@ -74,16 +74,16 @@ struct Object {
 };
 
 struct ObjectTree {
-  std::vector<std::unique_ptr<SourceFile>> files;  ///< that the locations point into
-  std::deque<Object> objects;                      ///< addresses stay valid
-  Object scene;                                    ///< its children are the top level of all included files
-  std::int64_t major_version = 3;                  ///< of the scene file
-  /// The program that the file is for passes over parameters that it does not know, and the like.
+  std::vector<std::unique_ptr<SourceFile>> files;  ///< the source files; locations point into them
+  std::deque<Object> objects;                      ///< a deque, so that addresses stay valid
+  Object scene;                    ///< its children are the top-level objects of all included files
+  std::int64_t major_version = 3;  ///< of the scene file
+  /// The program for which the file was written ignores unknown parameters and similar faults.
   bool is_tolerant = false;
-  bool faceted_without_normals = false;  ///< meshes whose files have no normals (Nori)
+  bool faceted_without_normals = false;  ///< meshes whose files have no normals are faceted (Nori)
   std::map<std::string, Object*> by_id;
   std::vector<std::filesystem::path>
-      folders;  ///< of the scene file, then of each <path>: where files are looked for
+      folders;  ///< folders in which files are searched: that of the scene file, then each <path>
 };
 
 }  // namespace penumbra::mitsuba

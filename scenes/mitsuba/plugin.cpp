@@ -237,8 +237,8 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
   if (const auto rgb = colour_of(*parameter, role)) set_colour(name, *rgb, colour, role);
 }
 
-/// What Mitsuba 0.x makes of colours that cannot be: reflectances above 1 are scaled down, negative numbers
-/// are 0.
+/// Corrects invalid colours as Mitsuba 0.x does: reflectances above 1 are scaled down, and negative numbers
+/// become 0.
 glm::vec3 PluginReader::tolerated(std::string_view name, glm::vec3 rgb, ColourRole role) const {
   if (!context_.is_tolerant() || !(std::isfinite(rgb.x) && std::isfinite(rgb.y) && std::isfinite(rgb.z)))
     return rgb;

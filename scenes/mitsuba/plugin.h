@@ -1,4 +1,5 @@
-// Reading one plugin's parameters: each must be requested, so that an unknown name is an error.
+// Reads the parameters of a plugin. Every parameter must be requested by its name, so that unknown parameters
+// are detected.
 #pragma once
 
 #include <fmt/format.h>
@@ -34,61 +35,64 @@ struct Context {
   Diagnostics& diagnostics;
   bool lenient = false;
   std::span<const std::pair<std::string, std::string>> settings = {};  ///< see ReadOptions
-  bool media_seen = false;                                             ///< by the scene's integrator
-  TextureReader* textures = nullptr;                                   ///< while a scene is built
-  MediumReader* media = nullptr;                                       ///< likewise
-  VolumeReader* volumes = nullptr;                                     ///< likewise
-  const FileAccess* files = nullptr;                                   ///< likewise
+  bool media_seen = false;            ///< the scene's integrator supports media
+  TextureReader* textures = nullptr;  ///< set while a scene is built
+  MediumReader* media = nullptr;      ///< set while a scene is built
+  VolumeReader* volumes = nullptr;    ///< set while a scene is built
+  const FileAccess* files = nullptr;  ///< set while a scene is built
 
-  /// The object, or the one that is referred to; null, and an error, where there is none of that id.
+  /// The nested object, or the one to which the reference points. Null, and an error, if no object has that
+  /// id.
   Object* resolve(const Child& child) const;
 
-  /// Where the files that the object names are looked for: beside its own file, then where the scene says.
+  /// The folders in which files of the object are searched: that of its own source file, then those of the
+  /// scene.
   [[nodiscard]] std::vector<std::filesystem::path> folders(const Object& object) const;
 
-  /// "bsdf type 'x' is not one that Penumbra reads; …": an error, or with `lenient` a warning that ends in
-  /// `instead`, "it is left out" for example.
+  /// Reports "bsdf type 'x' is not one that Penumbra reads; …": an error, or with `lenient` a warning that
+  /// ends in `instead`, "it is left out" for example.
   void unknown_plugin(const Object& object, std::span<const std::string> known,
                       std::string_view instead) const;
 
-  /// What there is no counterpart for: an error, or with `lenient` a warning that ends in `instead`.
+  /// Reports a feature that is not supported: an error, or with `lenient` a warning that ends in `instead`.
   void unsupported(SourceLocation location, std::string_view what, std::string_view instead) const;
 
-  /// Whether faults that some programs pass over are warnings: where the program that the file is for does,
-  /// or with `lenient`.
+  /// Whether faults that some programs ignore are only warnings: because the program for which the file was
+  /// written ignores them, or because of `lenient`.
   [[nodiscard]] bool is_tolerant() const { return lenient || tree.is_tolerant; }
-  /// Such a fault: a warning that ends in `instead`, once with its count, or an error that ends in `hint`.
+  /// Reports such a fault: a warning that ends in `instead` and is shown once with its count, or an error
+  /// that ends in `hint`.
   void tolerable(SourceLocation location, std::string_view what, std::string_view instead,
                  std::string_view hint = "") const;
 
-  /// Whether the command line sets this, whatever the file says.
+  /// Whether the command line sets this setting and so overrides the file.
   [[nodiscard]] bool is_replaced(std::string_view key) const;
 };
 
-/// How a colour is made from a spectrum, and what values it may have.
+/// How a spectrum is converted to a colour, and the values that are valid.
 enum class ColourRole {
   kReflectance,  ///< in [0, 1]
   kEmission,     ///< at least 0
-  kIndex,        ///< likewise, without a colour of its own
+  kIndex,        ///< at least 0; a quantity that is not a colour, such as a refractive index
 };
 
 class PluginReader {
  public:
   PluginReader(const Context& context, const Object& object);
 
-  /// The value of a parameter, or `fallback` where it is not given; an error where it is of another kind.
+  /// The value of a parameter, or `fallback` if it is not given. It is an error if it has another type.
   double number(std::string_view name, double fallback);
   bool boolean(std::string_view name, bool fallback);
   std::string text(std::string_view name, std::string_view fallback);
   std::optional<glm::dvec3> point(std::string_view name);
   glm::dmat4 transform(std::string_view name);
-  /// Sets the colour, in linear Rec. 709, where it is given. A texture is none that can be read.
+  /// Sets the colour, in linear Rec. 709, if the parameter is given. Textures are not accepted.
   void read_colour(std::string_view name, glm::vec3& colour, ColourRole role);
 
   /// See TextureReader::read_image.
   std::shared_ptr<const Bitmap> read_image(const std::string& filename);
 
-  // Rows of parameters (bsdfs.h): sets what is given, if it is one of the values.
+  // For the rows of parameters (bsdfs.h): sets the member if the parameter is given and its value is valid.
   void read(std::string_view name, TexturedColour& colour, const ColourWithin& values);
   void read(std::string_view name, TexturedColour& colour, const IndexColour& values);
   void read(std::string_view name, float& index, const RefractiveIndex& values);
@@ -112,7 +116,7 @@ class PluginReader {
     if (!parsed) wrong_value(name, fmt::format("{}: {}", name, parsed.error().message));
   }
 
-  /// All the parameters of a struct of rows.
+  /// Reads all parameters of a struct that lists them as rows.
   template <typename Model>
   void read_parameters(Model& model) {
     if constexpr (requires { model.written_for(context_.tree.major_version); })
@@ -129,35 +133,35 @@ class PluginReader {
     report(findings);
   }
 
-  /// Sets every parameter among `names` that is given, as "group.name" (see settings.h). `prefix` goes before
-  /// the parameter's name in the key.
+  /// Sets the setting "group.name" (see settings.h) for each parameter in `names` that is given. `prefix` is
+  /// inserted before the parameter's name in the key.
   void settings(SceneDescription& scene, std::string_view group, std::span<const std::string> names,
                 std::string_view prefix = "");
 
-  /// Known, but without effect on the image: how a file is written, for example.
+  /// Accepts parameters that have no effect on the image, for example those of the output file.
   void accept(std::initializer_list<std::string_view> names);
 
   [[nodiscard]] bool has(std::string_view name) const;
-  /// A nested object of that name: a texture, for example.
+  /// Whether there is a nested object of that name, for example a texture.
   [[nodiscard]] bool has_nested(std::string_view name) const;
 
-  /// The nested objects of that kind, in order, references followed.
+  /// The nested objects of that kind in order, with references resolved.
   std::vector<const Object*> nested(std::string_view tag);
 
   /// The same with their names.
   std::vector<std::pair<std::string, const Object*>> named(std::string_view tag);
 
-  /// The only nested object of that kind, if there is one; more are an error.
+  /// The nested object of that kind, or null. More than one is an error.
   const Object* only_nested(std::string_view tag);
 
   /// Reports parameters and nested objects that were not requested.
   void finish();
-  /// The same for a plugin that is not known: what it has goes unread.
+  /// Suppresses these reports for an unknown plugin.
   void skip() { finished_ = true; }
 
-  /// Of the parameter's value, or of the plugin if the parameter is not given.
+  /// The location of the parameter's value, or of the plugin if the parameter is not given.
   [[nodiscard]] SourceLocation location_of(std::string_view parameter) const;
-  /// There.
+  /// Reports an error at location_of(parameter).
   void wrong(std::string_view parameter, std::string_view message) const;
   void wrong(std::string_view message) const;
   void warn(std::string_view message) const;
@@ -168,17 +172,17 @@ class PluginReader {
 
  private:
   const Parameter* take(std::string_view name);
-  /// Known, and not given.
+  /// Marks a parameter as requested that is known not to be given.
   void skip_parameter(std::string_view name) { known_.emplace_back(name); }
   void report(const Findings& findings) const;
-  /// The texture that stands for the parameter, if one does: its index, or none and an error.
+  /// The texture given for a parameter: its index, or none after an error.
   struct TakenTexture {
     bool there = false;
     std::optional<int> index;
   };
   TakenTexture take_texture(std::string_view name, TextureUse use);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
-  /// Without `grid` a grid is an error.
+  /// Reads a colour that may be a volume. A grid is an error if `grid` is null.
   void read_volume(std::string_view name, glm::vec3& colour, GriddedColour* grid, const VolumeColour& values);
   void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
@@ -187,13 +191,13 @@ class PluginReader {
   std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourRole role) const;
   std::optional<std::vector<SpectrumSample>> spectrum_of_file(const Parameter& parameter,
                                                               const std::string& filename) const;
-  /// The one number that stands for a colour where a number is wanted, as in Mitsuba 3: the mean of its
-  /// channels. Nothing where the parameter is no colour.
+  /// The number for a colour that is given in place of a number: the mean of its channels, as in Mitsuba 3.
+  /// Nothing if the parameter is not a colour.
   std::optional<float> number_of_colour(std::string_view name);
   [[nodiscard]] const Object* colour_plugin(std::string_view name);
   void set_colour(std::string_view name, const glm::vec3& rgb, glm::vec3& colour, ColourRole role) const;
   [[nodiscard]] glm::vec3 tolerated(std::string_view name, glm::vec3 rgb, ColourRole role) const;
-  /// A value that the parameter cannot have: with leniency its default stands in for it.
+  /// Reports an invalid value. In lenient mode the default is used instead.
   void wrong_value(std::string_view name, std::string_view message) const;
 
   struct Nested {
@@ -211,8 +215,8 @@ class PluginReader {
   bool finished_ = false;
 };
 
-/// A plugin that is read, by its type: each kind of object has a table of them. Rows have what their kind
-/// needs, a function as a rule.
+/// The row of the plugin with that type name. Each kind of object has a table of its plugins; a row usually
+/// holds a function.
 template <typename Rows>
 auto find_plugin(const Rows& rows, std::string_view type) -> decltype(&*std::begin(rows)) {
   for (const auto& row : rows)
@@ -220,7 +224,7 @@ auto find_plugin(const Rows& rows, std::string_view type) -> decltype(&*std::beg
   return nullptr;
 }
 
-/// For messages.
+/// The type names of a table's rows, for messages.
 template <typename Rows>
 std::vector<std::string> plugin_types(const Rows& rows) {
   std::vector<std::string> types;
@@ -228,11 +232,11 @@ std::vector<std::string> plugin_types(const Rows& rows) {
   return types;
 }
 
-/// The object's id, or what and where it is.
+/// The object's id; if it has none, its type and location.
 std::string name_of(const Object& object);
 
-/// What stands in for a material, light colour or texture that is not read: nothing in nature has this
-/// colour.
+/// The placeholder colour of a material, light or texture that could not be read. It is deliberately
+/// unnatural.
 constexpr glm::vec3 kPlaceholderColour(0.8f, 0.2f, 0.8f);
 
 }  // namespace penumbra::mitsuba

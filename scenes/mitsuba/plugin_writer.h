@@ -1,4 +1,4 @@
-// XML as Mitsuba 3 spells it: elements, and the parameters of plugins by their rows.
+// Writes XML for Mitsuba 3: elements, and the parameters of plugins from their rows.
 #pragma once
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ inline std::string escaped(std::string_view text) {
 
 inline std::string texture_id(int index) { return fmt::format("texture-{}", index); }
 
-/// Elements, one a line, indented.
+/// XML text: one element per line, indented.
 class XmlText {
  public:
   using PutTexture = std::function<void(int, TextureUse, std::string_view)>;
@@ -58,12 +58,12 @@ class XmlText {
     line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
                       : fmt::format("<ref name=\"{}\" id=\"{}\"/>", name, id));
   }
-  /// A texture that is a parameter, or, without a name, what its plugin holds.
+  /// Writes a texture as the parameter `name`, or as an unnamed nested texture.
   void texture(int index, TextureUse use, std::string_view name = "") {
     least_texture_ = std::min(least_texture_, index);
     put_texture_(index, use, name);
   }
-  /// Of those that are referred to, or a large number.
+  /// The smallest index of a texture that was referred to; a large number if there is none.
   [[nodiscard]] int least_texture() const { return least_texture_; }
   void append(const XmlText& other) { text_ += other.text_; }
   void transform(std::string_view name, const glm::dmat4& m) {
@@ -89,7 +89,7 @@ class XmlText {
 
 inline std::string colour_text(const glm::vec3& c) { return fmt::format("{}, {}, {}", c.x, c.y, c.z); }
 
-// A parameter's value by its type.
+// Writes a parameter's value according to its type.
 inline void put(XmlText& xml, std::string_view name, const TexturedColour& colour, const auto&) {
   if (colour.texture != kNoTexture) return xml.texture(colour.texture, TextureUse::kColour, name);
   xml.value("rgb", name, colour_text(colour.value));
@@ -129,7 +129,7 @@ constexpr bool kIsRough = requires(const Model& model) {
   model.sample_visible;
 };
 
-// Where parameters exclude each other, those that say what the others came to.
+// Whether a parameter is left out because other parameters determine it and exclude it.
 template <typename Model>
 bool is_said_by_others(const Model& model, std::string_view name) {
   bool said = false;
@@ -148,7 +148,8 @@ bool is_said_by_others(const Model& model, std::string_view name) {
   return said;
 }
 
-// Parameters of which a reader wants all or none, or takes others for them where they are not given.
+// Whether a parameter is written even if it has its default value, because readers want all of a group or
+// none, or because they use another default if it is missing.
 template <typename Model>
 bool is_written_anyway(const Model& model, std::string_view name) {
   bool anyway = false;
@@ -161,7 +162,7 @@ bool is_written_anyway(const Model& model, std::string_view name) {
   return anyway;
 }
 
-/// With what its reader has made of it put back into the parameters that say it.
+/// The model with derived values copied back to the parameters from which a reader computes them.
 template <typename Model>
 Model as_given(Model model) {
   if constexpr (requires {
@@ -175,7 +176,7 @@ Model as_given(Model model) {
   return model;
 }
 
-/// Its parameters but for those that have their defaults.
+/// Writes all parameters that differ from their defaults.
 template <typename Model>
 void put_parameters(XmlText& xml, const Model& read) {
   Model plain;

@@ -19,8 +19,8 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// Microfacets of Mitsuba 0.x that version 3 has not: Beckmann's of the same alpha come nearest, whose mean
-/// slope is that of the exponent 2 / alpha² - 2 (Walter et al. 2007).
+/// Replaces microfacet distributions of Mitsuba 0.x that version 3 lacks by the most similar one: Beckmann's
+/// with the same alpha, whose mean slope corresponds to the exponent 2 / alpha² - 2 (Walter et al. 2007).
 void replace_old_distributions(const Context& context) {
   for (Object& object : context.tree.objects)
     for (Parameter& parameter : object.parameters) {
@@ -45,7 +45,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   VolumeReader volumes;
   context.volumes = &volumes;
   scene.source = context.tree.scene.location.file->path.string();
-  // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
+  // All files for Mitsuba 3 state version 3.0.0, so the rule of its current version is used, which is that
+  // since 3.7.
   if (context.tree.major_version >= 3) scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
   if (context.tree.major_version < 2) replace_old_distributions(context);
   PluginReader root(context, context.tree.scene);
@@ -79,12 +80,12 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   SkyReader sky;
   for (const Object* light : root.nested("emitter"))
     all_known = read_emitter(context, *light, scene, sky) && all_known;
-  // Light from everywhere, so that something can be seen: an unknown one may have been the scene's only
-  // light.
+  // Adds light from all directions, so that something is visible: an unknown emitter may have been the only
+  // one.
   if (!all_known && std::ranges::none_of(scene.emitters, is_sky))
     scene.emitters.emplace_back(ConstantEnvironment{kPlaceholderColour});
   for (const Object* texture : root.nested("texture")) textures.read(*texture);
-  // They count where others refer to them.
+  // These objects are used only through references.
   for (const char* tag : {"film", "sampler", "rfilter", "volume", "phase"}) root.nested(tag);
   for (const Object* medium : root.nested("medium")) media.read(*medium);
   root.finish();

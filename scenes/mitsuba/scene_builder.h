@@ -1,4 +1,4 @@
-// From an object tree to a scene description: what Mitsuba's plugins mean.
+// Builds a scene description from an object tree. Here the plugins of Mitsuba get their meaning.
 #pragma once
 
 #include "scenes/file_access.h"
@@ -7,7 +7,7 @@
 
 namespace penumbra::mitsuba {
 
-/// Builds the scene; what is wrong is reported.
+/// Builds the scene. Problems are reported.
 SceneDescription build_scene(const Context& context, const FileAccess& files);
 
 }  // namespace penumbra::mitsuba

@@ -34,7 +34,8 @@ class SceneWriter {
     if (auto done = put_media(); !done) return std::unexpected(done.error());
     put_sensor();
     put_surfaces();
-    // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
+    // Mitsuba has neither nested instances nor emitters in groups. Both are written as shapes of the scene
+    // itself.
     const auto placed = place_groups(scene_);
     if (!placed) return std::unexpected(placed.error());
     const auto emitters = placed_emitters(scene_, *placed, emits);
@@ -62,7 +63,7 @@ class SceneWriter {
   }
 
  private:
-  /// A setting that is not what a file has that does not say it.
+  /// Writes a setting that differs from the value of a file without it.
   void put_setting(const Setting& setting, const RenderSettings& plain, std::string_view name) {
     if (!setting.print || !setting.belongs_to(scene_) || setting.print(scene_) == setting.print(plain))
       return;
@@ -89,7 +90,7 @@ class SceneWriter {
     for (const IntegratorMethod& method : integrator_methods())
       if (method.index() == scene_.integrator.method.index()) plain.integrator.method = method;
     plain.integrator.hide_emitters = false;
-    // What version 3 does; it matters where emitters are hidden.
+    // The rule of version 3. It only matters if emitters are hidden.
     plain.integrator.hidden_emitters =
         scene_.integrator.hide_emitters ? HiddenEmitters::kLookedThrough : scene_.integrator.hidden_emitters;
     xml_.open("integrator", method_name(scene_.integrator.method));
@@ -99,7 +100,8 @@ class SceneWriter {
     xml_.close();
   }
 
-  /// Of an integrator that Mitsuba has too: what makes another noise alone, and has no name there.
+  /// For integrators that Mitsuba has too: whether the parameter has no name there and affects only the
+  /// noise.
   [[nodiscard]] bool is_own_way(std::string_view name) const {
     static constexpr std::string_view kWays[] = {
         "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee", "alpha"};
@@ -144,15 +146,15 @@ class SceneWriter {
     return {};
   }
 
-  /// An extinction beyond 1 is divided by a power of two, which `scale` says: Mitsuba 3 takes no colours
-  /// beyond 1 for it.
+  /// The power of two by which an extinction above 1 is divided; it is written as `scale`. Mitsuba 3 accepts
+  /// no colours above 1 for it.
   static float scale_of(const glm::vec3& extinction) {
     int exponent = 0;
     std::frexp(std::max({extinction.x, extinction.y, extinction.z}), &exponent);
     return std::ldexp(1.0f, std::max(exponent, 0));
   }
 
-  /// The file of a grid is written where it is first used.
+  /// Refers to the file of a grid, which is created at its first use.
   Expected<void> put_grid(std::string_view name, const GridVolume& volume) {
     const auto [at, added] =
         grids_.try_emplace(volume.grid.get(), fmt::format("{}-{}.vol", file_.stem().string(), grids_.size()));
@@ -164,7 +166,7 @@ class SceneWriter {
     return {};
   }
 
-  /// Of several lobes the last against all before it.
+  /// Several lobes are written as nested blends: the last one against all before it.
   void put_phase(std::span<const PhaseLobe> lobes) {
     const PhaseLobe& last = lobes.back();
     if (lobes.size() > 1) {
@@ -208,7 +210,7 @@ class SceneWriter {
     }
     xml_.transform("to_world",
                    flat ? camera.to_world * scaling({camera.scale_x, camera.scale_y, 1.0}) : camera.to_world);
-    // Mitsuba 3's name of it. Its other samplers have ours; Halton's points are no longer among them.
+    // Mitsuba 3's name of the sampler. Only Sobol's differs, and Halton points are no longer available there.
     const bool sobol = scene_.sampler.kind == SamplerKind::kSobol;
     xml_.open("sampler", sobol ? "ldsampler" : print_setting(scene_, "sampler.type"));
     put_always("sampler.sample_count");
@@ -251,7 +253,7 @@ class SceneWriter {
         [this](int index, TextureUse use, std::string_view name) { put_texture(index, use, name); });
   }
 
-  /// Where it is first used; later it is referred to.
+  /// Writes a texture at its first use, and a reference later.
   void put_texture(int index, TextureUse use, std::string_view name) {
     if (!textures_.insert(index).second) return xml_.reference(texture_id(index), name);
     const SceneTexture& texture = scene_.textures[std::size_t(index)];
@@ -261,7 +263,7 @@ class SceneWriter {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, BitmapTexture>)
             model.filename = image_file(*scene_.bitmaps[std::size_t(model.bitmap)]);
-          // A reader exchanges the colours of one that is a number, as Mitsuba does.
+          // The reader exchanges the colours of a checkerboard used as a number, as Mitsuba does.
           if constexpr (std::is_same_v<Model, CheckerboardTexture>)
             if (use == TextureUse::kNumber) std::swap(model.color0, model.color1);
           xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"{}", texture_id(index), named));
@@ -280,7 +282,7 @@ class SceneWriter {
         texture.model);
   }
 
-  /// The image's file as it is found from the scene's; one that is no file becomes one beside it.
+  /// The path of the image's file relative to the scene file. A computed image is written to a new file.
   std::string image_file(const Bitmap& image) {
     if (image.contents == nullptr) {
       std::error_code ignored;
@@ -296,8 +298,8 @@ class SceneWriter {
     return at->second;
   }
 
-  /// That of the scene, unless something else has it already; Mitsuba has no dots in ids. Without one,
-  /// `other`.
+  /// The scene's id, unless it is already used. Mitsuba allows no dots in ids. If there is no id, `other` is
+  /// used.
   std::string new_id(std::string id, const std::string& other) {
     std::ranges::replace(id, '.', '_');
     const bool is_ours = id.starts_with("medium-") || id.starts_with("group-") || id.starts_with("texture-");
@@ -315,9 +317,10 @@ class SceneWriter {
     return bsdf != nullptr ? std::get_if<Model>(&bsdf->model) : nullptr;
   }
 
-  /// Those of all shapes, in the order of their textures: as they are read, textures are numbered.
+  /// Writes the BSDFs of all shapes in the order of their textures, so that reading numbers the textures in
+  /// the same way.
   void put_surfaces() {
-    std::multimap<int, XmlText> surfaces;  // by their first textures
+    std::multimap<int, XmlText> surfaces;  // keyed by their first textures
     const auto put = [&](const Shape& shape, bool has_emitter) {
       const std::pair sides{shape.front_bsdf, shape.back_bsdf};
       if (has_emitter && sides == std::pair{kBlackBsdf, kBlackBsdf}) return;
@@ -335,7 +338,7 @@ class SceneWriter {
     for (const auto& [first, text] : surfaces) xml_.append(text);
   }
 
-  /// The plugin of a front and a back: what readers of it make of its sides is that again.
+  /// Writes a plugin that a reader converts back to the same front and back.
   void put_surface(int front, int back, const std::string& attributes = "") {
     if (front == kNoBsdf || get<NullBsdf>(front) != nullptr) {
       xml_.open("bsdf", NullBsdf::kPlugin, attributes);
@@ -375,7 +378,7 @@ class SceneWriter {
     put_sides(front, back, attributes, true);
   }
 
-  /// Of two leaves, or black ones; with what bends each.
+  /// For two leaf or black BSDFs, with their bump or normal maps.
   void put_sides(int front, int back, const std::string& attributes, bool bent) {
     const bool two_sides = back != kBlackBsdf && !has_own_back(front);
     if (!two_sides) return put_leaf(front, attributes, bent);
@@ -385,7 +388,7 @@ class SceneWriter {
     xml_.close();
   }
 
-  /// Whether its plugin by itself has a back.
+  /// Whether its plugin defines a back by itself.
   [[nodiscard]] bool has_own_back(int front) const {
     const Bsdf* bsdf = bsdf_at(front);
     return bsdf != nullptr && std::visit(
@@ -446,7 +449,7 @@ class SceneWriter {
     xml_.close();
   }
 
-  /// Groups have no emitters; those that are black are left out there.
+  /// Groups have no emitters; black ones are left out there.
   Expected<void> put_shape(const Shape& shape, bool with_emitter = true) {
     bool flipped = shape.flip_normals;
     const std::string own = shape.id.empty() ? "" : new_id(shape.id, fmt::format("shape-{}", ids_.size())),
@@ -461,7 +464,7 @@ class SceneWriter {
       xml_.open("shape", SphereShape::kPlugin, id);
       put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center);
       xml_.value("float", "radius", fmt::format("{}", sphere->radius));
-      // As it is read, a mirror turns it inside out.
+      // The reader turns it inside out if its transform mirrors.
       if (glm::dot(glm::cross(sphere->x_axis, sphere->y_axis), sphere->z_axis) < 0) flipped = !flipped;
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
       xml_.open("shape", DiskShape::kPlugin, id);
@@ -517,12 +520,12 @@ class SceneWriter {
   const fs::path file_;
   XmlText xml_ = new_text();
   std::vector<SceneFile> files_;
-  int meshes_ = 0;                                       ///< of those so far
-  std::map<const VolumeGrid*, std::string> grids_;       ///< likewise, by what is in them
-  std::map<std::string, std::string> images_;            ///< likewise
+  int meshes_ = 0;                                       ///< number of meshes so far
+  std::map<const VolumeGrid*, std::string> grids_;       ///< file names of grids
+  std::map<std::string, std::string> images_;            ///< file names of images
   std::set<std::string> ids_;                            ///< of shapes and BSDFs
-  std::set<int> textures_;                               ///< written so far
-  std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
+  std::set<int> textures_;                               ///< textures already written
+  std::map<std::pair<int, int>, std::string> surfaces_;  ///< ids of BSDFs by front and back
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A scene as a file of Mitsuba 3, in the spelling of its version 3.
+// Writes a scene as a file for Mitsuba 3.
 #pragma once
 
 #include <filesystem>
@@ -15,11 +15,12 @@ struct SceneFile {
   std::string contents;
 };
 
-/// The scene as `file`, the last, and beside it its meshes, as binary PLY files named after it: STEM-0.ply
-/// ..., and the grids of its media, STEM-0.vol ... Images are named where they are. What has its default is
-/// left out, so that Mitsuba 3 reads whatever it has too; what only Penumbra has is written under its name
-/// there. Read again, the scene has the same light, materials and geometry, but for what was left out when it
-/// was read. Errors: what a file of Mitsuba cannot say.
+/// The files of a scene: the grids of its media, STEM-0.vol ..., and its meshes as binary PLY files,
+/// STEM-0.ply ..., and last the scene file itself, `file`, after which they are named. Images are referred to
+/// where they are. Parameters with default values are left out, so that Mitsuba 3 accepts the file as far as
+/// it supports the scene's features. Features that only Penumbra has are written with their names here.
+/// Reading the file again gives a scene with the same light, materials and geometry, except for what was left
+/// out when the original was read. Errors: features that a Mitsuba file cannot represent.
 Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene,
                                              const std::filesystem::path& file);
 

@@ -1,5 +1,5 @@
-// The plugins of the camera's side: which settings they read under their own names, for the reader and for
-// the reference of all plugins.
+// The plugins of sensors, films, filters and samplers, and the settings that each reads under its own names.
+// The reader and the plugin reference use these tables.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace penumbra::mitsuba {
 
 using SettingNames = std::vector<std::string>;
 
-// Of `camera`: the view angle, what every sensor has, a lens, a distortion.
+// Settings of `camera`: the angle of view, those of every sensor, a lens, a distortion.
 inline const SettingNames kViewAngle = {"fov", "fov_axis"};
 inline const SettingNames kPlace = {
     "near_clip",     "far_clip",    "principal_point_offset_x", "principal_point_offset_y", "magnify_red",
@@ -19,16 +19,17 @@ inline const SettingNames kLens = {"aperture_radius", "focus_distance", "blades"
                                    "refocus_red",     "refocus_green",  "refocus_blue"};
 inline const SettingNames kDistortion = {"distortion_k1", "distortion_k2"};
 
-/// Of `film`: its size.
+/// Settings of `film`: its size.
 inline const SettingNames kFilmSize = {"width",         "height",     "crop_offset_x",
                                        "crop_offset_y", "crop_width", "crop_height"};
 struct FilmPlugin {
   std::string_view type;
 };
-/// Alike here. That of spectral bands (specfilm) has no image in red, green and blue.
+/// These films are treated alike. The film of spectral bands (specfilm) is not supported, since it has no RGB
+/// image.
 constexpr FilmPlugin kFilms[] = {{"hdrfilm"}, {"ldrfilm"}, {"mfilm"}, {"tiledhdrfilm"}};
 
-/// Of `film`, with `rfilter_` before the names.
+/// Settings of `film`; in their keys the names begin with `rfilter_`.
 struct FilterPlugin {
   std::string_view type;
   const char* ours;
@@ -44,14 +45,14 @@ inline const std::vector<FilterPlugin> kFilters = {
     {"lanczos", "lanczos", {}, "Lanczos-windowed sinc"}};
 constexpr std::int64_t kFilterLobes = 3, kMostFilterLobes = 64;
 
-/// Of `sampler`.
+/// Settings of `sampler`.
 inline const SettingNames kSamplerSettings = {"sample_count", "seed"};
-/// Mitsuba's, and what comes nearest to each.
+/// A sampler of Mitsuba and the most similar one here.
 struct SamplerPlugin {
   std::string_view type, nearest;
 };
 constexpr SamplerPlugin kSamplers[] = {
-    // Orthogonal arrays of versions before 3.
+    // Samplers with orthogonal arrays, from versions before 3.
     {"bose", "sobol"},
     {"bush", "sobol"},
     {"halton", "halton"},

@@ -43,7 +43,7 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"fov", "fov_axis"});
 }
 
-/// What every camera has: where it is, what it sees along its view, and effects that are no lens'.
+/// Reads what all cameras share: position, clipping planes, and effects that do not depend on a lens.
 void read_place(PluginReader& plugin, SceneDescription& scene) {
   plugin.settings(scene, "camera", kPlace);
   const glm::dmat4 to_world = plugin.transform("to_world");
@@ -52,7 +52,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
   } else {
     plugin.wrong("to_world", frame.error().message);
   }
-  // Its scale makes an orthographic film larger, and takes its near plane along.
+  // Scale enlarges the film of an orthographic camera, and also its near clipping distance.
   if (scene.camera.projection == Projection::kOrthographic) {
     const glm::dmat3 axes(to_world);
     scene.camera.scale_x = glm::length(axes[0]);
@@ -65,7 +65,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
     plugin.warn("nothing moves in Penumbra, so shutter_close has no effect");
   plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
   if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
-  plugin.accept({"cone_scale"});  // of lookups in images by size, of which there are none
+  plugin.accept({"cone_scale"});  // about texture filtering, which does not exist here
 }
 
 void read_lens(PluginReader& plugin, SceneDescription& scene) {
@@ -96,7 +96,7 @@ void read_thin_lens(PluginReader& plugin, SceneDescription& scene) {
   read_distortion(plugin, scene);
 }
 
-/// Mitsuba 0.6's: kc has both coefficients.
+/// Mitsuba 0.6's camera with distortion; kc contains both coefficients.
 void read_distorted_perspective(PluginReader& plugin, SceneDescription& scene) {
   read_view_angle(plugin, scene);
   read_place(plugin, scene);
@@ -116,7 +116,7 @@ void read_orthographic(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"focus_distance"});
 }
 
-/// Mitsuba 0.6's: an orthographic camera with a lens.
+/// Mitsuba 0.6's orthographic camera with a lens.
 void read_telecentric(PluginReader& plugin, SceneDescription& scene) {
   scene.camera.projection = Projection::kOrthographic;
   read_place(plugin, scene);
@@ -135,7 +135,7 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
     scene.film.filter_b = 0.0f;
     scene.film.filter_c = 0.5f;
   }
-  if (filter->type == "lanczos") {  // as wide as it has lobes
+  if (filter->type == "lanczos") {  // its radius is the number of lobes
     std::int64_t lobes = kFilterLobes;
     plugin.read("lobes", lobes, WholeNumber{1, kMostFilterLobes});
     scene.film.filter_radius = float(lobes);
@@ -144,8 +144,7 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
   plugin.finish();
 }
 
-/// Of Mitsuba's formats, however they are capitalised, alpha counts; the image is in red, green and blue
-/// whatever they say.
+/// Of Mitsuba's pixel formats, in any capitalisation, only alpha is used. The image is always RGB.
 void read_format(PluginReader& plugin, Film& film) {
   const OneOf<bool> formats{{{"rgb", false},
                              {"rgba", true},
@@ -175,7 +174,7 @@ void read_film(const Context& context, const Object& object, SceneDescription& s
   const Object* filter = plugin.only_nested("rfilter");
   if (find_plugin(kFilms, object.type) != nullptr) {
     read_format(plugin, scene.film);
-    // How Mitsuba writes its files; Penumbra's options are its command line's.
+    // How Mitsuba writes its files. Here command-line options determine that.
     plugin.accept({"file_format", "gamma", "banner", "attach_log", "high_quality_edges", "exposure",
                    "tonemap_method", "key", "burn", "sample_border", "compensate", "filename", "variable",
                    "digits"});
@@ -200,7 +199,7 @@ void read_shown_sampler(const Context& context, const Object& object, SceneDescr
   plugin.finish();
 }
 
-/// As of an integrator: of one that the command line replaces, what is wrong does not count.
+/// If the command line replaces the sampler, problems with this one are not reported, as for integrators.
 void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
   if (!context.is_replaced("sampler.type")) return read_shown_sampler(context, object, scene);
   Diagnostics unseen;

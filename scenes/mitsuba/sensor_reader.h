@@ -1,4 +1,4 @@
-// <sensor>, with its film, filter and sampler.
+// Reads <sensor> with its film, filter and sampler.
 #pragma once
 
 #include "scenes/mitsuba/plugin.h"
@@ -6,7 +6,7 @@
 
 namespace penumbra::mitsuba {
 
-/// Sets camera, film and sampler; what is wrong is reported.
+/// Sets camera, film and sampler. Problems are reported.
 void read_sensor(const Context& context, const Object& object, SceneDescription& scene);
 
 }  // namespace penumbra::mitsuba

@@ -1,4 +1,4 @@
-// The parameters of shapes, a row for every one (see bsdfs.h).
+// The parameters of shapes, one table row for each (see bsdfs.h).
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace penumbra::mitsuba {
 
-/// What all shapes have.
+/// The parameters that all shapes have.
 struct PlacedShape {
   glm::dmat4 to_world{1.0};
   bool flip_normals = false;
@@ -27,7 +27,7 @@ struct MeshFileShape : PlacedShape {
   std::string filename;
   bool face_normals = false;
   bool flip_tex_coords = Shape::kFlips;
-  double max_smooth_angle = 0;  ///< degrees; 0: vertex normals are the file's, or smooth
+  double max_smooth_angle = 0;  ///< degrees; 0: vertex normals are those of the file, or smooth
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -107,7 +107,7 @@ struct CylinderShape : PlacedShape {
   }
 };
 
-/// Of Mitsuba 0.6.
+/// The heightfield of Mitsuba 0.6.
 struct HeightfieldShape : PlacedShape {
   static constexpr const char* kPlugin = "heightfield";
   static constexpr const char* kText =
@@ -129,7 +129,7 @@ struct HeightfieldShape : PlacedShape {
   }
 };
 
-/// Curves of a text file, with a thickness that `to_world` has no effect on.
+/// Curves from a text file. `to_world` does not scale their thickness.
 template <typename Shape>
 struct CurvesShape : PlacedShape {
   std::string filename;
@@ -165,7 +165,7 @@ struct SdfGridShape : PlacedShape {
   }
 };
 
-/// One that has no parameters of its own.
+/// A shape without parameters of its own.
 template <typename Shape>
 struct PlainShape : PlacedShape {
   template <typename Row>
@@ -187,7 +187,7 @@ struct CubeShape : PlainShape<CubeShape> {
   static constexpr const char* kText = "cube from (-1, -1, -1) to (1, 1, 1)";
 };
 
-/// One that has no parameters.
+/// A shape without any parameters.
 struct BareShape {
   template <typename Row>
   static void parameters(const Row&) {}

@@ -24,12 +24,12 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// A shape's plugin, and what its geometry is read with.
+/// A shape's plugin, and what reading its geometry requires.
 struct ShapeInput {
   const Context& context;
   const FileAccess& files;
   PluginReader& plugin;
-  bool& flip_normals;  ///< which a geometry may turn round
+  bool& flip_normals;  ///< reading the geometry may toggle it
 };
 
 void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
@@ -40,7 +40,7 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
     context.diagnostics.warn(object.location, fmt::format("{}: {}", file, text));
 }
 
-/// The file a parameter names, as text.
+/// Opens the file that a parameter names, as text.
 std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files, PluginReader& plugin,
                                  const std::string& name) {
   const SourceLocation place = plugin.location_of("filename");
@@ -61,7 +61,8 @@ template <typename Parameters>
 Parameters read_parameters(const ShapeInput& input) {
   Parameters parameters;
   input.plugin.read_parameters(parameters);
-  // Of gradients; of vertices that are stored once; of materials, which are those of the scene's file.
+  // Parameters for differentiation, for storing vertices, and for materials of the mesh file, which is not
+  // used.
   input.plugin.accept({"silhouette_sampling_weight", "collapse", "load_materials"});
   input.flip_normals = parameters.flip_normals;
   return parameters;
@@ -80,7 +81,7 @@ Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& fil
   return read;
 }
 
-/// The file of a mesh; null, and an error, where there is none.
+/// The file of a mesh. Null, and an error, if it is missing.
 template <typename Parameters>
 std::unique_ptr<SourceFile> mesh_file(const ShapeInput& input, const Parameters& given) {
   if (input.plugin.has("filename")) return open(input.context, input.files, input.plugin, given.filename);
@@ -96,7 +97,7 @@ void report_mesh_error(const ShapeInput& input, const Error& error) {
       fmt::format("{}\n  (which is named at {})", error.message, describe(input.plugin.object().location)));
 }
 
-/// From the file's space to the world's; nothing where that cannot be, which is reported.
+/// Transforms the mesh to world space. Nothing after a reported error.
 template <typename Parameters>
 std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given, MeshFile read) {
   const std::string& name = given.filename;
@@ -133,7 +134,7 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
     report_mesh_error(input, read.error());
     return std::nullopt;
   }
-  // The text may take more memory than the mesh; places in it are gone, too.
+  // Free the text, which may take more memory than the mesh. Locations into it become invalid.
   for (OddFaces* odd :
        {&read->faces.warped, &read->faces.tangled, &read->faces.too_short, &read->faces.untextured})
     odd->first = {};
@@ -147,9 +148,9 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   return std::move(*mesh);
 }
 
-/// The parts of a Wavefront file, by material.
+/// One part of an OBJ file, with one material.
 struct MeshPart {
-  std::string material;  ///< as `usemtl` names it; empty: none
+  std::string material;  ///< the name in `usemtl`; empty: none
   Mesh mesh;
 };
 std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
@@ -180,7 +181,7 @@ std::optional<Geometry> checked(const PluginReader& plugin, Geometry geometry) {
   return geometry;
 }
 
-/// Where the transform, a similarity or nearly, takes the first two axes: unit, at right angles.
+/// The transformed first two axes, made orthonormal. The transform must be (nearly) a similarity.
 std::pair<glm::dvec3, glm::dvec3> frame_axes(const glm::dmat4& to_world) {
   const glm::dvec3 x = glm::normalize(glm::dvec3(to_world[0])), y(to_world[1]);
   return {x, glm::normalize(y - glm::dot(x, y) * x)};
@@ -201,7 +202,7 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
     plugin.wrong("to_world", "a sphere's transform must scale all directions alike");
     return std::nullopt;
   }
-  // As in Mitsuba 3, a mirror turns a sphere's normals inwards.
+  // As in Mitsuba 3, a mirroring transform turns a sphere's normals inwards.
   if (is_mirror(to_world)) input.flip_normals = !input.flip_normals;
   const auto [x_axis, y_axis] = frame_axes(to_world);
   const double side = is_mirror(to_world) ? -1.0 : 1.0;
@@ -259,7 +260,7 @@ std::optional<Geometry> read_cube(const ShapeInput& input) {
   return checked(input.plugin, make_cube(read_parameters<CubeShape>(input).to_world));
 }
 
-/// The image of a height field: of its file, or of the texture that it holds.
+/// The image of a height field: its own file, or the nested texture.
 TextureImage heights_of(const ShapeInput& input, const HeightfieldShape& given) {
   const Object* texture = input.plugin.only_nested("texture");
   input.plugin.nested("rfilter");
@@ -276,7 +277,7 @@ TextureImage heights_of(const ShapeInput& input, const HeightfieldShape& given) 
 
 std::optional<Geometry> read_heightfield(const ShapeInput& input) {
   const auto given = read_parameters<HeightfieldShape>(input);
-  // Of textures that are not bitmaps.
+  // Parameters for textures that are not bitmaps.
   input.plugin.accept({"width", "height"});
   const TextureImage image = heights_of(input, given);
   if (image.bitmap == nullptr) return std::nullopt;
@@ -294,7 +295,7 @@ std::optional<Geometry> read_heightfield(const ShapeInput& input) {
   return std::move(*mesh);
 }
 
-/// Of shapes that are surfaces by formula, as triangles.
+/// Reads shapes defined by formulas or curves, as triangles.
 template <typename Parameters>
 std::optional<Geometry> read_tessellated(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
@@ -357,7 +358,8 @@ void ShapeReader::read_into(const Object& object, Holder& holder) {
     read_shape(object, holder);
 }
 
-/// Whether what is inside may be read: it is not being read already, and not too deep within others.
+/// Whether the nested object may be read: it must not be in the process of being read, and not nested too
+/// deep.
 bool ShapeReader::begin(PluginReader& plugin, std::string_view if_cyclic) {
   const bool is_new = reading_.insert(&plugin.object()).second;
   if (is_new && reading_.size() <= std::size_t(kMaxGroupLevels)) return true;
@@ -368,7 +370,7 @@ bool ShapeReader::begin(PluginReader& plugin, std::string_view if_cyclic) {
   return false;
 }
 
-/// Each shape keeps its own material, so that there is nothing to merge.
+/// Shapes keep their materials, so there is nothing to merge.
 void ShapeReader::read_merged(const Object& object, Holder& holder) {
   PluginReader plugin(context_, object);
   const std::vector<const Object*> inside = plugin.nested("shape");
@@ -441,8 +443,8 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   holder.objects.push_back(&object);
 }
 
-/// Whether its BSDFs are those of materials of its file, by their names, as in Mitsuba 0.6: several, of which
-/// some have names.
+/// Whether its BSDFs are assigned by name to the materials of its file, as in Mitsuba 0.6: there are several,
+/// and some have names.
 bool ShapeReader::names_materials(const Object& object) const {
   int count = 0, named = 0;
   for (const Child& child : object.children) {
@@ -465,7 +467,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   context_.media->install(plugin, whole, scene_);
   plugin.finish();
   if (emitter != nullptr) read_area_light(context_, *emitter, whole);
-  const Object* others = nullptr;  // for materials that have no BSDF of their name
+  const Object* others = nullptr;  // for materials without a BSDF of their name
   std::map<std::string, const Object*> by_name;
   for (const Child& child : object.children) {
     const Object* bsdf = context_.resolve(child);

@@ -1,4 +1,4 @@
-// <shape> objects, with their materials.
+// Reads <shape> objects with their materials.
 #pragma once
 
 #include <map>
@@ -18,20 +18,20 @@ class ShapeReader {
               SceneDescription& scene)
       : context_(context), files_(files), materials_(materials), scene_(scene) {}
 
-  /// Reads `object`, one of the scene's own, into the scene; what is wrong is reported. A mesh without a
-  /// triangle that has area is left out, with a warning. A group of shapes is in the scene where its
-  /// instances are.
+  /// Reads `object`, a shape of the scene itself, into the scene. Problems are reported. A mesh in which no
+  /// triangle has area is left out, with a warning. A shape group becomes visible only through its instances.
   void read(const Object& object);
 
-  /// That shapes have what their textures show. Once all textures are the scene's.
+  /// Checks that shapes have the texture coordinates and attributes that their textures need. Call it after
+  /// all textures were added to the scene.
   void check_textures() const;
 
  private:
-  /// What shapes and instances are added to: the scene, or a group.
+  /// The container to which shapes and instances are added: the scene or a group.
   struct Holder {
     std::vector<Shape> shapes;
     std::vector<ShapeInstance> instances;
-    std::vector<const Object*> objects;  ///< what the shapes were read from
+    std::vector<const Object*> objects;  ///< for each shape the object from which it was read
   };
 
   bool begin(PluginReader& plugin, std::string_view if_cyclic);
@@ -40,9 +40,9 @@ class ShapeReader {
   void read_instance(const Object& object, Holder& holder);
   void read_shape(const Object& object, Holder& holder);
   [[nodiscard]] bool names_materials(const Object& object) const;
-  /// A Wavefront file as a shape for each object and material.
+  /// Reads a Wavefront OBJ file as one shape per object and material.
   void read_parts(const Object& object, Holder& holder);
-  /// Its index in the scene, or -1 where something is wrong, which was reported.
+  /// The index of the group in the scene, or -1 after a reported error.
   int group_of(const Object& object);
 
   const Context& context_;
@@ -51,8 +51,8 @@ class ShapeReader {
   SceneDescription& scene_;
   std::map<const Object*, int> groups_;
   std::set<const Object*> reading_;
-  std::vector<const Object*> objects_;                     ///< of the scene's shapes
-  std::vector<std::vector<const Object*>> group_objects_;  ///< of each group's
+  std::vector<const Object*> objects_;                     ///< for each of the scene's shapes
+  std::vector<std::vector<const Object*>> group_objects_;  ///< for each of a group's shapes
 };
 
 }  // namespace penumbra::mitsuba

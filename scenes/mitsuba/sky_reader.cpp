@@ -8,7 +8,7 @@ namespace penumbra::mitsuba {
 
 void SkyReader::add(const PluginReader& plugin, const SkyParameters& sky, SkyPart part,
                     SceneDescription& scene) {
-  const bool has_no_disk = part == SkyPart::kSun && sky.sun_radius_scale == 0.0f;  // no sky, but a light
+  const bool has_no_disk = part == SkyPart::kSun && sky.sun_radius_scale == 0.0f;  // a light, but not a sky
   const bool pair = first_ && first_->is != part && first_->is != SkyPart::kBoth && part != SkyPart::kBoth;
   const auto other = std::ranges::find_if(scene.emitters, [](const Emitter& e) { return is_sky(e); });
   const bool is_second = first_ ? !pair : other != scene.emitters.end();

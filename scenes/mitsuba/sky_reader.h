@@ -1,4 +1,4 @@
-// Skies and suns, of which a scene has one each.
+// Reads skies and suns. A scene may have one of each.
 #pragma once
 
 #include <optional>
@@ -8,18 +8,19 @@
 
 namespace penumbra::mitsuba {
 
-/// Joins a sky and a sun to what `sunsky` is. One for a scene.
+/// Combines a sky and a sun of a scene into one environment, as `sunsky` is. There is one SkyReader per
+/// scene.
 class SkyReader {
  public:
-  /// Adds its light to the scene, or changes that of the other part. What is wrong is reported, a second sky
-  /// for example.
+  /// Adds the emitter to the scene, or merges it into that of the other part. Problems are reported, for
+  /// example a second sky.
   void add(const PluginReader& plugin, const SkyParameters& sky, SkyPart part, SceneDescription& scene);
 
  private:
   struct Part {
     SkyParameters parameters;
     SkyPart is;
-    std::optional<std::size_t> emitter;  ///< its place in the scene; none: it is black
+    std::optional<std::size_t> emitter;  ///< index in the scene; none: it is black
   };
   std::optional<Part> first_;
 };

@@ -1,4 +1,4 @@
-// Spectra in files of their own: lines of a wavelength in nm and a value.
+// Reads spectra from text files.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace penumbra::mitsuba {
 
 constexpr std::uint64_t kMaxSpectrumFileBytes = std::uint64_t{1} << 20;
 
-/// Two numbers a line, of which the first ascend; `#` begins a comment. Errors, with line and column:
-/// anything else, fewer than two lines.
+/// Reads two numbers per line: a wavelength in nm and a value. Wavelengths must ascend. `#` begins a comment.
+/// Errors, with line and column: anything else, fewer than two lines.
 Expected<std::vector<SpectrumSample>> read_spectrum_file(const SourceFile& file);
 
 }  // namespace penumbra::mitsuba

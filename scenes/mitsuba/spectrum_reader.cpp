@@ -12,7 +12,7 @@ namespace {
 
 using Colour = std::optional<glm::vec3>;
 
-/// Tabulated values of a plugin, which has them as a text.
+/// A list of tabulated values in a text parameter.
 std::optional<std::vector<double>> read_list(PluginReader& plugin, const char* name) {
   if (!plugin.has(name)) {
     plugin.accept({name});
@@ -66,12 +66,12 @@ Colour read_regular(PluginReader& plugin, ColourRole role) {
   return read_table(plugin, role, wavelengths, *values);
 }
 
-/// What is the same at all wavelengths has no colour here, as in Mitsuba 3.
+/// A spectrum that is constant over wavelength is grey, as in Mitsuba 3.
 Colour read_uniform(PluginReader& plugin, ColourRole) {
   return glm::vec3(float(plugin.number("value", 1.0)));
 }
 
-/// Light of D65 is white: its scale, times a colour.
+/// D65 is white, so the result is its scale times a colour.
 Colour read_d65(PluginReader& plugin, ColourRole) {
   glm::vec3 colour(1.0f);
   plugin.read_colour("color", colour, ColourRole::kEmission);
@@ -92,7 +92,7 @@ std::optional<double> kelvins(std::string_view text) {
   return number && *number > 0.0 && *number <= 1e6 ? std::optional(*number) : std::nullopt;
 }
 
-/// W/(m² sr nm), as of Mitsuba 0.6: thousands for the sun's temperature.
+/// In W/(m² sr nm) as in Mitsuba 0.6, which gives thousands for the sun's temperature.
 Colour read_blackbody(PluginReader& plugin, ColourRole role) {
   const Parameter* given = nullptr;
   for (const Parameter& each : plugin.object().parameters)
@@ -131,7 +131,7 @@ constexpr std::array kSpectra = {SpectrumPlugin{"blackbody", read_blackbody},
 Expected<glm::vec3> table_to_rgb(std::span<const SpectrumSample> samples, ColourRole role) {
   const bool reflects = role == ColourRole::kReflectance, emits = role == ColourRole::kEmission;
   for (const SpectrumSample& sample : samples) {
-    // Conversion clamps to the gamut, and would hide these.
+    // Check before the conversion, which clamps to the gamut and would hide these.
     if (sample.value < 0.0 || (reflects && sample.value > 1.0))
       return fail(fmt::format("the value {} at {} nm is not {}", sample.value, sample.wavelength,
                               reflects ? "between 0 and 1" : "0 or more"));

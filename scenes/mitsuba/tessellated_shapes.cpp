@@ -12,7 +12,7 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// About points in the world, since radii stay what they are.
+/// Only the points are transformed to world space; radii are not scaled.
 Expected<TessellatedShape> curves(const PluginReader& plugin, const glm::dmat4& to_world,
                                   const SourceFile& file, std::size_t least,
                                   Expected<CurveMesh> (*make)(std::span<const Curve>)) {

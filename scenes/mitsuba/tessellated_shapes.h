@@ -1,4 +1,4 @@
-// Shapes of files that are no triangles, and become some.
+// Shapes from files that are not triangle meshes and are converted to triangles.
 #pragma once
 
 #include "scenes/mitsuba/plugin.h"
@@ -8,10 +8,10 @@ namespace penumbra::mitsuba {
 
 struct TessellatedShape {
   Mesh mesh;
-  glm::dmat4 to_world{1.0};  ///< what is left of the shape's own
+  glm::dmat4 to_world{1.0};  ///< the part of the shape's transform that is still to be applied
 };
 
-/// Errors: what the file's reader says; more triangles than are made; points too far away.
+/// Errors: those of the file's reader; the mesh would exceed the limit on triangles; points too far away.
 Expected<TessellatedShape> tessellated(const PluginReader& plugin, const BsplineCurveShape& shape,
                                        const SourceFile& file);
 Expected<TessellatedShape> tessellated(const PluginReader& plugin, const LinearCurveShape& shape,

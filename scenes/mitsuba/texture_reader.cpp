@@ -22,12 +22,12 @@ struct TexturePlugins {
 
 namespace {
 
-/// Mitsuba 3's texture of one value that is not converted: a number, or a vector of three channels.
+/// Mitsuba 3's texture of a constant without colour conversion: a number or three channels.
 constexpr std::string_view kRawConstant = "rawconstant";
 
 constexpr auto kTextures = TexturePlugins::rows(static_cast<const TextureModel*>(nullptr));
 
-/// As a checkerboard whose squares are alike.
+/// As a checkerboard of equal squares.
 std::optional<TextureModel> read_raw_constant(PluginReader& plugin) {
   const auto& parameters = plugin.object().parameters;
   const auto given = std::ranges::find(parameters, "value", &Parameter::name);
@@ -50,7 +50,7 @@ std::optional<TextureModel> read_raw_constant(PluginReader& plugin) {
   return model;
 }
 
-/// Where Mitsuba 0.6 has its own parameters for what `to_uv` is.
+/// Mitsuba 0.6 has separate parameters instead of `to_uv`.
 glm::dmat3 read_to_uv(PluginReader& plugin) {
   const glm::dmat4 m = plugin.transform("to_uv");
   const glm::dmat3 to_uv(glm::dvec3(m[0].x, m[0].y, 0), glm::dvec3(m[1].x, m[1].y, 0),
@@ -74,7 +74,7 @@ std::optional<int> TextureReader::read(const Object& object, TextureUse use) {
       .first->second;
 }
 
-/// Whether it may be read: it is not being read already.
+/// Whether it may be read: it must not be in the process of being read.
 bool TextureReader::begin(const Object& object) {
   if (reading_.insert(&object).second) return true;
   context_.diagnostics.error(
@@ -84,7 +84,7 @@ bool TextureReader::begin(const Object& object) {
 
 std::optional<SceneTexture> TextureReader::read_new(const Object& object, TextureUse use) {
   PluginReader plugin(context_, object);
-  // Mitsuba 0.6 has its own name for the colours of vertices.
+  // Mitsuba 0.6's name for vertex colours.
   const bool vertex_colours = object.type == "vertexcolors";
   const auto* known = find_plugin(kTextures, vertex_colours ? MeshAttributeTexture::kPlugin : object.type);
   if (object.type == kRawConstant) {
@@ -108,7 +108,7 @@ std::optional<SceneTexture> TextureReader::read_new(const Object& object, Textur
   use_ = outer;
   plugin.finish();
   if (!model) return std::nullopt;
-  // Mitsuba 3 exchanges the colours of a checkerboard that is a number.
+  // Mitsuba 3 exchanges the colours of a checkerboard used as a number.
   if (auto* board = std::get_if<CheckerboardTexture>(&*model); board != nullptr && use == TextureUse::kNumber)
     std::swap(board->color0, board->color1);
   return SceneTexture{name_of(object), std::move(*model), to_uv};
@@ -128,7 +128,7 @@ std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, Scal
 
 std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, BitmapTexture model) {
   plugin.read_parameters(model);
-  // How others store and look up texels.
+  // Parameters about storing and looking up texels.
   plugin.accept({"max_anisotropy", "cache", "format", "accel"});
   if (model.filename.empty()) return std::nullopt;
   const auto path = files_.find(model.filename, context_.folders(plugin.object()));
@@ -141,7 +141,7 @@ std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, Bitm
 }
 
 std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, MeshAttributeTexture model) {
-  // Meshes bring one attribute of each kind: that which is asked for here (mesh_attribute_names.h).
+  // A mesh stores one attribute of each kind: the one chosen by mesh_attribute_names.h.
   const std::string name = plugin.text("name", "vertex_color");
   plugin.read("scale", model.scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber});
   model.attribute = name.starts_with("face_") ? MeshAttribute::kFaceColour : MeshAttribute::kVertexColour;

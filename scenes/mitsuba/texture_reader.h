@@ -1,4 +1,4 @@
-// <texture> objects as textures of a scene.
+// Reads <texture> objects as textures of a scene.
 #pragma once
 
 #include <map>
@@ -14,14 +14,14 @@
 
 namespace penumbra::mitsuba {
 
-/// An image, and what its values count.
+/// An image and the decoding of its values.
 struct TextureImage {
-  std::shared_ptr<const Bitmap> bitmap;  ///< null: none
-  float gamma = kSrgb;                   ///< of whole numbers, see decoded_value
-  float scale = 1.0f;                    ///< by which values are multiplied
+  std::shared_ptr<const Bitmap> bitmap;  ///< null: no image
+  float gamma = kSrgb;                   ///< for integers, see decoded_value
+  float scale = 1.0f;                    ///< multiplies the values
 };
 
-/// What a texture stands for.
+/// Whether the parameter is a colour or a number.
 enum class TextureUse { kColour, kNumber };
 
 class TextureReader {
@@ -29,19 +29,18 @@ class TextureReader {
   TextureReader(const Context& context, const FileAccess& files)
       : context_(context), files_(files), bitmaps_(files) {}
 
-  /// Its index among the textures, which it is added to where it is new. What is wrong with it is reported,
-  /// once; then there is none.
+  /// The index of the texture, which is added if it is new. Problems are reported once; then it has no index.
   std::optional<int> read(const Object& object, TextureUse use = TextureUse::kColour);
 
-  /// The image that the plugin's `filename` names, which is this one; null, and an error or with leniency a
-  /// warning, if it cannot be read.
+  /// The image to which the plugin's `filename` refers. Null after an error (or, in lenient mode, a warning)
+  /// if it cannot be read.
   std::shared_ptr<const Bitmap> read_image(PluginReader& plugin, const std::string& filename);
 
-  /// That of a texture whose texels alone are wanted: a bitmap, or one within scale textures. Without one, as
-  /// of read_image, and for other textures.
+  /// The image of a texture whose texels are needed: a bitmap, possibly inside scale textures. No image for
+  /// other textures, or if read_image fails.
   TextureImage read_texture_image(const Object& object);
 
-  /// Moves what was read to the scene.
+  /// Moves all textures and bitmaps to the scene.
   void install(SceneDescription& scene);
 
  private:
@@ -68,7 +67,7 @@ class TextureReader {
   const FileAccess& files_;
   BitmapFiles bitmaps_;
   std::map<std::pair<const Object*, TextureUse>, std::optional<int>> known_;
-  TextureUse use_ = TextureUse::kColour;  ///< of the one that is being read
+  TextureUse use_ = TextureUse::kColour;  ///< of the texture that is being read
   std::set<const Object*> reading_;
   std::vector<SceneTexture> textures_;
 };

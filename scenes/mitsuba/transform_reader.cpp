@@ -49,7 +49,7 @@ std::optional<glm::dvec3> read_xyz(const ElementReader& element, double fallback
 }
 
 std::optional<glm::dmat4> read_rotation(const ElementReader& element) {
-  // Nori's axis is one attribute.
+  // Nori's axis is a single attribute.
   const auto axis = element.element().attribute("axis") ? read_numbers(element, "axis", false)
                                                         : read_xyz(element, 0.0, false);
   if (!axis || !element.required("angle")) return std::nullopt;

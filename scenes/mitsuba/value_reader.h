@@ -1,4 +1,4 @@
-// The value elements of Mitsuba XML: <float>, <rgb>, <transform>, …
+// Reads the value elements of Mitsuba XML: <float>, <rgb>, <transform>, ….
 #pragma once
 
 #include <functional>
@@ -12,24 +12,24 @@
 
 namespace penumbra::mitsuba {
 
-/// An element of a file, with its attributes filled in and their use checked.
+/// An element of a file. Its attributes have $variables substituted, and unknown attributes can be detected.
 class ElementReader {
  public:
-  /// Fills in `$variables` of a text; reports what is wrong at the place and returns nothing.
+  /// Substitutes `$variables` in a text. On failure it reports an error at the location and returns nothing.
   using Substitute = std::function<std::optional<std::string>(std::string_view, SourceLocation)>;
 
   ElementReader(const SourceFile& file, const pugi::xml_node& element, const Substitute& substitute,
                 Diagnostics& diagnostics)
       : file_(file), element_(element), substitute_(substitute), diagnostics_(diagnostics) {}
 
-  /// The attribute, if it is there.
+  /// The attribute, or nothing if it is missing.
   std::optional<std::string> attribute(std::string_view name) const;
-  /// The attribute; an error if it is not there.
+  /// The attribute; it is an error if it is missing.
   std::optional<std::string> required(std::string_view name) const;
-  /// Reports every attribute that is not one of `known`, and one that is there twice.
+  /// Reports every attribute that is not in `known` or that occurs twice.
   bool check_attributes(std::initializer_list<std::string_view> known) const;
 
-  /// Reports at the element; returns nothing, for `return wrong(...)`.
+  /// Reports an error at the element. Returns nothing, for `return wrong(...)`.
   std::nullopt_t wrong(std::string_view message) const;
   std::nullopt_t wrong_value(std::string_view attribute, std::string_view message) const;
 
@@ -47,13 +47,13 @@ class ElementReader {
   Diagnostics& diagnostics_;
 };
 
-/// Whether elements of this name are values. A <spectrum> with a type is a plugin, and none.
+/// Whether an element of this name is a value. A <spectrum> with a type is a plugin, not a value.
 bool is_value(const pugi::xml_node& element);
 
 /// The names that `is_value` knows.
 const std::vector<std::string>& value_tags();
 
-/// Reads one; what is wrong is reported, and nothing returned.
+/// Reads one value. Returns nothing after a reported error.
 std::optional<Parameter> read_value(const ElementReader& element);
 
 /// Reads the <transform time="…"> of an <animation>.

@@ -11,7 +11,7 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// From the unit cube to the box that the file says. Errors: it is none.
+/// The transform from the unit cube to the box in the file. Errors: the box is not valid.
 Expected<glm::dmat4> box_of(const VolumeFile& file) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(file.low[axis] < file.high[axis] && std::isfinite(file.high[axis] - file.low[axis])))
@@ -27,7 +27,7 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
   PluginReader plugin(context, object);
   GridVolumeParameters given;
   plugin.read_parameters(given);
-  // Of Mitsuba's spectral variants, of its devices, and of its sampling.
+  // Parameters of Mitsuba's spectral variants, GPU backends and sampling.
   plugin.accept({"raw", "accel", "max_value"});
   plugin.finish();
   const File file = open(context, plugin, given.filename);

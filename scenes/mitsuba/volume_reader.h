@@ -1,4 +1,4 @@
-// <volume> objects that are grids.
+// Reads <volume> objects that are grids.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace penumbra::mitsuba {
 
 class VolumeReader {
  public:
-  /// The grid of a `gridvolume`, which stands for the parameter `name`; files are read once each. Nothing,
-  /// and an error, where it cannot be read, or has a number that is none of the values.
+  /// The grid of the `gridvolume` given for the parameter `name`. Each file is read only once. Nothing, and
+  /// an error, if it cannot be read or contains an invalid value.
   std::optional<GridVolume> read(const Context& context, const Object& object, std::string_view name,
                                  const VolumeColour& values);
 
@@ -25,7 +25,7 @@ class VolumeReader {
   File open(const Context& context, PluginReader& plugin, const std::string& filename);
   static Expected<File> read_new(const FileAccess& files, const std::filesystem::path& path);
 
-  std::map<std::string, Expected<File>> files_;  ///< by their paths
+  std::map<std::string, Expected<File>> files_;  ///< keyed by path
 };
 
 }  // namespace penumbra::mitsuba

@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr std::size_t kMaxFiles =
-    256;  ///< a chain of files that each include the next twice doubles every time
+    256;  ///< limit on includes; a chain of files that each include the next one twice doubles every time
 constexpr std::uint64_t kMaxTotalBytes = std::uint64_t{256} << 20;
-constexpr std::size_t kMaxParameters = 256;  ///< of one object: no plugin has nearly as many
-constexpr std::size_t kMaxSubstitutedBytes = std::size_t{1} << 20;        ///< of one text
-constexpr std::size_t kMaxTotalSubstitutedBytes = std::size_t{16} << 20;  ///< of all of them
+constexpr std::size_t kMaxParameters = 256;  ///< per object; no plugin has nearly as many
+constexpr std::size_t kMaxSubstitutedBytes = std::size_t{1} << 20;        ///< per text
+constexpr std::size_t kMaxTotalSubstitutedBytes = std::size_t{16} << 20;  ///< over all texts
 
 const std::vector<std::string> kObjectTags = {"bsdf",  "shape",   "emitter",    "texture",    "sensor",
                                               "film",  "sampler", "rfilter",    "integrator", "medium",
@@ -60,7 +60,7 @@ class XmlReader {
     SourceLocation location;
   };
 
-  // --- files
+  // --- Files
 
   void read_file(const fs::path& file, SourceLocation named_at) {
     if (including_.size() >= kMaxIncludeDepth || tree_.files.size() >= kMaxFiles) {
@@ -126,7 +126,7 @@ class XmlReader {
     }
     if (tree_.files.size() == 1) {
       tree_.major_version = parts[0];
-      tree_.is_tolerant = parts[0] == 0;  // version 2 refuses what it does not know
+      tree_.is_tolerant = parts[0] == 0;  // version 2 and later reject unknown parameters
     }
     const std::int64_t major = parts[0], minor = parts.size() > 1 ? parts[1] : 0;
     if (major > 3 || (major == 0 && minor < 4)) {
@@ -162,7 +162,7 @@ class XmlReader {
     variables_.try_emplace(*name, *value);
   }
 
-  /// Where names in `file` are looked for: beside it, beside the scene, and in each <path>.
+  /// The folders for names in `file`: its own, the scene's, and each <path>.
   std::vector<fs::path> folders_of(const SourceFile& file) const {
     std::vector<fs::path> folders = {file.path.parent_path()};
     folders.insert(folders.end(), tree_.folders.begin(), tree_.folders.end());
@@ -223,7 +223,7 @@ class XmlReader {
     }
   }
 
-  // --- objects
+  // --- Objects
 
   void read_into(Object& parent, const ElementReader& element) {
     const std::string_view tag = element.element().name();
@@ -286,7 +286,7 @@ class XmlReader {
     object.tag = element.element().name();
     object.location = element.location();
     object.type_location = element.value_location("type");
-    if (object.tag == "blackbody") {  // a value with two attributes, and so no plugin by its form
+    if (object.tag == "blackbody") {  // a value with two attributes, which looks unlike a plugin
       object.type = "blackbody";
       if (element.check_attributes({"name", "temperature", "scale"})) {
         add_attribute(object, element, "temperature");
@@ -309,7 +309,7 @@ class XmlReader {
     parent.children.push_back({to_snake_case(name.value_or("")), &object, "", object.location});
   }
 
-  /// An attribute as if it were the parameter of that name: a number, if it is one.
+  /// Adds an attribute as if it were a parameter of that name; as a number, if it is one.
   static void add_attribute(Object& object, const ElementReader& element, const char* name) {
     const auto text = element.attribute(name);
     if (!text) return;
@@ -338,7 +338,7 @@ class XmlReader {
       result += text.substr(at, dollar - at);
       std::size_t end = dollar + 1;
       while (end < text.size() && is_name_char(text[end])) ++end;
-      // "$resx" is the variable "resx", or "res" followed by an x where there is only that.
+      // "$resx" is the variable "resx", or if there is none, "res" followed by an x.
       auto found = variables_.end();
       std::size_t length = end - dollar - 1;
       for (; length > 0 && found == variables_.end(); --length) {

@@ -19,7 +19,7 @@ struct AttributePlace {
   std::size_t name = 0, value = 0;
 };
 
-/// Scans the start tag at `offset` (of its name). The text is known to be well-formed.
+/// Finds an attribute in the start tag whose name is at `offset`. The text must be well-formed.
 AttributePlace find_attribute(std::string_view text, std::size_t offset, std::string_view wanted) {
   const AttributePlace fallback{offset, offset};
   std::size_t at = offset;
@@ -45,8 +45,8 @@ AttributePlace find_attribute(std::string_view text, std::size_t offset, std::st
   }
 }
 
-/// The first byte that is not of well-formed UTF-8, or is NUL. What ids and names hold goes into
-/// reports, which must be UTF-8.
+/// The offset of the first byte that is invalid UTF-8 or NUL. Ids and names are put into reports, which must
+/// be UTF-8.
 std::optional<std::size_t> find_bad_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = character_length(text, i);
@@ -62,7 +62,7 @@ Expected<void> check_document(const SourceFile& file, const pugi::xml_node& root
   };
   pugi::xml_node node = root;
   int depth = 0;
-  // Depth first without recursion, so that no nesting can exhaust the stack.
+  // Traverses depth first without recursion, so that deep nesting cannot overflow the stack.
   while (node) {
     if (node.type() == pugi::node_doctype && std::strchr(node.value(), '[') != nullptr) {
       return wrong(

@@ -1,4 +1,4 @@
-// One XML file: parsed, checked, and with a position in the text for every element and attribute.
+// Parses one XML file and finds the source location of its elements and attributes.
 #pragma once
 
 #include <pugixml.hpp>
@@ -9,18 +9,18 @@
 
 namespace penumbra::mitsuba {
 
-/// Parses UTF-8 text. Errors, with position: other text, not well-formed, a document type with entities (they
-/// could expand without bound), elements nested too deep, text between elements.
+/// Parses UTF-8 text. Errors, with their location: other encodings, text that is not well-formed, a document
+/// type with entities (which could expand without bound), elements nested too deep, text between elements.
 Expected<void> parse_xml(const SourceFile& file, pugi::xml_document& document);
 
-/// Of the element's name.
+/// The location of the element's name.
 SourceLocation locate(const SourceFile& file, const pugi::xml_node& element);
 
-/// Of the attribute's value, in the text as written; the element if it has none of that name.
+/// The location of the attribute's value in the source text, or of the element if it has no such attribute.
 SourceLocation locate_value(const SourceFile& file, const pugi::xml_node& element,
                             std::string_view attribute);
 
-/// Of the attribute's name.
+/// The location of the attribute's name.
 SourceLocation locate_attribute(const SourceFile& file, const pugi::xml_node& element,
                                 std::string_view attribute);
 

@@ -9,21 +9,21 @@
 namespace penumbra::nori {
 namespace {
 
-/// A plugin that tells a dialect. What several of one dialect and none of the other have outweighs what forks
-/// of either have taken over from the other.
+/// A plugin that indicates a dialect, with a weight. A plugin that several forks of one dialect have and none
+/// of the other outweighs those that forks have adopted from the other.
 struct Mark {
   std::string_view tag, type;
   Dialect dialect;
   int weight;
 };
 constexpr Mark kMarks[] = {
-    // The course's own exercises.
+    // Exercises of the original course.
     {"integrator", "whitted", Dialect::kNori, 2},
     {"integrator", "simple", Dialect::kNori, 2},
     {"integrator", "ao", Dialect::kNori, 2},
     {"integrator", "path_ems", Dialect::kNori, 2},
     {"integrator", "path_simple", Dialect::kNori, 1},
-    // Courses that have grown out of it (Zaragoza's).
+    // Courses that are based on it (Zaragoza's).
     {"emitter", "pointlight", Dialect::kNori, 3},
     {"texture", "textmap", Dialect::kNori, 3},
     {"texture", "checker", Dialect::kNori, 2},
@@ -56,7 +56,7 @@ struct Votes : pugi::xml_tree_walker {
       if (mark.tag != tag || mark.type != type) continue;
       const int side = mark.dialect == Dialect::kEth ? 1 : 0;
       const Mark*& best = strongest[side];
-      if (!seen_.insert(&mark).second) continue;  // each counts once, however many there are
+      if (!seen_.insert(&mark).second) continue;  // each counts once
       weights[side] += mark.weight;
       if (best == nullptr || mark.weight > best->weight) best = &mark;
     }

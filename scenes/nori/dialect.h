@@ -1,4 +1,4 @@
-// Nori's dialects: that of the course that it was written for, and that of ETH Zurich's.
+// Nori's dialects: that of its original course, and that of the course at ETH Zurich.
 #pragma once
 
 #include <optional>
@@ -10,19 +10,20 @@
 
 namespace penumbra::nori {
 
-/// They differ in plugins, and in the camera: +x of its space is to the left of the image in the first, as in
-/// Mitsuba, and to the right in the second, which mirrors the image. Environment maps of the first have y up,
-/// those of the second z.
+/// The dialects differ in plugins and in the camera. In the original, camera space has +x to the left of the
+/// image, as in Mitsuba. In ETH's it has +x to the right, which mirrors the image. Environment maps have y up
+/// in the original and z up in ETH's.
 enum class Dialect { kNori, kEth };
 
 inline OneOf<Dialect> dialects() { return {{{"nori", Dialect::kNori}, {"nori-eth", Dialect::kEth}}}; }
 
 struct DialectChoice {
   Dialect dialect = Dialect::kNori;
-  std::string reason;  ///< for people: what tells it
+  std::string reason;  ///< for users: the feature that determined it
 };
 
-/// By what only one of them has; where there is nothing of the kind it is the first.
+/// Determines the dialect from features that only one of them has. Without any such feature it is the
+/// original.
 DialectChoice dialect_of(const pugi::xml_node& root);
 
 /// "nori-eth (it has a <mesh> of type 'sphere')".

@@ -17,7 +17,7 @@
 namespace penumbra::nori {
 namespace {
 
-/// The one variable of a file: which scene of a <test>.
+/// The only variable of a file: the number of the scene in a <test>.
 constexpr std::string_view kTestScene = "scene";
 
 TreeOptions tree_options(Reading& reading) {
@@ -58,7 +58,7 @@ bool is_scene(const std::filesystem::path& file) {
   const pugi::xml_node root = document.document_element();
   const std::string_view name = root.name();
   if (name == "test") return !root.attribute("version");
-  // Some that were written after one of Mitsuba's still have its version.
+  // Some files that were derived from Mitsuba files still have a version.
   return name == "scene" && (root.child("camera") || (root.child("mesh") && !root.attribute("version")));
 }
 

@@ -21,7 +21,7 @@ using mitsuba::Object;
 using mitsuba::Parameter;
 using mitsuba::RgbValue;
 
-/// Nori's elements that are objects, and what they are called in Mitsuba.
+/// Nori's elements that are objects, with their names in Mitsuba.
 struct Tag {
   const char *nori, *mitsuba;
 };
@@ -31,7 +31,8 @@ constexpr Tag kTags[] = {
     {"rfilter", "rfilter"}, {"medium", "medium"},     {"phase", "phase"},           {"texture", "texture"},
     {"envmap", "emitter"},  {"volume", "medium"}};
 
-/// <diffusemap>, <normaltexture>: the name of the parameter that the texture is for; empty: no such element.
+/// <diffusemap>, <normaltexture>: the name of the parameter to which the texture belongs; empty for other
+/// elements.
 std::string map_element(std::string_view tag) {
   const std::string plain = plain_name(tag);
   for (const std::string_view suffix : {"map", "texture"})
@@ -126,7 +127,8 @@ class TreeReader {
                         "it is left out");
   }
 
-  /// The numbers of an element's value; nothing, and an error, unless there are so many.
+  /// The numbers of an element's value. Nothing, and an error, if their count is not between `fewest` and
+  /// `most`.
   std::optional<std::vector<double>> read_numbers(const ElementReader& element, std::size_t fewest,
                                                   std::size_t most, std::string_view what) {
     const auto text = element.required("value");
@@ -149,7 +151,7 @@ class TreeReader {
                           element.location(), element.value_location("value")});
   }
 
-  /// Of textures they have two numbers.
+  /// Vectors in textures have two numbers.
   void read_vector(Object& parent, const ElementReader& element) {
     if (!element.check_attributes({"name", "value"})) return;
     const auto name = element.required("name");
@@ -172,7 +174,8 @@ class TreeReader {
     parent.parameters.push_back(std::move(*parameter));
   }
 
-  /// An element of a fork that is a texture by its name: it holds a string with the file, or names it itself.
+  /// An element of a fork that is a texture: it contains a string with the file name, or names the file
+  /// itself.
   void read_map(Object& parent, const ElementReader& element, const std::string& name) {
     Object& texture = t_.new_object("texture", "", element.location());
     texture.type = to_snake_case(element.attribute("type").value_or(element.element().name()));
@@ -219,13 +222,14 @@ class TreeReader {
         child.name = "interior";
         has_medium = true;
       }
-    // A light's surface too is diffuse in Nori, where nothing is said; that of a medium lets light through.
+    // In Nori, a shape without a BSDF is diffuse, even if it is an emitter. A shape that bounds a medium is
+    // transparent.
     if (find_child(object, "bsdf") == nullptr)
       add_child(object, t_.new_object("bsdf", has_medium ? "null" : "diffuse", object.location));
     bend_bsdf_of(t_, object);
   }
 
-  /// A ball about the scene that holds its environment is none to Mitsuba, and to Penumbra.
+  /// A sphere around the scene that holds its environment map is not a shape in Mitsuba or here.
   bool is_seen(Object& shape) {
     const Child* emitter = find_child(shape, "emitter");
     if (emitter == nullptr || !is_environment(*emitter->object)) return true;
@@ -235,7 +239,7 @@ class TreeReader {
     return false;
   }
 
-  /// The sampler belongs to the camera, and so do media without bounds.
+  /// The sampler, and media without bounds, belong to the camera.
   void finish_scene() {
     auto& children = tree_.scene.children;
     const auto of = [&](std::string_view tag) {

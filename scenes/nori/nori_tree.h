@@ -1,4 +1,4 @@
-// From Nori's XML to the tree of Mitsuba's objects that mean the same.
+// Converts Nori's XML to a tree of the equivalent Mitsuba objects.
 #pragma once
 
 #include <optional>
@@ -17,11 +17,12 @@ struct Tree {
 };
 
 struct TreeOptions {
-  std::optional<Dialect> dialect = std::nullopt;  ///< none: told by the file
-  std::optional<int> test_scene = std::nullopt;   ///< of a file whose root is <test>: which, from 1 on
+  std::optional<Dialect> dialect = std::nullopt;  ///< none: determined from the file
+  /// For a file whose root is <test>: the number of the scene, from 1 on.
+  std::optional<int> test_scene = std::nullopt;
 };
 
-/// Problems go to the report; the tree then holds what could be read.
+/// Problems are added to the report. The tree then holds whatever could be read.
 Tree read_tree(const std::filesystem::path& file, const TreeOptions& options, const FileAccess& files,
                Diagnostics& diagnostics, ReaderReport& report);
 

@@ -1,4 +1,4 @@
-// From each kind of object of Nori's, and of the courses' forks, to Mitsuba's that means the same.
+// Translates the objects of Nori and its forks to the equivalent Mitsuba objects.
 #pragma once
 
 #include <optional>
@@ -7,22 +7,22 @@
 
 namespace penumbra::nori {
 
-/// Checkerboards, images and constants, by whatever name.
+/// Translates checkerboards, images and constants, whatever they are called.
 void translate_texture(const Translation& t, mitsuba::Object& texture);
-/// The parameter that names an image file, by its own name or by the file's; null where there is none.
+/// The parameter that names an image file, recognised by its own name or by the file's extension; null if
+/// there is none.
 mitsuba::Parameter* image_name(mitsuba::Object& object);
-/// What the object holds as textures that are constant becomes parameters; strings that name image files
-/// become textures.
+/// Converts nested constant textures to parameters, and strings that name image files to textures.
 void settle_textures(const Translation& t, mitsuba::Object& object);
 
-/// With its normal or bump map around it, if it has one.
+/// Translates a BSDF and wraps it in its normal or bump map, if it has one.
 void translate_bsdf(const Translation& t, mitsuba::Object& bsdf);
-/// The same for a map that the shape holds, about its BSDF.
+/// Wraps a shape's BSDF in the normal or bump map that the shape holds.
 void bend_bsdf_of(const Translation& t, mitsuba::Object& shape);
 
-/// A light of the scene, or with `shape` of that.
+/// Translates an emitter of the scene, or of `shape` if that is given.
 void translate_emitter(const Translation& t, mitsuba::Object& emitter, const mitsuba::Object* shape);
-/// Whether it lights the scene from all directions.
+/// Whether the emitter illuminates the scene from all directions.
 bool is_environment(const mitsuba::Object& emitter);
 
 void translate_camera(const Translation& t, mitsuba::Object& camera);
@@ -30,12 +30,13 @@ void translate_sampler(const Translation& t, mitsuba::Object& sampler);
 void translate_filter(const Translation& t, mitsuba::Object& filter);
 
 void translate_integrator(const Translation& t, mitsuba::Object& integrator);
-/// What integrators make of the scene that have a light and materials of their own (`simple`, `material`).
+/// Handles integrators that define a light and materials of their own (`simple`, `material`): adds these to
+/// the scene.
 void apply_integrator(const Translation& t, mitsuba::Object& scene);
 
 void translate_medium(const Translation& t, mitsuba::Object& medium);
 void translate_phase(const Translation& t, mitsuba::Object& phase);
-/// Media that the scene holds: about the camera, or inside a shape of their own that light passes through.
+/// Places the media that the scene holds: around the camera, or inside an index-matched shape of their own.
 void place_media(const Translation& t, mitsuba::Object& scene);
 
 }  // namespace penumbra::nori

@@ -19,7 +19,7 @@ struct Renaming {
   const char* to;
 };
 
-/// A BSDF of ours, by all the names that forks have for it (see plain_name).
+/// A BSDF with all names that forks have for it (see plain_name).
 struct BsdfRow {
   std::vector<std::string_view> names;
   const char* ours;
@@ -61,7 +61,7 @@ const std::vector<BsdfRow>& rows() {
   return all;
 }
 
-/// Numbers of Disney's are in [0, 1].
+/// Clamps the numbers of Disney's BSDF to [0, 1].
 void clamp_numbers(const Translation& t, Object& bsdf) {
   for (Parameter& parameter : bsdf.parameters) {
     auto* number = std::get_if<double>(&parameter.value);
@@ -73,7 +73,7 @@ void clamp_numbers(const Translation& t, Object& bsdf) {
   }
 }
 
-/// Puts a map around the BSDF, which keeps its address.
+/// Wraps the BSDF, which keeps its address, in a map.
 void bend(const Translation& t, Object& bsdf, Child map) {
   const bool bump = map.name.starts_with("bump");
   Object& inside = t.new_object("bsdf", "", bsdf.location);
@@ -100,7 +100,7 @@ void translate_bsdf(const Translation& t, Object& bsdf) {
   const std::string plain = plain_name(bsdf.type);
   const auto row = std::ranges::find_if(
       rows(), [&](const BsdfRow& each) { return std::ranges::find(each.names, plain) != each.names.end(); });
-  if (row == rows().end()) return;  // one of Mitsuba's, or unknown, as its reader finds out
+  if (row == rows().end()) return;  // one of Mitsuba's, or unknown; its reader reports that
   const bool is_disney = std::string_view(row->ours) == "disney";
   if (row->ours != std::string_view("normalmap") && row->ours != std::string_view("bumpmap"))
     for (const Renaming& renaming : row->parameters)

@@ -14,7 +14,7 @@ using mitsuba::Parameter;
 
 namespace {
 
-/// What no pinhole or lens before a plane is.
+/// Projections other than perspective.
 bool is_another_projection(std::string_view plain) {
   static constexpr std::string_view kOthers[] = {"fisheye",   "panoram", "environment",
                                                  "spherical", "omni",    "equirect"};

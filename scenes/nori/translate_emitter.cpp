@@ -31,7 +31,8 @@ void scale_colour(Parameter& parameter, double factor) {
   if (auto* number = std::get_if<double>(&parameter.value)) *number *= factor;
 }
 
-/// An intensity as it is, or a power over the solid angle that it fills. Nori's default is 1, or no light.
+/// Keeps an intensity, or computes it from a power and the solid angle. The default in Nori is 1, or no
+/// light.
 void settle_intensity(Object& light, double solid_angle) {
   if (Parameter* power = find(light, "power")) {
     power->name = "intensity";
@@ -41,7 +42,7 @@ void settle_intensity(Object& light, double solid_angle) {
   rename(light, {"radiance", "energy", "color"}, "intensity");
 }
 
-/// Degrees from the axis, by an angle or its cosine.
+/// An angle from the axis in degrees, given as an angle or as its cosine.
 std::optional<double> angle_of(Object& light, std::initializer_list<std::string_view> angles,
                                std::initializer_list<std::string_view> cosines) {
   if (const auto cosine = take_any(light, cosines))
@@ -51,7 +52,7 @@ std::optional<double> angle_of(Object& light, std::initializer_list<std::string_
   return std::nullopt;
 }
 
-/// About the direction, or towards a target.
+/// A frame from a direction or a target.
 std::optional<glm::dmat4> frame_of(Object& light) {
   const auto position = take_any(light, {"position", "pos", "origin"});
   const auto direction = take_any(light, {"direction", "dir"});
@@ -79,7 +80,7 @@ void translate_spot(const Translation& t, Object& light) {
           .value_or(0.75 * cutoff);
   beam = std::clamp(beam, 0.0, cutoff);
   const double radians = std::numbers::pi / 180;
-  // That of pbrt, which forks follow: as if the light reached half of the way between both angles.
+  // pbrt's formula, which forks use: as if the light extended to half way between both angles.
   settle_intensity(
       light, 2 * std::numbers::pi * (1 - 0.5 * (std::cos(cutoff * radians) + std::cos(beam * radians))));
   if (beam < cutoff)
@@ -96,7 +97,7 @@ void translate_spot(const Translation& t, Object& light) {
     t.report.error(light.location, "the direction of a spot must have a length above 0");
 }
 
-/// Its image, in whatever way it is named; nothing where it is the same in all directions.
+/// The image of an environment, under any of its names. Nothing if it is constant.
 void settle_image(const Translation& t, Object& light) {
   for (Child& child : light.children) {
     if (child.object->tag != "texture") continue;
@@ -128,7 +129,7 @@ void settle_image(const Translation& t, Object& light) {
                                   "longitudes are Mitsuba's",
                                   t.dialect == Dialect::kEth ? "z" : "y"));
   if (t.dialect != Dialect::kEth) return;
-  // From Mitsuba's axes of the image to those of Nori's spherical coordinates.
+  // From Mitsuba's axes of environment maps to those of Nori's spherical coordinates.
   glm::dmat4 z_up(0.0);
   z_up[0][1] = -1.0;
   z_up[1][2] = 1.0;
@@ -154,7 +155,7 @@ void translate_emitter(const Translation& t, Object& emitter, const Object* shap
     const bool own = plain.find("area") != plain.npos ||
                      find_any(emitter, {"radiance", "albedo"}) != nullptr ||
                      find_child(emitter, "texture") != nullptr;
-    if (!own || plain.starts_with("vol")) return;  // what is inside the shape shines
+    if (!own || plain.starts_with("vol")) return;  // the interior of the shape emits
     emitter.type = "area";
     rename(emitter, {"albedo", "texture", "emission", "color", "map", ""}, "radiance");
     return;

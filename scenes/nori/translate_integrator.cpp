@@ -22,7 +22,7 @@ namespace {
 constexpr const char* kSimple = "simple";
 constexpr const char* kMaterial = "material";
 
-/// Integrators, and the settings of ours that make the same image.
+/// Integrators, and our settings that make the same image.
 struct Integrator {
   const char *nori, *ours;
   std::vector<std::pair<const char*, Value>> settings = {};
@@ -43,7 +43,7 @@ const std::vector<Integrator>& integrators() {
       {kSimple, "direct", {{"emitter_samples", I(1)}, {"bsdf_samples", I(0)}}},
       {"normals", "normals"},
       {kMaterial, "path_mats", {{"max_depth", I(1)}}},
-      // What leaves the scene is black in the one and white in the other.
+      // They differ in rays that leave the scene: black in the one, white in the other.
       {"ao", "ao", {{"ray_length", 0.0}, {"background", 0.0}}},
       {"av",
        "ao",
@@ -56,7 +56,7 @@ const std::vector<Integrator>& integrators() {
   return all;
 }
 
-/// What stands in for an integrator of a fork, told by its name: other ways to the image of a path tracer.
+/// The substitute for an integrator of a fork, by its name: path tracers that converge to the same image.
 /// Empty: none.
 std::string_view substitute_for(std::string_view plain) {
   const auto has = [&](std::string_view word) { return plain.find(word) != plain.npos; };

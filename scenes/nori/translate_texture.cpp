@@ -32,7 +32,7 @@ std::string without_suffix(std::string name) {
   return name;
 }
 
-/// Numbers of images are not sRGB where they are no colours.
+/// Images that are not colours are not sRGB-encoded.
 bool is_colour(std::string_view name) {
   static constexpr std::string_view kNumbers[] = {
       "roughness", "metallic", "metalness", "normal",   "normals",     "bump",  "displacement",
@@ -57,7 +57,7 @@ void set_to_uv(Object& texture, glm::dvec2 factors, glm::dvec2 offsets) {
   set(texture, "to_uv", to_uv);
 }
 
-/// Squares of side `scale`, from `delta` on: value1 where the whole parts of u / scale - delta add up to an
+/// Squares of side `scale` with offset `delta`: value1 where the integer parts of u / scale - delta sum to an
 /// even number. Our v is 1 - v, and our squares have half the side.
 void translate_checkerboard(Object& texture) {
   const bool number = texture.type.ends_with("float");
@@ -69,7 +69,7 @@ void translate_checkerboard(Object& texture) {
     side = 1.0 / glm::dvec2(pair_of(x, 1.0).x, pair_of(y, 1.0).x);  // how many there are
   }
   texture.type = "checkerboard";
-  // As numbers the colours of a checkerboard are exchanged, see TextureReader.
+  // The colours of a checkerboard used as a number are exchanged; see TextureReader.
   const char* const first = number ? "color1" : "color0";
   const char* const second = number ? "color0" : "color1";
   rename(texture, {"value1", "color_1", "albedo1", "tex1", "value_1"}, first);

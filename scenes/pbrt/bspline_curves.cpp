@@ -13,7 +13,7 @@ Cubic cubic_of_square(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
   return {a, (a + 2.0 * b) / 3.0, (2.0 * b + c) / 3.0, c};
 }
 
-/// The Bezier points of a piece.
+/// The Bezier control points of a segment.
 Cubic piece_of(Points points, std::size_t piece, const CurveKind& kind) {
   if (kind.degree == 3) {
     const Points p = points.subspan(3 * piece);
@@ -24,7 +24,7 @@ Cubic piece_of(Points points, std::size_t piece, const CurveKind& kind) {
                      : cubic_of_square(0.5 * (p[0] + p[1]), p[1], 0.5 * (p[1] + p[2]));
 }
 
-/// The control points of the B-spline that is the same polynomial.
+/// The B-spline control points of the same polynomial.
 Cubic controls_of(const Cubic& b) {
   return {6.0 * b[0] - 7.0 * b[1] + 2.0 * b[2], 2.0 * b[1] - b[2], 2.0 * b[2] - b[1],
           6.0 * b[3] - 7.0 * b[2] + 2.0 * b[1]};
@@ -35,7 +35,8 @@ Cubic controls_of(const Cubic& b) {
 std::vector<Curve> bspline_curves(Points points, const CurveKind& kind) {
   const auto degree = std::size_t(kind.degree);
   const std::size_t pieces = kind.bezier ? (points.size() - 1) / degree : points.size() - degree;
-  // A linear radius has controls on the line, beyond the ends too; none is below 0.
+  // A radius that varies linearly has control values on the line, also beyond the ends; they are clamped at
+  // 0.
   const auto radius = [&](double pieces_on) {
     return std::max(0.0,
                     kind.first_radius + (kind.last_radius - kind.first_radius) * pieces_on / double(pieces));

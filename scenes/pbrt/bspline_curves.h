@@ -1,4 +1,4 @@
-// Curves of pbrt as uniform cubic B-splines.
+// Converts pbrt's curves to uniform cubic B-splines.
 #pragma once
 
 #include <span>
@@ -9,13 +9,13 @@
 namespace penumbra::pbrt {
 
 struct CurveKind {
-  bool bezier = true;                            ///< else a uniform B-spline
+  bool bezier = true;                            ///< false: a uniform B-spline
   int degree = 3;                                ///< or 2
-  double first_radius = 0.5, last_radius = 0.5;  ///< at its ends, linear between them
+  double first_radius = 0.5, last_radius = 0.5;  ///< radii at the two ends; linear between them
 };
 
-/// The same curve; of Bezier pieces, and of degree 2, each by itself. There are as many points as pieces
-/// need.
+/// The same curve as cubic B-splines. Each Bezier segment becomes a curve of its own, and so does each
+/// segment of degree 2. The number of points must be valid for the kind.
 std::vector<Curve> bspline_curves(std::span<const glm::dvec3> points, const CurveKind& kind);
 
 }  // namespace penumbra::pbrt

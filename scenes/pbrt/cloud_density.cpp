@@ -8,9 +8,9 @@ namespace penumbra::pbrt {
 namespace {
 
 constexpr int kMostCloudCells = 128;
-constexpr double kLacunarity = 1.99;  ///< not 2, so that lattices of octaves do not meet
+constexpr double kLacunarity = 1.99;  ///< not 2, so that the lattices of octaves do not coincide
 
-/// Of a corner of the lattice.
+/// A hash of a lattice corner.
 std::uint32_t hashed(const glm::ivec3& corner) {
   std::uint32_t h = std::uint32_t(corner.x) * 0x8da6b343u ^ std::uint32_t(corner.y) * 0xd8163841u ^
                     std::uint32_t(corner.z) * 0xcb1ab31fu;
@@ -19,7 +19,8 @@ std::uint32_t hashed(const glm::ivec3& corner) {
   return h ^ h >> 16;
 }
 
-/// One of the twelve directions to the edges of a cube, times a place (Perlin, Improving Noise, 2002).
+/// The gradient at a corner, one of the twelve directions to the edges of a cube, times the offset (Perlin,
+/// Improving Noise, 2002).
 double slope(const glm::ivec3& corner, const glm::dvec3& d) {
   const std::uint32_t h = hashed(corner) % 12;
   const double a = h < 8 ? d.x : d.y, b = h < 4 ? d.y : d.z;

@@ -34,8 +34,8 @@ glm::dmat3 to_xyz(const ColourSpace& space) {
   return {primaries[0] * strengths.x, primaries[1] * strengths.y, primaries[2] * strengths.z};
 }
 
-/// To linear Rec. 709, white to white: a light's or a surface's colour of (1, 1, 1) is what it is in pbrt,
-/// the space's own white or the same at all wavelengths.
+/// Converts to linear Rec. 709 and maps white to white: (1, 1, 1) means in pbrt the space's own white, or a
+/// constant spectrum.
 glm::dvec3 to_rec709(const glm::dvec3& colour, std::string_view space) {
   if (space == "srgb") return colour;
   for (const ColourSpace& each : kColourSpaces) {
@@ -52,7 +52,7 @@ glm::vec3 with_luminance_1(const glm::vec3& colour) {
   return y > 0.0 ? glm::vec3(glm::dvec3(colour) / y) : glm::vec3(0.0f);
 }
 
-/// Planck's law, but for a factor.
+/// Planck's law up to a factor.
 glm::vec3 black_body(double kelvin) {
   std::vector<SpectrumSample> samples;
   for (double nm = 360.0; nm <= 830.0; nm += 5.0) {
@@ -63,7 +63,7 @@ glm::vec3 black_body(double kelvin) {
   return with_luminance_1(emission_to_rgb(samples));
 }
 
-/// Of CIE 15:2004, by their chromaticities.
+/// Illuminants of CIE 15:2004, given by their chromaticities.
 std::optional<glm::vec3> standard_illuminant(std::string_view name) {
   static constexpr std::pair<std::string_view, glm::dvec2> kIlluminants[] = {
       {"A", {0.44757, 0.40745}},   {"D50", {0.34567, 0.35850}}, {"D65", kD65},
@@ -174,7 +174,7 @@ bool is_colour_space(std::string_view name) {
 }
 
 std::optional<double> glass_index(std::string_view name) {
-  // Of the makers' data sheets, n_d; diamond: Phillip and Taft (1964).
+  // n_d from the makers' data sheets; diamond: Phillip and Taft (1964).
   static constexpr std::pair<std::string_view, double> kGlasses[] = {
       {"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-F11", 1.6206},
       {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503}, {"glass-SF5", 1.6727},

@@ -1,4 +1,4 @@
-// Colours of pbrt: rgb, tabulated and named spectra, black bodies.
+// Colours of pbrt: RGB, tabulated and named spectra, black bodies.
 #pragma once
 
 #include <optional>
@@ -8,21 +8,22 @@
 
 namespace penumbra::pbrt {
 
-/// What a colour is of.
+/// The quantity that a colour describes.
 enum class ColourOf { kReflectance, kIndex, kLight };
 
-/// Of a parameter of the type rgb, spectrum or blackbody; none, and an error, where it is no colour. A
-/// light's spectrum has luminance 1, as pbrt makes it, and so has a black body's; an rgb is what it is.
+/// The colour of a parameter of type rgb, spectrum or blackbody. Nothing, and an error, if it is not a
+/// colour. The spectrum of a light is scaled to luminance 1, as in pbrt, and so is a black body; RGB values
+/// are unchanged.
 std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, const FileAccess& files,
                                    const std::filesystem::path& folder, ReaderReport& report);
 
-/// Of linear Rec. 709.
+/// The luminance of a linear Rec. 709 colour.
 double luminance(const glm::dvec3& colour);
 
-/// Whether pbrt knows it by this name.
+/// Whether pbrt has a colour space of this name.
 bool is_colour_space(std::string_view name);
 
-/// The refractive index of a named glass, "glass-BK7", at 589 nm.
+/// The refractive index at 589 nm of a named glass, "glass-BK7" for example.
 std::optional<double> glass_index(std::string_view name);
 
 }  // namespace penumbra::pbrt

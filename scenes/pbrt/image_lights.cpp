@@ -14,15 +14,16 @@
 namespace penumbra::pbrt {
 namespace {
 
-/// Of a plane below the octahedral image, half of what it is in truth: so pbrt counts it, and it is by this
-/// that files give a sky's brightness.
+/// The illuminance of a plane below the octahedral image. It is half of the true value, because pbrt computes
+/// it so, and files give a sky's brightness accordingly.
 double illuminance_of(const Bitmap& square) {
   const BitmapValues values(square, kSrgb);
   const auto channels = std::size_t(square.channels);
   double sum = 0;
   for (int y = 0; y < square.height; ++y)
     for (int x = 0; x < square.width; ++x) {
-      // The diamond in the middle is the upper half; there areas are the sphere's, and z = 1 - r².
+      // The central diamond is the upper hemisphere. Areas there are proportional to solid angle, and z = 1 -
+      // r².
       const double r =
           std::abs(2 * (x + 0.5) / square.width - 1) + std::abs(2 * (y + 0.5) / square.height - 1);
       if (r >= 1) continue;
@@ -33,7 +34,7 @@ double illuminance_of(const Bitmap& square) {
   return sum * 2 * kPi / (double(square.width) * square.height);
 }
 
-/// An octahedral image, bilinear between its texels.
+/// An octahedral image with bilinear interpolation.
 class OctahedralImage {
  public:
   explicit OctahedralImage(const Bitmap& square) : values_(square, kSrgb), square_(square) {}
@@ -50,7 +51,7 @@ class OctahedralImage {
   [[nodiscard]] glm::dvec3 texel(int x, int y) const {
     const int side = square_.width;
     const auto channels = std::size_t(square_.channels);
-    // Beyond an edge, the other half of it, turned round.
+    // Beyond an edge, the image continues at the other half of that edge, reversed.
     if (x < 0) x = -1 - x, y = side - 1 - y;
     if (x >= side) x = 2 * side - 1 - x, y = side - 1 - y;
     if (y < 0) y = -1 - y, x = side - 1 - x;
@@ -68,7 +69,7 @@ void add(std::vector<float>& values, const glm::dvec3& colour) {
   for (int c = 0; c < 3; ++c) values.push_back(float(colour[c]));
 }
 
-/// The octahedral image as one of longitudes and polar angles, y up, texels of half as many rows.
+/// Resamples the octahedral image to longitude and polar angle, with y up and half as many rows as columns.
 std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
   const int height = std::clamp(square.width, 2, 8192), width = 2 * height;
   const OctahedralImage image(square);
@@ -77,8 +78,7 @@ std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
   for (int row = 0; row < height; ++row) {
     const double theta = kPi * row / (height - 1);
     for (int column = 0; column < width; ++column) {
-      // Texel (x, y) of ours is at longitude 2 pi (x + 1/2) / W, see kernels/light/envmap_grid.h: z towards
-      // -y.
+      // Our texel (x, y) is at longitude 2 pi (x + 1/2) / W, see kernels/light/envmap_grid.h; z becomes -y.
       const double phi = 2 * kPi * (column + 0.5) / width;
       add(values, image.towards(
                       {std::sin(phi) * std::sin(theta), std::cos(theta), -std::cos(phi) * std::sin(theta)}));
@@ -87,13 +87,13 @@ std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
   return std::make_shared<const Bitmap>(float_bitmap(square.name, width, height, 3, values));
 }
 
-/// Radiant intensity over directions of a beam, of an image `width` by `height` whose shorter side spans an
-/// angle of which `half` is the tangent of half, by a function of places at distance 1.
+/// The radiant intensity of a beam as an image of `width` by `height`. `half` is the tangent of half the
+/// angle of its shorter side. It is computed from a function of positions at distance 1.
 struct Beam {
   int width = 0, height = 0;
   double half = 1.0;
   std::vector<float> values = {};
-  double power = 0.0;  ///< luminance over all directions, of unit scale
+  double power = 0.0;  ///< luminance integrated over all directions, for unit scale
 };
 template <typename Intensity>
 Beam beam_of(int width, int height, double half, const Intensity& intensity) {
@@ -103,7 +103,7 @@ Beam beam_of(int width, int height, double half, const Intensity& intensity) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const glm::dvec3 at(most.x * (2 * (x + 0.5) / width - 1), -most.y * (2 * (y + 0.5) / height - 1), 1.0);
-      // A projector's image is of irradiance on a plane at distance 1, cos³ of the intensity.
+      // A projector's image is the irradiance on a plane at distance 1, which is cos³ times the intensity.
       const double cosine = 1 / glm::length(at), factor = cosine * cosine * cosine;
       const glm::dvec3 colour = factor * intensity(x, y, at);
       add(beam.values, colour);
@@ -112,14 +112,14 @@ Beam beam_of(int width, int height, double half, const Intensity& intensity) {
   return beam;
 }
 
-/// Its x axis is to the right of the image.
+/// Adds a beam. Its x axis points to the right of the image.
 void add_beam(Context& context, TextureReader& textures, const std::string& name, const Beam& beam,
               const glm::dvec3& strength, const glm::dmat4& to_world, SourceLocation location) {
   const auto frame = without_scale(to_world * scaling(glm::dvec3(-1.0, 1.0, 1.0)));
   if (!frame) return context.report.error(location, frame.error().message);
   ProjectorLight light;
   light.irradiance = TexturedColour(glm::vec3(1.0f));
-  // pi: its image is of the radiance of a white surface.
+  // Divided by pi, because the image is the radiance of a white surface.
   light.irradiance.texture =
       textures.scaled(textures.made_image(name, float_bitmap(name, beam.width, beam.height, 3, beam.values)),
                       glm::vec3(strength / kPi));
@@ -231,11 +231,11 @@ void read_goniometric(Context& context, TextureReader& textures, Parameters& par
     return report.error(parameters.location("filename", location),
                         fmt::format("an image of {} x {}; one of all directions is square, up to 16384",
                                     image->width, image->height));
-  // Areas of the octahedral image are those of the sphere.
+  // Areas of the octahedral image are proportional to solid angle.
   strength *= factor_of(context, parameters, "power", 4 * kPi * std::max(mean_luminance(*image), 1e-30));
   const OctahedralImage directions(*image);
   const int side = std::clamp(image->width / 2, 16, 2048);
-  // The axes of the faces of a cube, each with one to the right and one upwards.
+  // For each face of a cube its axis, and one axis to the right and one upwards.
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       glm::dmat4 face(0.0);

@@ -23,7 +23,7 @@ void read_point(Context& context, Parameters& parameters, const GraphicsState& s
   add_punctual_light(light, context.scene);
 }
 
-/// From `from` to `to` in the world; none, and an error, where they are the same.
+/// The direction from `from` to `to` in world space. Nothing, and an error, if they are equal.
 std::optional<glm::dvec3> direction_of(Context& context, Parameters& parameters, const GraphicsState& state,
                                        SourceLocation location, glm::dvec3& from) {
   from = parameters.point("from", glm::dvec3(0.0), context.report);

@@ -24,7 +24,7 @@ glm::vec3 emitted(Context& context, Parameters& parameters, std::string_view nam
 double factor_of(Context& context, Parameters& parameters, std::string_view name, double of_unit) {
   if (!parameters.has(name)) return 1.0;
   const double value = parameters.number(name, -1.0, context.report);
-  if (!(value > 0.0)) return 1.0;  // as in pbrt: not given
+  if (!(value > 0.0)) return 1.0;  // as in pbrt, this means not given
   return value / of_unit;
 }
 

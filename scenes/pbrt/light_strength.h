@@ -1,4 +1,4 @@
-// How bright lights of pbrt are.
+// The brightness of pbrt's lights.
 #pragma once
 
 #include <string_view>
@@ -9,13 +9,14 @@
 
 namespace penumbra::pbrt {
 
-/// The colour of that name times the light's `scale` and the film's exposure.
+/// The colour of that name, times the light's `scale` and the film's exposure.
 glm::vec3 emitted(Context& context, Parameters& parameters, std::string_view name, SourceLocation location);
 
-/// Given as `power` or `illuminance`, which replaces nothing but a factor: that of a light of unit strength.
+/// The factor that gives a light the value of its parameter `power` or `illuminance`; 1 if that is not given.
+/// `of_unit` is the value for a light of unit strength.
 double factor_of(Context& context, Parameters& parameters, std::string_view name, double of_unit);
 
-/// The mean luminance of an image.
+/// The mean luminance over all texels of an image.
 double mean_luminance(const Bitmap& image);
 
 }  // namespace penumbra::pbrt

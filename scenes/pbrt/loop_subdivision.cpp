@@ -34,7 +34,7 @@ Expected<Edges> edges_of(const Mesh& mesh) {
   return edges;
 }
 
-/// The sums over a vertex's neighbours, and along the boundary over those two.
+/// The sums over a vertex's neighbours; for a boundary vertex over its two boundary neighbours.
 struct Neighbours {
   glm::dvec3 sum{0.0}, boundary_sum{0.0};
   int count = 0;
@@ -53,7 +53,7 @@ std::vector<Neighbours> neighbours_of(const Mesh& mesh, const Edges& edges) {
   return all;
 }
 
-/// Warren's weights of a neighbour.
+/// Warren's weight of a neighbour.
 double beta_of(int count) { return count == 3 ? 3.0 / 16.0 : 3.0 / (8.0 * count); }
 
 Expected<Mesh> refined(const Mesh& mesh) {

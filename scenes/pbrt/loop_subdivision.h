@@ -1,4 +1,4 @@
-// Subdivision surfaces of triangles (Loop, Smooth Subdivision Surfaces Based on Triangles, 1987).
+// Subdivision surfaces over triangles (Loop, Smooth Subdivision Surfaces Based on Triangles, 1987).
 #pragma once
 
 #include "kernels/host/error.h"
@@ -6,9 +6,9 @@
 
 namespace penumbra::pbrt {
 
-/// The mesh of so many levels, its vertices moved onto the limit surface, without normals. Of `mesh`
-/// positions and triangles count, each edge of at most two triangles. Errors: an edge of more; more triangles
-/// than are made.
+/// Subdivides `levels` times and moves the vertices to the limit surface. Only positions and triangles of
+/// `mesh` are used, and the result has no normals. Each edge may belong to at most two triangles. Errors: an
+/// edge with more; the mesh would exceed the limit on triangles.
 Expected<Mesh> loop_subdivided(const Mesh& mesh, int levels);
 
 }  // namespace penumbra::pbrt

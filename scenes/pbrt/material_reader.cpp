@@ -13,10 +13,10 @@
 namespace penumbra::pbrt {
 namespace {
 
-/// Below, pbrt's microfacets count as smooth.
+/// Below this alpha, pbrt treats microfacets as smooth.
 constexpr float kSmooth = 1e-3f;
 
-/// An opaque material looks alike from both sides.
+/// An opaque material is the same on both sides.
 SurfaceMaterial both_sides(const char* name, BsdfModel model) {
   const MaterialTree tree = leaf(name, std::move(model));
   return {tree, tree};
@@ -136,7 +136,7 @@ SurfaceMaterial MaterialReader::diffuse(Parameters& parameters, SourceLocation) 
   return both_sides("diffuse", model);
 }
 
-/// alpha is the square root of what is given, unless `remaproughness` is false.
+/// alpha is the square root of the given roughness, unless `remaproughness` is false.
 MaterialReader::Roughness MaterialReader::roughness(Parameters& parameters, const std::string& prefix,
                                                     SourceLocation location) {
   ReaderReport& report = context_.report;
@@ -186,7 +186,7 @@ SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std
   ConductorSurface model;
   set_metal(model, "Cu");
   if (parameters.has("reflectance")) {
-    // eta 1 and the k with which as much is reflected along the normal: 2 sqrt(r) / sqrt(1 - r).
+    // Use eta 1 and the k that gives this reflectance at normal incidence: 2 sqrt(r) / sqrt(1 - r).
     const TexturedColour given =
         textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
     if (given.texture != kNoTexture) {
@@ -248,7 +248,7 @@ double MaterialReader::index(Parameters& parameters, std::string_view name, Sour
   if (eta->type == "spectrum") {
     context_.report.warn_counted(eta->location, "glasses have one refractive index at all wavelengths");
     const auto glass = eta->texts.size() == 1 ? glass_index(eta->texts[0]) : std::nullopt;
-    // Of a table, in the middle of what is seen.
+    // From a table, the value in the middle of the visible range.
     const auto colour =
         glass ? std::nullopt
               : colour_of(*eta, ColourOf::kIndex, context_.files, context_.folder, context_.report);
@@ -284,7 +284,7 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
   ReaderReport& report = context_.report;
   const double given = index(parameters, "eta", location, fallback);
   const Roughness rough = roughness(parameters, "", location);
-  // Without a boundary there is nothing but what lies under it.
+  // Without a boundary only the base remains.
   if (given == 1.0) {
     DiffuseBsdf model;
     model.reflectance = colour;
@@ -342,7 +342,7 @@ SurfaceMaterial MaterialReader::thin_dielectric(Parameters& parameters, SourceLo
   return surface_of("thindielectric", model);
 }
 
-/// A share of each side: a diffuse reflector, or a sheet that scatters all of its light to the other side.
+/// A blend of a diffuse reflector and a sheet that scatters all light to the other side.
 SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   TexturedColour reflected =
@@ -357,7 +357,7 @@ SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, Sou
   BlendBsdf blend;
   if (plain && most_reflected + most_passing > 0.0f)
     blend.weight = most_passing / (most_reflected + most_passing);
-  // What shares are of must have no more than 1.
+  // The blend's parts must not exceed 1 after division by their shares.
   const auto share = [&](TexturedColour& colour, float of) {
     if (of <= 0.0f) return;
     const float factor = float(scale) / of;
@@ -380,7 +380,7 @@ SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, Sou
                  both_sides("diffusetransmission", sheet));
 }
 
-/// Of what scatters beneath the surface only that which comes out where it went in.
+/// Subsurface scattering is approximated by light that leaves where it entered.
 SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   report.warn_counted(location, "subsurface is approximated by a plastic: light comes out where it went in");
@@ -412,8 +412,8 @@ SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocatio
       else
         *field = given.value;
     }
-    // Of a half space that scatters alike in all directions, by similarity; lit from all sides (van de
-    // Hulst).
+    // The diffuse reflectance of a semi-infinite isotropic medium by similarity theory, for uniform
+    // illumination (van de Hulst).
     for (int c = 0; c < 3; ++c) {
       const double scattered = double(scattering.scattered[c]) * (1.0 - g),
                    sum = scattered + double(scattering.absorbed[c]);
@@ -425,13 +425,13 @@ SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocatio
   return plastic_with(parameters, colour, 1.33, "subsurface", location);
 }
 
-/// Its mean colour, from all directions the same.
+/// Hair as its mean colour, constant over directions.
 SurfaceMaterial MaterialReader::hair(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   report.warn_counted(location, "hair is approximated by a diffuse material of its colour");
   const double rough = parameters.number("beta_n", 0.3, report);
-  // Chiang et al. 2016, A Practical and Controllable Hair and Fur Model: absorption of the pigments, and the
-  // colour that an absorption gives.
+  // Chiang et al. 2016, A Practical and Controllable Hair and Fur Model: the absorption of pigments, and the
+  // colour for an absorption.
   const double k = 5.969 - 0.215 * rough + 2.532 * std::pow(rough, 2) - 10.73 * std::pow(rough, 3) +
                    5.574 * std::pow(rough, 4) + 0.245 * std::pow(rough, 5);
   TexturedColour colour(glm::vec3(0.5f));
@@ -455,7 +455,7 @@ SurfaceMaterial MaterialReader::hair(Parameters& parameters, SourceLocation loca
   return both_sides("hair", model);
 }
 
-/// `amount` is the share of the second.
+/// `amount` is the weight of the second material.
 SurfaceMaterial MaterialReader::mix(Parameters& parameters, SourceLocation location) {
   const Parameter* names = parameters.take("materials");
   if (names == nullptr || names->texts.size() != 2) {

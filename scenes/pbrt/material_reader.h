@@ -1,4 +1,4 @@
-// Materials of pbrt.
+// Reads the materials of pbrt.
 #pragma once
 
 #include <map>
@@ -14,17 +14,17 @@ class MaterialReader {
  public:
   MaterialReader(Context& context, TextureReader& textures) : context_(context), textures_(textures) {}
 
-  /// Of a directive Material: a number for it. It is read when its textures and the materials that it mixes
-  /// are known.
+  /// Registers a Material directive and returns its number. It is read in finish(), when its textures and the
+  /// materials that it mixes are known.
   int declare(std::string type, Parameters parameters, SourceLocation location);
   void declare_named(const std::string& name, std::string type, Parameters parameters,
                      SourceLocation location);
-  /// A number for the one of that name, which may be made later.
+  /// The number of the material with that name, which may be defined later in the file.
   int refer(const std::string& name, SourceLocation location);
 
-  /// Reads all of them; what is wrong is reported. Only now are they known.
+  /// Reads all materials; problems are reported. material() is valid only after this call.
   void finish();
-  /// By its number; one that is diffuse, and an error, where there is none of the name.
+  /// The material of that number. A diffuse one, after an error, if its name is not defined.
   std::shared_ptr<const SurfaceMaterial> material(int number);
 
  private:
@@ -32,7 +32,7 @@ class MaterialReader {
     std::string type;
     Parameters parameters;
     SourceLocation location;
-    bool is_reference = false;  ///< `type` is a name
+    bool is_reference = false;  ///< `type` is the name of another material
     bool is_begun = false;
     std::shared_ptr<const SurfaceMaterial> material;
   };

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostCells = std::size_t{1} << 28;
 
-/// As a file of NanoVDB begins.
+/// Whether the file begins like a NanoVDB file.
 bool is_nanovdb(std::string_view bytes) { return bytes.starts_with("NanoVDB"); }
 
 glm::vec3 share_of(const glm::vec3& part, const glm::vec3& whole) {
@@ -92,7 +92,7 @@ double MediumReader::scale(Parameters& parameters, SourceLocation location) {
   return 1.0;
 }
 
-/// `scattered` and `absorbed` where the file says nothing.
+/// `scattered` and `absorbed` are the defaults.
 void MediumReader::read_coefficients(Parameters& parameters, const glm::vec3& scattered,
                                      const glm::vec3& absorbed, ParticipatingMedium& medium,
                                      SourceLocation location) {
@@ -218,7 +218,7 @@ MediumReader::Medium MediumReader::uniform_grid(Parameters& parameters, const Gr
   return medium;
 }
 
-/// The extinction is a grid, and the albedo another.
+/// The extinction and the albedo are separate grids.
 MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const GraphicsState& state,
                                             SourceLocation location) {
   ParticipatingMedium medium;
@@ -232,7 +232,7 @@ MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const Graphi
     return std::nullopt;
   }
   const std::size_t count = 3 * std::size_t(size->nx) * std::size_t(size->ny) * std::size_t(size->nz);
-  // What is not given is 1.
+  // Missing coefficients are 1.
   auto scattered = has_scattered ? cells(parameters, "sigma_s", "rgb", 3, *size)
                                  : std::optional(std::vector<float>(count, 1.0f));
   auto absorbed = has_absorbed ? cells(parameters, "sigma_a", "rgb", 3, *size)
@@ -278,7 +278,7 @@ MediumReader::Medium MediumReader::cloud(Parameters& parameters, const GraphicsS
   return medium;
 }
 
-/// What OpenVDB reads; NanoVDB's own files are of another format.
+/// Reads OpenVDB files. NanoVDB files have another format.
 MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const GraphicsState& state,
                                                SourceLocation location) {
   ReaderReport& report = context_.report;

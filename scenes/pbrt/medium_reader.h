@@ -1,4 +1,4 @@
-// Media of pbrt.
+// Reads the media of pbrt.
 #pragma once
 
 #include <map>
@@ -14,12 +14,12 @@ class MediumReader {
  public:
   explicit MediumReader(Context& context) : context_(context) {}
 
-  /// Of a directive MakeNamedMedium; what is wrong with it is reported.
+  /// Reads a MakeNamedMedium directive. Problems are reported.
   void make(const std::string& name, Parameters& parameters, const GraphicsState& state,
             SourceLocation location);
 
-  /// The index among the scene's media, where it gets one; kNoMedium of no name, of a medium that is left
-  /// out, and, with an error, where there is none of that name. Media are known once the file is read.
+  /// The index of the medium in the scene, to which it is added. kNoMedium for an empty name, for a medium
+  /// that is left out, and, with an error, for an undefined name. Call it after the whole file was read.
   int install(const std::string& name, SourceLocation location);
 
   [[nodiscard]] bool any_installed() const { return !context_.scene.media.empty(); }

@@ -14,7 +14,7 @@ constexpr std::string_view kTypes[] = {"bool",   "integer", "float",    "point2"
                                        "point",  "vector3", "vector",   "normal3",  "normal",  "rgb",
                                        "string", "texture", "spectrum", "blackbody"};
 
-/// A single value or several in brackets.
+/// Reads a single value, or several in brackets.
 void read_values(TokenReader& tokens, Parameter& parameter, ReaderReport& report) {
   const auto add = [&](const Token& token) {
     if (token.kind == TokenKind::kText || token.text == "true" || token.text == "false") {
@@ -65,7 +65,7 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report, const std
                       text, list_names(types)));
     }
     read_values(tokens, parameter, report);
-    // As in pbrt, what comes later counts.
+    // As in pbrt, the last one is used.
     if (std::erase_if(result.parameters_,
                       [&](const Parameter& other) { return other.name == parameter.name; }) > 0)
       report.warn(token.location,
@@ -160,7 +160,7 @@ void Parameters::add_defaults(const Parameters& defaults) {
   for (const Parameter& each : defaults.parameters_) {
     if (has(each.name)) continue;
     parameters_.push_back(each);
-    parameters_.back().taken = true;  // not all that they are for need have it
+    parameters_.back().taken = true;  // a default need not apply to every object
   }
 }
 

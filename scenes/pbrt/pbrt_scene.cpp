@@ -60,7 +60,7 @@ class SceneParser {
     const std::string hint = suggestion(token.text, known);
     report_.error(token.location, fmt::format("'{}' is not a directive of pbrt-v4{}", token.text,
                                               hint.empty() ? "; there are: " + list_names(known) : hint));
-    // On to the next word that is one.
+    // Skips to the next directive.
     for (;;) {
       const Token& next = tokens_.peek();
       if (next.kind == TokenKind::kEnd) return;
@@ -71,7 +71,7 @@ class SceneParser {
     }
   }
 
-  // --- what directives are made of
+  // --- Parts of directives
 
   std::string quoted(const char* what) {
     const Token token = tokens_.peek();
@@ -94,7 +94,7 @@ class SceneParser {
     return false;
   }
 
-  // --- transforms
+  // --- Transforms
 
   void identity(const Token&) { state_.ctm = glm::dmat4(1.0); }
   void set_transform(const Token& token) {
@@ -117,7 +117,7 @@ class SceneParser {
   }
   void transform_times(const Token&) { static_cast<void>(read_numbers(2, tokens_, report_)); }
 
-  // --- blocks
+  // --- Blocks
 
   void push(const Token& token, const char* end) {
     if (stack_.size() >= kMostNesting) return report_.error(token.location, "blocks are nested too deep");
@@ -162,13 +162,13 @@ class SceneParser {
   }
   void reverse_orientation(const Token&) { state_.reverse_orientation = !state_.reverse_orientation; }
 
-  // --- files
+  // --- Files
 
   void include(const Token& token) {
     const std::string name = quoted("the name of a file");
     if (!name.empty()) tokens_.include(name, token.location);
   }
-  /// As Include, but what it sets ends with it.
+  /// Like Include, but its graphics state ends with the file.
   void import(const Token& token) {
     const std::string name = quoted("the name of a file");
     if (name.empty()) return;
@@ -184,7 +184,7 @@ class SceneParser {
     }
   }
 
-  // --- what is in the scene
+  // --- Contents of the scene
 
   void world_begin(const Token& token) {
     if (world_) return report_.error(token.location, "a second WorldBegin");
@@ -221,7 +221,7 @@ class SceneParser {
     parameters();
   }
   void option(const Token& token) {
-    // A name, with a type or without, and one value.
+    // A name, an optional type, and one value.
     quoted("a name");
     const bool bracketed = tokens_.peek().kind == TokenKind::kOpen;
     Token value = tokens_.next();
@@ -282,16 +282,16 @@ class SceneParser {
     Parameters given = parameters_with("medium");
     media_.make(name, given, state_, token.location);
   }
-  /// One name alone is both, as in pbrt.
+  /// A single name stands for both sides, as in pbrt.
   void medium_interface(const Token& token) {
     state_.media.inside = state_.media.outside = quoted("a name");
     if (tokens_.peek().kind == TokenKind::kText) state_.media.outside = quoted("a name");
     state_.media.location = token.location;
   }
 
-  // --- the ends
+  // --- End of the file
 
-  /// pbrt's own, where a file says nothing.
+  /// pbrt's defaults for directives that the file lacks.
   void defaults() {
     Parameters none;
     read_film(context_, "rgb", none, {});
@@ -316,7 +316,7 @@ class SceneParser {
     textures_.install();
   }
 
-  /// Of a scene without media, both integrators make the same image.
+  /// Without media, both integrators make the same image.
   void follow_media() {
     if (!integrator_follows_media_)
       return report_.warn(integrator_location_,

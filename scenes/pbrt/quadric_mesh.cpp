@@ -8,16 +8,18 @@
 namespace penumbra::pbrt {
 namespace {
 
-/// Of a whole turn, and of half of one along a meridian: chords are within 1.2e-4 radii of their circle.
+/// Columns for a full turn, and rows for half a turn along a meridian. Chords are within 1.2e-4 radii of
+/// their circle.
 constexpr int kTurnColumns = 200, kMeridianRows = 100;
 
-/// A point of the curve that is turned about the z axis, by the distance from it.
+/// A point of the profile that is rotated about the z axis, by its distance from the axis.
 struct Profile {
   double r, z;
   double normal_r, normal_z;
 };
 
-/// `profile` of v in [0, 1]; the front is on the left of its way as seen with z up and r to the right.
+/// The surface of revolution of `profile`, a function of v in [0, 1]. With z up and r to the right, the front
+/// is to the left of its direction.
 template <typename Curve>
 Mesh turned(const Curve& profile, int rows, double degrees) {
   Mesh mesh;
@@ -35,7 +37,7 @@ Mesh turned(const Curve& profile, int rows, double degrees) {
   }
   const auto index = [&](int i, int j) { return std::uint32_t(j * (columns + 1) + i); };
   for (int j = 0; j < rows; ++j) {
-    // At a pole one of both triangles has no area.
+    // At a pole one of the two triangles has no area.
     const bool starts = profile(double(j) / rows).r > 0, ends = profile(double(j + 1) / rows).r > 0;
     for (int i = 0; i < columns; ++i) {
       if (starts) mesh.triangles.emplace_back(index(i, j), index(i + 1, j), index(i + 1, j + 1));

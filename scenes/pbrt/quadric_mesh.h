@@ -1,14 +1,15 @@
-// Spheres, disks and cylinders of pbrt as triangles: parts of them, and what a transform makes an ellipsoid.
+// Triangle meshes of pbrt's spheres, disks and cylinders, which may be partial, or deformed by a transform.
 #pragma once
 
 #include "scenes/scene_description.h"
 
 namespace penumbra::pbrt {
 
-/// Degrees from the x axis on, about z.
+/// A full turn about z in degrees, measured from the x axis.
 constexpr double kWholeTurn = 360.0;
 
-/// In their own space, smooth, with pbrt's texture coordinates; the front is outside, of the disk towards +z.
+/// Smooth meshes in the quadric's own space, with pbrt's texture coordinates. The front is the outside; for
+/// the disk it faces +z.
 Mesh sphere_mesh(double radius, double low, double high, double degrees = kWholeTurn);
 Mesh disk_mesh(double radius, double inner_radius, double height, double degrees = kWholeTurn);
 Mesh cylinder_mesh(double radius, double low, double high, double degrees = kWholeTurn);

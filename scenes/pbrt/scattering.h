@@ -1,4 +1,4 @@
-// Materials whose scattering was measured, by the names that pbrt has for them.
+// Measured subsurface scattering of named materials, with pbrt's names.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,7 +9,7 @@
 
 namespace penumbra::pbrt {
 
-/// Linear Rec. 709, 1 / mm; scattering is the reduced one.
+/// Coefficients in 1 / mm, linear Rec. 709. Scattering is the reduced coefficient.
 struct Scattering {
   glm::vec3 scattered{0.0f}, absorbed{0.0f};
 };

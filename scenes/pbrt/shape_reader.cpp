@@ -37,7 +37,7 @@ double area_of(const Shape& shape) {
   return area;
 }
 
-/// Whether the transform makes it something else.
+/// Whether the transform changes its kind of shape.
 bool is_stretched(const Geometry& geometry, const glm::dmat4& to_world) {
   if (std::holds_alternative<Sphere>(geometry)) return !uniform_scale(to_world);
   if (std::holds_alternative<Disk>(geometry)) return !uniform_scale(to_world, 2);
@@ -45,7 +45,7 @@ bool is_stretched(const Geometry& geometry, const glm::dmat4& to_world) {
   return cylinder != nullptr && !placed_cylinder(*cylinder, to_world);
 }
 
-/// Of one that is in its own space, and no mesh.
+/// The mesh of a quadric in its own space.
 Mesh mesh_of(const Geometry& geometry) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry))
     return sphere_mesh(sphere->radius, -sphere->radius, sphere->radius);
@@ -54,13 +54,13 @@ Mesh mesh_of(const Geometry& geometry) {
   return cylinder_mesh(cylinder.radius, cylinder.center.z, cylinder.center.z + cylinder.length);
 }
 
-/// Where the transform takes the first two axes, unit and at right angles.
+/// The transformed first two axes, made orthonormal.
 std::pair<glm::dvec3, glm::dvec3> frame_axes(const glm::dmat4& m) {
   const glm::dvec3 x = glm::normalize(glm::dvec3(m[0])), y(m[1]);
   return {x, glm::normalize(y - glm::dot(x, y) * x)};
 }
 
-/// Nothing, and an error, where it is none.
+/// Nothing, and an error, if it is not valid.
 std::optional<double> read_radius(Parameters& parameters, SourceLocation location, ReaderReport& report) {
   const double radius = parameters.number("radius", 1.0, report);
   if (radius > 0.0) return radius;
@@ -71,7 +71,7 @@ std::optional<double> read_radius(Parameters& parameters, SourceLocation locatio
 
 }  // namespace
 
-/// P, N and uv; none, and an error, without P.
+/// Reads P, N and uv. Nothing, and an error, without P.
 std::optional<Mesh> ShapeReader::vertices(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   const std::vector<double> p = parameters.numbers("P", {"point3", "point"}, 3, report);
@@ -108,7 +108,7 @@ std::vector<std::uint32_t> ShapeReader::indices(Parameters& parameters, const Me
     }
     result.push_back(std::uint32_t(index));
   }
-  // A single face may do without.
+  // A single face needs no indices.
   if (given.empty() && mesh.positions.size() == corners)
     for (std::uint32_t i = 0; i < corners; ++i) result.push_back(i);
   if (result.empty() && !parameters.has("indices"))
@@ -128,7 +128,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::triangle_mesh(Parameters& para
   return std::move(*mesh);
 }
 
-/// Patches (0, 0), (1, 0), (0, 1), (1, 1), each as two triangles.
+/// Patches with corners (0, 0), (1, 0), (0, 1), (1, 1), each as two triangles.
 std::optional<ShapeReader::Geometry> ShapeReader::bilinear_mesh(Parameters& parameters,
                                                                 SourceLocation location) {
   auto mesh = vertices(parameters, location);
@@ -176,7 +176,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
   return std::move(read->mesh);
 }
 
-/// About the z axis, degrees; nothing, and an error, where it is no angle.
+/// An angle about the z axis in degrees. Nothing, and an error, if it is not valid.
 std::optional<double> ShapeReader::turn(Parameters& parameters, SourceLocation location) {
   const double degrees = parameters.number("phimax", kWholeTurn, context_.report);
   if (degrees > 0.0) return std::min(degrees, kWholeTurn);
@@ -322,7 +322,7 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
     auto given = curves(parameters, location);
     parameters.finish("the shape 'curve'", report);
     if (!given) return;
-    // Those in a row that are alike are one mesh: there may be millions.
+    // Consecutive similar curves become one mesh, because there may be millions.
     const bool alike = !pending_.curves.empty() && !use.alpha && !pending_.use.alpha &&
                        pending_.state.has_same_surface(state);
     if (!alike) finish_curves();
@@ -350,7 +350,7 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
   Shape shape;
   shape.name = fmt::format("{} at {}", type, describe(location));
   shape.material = state.material_name;
-  // The front is where the normal of the shape's own space points to, whatever the transform mirrors.
+  // The front follows the normal in the shape's own space, even if the transform mirrors.
   shape.flip_normals = state.reverse_orientation;
   shape.geometry = std::move(geometry);
   if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
@@ -413,7 +413,7 @@ std::pair<int, int> ShapeReader::materials_of(const Use& use) {
   }
   SurfaceMaterial material = *own;
   if (alpha.texture != kNoTexture || alpha.value < 1.0f) {
-    // Once for all shapes that share both.
+    // Created once for all shapes with the same material and alpha.
     const auto [known, is_new] = masked_.try_emplace({own, alpha.value, alpha.texture});
     if (is_new) {
       MaskBsdf mask;
@@ -422,7 +422,7 @@ std::pair<int, int> ShapeReader::materials_of(const Use& use) {
     }
     material = known->second;
   }
-  // Alone, nothing is the mask of nothing.
+  // A mask of no surface is no surface.
   for (MaterialTree* side : {&material.front, &material.back})
     if (is_nothing(*side)) {
       const auto [known, is_new] = masked_.try_emplace({nullptr, 0.0f, kNoTexture});
@@ -455,7 +455,7 @@ void ShapeReader::finish(Shape& shape, Use& use) {
         use.location, "textures on spheres, cylinders and disks are as Mitsuba turns them, not as pbrt does");
 }
 
-/// Texture coordinates by the places of vertices, where its textures are mapped so.
+/// Computes texture coordinates from vertex positions if the shape's textures use a mapping.
 void ShapeReader::map_textures(Shape& shape, const Use& use) {
   ReaderReport& report = context_.report;
   const std::vector<int> textures = texture_needs(context_.scene, shape).mapped;
@@ -479,8 +479,8 @@ void ShapeReader::map_textures(Shape& shape, const Use& use) {
   map_mesh(*mesh, *mapping);
 }
 
-/// Into the world, or the space of its object; a mesh without normals becomes `smooth`, or is faceted.
-/// Whether it can be there.
+/// Transforms the shape to world space, or to the space of its object. A mesh without normals becomes
+/// `smooth` or faceted. Returns whether it can be rendered.
 bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto wrong = [&](std::string_view message) {

@@ -1,4 +1,4 @@
-// Shapes of pbrt.
+// Reads the shapes of pbrt.
 #pragma once
 
 #include <map>
@@ -19,17 +19,18 @@ class ShapeReader {
   ShapeReader(Context& context, TextureReader& textures, MaterialReader& materials, MediumReader& media)
       : context_(context), textures_(textures), materials_(materials), media_(media) {}
 
-  /// Of a directive Shape: puts it where it is, in the scene or in the object that is open.
+  /// Reads a Shape directive and adds the shape to the scene, or to the object that is being defined.
   void read(const std::string& type, Parameters& parameters, const GraphicsState& state,
             SourceLocation location);
 
-  /// What is read between the two is in the scene wherever instances of the object are.
+  /// Begins and ends an object definition. Shapes read in between appear only through instances of the
+  /// object.
   void begin_object(const std::string& name, SourceLocation location);
   void end_object();
   [[nodiscard]] bool in_object() const { return object_ >= 0; }
   void place_object(const std::string& name, const glm::dmat4& to_world, SourceLocation location);
 
-  /// Gives all shapes what they are made of, when materials and media are known.
+  /// Assigns materials and media to all shapes. Call it when both are known.
   void finish();
 
  private:
@@ -47,14 +48,14 @@ class ShapeReader {
   std::vector<std::uint32_t> indices(Parameters& parameters, const Mesh& mesh, std::size_t corners,
                                      SourceLocation location);
 
-  /// What a shape has of what is known at the end of the file alone.
+  /// Properties of a shape that are known only at the end of the file.
   struct Use {
     int material = kDefaultMaterial;
-    std::optional<Parameters> alpha = std::nullopt;  ///< with that parameter
+    std::optional<Parameters> alpha = std::nullopt;  ///< the directive's parameter `alpha`
     MediumNames media;
     SourceLocation location;
   };
-  /// Curves of the same state, which become a mesh when another shape follows.
+  /// Consecutive curves with the same graphics state. They become one mesh when another shape follows.
   struct Curves {
     std::vector<Curve> curves;
     Use use;
@@ -76,10 +77,10 @@ class ShapeReader {
   MediumReader& media_;
   MaterialInstaller installer_;
   std::map<std::tuple<std::shared_ptr<const SurfaceMaterial>, float, int>, SurfaceMaterial> masked_;
-  std::vector<Use> uses_;                     ///< of the scene's shapes
-  std::vector<std::vector<Use>> group_uses_;  ///< of those of its groups
+  std::vector<Use> uses_;                     ///< for each of the scene's shapes
+  std::vector<std::vector<Use>> group_uses_;  ///< for each of a group's shapes
   Curves pending_;
-  std::map<std::string, int> objects_;  ///< to groups
+  std::map<std::string, int> objects_;  ///< groups by name
   int object_ = -1;                     ///< the group that is being read
   std::size_t triangles_ = 0, shape_count_ = 0;
 };

@@ -1,4 +1,4 @@
-// What pbrt's directives change, and what shapes and lights take from it.
+// The graphics state that pbrt's directives change and that shapes and lights use.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,49 +12,50 @@
 
 namespace penumbra::pbrt {
 
-/// A texture's value: the same everywhere, or a texture of the scene's times nothing.
+/// The value of a texture: a constant, or a texture of the scene, which `value` does not multiply.
 struct TextureValue {
   glm::vec3 value{1.0f};
   int texture = kNoTexture;
 };
 
-/// The material of shapes before the first directive Material.
+/// The material of shapes before the first Material directive.
 constexpr int kDefaultMaterial = -1;
 
-/// What a MediumInterface says; empty: no medium. Media are known by their names until the whole file is
-/// read.
+/// The names in a MediumInterface; empty: no medium. Names are resolved after the whole file was read.
 struct MediumNames {
   std::string inside, outside;
   SourceLocation location = {};
-  /// Whether a surface parts two media; if not, light stays in the one where it is.
+  /// Whether a surface separates two different media. If not, light stays in its current medium.
   [[nodiscard]] bool are_two() const { return inside != outside; }
 };
 
-/// Of an area light.
+/// The parameters of an area light.
 struct AreaLight {
   glm::vec3 radiance{1.0f};
-  int image = kNoTexture;   ///< by which the radiance is multiplied
-  double image_mean = 1.0;  ///< its mean luminance
+  int image = kNoTexture;   ///< texture that multiplies the radiance
+  double image_mean = 1.0;  ///< mean luminance of that texture
   bool two_sided = false;
-  std::optional<double> power = std::nullopt;  ///< instead: pi times the area times this are as much
+  /// Power given instead of a scale: the light is scaled so that pi times its area times its radiance equals
+  /// this.
+  std::optional<double> power = std::nullopt;
   SourceLocation location = {};
 };
 
 struct GraphicsState {
   glm::dmat4 ctm{1.0};
   bool reverse_orientation = false;
-  int material = kDefaultMaterial;  ///< of MaterialReader
+  int material = kDefaultMaterial;  ///< number of MaterialReader
   std::string material_name = "default";
   std::shared_ptr<const AreaLight> area_light;
   MediumNames media;
   std::string colour_space = "srgb";
 
-  /// Whether shapes are in the same place, of the same material, and so on.
+  /// Whether shapes in both states have the same transform, material and so on.
   [[nodiscard]] bool has_same_surface(const GraphicsState& o) const {
     return ctm == o.ctm && reverse_orientation == o.reverse_orientation && material == o.material &&
            area_light == o.area_light && media.inside == o.media.inside && media.outside == o.media.outside;
   }
-  std::map<std::string, Parameters> defaults;  ///< of "Attribute", by what they are for
+  std::map<std::string, Parameters> defaults;  ///< defaults set by "Attribute", by their target
 };
 
 /// What the readers share.
@@ -63,7 +64,7 @@ struct Context {
   const FileAccess& files;
   std::filesystem::path folder;
   SceneDescription& scene;
-  double exposure = 1.0;  ///< of the film: by what pbrt's image is brighter than the radiance
+  double exposure = 1.0;  ///< exposure of the film: the factor from radiance to pbrt's pixel values
 };
 
 }  // namespace penumbra::pbrt

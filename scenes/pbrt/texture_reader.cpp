@@ -14,7 +14,7 @@
 namespace penumbra::pbrt {
 namespace {
 
-/// v counts from the bottom of pbrt's images and from the top of ours.
+/// v counts from the bottom of pbrt's images, but from the top of ours.
 const glm::dmat3 kFlip(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 1, 1));
 
 }  // namespace
@@ -265,7 +265,7 @@ TextureValue TextureReader::dots(Parameters& parameters, SourceLocation location
   return inside.texture == kNoTexture && inside.value == outside.value ? inside : outside;
 }
 
-/// A square of many texels, linear between its four corners.
+/// An image that is linear between its four corners.
 TextureValue TextureReader::bilerp(Parameters& parameters, SourceLocation location) {
   const TextureValue corners[] = {value(parameters, "v00", 0.0), value(parameters, "v01", 1.0),
                                   value(parameters, "v10", 0.0), value(parameters, "v11", 1.0)};
@@ -287,7 +287,7 @@ TextureValue TextureReader::bilerp(Parameters& parameters, SourceLocation locati
   return {glm::vec3(1.0f), image};
 }
 
-/// pbrt's noise is a function of places, ours of texture coordinates.
+/// pbrt's noise is a function of positions, ours of texture coordinates.
 TextureValue TextureReader::fbm(Parameters& parameters, SourceLocation location) {
   context_.report.unsupported(location, "noise in space is not read", "its mean stands for it");
   parameters.accept({"octaves", "roughness"});
@@ -303,7 +303,7 @@ TextureValue TextureReader::checkerboard(Parameters& parameters, SourceLocation 
   board.color0.texture = a.texture;
   board.color1 = TexturedColour(b.value);
   board.color1.texture = b.texture;
-  // pbrt's squares are of unit size, ours half of it.
+  // pbrt's squares have unit size, ours half of it.
   const glm::dmat3 half(glm::dvec3(0.5, 0, 0), glm::dvec3(0, 0.5, 0), glm::dvec3(0, 0, 1));
   return {glm::vec3(1.0f), add_mapped(board, half * mapping(parameters, location))};
 }
@@ -418,7 +418,7 @@ std::optional<TextureValue> TextureReader::combined(
       const Source& source = sources[i];
       at[i] = source.factor;
       if (!source.texels) continue;
-      // The texel that is nearest to the centre of this one.
+      // The texel nearest to the centre of this one.
       const auto column = std::size_t((2 * std::int64_t(x) + 1) * source.width / (2 * width)),
                  row = std::size_t((2 * std::int64_t(y) + 1) * source.height / (2 * height));
       const std::size_t texel = (row * std::size_t(source.width) + column) * std::size_t(source.channels);

@@ -1,4 +1,4 @@
-// Textures of pbrt.
+// Reads the textures of pbrt.
 #pragma once
 
 #include <functional>
@@ -20,32 +20,32 @@ class TextureReader {
  public:
   explicit TextureReader(Context& context) : context_(context), bitmaps_(context.files) {}
 
-  /// The directive Texture "name" "float|spectrum" "class".
+  /// Reads the directive Texture "name" "float|spectrum" "class".
   void read(const std::string& name, const std::string& kind, const std::string& type, Parameters parameters,
             const glm::dmat4& ctm, SourceLocation location);
 
-  /// A parameter that may be a texture; `fallback` where it is not given.
+  /// The value of a parameter that may be a texture, or `fallback` if it is not given.
   TexturedColour colour(Parameters& parameters, std::string_view name, ColourOf use,
                         const glm::vec3& fallback);
   TexturedNumber number(Parameters& parameters, std::string_view name, double fallback, double low,
                         double high);
 
-  /// The square root of a texture, and a texture times a colour; the first is there of images and
-  /// checkerboards, scaled or not.
+  /// The square root of a texture, and a texture times a colour. The square root exists only for images and
+  /// checkerboards, possibly scaled.
   std::optional<int> square_root(int texture);
   int scaled(int texture, const glm::vec3& factor);
 
-  /// An image as radiance.
+  /// An image whose values are radiance.
   std::optional<int> light_image(const std::string& file, SourceLocation location);
-  /// One that was made, of linear values.
+  /// Adds a computed image of linear values.
   int made_image(const std::string& name, Bitmap bitmap);
   [[nodiscard]] const Bitmap& bitmap_of(int texture) const;
 
-  /// A normal map's image.
+  /// The image of a normal map.
   std::optional<int> normal_map(const std::string& file, SourceLocation location);
   std::shared_ptr<const Bitmap> image(const std::string& file, SourceLocation location);
 
-  /// How a texture is mapped; null: by texture coordinates.
+  /// The mapping of a texture; null: by texture coordinates.
   [[nodiscard]] const TextureMapping* mapping_of(int texture) const;
 
   void install() { context_.scene.bitmaps = bitmaps_.take(); }
@@ -59,22 +59,24 @@ class TextureReader {
   TextureValue dots(Parameters& parameters, SourceLocation location);
   TextureValue bilerp(Parameters& parameters, SourceLocation location);
   TextureValue fbm(Parameters& parameters, SourceLocation location);
-  /// Of a parameter that is a number, a colour, or a texture of numbers or of colours.
+  /// Whether a texture has numbers or colours as values.
   enum class Of { kNumbers, kColours };
   TextureValue value(Parameters& parameters, std::string_view name, double fallback, Of of);
   TextureValue value(Parameters& parameters, std::string_view name, double fallback) {
     return value(parameters, name, fallback, of_);
   }
-  /// The image of a function of textures that are images alike but for their texels; none of others.
+  /// The image of a function applied to textures. They must be images that differ only in their texels;
+  /// otherwise nothing.
   std::optional<TextureValue> combined(std::initializer_list<TextureValue> values,
                                        const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of);
-  /// From coordinates, or what the texture that is read is mapped by, to those of pbrt's images.
+  /// The transform from texture coordinates, or from those of the current texture's mapping, to those of
+  /// pbrt's images.
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
   int add(std::string name, TextureModel model, const glm::dmat3& to_uv = glm::dmat3(1.0));
   int add_mapped(TextureModel model, const glm::dmat3& to_uv);
   TextureValue placeholder(SourceLocation location, const std::string& message);
   std::optional<int> bitmap(const std::string& file, SourceLocation location);
-  /// The alpha channel, which is what an image is as a texture of numbers; none where it is 1 throughout.
+  /// The alpha channel of an image, which is its value as a float texture. Nothing if alpha is 1 everywhere.
   std::optional<int> alpha_of(const std::string& file);
 
   Context& context_;
@@ -82,9 +84,9 @@ class TextureReader {
   std::map<std::pair<std::string, Of>, TextureValue> textures_;
   std::map<int, std::optional<int>> square_roots_;
   std::map<int, TextureMapping> mappings_;
-  std::optional<TextureMapping> mapping_;  ///< of the one that is being read
-  glm::dmat4 ctm_{1.0};                    ///< likewise
-  std::string name_;                       ///< of the one that is being read
+  std::optional<TextureMapping> mapping_;  ///< of the texture that is being read
+  glm::dmat4 ctm_{1.0};                    ///< of the texture that is being read
+  std::string name_;                       ///< of the texture that is being read
   Of of_ = Of::kColours;
 };
 

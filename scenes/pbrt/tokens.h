@@ -1,5 +1,5 @@
-// The words of pbrt's files: names, quoted text, numbers, brackets; comments from '#' to the end of a line;
-// other files, which Include puts in the place of its name.
+// The tokens of pbrt's files: names, quoted strings, numbers, brackets. Comments run from '#' to the end of
+// the line. Include and similar directives insert other files.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ enum class TokenKind { kEnd, kWord, kText, kOpen, kClose };
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string_view text;  ///< of a quoted text what is between the quotes
+  std::string_view text;  ///< of a quoted string: without the quotes
   SourceLocation location;
 };
 
@@ -25,15 +25,15 @@ class TokenReader {
  public:
   TokenReader(const FileAccess& files, ReaderReport& report) : files_(files), report_(report) {}
 
-  /// Goes on with a file, and after its end with what followed. Names are looked for beside the scene's first
-  /// file. What is wrong is reported; then nothing is read.
+  /// Continues with a file, and after its end with the rest of the current one. Relative names are searched
+  /// in the folder of the scene's first file. Errors are reported; then the file is skipped.
   void enter(const std::filesystem::path& file, SourceLocation named_at);
   void include(std::string_view name, SourceLocation location);
 
   Token next();
   const Token& peek();
 
-  /// How many files are open.
+  /// The number of open files.
   [[nodiscard]] std::size_t depth() const { return open_.size(); }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 

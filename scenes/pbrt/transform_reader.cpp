@@ -25,20 +25,20 @@ Expected<glm::dmat4> rotate(Numbers n) {
 Expected<glm::dmat4> look(Numbers n) {
   const auto frame = look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, glm::dvec3(n[6], n[7], n[8]));
   if (!frame) return std::unexpected(frame.error());
-  // The same axes: up x view, up, view; pbrt's first is to the right of the image.
+  // The same axes as up x view, up, view, but pbrt's first axis points to the right of the image.
   return glm::inverse(*frame);
 }
 
 Expected<glm::dmat4> matrix(Numbers n) {
   glm::dmat4 m;
-  for (std::size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = n[i];  // column by column
+  for (std::size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = n[i];  // column-major
   if (m[0].w == 0 && m[1].w == 0 && m[2].w == 0 && m[3].w == 1) return m;
   return fail("the last row of a matrix must be 0 0 0 1: numbers are given column by column");
 }
 
 struct Directive {
   std::string_view name;
-  std::size_t count;  ///< of numbers
+  std::size_t count;  ///< number of arguments
   Expected<glm::dmat4> (*of)(Numbers);
 };
 constexpr Directive kDirectives[] = {{"Translate", 3, translate}, {"Scale", 3, scale},

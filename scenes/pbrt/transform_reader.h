@@ -1,4 +1,4 @@
-// pbrt's directives of transforms.
+// Reads pbrt's transform directives.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,12 @@
 
 namespace penumbra::pbrt {
 
-/// That many numbers, in brackets or without; nothing, and an error, where there are others.
+/// Reads `count` numbers, with or without brackets. Nothing, and an error, if there is another number of
+/// them.
 std::optional<std::vector<double>> read_numbers(std::size_t count, TokenReader& tokens, ReaderReport& report);
 
-/// What Translate, Scale, Rotate, LookAt, Transform or ConcatTransform says, by the numbers that follow it;
-/// nothing, and an error, where that is no transform.
+/// The transform of a Translate, Scale, Rotate, LookAt, Transform or ConcatTransform directive, from the
+/// numbers after it. Nothing, and an error, if they are not valid.
 std::optional<glm::dmat4> read_transform(const Token& directive, TokenReader& tokens, ReaderReport& report);
 
 }  // namespace penumbra::pbrt

@@ -1,4 +1,4 @@
-// Tables of the types that a directive of pbrt may have.
+// Tables of the types that a pbrt directive supports.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,8 +13,8 @@
 
 namespace penumbra::pbrt {
 
-/// The row of that `type`, or null and a message that ends in `instead` where the reading is lenient. `also`:
-/// types that are read without a row.
+/// The row of that `type`. If there is none, null and a message, which ends in `instead` in lenient mode.
+/// `also`: names of supported types that have no row.
 template <typename Rows>
 const auto* find_row(const Rows& rows, const std::string& type, std::string_view what,
                      std::string_view instead, SourceLocation location, ReaderReport& report,

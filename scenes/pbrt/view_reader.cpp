@@ -13,7 +13,7 @@
 namespace penumbra::pbrt {
 namespace {
 
-/// Sets a setting; what is wrong is an error at the place.
+/// Sets a setting. Errors are reported at the location.
 template <typename T>
 void set(Context& context, std::string_view key, const T& value, SourceLocation location) {
   if (const auto done = apply_setting(context.scene, key, fmt::format("{}", value)); !done)
@@ -55,7 +55,7 @@ void read_film(Context& context, const std::string& type, Parameters& parameters
     film.crop_width = int(bounds[1] - bounds[0]);
     film.crop_height = int(bounds[3] - bounds[2]);
   }
-  // Of what the film does to radiance, lights can have what multiplies all of it alike.
+  // Of the film's effects on radiance, a common factor can be applied to the lights.
   const double time = parameters.number("exposuretime", 1.0, report),
                iso = parameters.number("iso", 100.0, report);
   context.exposure = time * iso / 100.0;
@@ -88,7 +88,7 @@ void read_camera(Context& context, CameraDirective& camera) {
   const SourceLocation location = camera.location;
   if (is_singular(camera.camera_from_world))
     return report.error(location, "the camera's transform flattens everything");
-  // pbrt's +x is to the right of the image.
+  // pbrt's +x points to the right of the image.
   const auto frame =
       without_scale(glm::inverse(camera.camera_from_world) * scaling(glm::dvec3(-1.0, 1.0, 1.0)));
   if (!frame) return report.error(location, frame.error().message);
@@ -107,7 +107,7 @@ void read_camera(Context& context, CameraDirective& camera) {
   scene.camera.fov_axis = FovAxis::kSmaller;
   const double aspect = double(scene.film.width) / scene.film.height;
   const double half = std::tan(fov * std::numbers::pi / 360.0);
-  glm::dvec2 seen(std::max(aspect, 1.0), std::max(1.0 / aspect, 1.0));  // half of what is, at distance 1
+  glm::dvec2 seen(std::max(aspect, 1.0), std::max(1.0 / aspect, 1.0));  // half the extent at distance 1
   const double frame_aspect = parameters.number("frameaspectratio", aspect, report);
   std::vector<double> window = parameters.numbers("screenwindow", {"float"}, 4, report);
   if (window.size() == 4) {
@@ -115,7 +115,7 @@ void read_camera(Context& context, CameraDirective& camera) {
     if (!(width > 0.0 && height > 0.0 && width < 1e10 && height < 1e10))
       return report.error(parameters.location("screenwindow", location),
                           "a screenwindow is x0 < x1, y0 < y1");
-    // What is in the film's centre is that far from the axis.
+    // The distance of the film's centre from the optical axis.
     scene.camera.principal_point_offset_x = -0.5 * (window[0] + window[1]) / width;
     scene.camera.principal_point_offset_y = 0.5 * (window[2] + window[3]) / height;
     if (std::abs(width / height - aspect) > 1e-4 * aspect)
@@ -203,7 +203,7 @@ void read_integrator(Context& context, const std::string& type, Parameters& para
                      SourceLocation location) {
   struct Row {
     const char* type;
-    bool same;  ///< its mean is that of path tracing without media
+    bool same;  ///< whether without media its expected image is that of path tracing
   };
   static constexpr Row kRows[] = {{"path", true},          {"volpath", true},     {"simplepath", true},
                                   {"simplevolpath", true}, {"bdpt", false},       {"mlt", false},
@@ -213,7 +213,7 @@ void read_integrator(Context& context, const std::string& type, Parameters& para
   set(context, "integrator.type", "path_mis", location);
   if (row != nullptr && !row->same)
     report.warn(location, fmt::format("path stands in for the integrator '{}'", type));
-  // pbrt counts the surfaces between the light and the camera, Penumbra edges.
+  // pbrt counts the surfaces between light and camera; here it is the edges of the path.
   const std::int64_t depth = parameters.integer("maxdepth", 5, report);
   if (depth < 0)
     return report.error(parameters.location("maxdepth", location), "maxdepth must be at least 0");

@@ -1,11 +1,11 @@
-// Camera, film, sampler, filter and integrator of pbrt.
+// Reads the camera, film, sampler, filter and integrator of pbrt.
 #pragma once
 
 #include "scenes/pbrt/state.h"
 
 namespace penumbra::pbrt {
 
-/// The camera, whose film has to be known: what it needs is kept until then.
+/// A Camera directive. It is kept until the film is known, because the camera depends on it.
 struct CameraDirective {
   std::string type = "perspective";
   Parameters parameters;
@@ -20,7 +20,7 @@ void read_sampler(Context& context, const std::string& type, Parameters& paramet
 void read_filter(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
 void read_integrator(Context& context, const std::string& type, Parameters& parameters,
                      SourceLocation location);
-/// In the place of the one that read_integrator has set.
+/// Replaces the integrator set by read_integrator with one that supports media.
 void use_volumetric_integrator(Context& context, SourceLocation location);
 
 }  // namespace penumbra::pbrt

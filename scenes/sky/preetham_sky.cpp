@@ -10,12 +10,12 @@
 namespace penumbra {
 namespace {
 
-constexpr double kLeastCosine = 0.001;  // at the horizon the distribution ends
-/// Candela per square metre of a light of radiance 1 W/m²/sr/nm at all wavelengths: 683 lm/W times the
-/// integral of the luminous efficiency function, nm.
+constexpr double kLeastCosine = 0.001;  // the distribution is not defined at the horizon
+/// The luminance in cd/m² of radiance 1 W/m²/sr/nm at all wavelengths: 683 lm/W times the integral of the
+/// luminous efficiency function, in nm.
 constexpr double kCandelas = 683.0 * 106.856895;
 
-/// IEC 61966-2-1: from CIE XYZ.
+/// From CIE XYZ to linear RGB (IEC 61966-2-1).
 glm::dvec3 xyz_to_rgb(const glm::dvec3& c) {
   return {3.2404542 * c.x - 1.5371385 * c.y - 0.4985314 * c.z,
           -0.9692660 * c.x + 1.8760108 * c.y + 0.0415560 * c.z,

@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-/// Texels as they are drawn.
+/// The image while it is drawn.
 class Canvas {
  public:
   Canvas(int width, int height)
@@ -23,7 +23,7 @@ class Canvas {
   glm::dvec3& at(int x, int y) { return texels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
   [[nodiscard]] double angle_of(double y) const { return kPi * y / (height_ - 1); }
 
-  /// Adds light from a direction: that much radiance times solid angle, in the texels about it.
+  /// Adds light from a direction, given as radiance times solid angle, to the surrounding texels.
   void add(const glm::dvec3& w, const glm::dvec3& power) {
     const double turns = std::atan2(w.x, -w.z) / (2 * kPi);
     const double column = (turns - std::floor(turns)) * width_ - 0.5;
@@ -45,10 +45,10 @@ class Canvas {
   }
 
  private:
-  /// Over which a texel of a row counts, with that weight: the integral of its bilinear hat.
+  /// The solid angle of a texel in row y: the integral of its bilinear hat function.
   [[nodiscard]] double solid_angle(int y) const {
     const double step = kPi / (height_ - 1), angle = angle_of(y);
-    // Of sin over a hat of half-width h: sin(angle) (2 - 2 cos h) / h; at a pole half a hat.
+    // The integral of sin over a hat of half-width h: sin(angle) (2 - 2 cos h) / h; at a pole half a hat.
     const double hat = y == 0 || y == height_ - 1 ? 1 - std::sin(step) / step
                                                   : std::sin(angle) * (2 - 2 * std::cos(step)) / step;
     return hat * 2 * kPi / width_;
@@ -79,7 +79,7 @@ void draw_sun(const SkyImage& sky, Canvas& canvas) {
   const glm::dvec3 power = sky.sun_scale * 2 * kPi * versine * sun_radiance(sky.to_sun.y, sky.turbidity);
   const glm::dvec3 other = std::abs(sky.to_sun.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 s = glm::normalize(glm::cross(sky.to_sun, other)), t = glm::cross(sky.to_sun, s);
-  // Directions spread evenly over the disk: a spiral, many for each texel.
+  // Directions distributed evenly over the disk on a spiral, many per texel.
   const double texel = 2 * kPi / canvas.width();
   const int count = int(std::clamp(64 * 2 * kPi * drawn / (texel * texel), 1024.0, 4e6));
   for (int k = 0; k < count; ++k) {

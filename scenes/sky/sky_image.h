@@ -1,4 +1,4 @@
-// Skies and suns as images for environment maps.
+// Renders skies and suns to images for environment maps.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,19 +7,20 @@
 
 namespace penumbra {
 
-/// What is in the picture; y is up.
+/// The contents of the image; y is up.
 struct SkyImage {
-  int width = 512;  ///< texels, over a whole turn; half as many and one high
+  int width = 512;  ///< texels over a full turn; the height is half the width plus one
   double turbidity = 3;
-  glm::dvec3 albedo{0.15};           ///< of the ground, channel by channel
+  glm::dvec3 albedo{0.15};           ///< of the ground, per channel
   glm::dvec3 to_sun{0.0, 1.0, 0.0};  ///< unit
   double sky_scale = 1, sun_scale = 1;
-  double stretch = 1;     ///< of angles from the zenith: 1 ends the sky at the horizon, 2 at the nadir
-  double sun_radius = 0;  ///< of the disk that is drawn with the sun's power, degrees; 0: none
+  /// Factor of angles from the zenith: with 1 the sky ends at the horizon, with 2 at the nadir.
+  double stretch = 1;
+  double sun_radius = 0;  ///< of the disk that is drawn with the sun's power, in degrees; 0: no disk
 };
 
-/// Its texels are those of kernels/light/envmap_grid.h. The sun's irradiance is that of the disk, however
-/// large texels are.
+/// Renders the image with the texels of kernels/light/envmap_grid.h. The sun's irradiance is that of its
+/// disk, whatever the size of texels.
 Bitmap draw_sky(const SkyImage& sky);
 
 }  // namespace penumbra

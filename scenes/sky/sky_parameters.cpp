@@ -58,7 +58,7 @@ Expected<SkyParameters> SkyParameters::with_sun(const SkyParameters& sun) const 
   };
   if (turbidity != sun.turbidity) return differ("turbidity");
   if (to_world != sun.to_world) return differ("to_world");
-  // Given as numbers of a file each, or computed alike.
+  // Equal values may differ by rounding, in the file or in the computation.
   if (!(glm::length(to_sun_ - sun.to_sun_) < 1e-6)) return differ("sun_direction, or place and time");
   SkyParameters both = *this;
   both.sky_scale = scale * sky_scale;
@@ -88,7 +88,7 @@ Emitter SkyParameters::emitter(SkyPart part) const {
   sky.sky_scale = part == SkyPart::kSun ? 0.0 : double(scale) * sky_scale;
   sky.sun_scale = part == SkyPart::kSky ? 0.0 : double(scale) * sun_scale;
   sky.stretch = stretch;
-  // A sun without a size beside a sky is one texel's.
+  // A sun without a size beside a sky gets the size of a texel.
   sky.sun_radius = kSunRadius * std::max(double(sun_radius_scale), 1e-3);
   EnvironmentMapLight light;
   light.to_world = placed;

@@ -1,4 +1,4 @@
-// The sky, the sun, or both, as Mitsuba's scenes have them; they become environment maps.
+// The parameters of Mitsuba's sky, sun and sunsky plugins, which become environment maps.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,7 +13,8 @@ namespace penumbra {
 enum class SkyPart { kSky, kSun, kBoth };
 
 struct SkyParameters {
-  glm::dvec3 sun_direction{0.0};  ///< to the sun, in the plugin's own frame; else by place and time
+  /// To the sun, in the plugin's own frame; if not given, computed from place and time.
+  glm::dvec3 sun_direction{0.0};
   float turbidity = 3.0f;
   glm::vec3 albedo{0.15f};
   float scale = 1.0f, sky_scale = 1.0f, sun_scale = 1.0f, sun_radius_scale = 1.0f, stretch = 1.0f;
@@ -68,18 +69,19 @@ struct SkyParameters {
   }
   void check(Findings& findings, bool has_direction);
 
-  /// This sky with that sun in it, for `emitter` of both parts. Errors: they do not belong together.
+  /// This sky combined with that sun, for `emitter` of both parts. Errors: they do not belong together.
   [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
 
-  /// As the part says: of an image that is not black, or of a sun without a disk.
+  /// The emitter of a part: an environment map, whose image may be black, or a directional light for a sun
+  /// without a disk.
   [[nodiscard]] Emitter emitter(SkyPart part) const;
 
  private:
-  [[nodiscard]] glm::dmat3 frame() const;  ///< from y up to the plugin's own
+  [[nodiscard]] glm::dmat3 frame() const;  ///< from y up to the plugin's own frame
   glm::dvec3 to_sun_{0.0, 1.0, 0.0};       ///< unit, y up
 };
 
-/// By the names of their plugins.
+/// One class per plugin.
 template <SkyPart kPart>
 struct SkyEmitter : SkyParameters {
   static constexpr SkyPart kIs = kPart;

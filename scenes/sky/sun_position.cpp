@@ -7,7 +7,7 @@
 namespace penumbra {
 
 glm::dvec3 sun_direction(const PlaceAndTime& at) {
-  const double hours = at.hour - at.timezone + (at.minute + at.second / 60) / 60;  // at Greenwich
+  const double hours = at.hour - at.timezone + (at.minute + at.second / 60) / 60;  // Greenwich time
   // Days from noon of 1 January 2000, by the Gregorian calendar's day number (Fliegel and Van Flandern 1968,
   // whose divisions are of whole numbers).
   const auto year = std::trunc(at.year), month = std::trunc(at.month), day = std::trunc(at.day);
@@ -22,17 +22,18 @@ glm::dvec3 sun_direction(const PlaceAndTime& at) {
   const double longitude = mean_longitude + 0.03341607 * std::sin(anomaly) +
                            0.00034894 * std::sin(2 * anomaly) - 0.0001134 - 0.0000203 * std::sin(omega);
   const double obliquity = 0.4090928 - 6.2140e-9 * n + 0.0000396 * std::cos(omega);
-  // Celestial ones.
+  // Celestial coordinates.
   const double ascension = std::atan2(std::cos(obliquity) * std::sin(longitude), std::cos(longitude));
   const double declination = std::asin(std::sin(obliquity) * std::sin(longitude));
-  // Local ones.
+  // Local coordinates.
   const double sidereal = 6.6974243242 + 0.0657098283 * n + hours;
   const double hour_angle = (sidereal * 15 + at.longitude) * kDegree - ascension, phi = at.latitude * kDegree;
   double zenith = std::acos(std::cos(phi) * std::cos(hour_angle) * std::cos(declination) +
                             std::sin(declination) * std::sin(phi));
   const double azimuth = std::atan2(
       -std::sin(hour_angle), std::tan(declination) * std::cos(phi) - std::sin(phi) * std::cos(hour_angle));
-  zenith += 6371.01 / 149597890.0 * std::sin(zenith);  // from the earth's surface, not its centre
+  // Parallax: seen from the earth's surface, not its centre.
+  zenith += 6371.01 / 149597890.0 * std::sin(zenith);
   return {std::sin(azimuth) * std::sin(zenith), std::cos(zenith), -std::cos(azimuth) * std::sin(zenith)};
 }
 

@@ -1,4 +1,4 @@
-// Where the sun stands.
+// The position of the sun.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,12 +9,12 @@ struct PlaceAndTime {
   double latitude = 35.6894;    ///< degrees, positive to the north
   double longitude = 139.6917;  ///< degrees, positive to the east
   double timezone = 9;          ///< hours ahead of Greenwich
-  double year = 2010, month = 7, day = 10, hour = 15, minute = 0, second = 0;  ///< by the clocks there
+  double year = 2010, month = 7, day = 10, hour = 15, minute = 0, second = 0;  ///< local time
 };
 
-/// The unit direction to the sun: x to the east, y up, z to the south. To 0.01 degrees for the years 1999 to
-/// 2015, and to some 0.1 for those about them: the algorithm of Plataforma Solar de Almeria (Blanco-Muriel et
-/// al. 2001, Computing the solar vector).
+/// The unit direction to the sun: x to the east, y up, z to the south. The error is 0.01 degrees for the
+/// years 1999 to 2015, and about 0.1 degrees for the years around. Algorithm of Plataforma Solar de Almeria
+/// (Blanco-Muriel et al. 2001, Computing the solar vector).
 glm::dvec3 sun_direction(const PlaceAndTime& at);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Image files, as Mitsuba 3 reads them, with the parameters of 0.6 too.
+// Textures from image files, as in Mitsuba 3, including the parameters of version 0.6.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct BitmapTexture {
   BitmapFilter filter = BitmapFilter::kBilinear;
   int wrap = WRAP_REPEAT, wrap_u = WRAP_REPEAT, wrap_v = WRAP_REPEAT;
   bool raw = false;
-  float gamma = kSrgb;  ///< of whole numbers: they count (n / most)^gamma, by sRGB, or linearly (1)
+  float gamma = kSrgb;  ///< decoding of integers: (n / most)^gamma, sRGB, or linear (1)
   BitmapChannels channel = BitmapChannels::kAll;
   int bitmap = -1;  ///< index into SceneDescription::bitmaps
 
@@ -67,7 +67,7 @@ struct BitmapTexture {
   }
 };
 
-/// But for where its texels are.
+/// The record without the position of its texels.
 inline TextureNode texture_of(const BitmapTexture& bitmap) {
   TextureNode t{};
   t.texture0 = t.texture1 = kNoTexture;

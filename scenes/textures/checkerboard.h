@@ -1,4 +1,4 @@
-// Four squares, again and again.
+// A checkerboard that repeats a pattern of four squares.
 #pragma once
 
 #include "scenes/plugin_values.h"

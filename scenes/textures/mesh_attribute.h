@@ -1,4 +1,4 @@
-// Colours that meshes bring along.
+// Colours stored with a mesh.
 #pragma once
 
 #include "scenes/plugin_values.h"
@@ -26,7 +26,7 @@ struct MeshAttributeTexture {
   }
 };
 
-/// But for its place among the colours of a triangle.
+/// The record without its index among the colours of a triangle.
 inline TextureNode texture_of(const MeshAttributeTexture& texture) {
   TextureNode t{};
   t.kind = TEXTURE_MESH_ATTRIBUTE;

@@ -1,4 +1,4 @@
-// Another texture, times a number or a colour (Mitsuba 0.6).
+// Multiplies a nested texture by a number or a colour (Mitsuba 0.6).
 #pragma once
 
 #include "scenes/plugin_values.h"
@@ -10,7 +10,7 @@ struct ScaleTexture {
   static constexpr const char* kPlugin = "scale";
   static constexpr const char* kText = "another texture, multiplied";
   TexturedColour scale{glm::vec3(1.0f)};
-  int texture = kNoTexture;  ///< that it holds, without a name
+  int texture = kNoTexture;  ///< the nested texture, which has no name
 
   template <typename Row>
   static void parameters(const Row& row) {

@@ -13,7 +13,7 @@ void read_camera(const Context& context, SceneDescription& scene) {
   if (eye && at && up) camera.imply(scene, "camera.lookat", fmt::format("{} {} {}", *eye, *at, *up), "at");
   camera.set(scene, "camera.fov", "fov");
   camera.imply(scene, "camera.fov_axis", "y");
-  // TinyRender sees from its eye on, and as far as there is anything.
+  // TinyRender's camera has no clipping planes.
   camera.imply(scene, "camera.near_clip", "1e-6");
   camera.imply(scene, "camera.far_clip", "1e30");
   camera.finish();

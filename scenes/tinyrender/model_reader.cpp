@@ -17,11 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What TinyRender takes MTL's `illum` for; all others are its Phong model, which is Kd and Ks together, and
-/// so is its mixture, 8.
+/// TinyRender's interpretation of `illum`. All other numbers, including its mixture, 8, mean its Phong model
+/// of Kd and Ks together.
 constexpr std::int64_t kMirror = 5, kDiffuse = 7;
 
-/// Of a material that is not read: nothing in nature has this colour.
+/// The placeholder for a material that is not read. Its colour is deliberately unnatural.
 constexpr glm::vec3 kPlaceholderColour(0.8f, 0.2f, 0.8f);
 
 bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
@@ -56,7 +56,8 @@ class ModelReader {
   }
 
  private:
-  /// The file of that name beside the one that holds `location`; null, and an error, if there is none.
+  /// The file of that name in the folder of the file that contains `location`. Null, and an error, if it is
+  /// missing.
   const SourceFile* open(const std::string& name, SourceLocation location, std::uint64_t max_bytes) {
     const std::array<fs::path, 1> folder = {location.file->path.parent_path()};
     const auto path = files_.find(name, folder);
@@ -73,7 +74,7 @@ class ModelReader {
     return sources_.back().get();
   }
 
-  /// The line names a file, whose name may hold blanks, or several, whose names do not.
+  /// The line names one file, whose name may contain blanks, or several, whose names do not.
   void read_library(const ObjName& line) {
     std::vector<std::string> names = {line.name};
     const std::array<fs::path, 1> folder = {line.location.file->path.parent_path()};
@@ -116,7 +117,7 @@ class ModelReader {
     Surface result;
     if (!is_black(material.emission)) result.radiance = material.emission;
     if (material.illum == kMirror) {
-      // A mirror without a colour reflects all.
+      // A mirror without Ks reflects all light.
       const glm::vec3 reflectance = material.specular.value_or(glm::vec3(1.0f));
       ConductorBsdf mirror;
       mirror.specular_reflectance = energy_scale(found->first, material.location, reflectance) * reflectance;
@@ -143,8 +144,8 @@ class ModelReader {
     return result;
   }
 
-  /// The image times the value in its place. Colours are sRGB, as programs write them; an exponent's numbers
-  /// are linear.
+  /// Sets the image times the constant value. Colours are sRGB-encoded, as programs write them; exponents are
+  /// linear.
   template <typename Parameter>
   void set_map(Parameter& parameter, const std::optional<MtlMap>& map) {
     if (!map) return;
@@ -183,7 +184,7 @@ class ModelReader {
     return int(scene_.textures.size()) - 1;
   }
 
-  /// What TinyRender scales reflectances with.
+  /// The factor by which TinyRender scales reflectances.
   float energy_scale(const std::string& name, SourceLocation location, glm::vec3 sum) {
     const float most = std::max({sum.x, sum.y, sum.z});
     if (!(most > 1.0f)) return 1.0f;
@@ -196,7 +197,7 @@ class ModelReader {
   }
 
   void missing_material(const ObjGroup& group) {
-    if (!all_libraries_) return;  // it may be in the one that is missing
+    if (!all_libraries_) return;  // it may be defined in the missing library
     const char* const instead = "a magenta diffuse stands in for it";
     if (group.material.name.empty()) {
       context_.unknown(group.location, "this face has no material: there is no usemtl before it", instead);
@@ -285,10 +286,10 @@ class ModelReader {
   SceneDescription& scene_;
   BitmapFiles bitmaps_;
   std::vector<std::unique_ptr<SourceFile>> sources_;
-  std::vector<std::string> libraries_;  ///< that were read or looked for
-  bool all_libraries_ = true;           ///< none was missing
+  std::vector<std::string> libraries_;  ///< libraries that were read or searched
+  bool all_libraries_ = true;           ///< whether no library was missing
   MtlMaterials materials_;
-  std::map<std::string, Surface> surfaces_;  ///< by the material's name
+  std::map<std::string, Surface> surfaces_;  ///< keyed by the material's name
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 using Names = std::vector<std::string>;
 
 const Names kRead = {"newmtl", "Kd", "Ks", "Ke", "Ns", "illum", "map_Kd", "map_Ks", "map_Ns"};
-/// Without effect on what TinyRender's surfaces look like.
+/// Statements that have no effect in TinyRender.
 const Names kIgnored = {"Ka", "Ni", "d",  "Tr", "Tf",  "sharpness", "Km",
                         "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",     "anisor"};
 const Names kTextures = {"bump", "disp", "decal", "refl", "norm"};
@@ -81,11 +81,11 @@ class MtlReader {
     auto& target = keyword == "Kd"   ? material_->diffuse
                    : keyword == "Ks" ? material_->specular
                                      : material_->emission;
-    // One number is a grey, as MTL has it.
+    // A single number is grey, as in MTL.
     target = v.size() == 1 ? glm::vec3(v[0]) : glm::vec3(v[0], v[1], v[2]);
   }
 
-  /// The options that place it, then its name.
+  /// Reads a texture's options, then its file name.
   void map(std::string_view keyword) {
     MtlMap result;
     for (;;) {
@@ -128,7 +128,7 @@ class MtlReader {
     return found == std::end(kOptions) ? nullptr : found;
   }
 
-  /// One to three numbers, of which the third, for volumes, does not count.
+  /// Reads one to three numbers; the third, for volumes, is ignored.
   bool pair(std::string_view option, glm::dvec2& target) {
     int count = 0;
     for (; count < 3; ++count) {
@@ -152,8 +152,8 @@ class MtlReader {
     material_->illum = *number;
   }
 
-  /// 1 or `most` numbers; none, and an error, where there is anything else. MTL's "spectral" and "xyz" are no
-  /// numbers.
+  /// Reads 1 or `most` numbers. Nothing, and an error, otherwise. MTL's "spectral" and "xyz" are not
+  /// supported.
   std::vector<float> read_numbers(std::string_view keyword, std::size_t most) {
     std::vector<float> values;
     for (std::string_view text = scanner_.token(); !text.empty(); text = scanner_.token()) {
@@ -182,7 +182,7 @@ class MtlReader {
   MtlMaterials& materials_;
   Diagnostics& diagnostics_;
   MtlMaterial* material_ = nullptr;
-  MtlMaterial ignored_;  ///< takes what belongs to a material that does not count
+  MtlMaterial ignored_;  ///< receives statements of a material that is ignored
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Wavefront MTL files: the materials that OBJ files name.
+// Reads Wavefront MTL files, the materials of OBJ files.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace penumbra::tinyrender {
 
-/// An image that multiplies a value, u and v of a surface times `scale` plus `offset`; v counts from the
-/// bottom.
+/// An image that multiplies a value. Its coordinates are u and v of the surface times `scale` plus `offset`;
+/// v counts from the bottom.
 struct MtlMap {
   std::string name;
   SourceLocation location = {};  ///< of the name
@@ -20,7 +20,7 @@ struct MtlMap {
   bool clamp = false;
 };
 
-/// What a material says of itself; colours are linear Rec. 709, at least 0, as the file has them.
+/// The statements of one material. Colours are linear Rec. 709 and at least 0, as in the file.
 struct MtlMaterial {
   SourceLocation location = {};                       ///< of its name
   std::optional<glm::vec3> diffuse = std::nullopt;    ///< Kd
@@ -30,14 +30,15 @@ struct MtlMaterial {
   std::optional<MtlMap> diffuse_map = std::nullopt;   ///< map_Kd
   std::optional<MtlMap> specular_map = std::nullopt;  ///< map_Ks
   std::optional<MtlMap> exponent_map = std::nullopt;  ///< map_Ns
-  std::int64_t illum = 0;                             ///< the number of a reflection model
+  std::int64_t illum = 0;                             ///< the reflection model's number
 };
 
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 
-/// Adds the materials of `file` to `materials`. Of two with one name the first counts, as in TinyRender, with
-/// a warning; unknown statements, and textures of other things, are ignored with a warning. Errors: malformed
-/// colours, exponents, textures and numbers of reflection models, values before the first name.
+/// Adds the materials of `file` to `materials`. If two have the same name, the first is used, as in
+/// TinyRender, with a warning. Unknown statements and unsupported textures are ignored with a warning.
+/// Errors: malformed colours, exponents, textures and numbers of reflection models; values before the first
+/// name.
 void read_mtl(const SourceFile& file, MtlMaterials& materials, Diagnostics& diagnostics);
 
 }  // namespace penumbra::tinyrender

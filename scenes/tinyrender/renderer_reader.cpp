@@ -30,7 +30,7 @@ std::string folded(std::string_view name) {
   return result;
 }
 
-/// The one of `choices`, written anyhow, that the key names; an error, and none, if it names another.
+/// The one of `choices`, in any spelling, that the key names. Nothing, and an error, for another name.
 std::optional<std::string> choose(Section& renderer, std::string_view key, const Names& choices) {
   const auto text = renderer.text(key);
   if (!text) return std::nullopt;
@@ -112,8 +112,8 @@ Names names_of(const Rows& rows) {
 }
 
 void read_polygonal(Section& renderer, SceneDescription& scene, bool realtime) {
-  // TinyRender's switch for the closed form of its Phong lobes. Ours follows the material, which has a lobe
-  // or has none, so that it changes nothing.
+  // TinyRender's switch for the closed form of its Phong lobes. Here the material decides whether there is a
+  // lobe, so the switch has no effect.
   renderer.boolean("bonus", false);
   const bool test = renderer.boolean("test", false);
   const std::string window = test ? "controlVariates" : "analytic";
@@ -123,7 +123,7 @@ void read_polygonal(Section& renderer, SceneDescription& scene, bool realtime) {
   renderer.finish(kAllKeys, fmt::format("with method = {}", method));
 }
 
-/// TinyRender's 0 bounces see emitters only, which is a path of one edge.
+/// TinyRender's 0 bounces show only emitters, which is a path of one edge.
 void read_depth(Section& renderer, SceneDescription& scene, const char* setting, const char* key,
                 std::int64_t least) {
   const auto bounces = renderer.integer(key);
@@ -142,12 +142,12 @@ void read_path(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   renderer.imply(scene, "integrator.emitter_sampling", "area");
   read_depth(renderer, scene, "integrator.max_depth", "maxDepth", -1);
   read_depth(renderer, scene, "integrator.rr_depth", "rrDepth", 0);
-  // Paths survive here by their throughput, not by a fixed probability.
+  // Here Russian roulette depends on the throughput, not on a fixed probability.
   renderer.accept("rrProb");
   renderer.finish(kAllKeys, "with type = path");
 }
 
-/// TinyRender bakes light into vertices, each by `samplesByVertex` paths; here every pixel has as many.
+/// TinyRender bakes light into vertices with `samplesByVertex` paths each; here every pixel gets that many.
 void read_baked(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   const bool samples_emitters = renderer.boolean("isExplicit", true);
   renderer.imply(scene, "integrator.type", samples_emitters ? "path" : "path_mats");
@@ -166,7 +166,7 @@ void read_baked(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   renderer.finish(kAllKeys, "with type = gi");
 }
 
-/// Rays of half the radius of the scene, and black where there is nothing.
+/// Rays have half the scene's radius; the background is black.
 void read_ambient_occlusion(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   renderer.imply(scene, "integrator.type", "ao");
   renderer.imply(scene, "integrator.background", "0");
@@ -183,10 +183,10 @@ void read_reflection_occlusion(Section& renderer, SceneDescription& scene, bool 
 
 struct RendererType {
   std::string_view name;
-  bool has_window;  ///< what its window shows is read
+  bool has_window;  ///< with `realtime`, what its window shows is rendered
   void (*read)(Section&, SceneDescription&, bool realtime);
 };
-// The first stands in for others.
+// The first one replaces unknown types.
 constexpr RendererType kTypes[] = {{"direct", false, read_direct},
                                    {"polygonal", true, read_polygonal},
                                    {"path", false, read_path},
@@ -212,7 +212,7 @@ void read_renderer(const Context& context, SceneDescription& scene) {
                                 hint.empty() ? ";" : hint, list_names(known)),
                     "direct stands in for it");
     type = kTypes;
-    if (!context.lenient) return;  // what else it has belongs to a type that is not known
+    if (!context.lenient) return;  // its other keys belong to an unknown type
   }
   if (!type->has_window) {
     if (realtime)

@@ -1,4 +1,4 @@
-// [renderer] of a TinyRender scene: how it is rendered.
+// Reads [renderer] of a TinyRender scene: the integrator.
 #pragma once
 
 #include "scenes/tinyrender/section.h"
@@ -6,14 +6,13 @@
 namespace penumbra::tinyrender {
 
 /// Reads `type`, its parameters, and `spp`:
-///  - direct: `samplingStrategy` chooses among samples of emitters (by area or solid angle), of the BSDF, and
-///  of
-///    the hemisphere (uniform or by cosine), or both kinds together with the balance heuristic ("mis");
-///  - polygonal: `method` chooses the closed form, samples by area, or control variates. A scene for the
-///  window
-///    (`realtime`) without a method is rendered as what the window would show: the closed form, or with
-///    `test` what its hybrid mode converges to;
-///  - path: `maxDepth` counts bounces in TinyRender, and edges of the path, one more, here.
+///   - direct: `samplingStrategy` selects emitter sampling (by area or solid angle), BSDF sampling,
+///     hemisphere sampling (uniform or by cosine), or both emitter and BSDF sampling with the balance
+///     heuristic ("mis").
+///   - polygonal: `method` selects the closed form, area sampling, or control variates. A scene for the
+///     interactive window (`realtime`) without a method is rendered as the window would show it: by the
+///     closed form, or with `test` as the limit to which its hybrid mode converges.
+///   - path: `maxDepth` counts bounces in TinyRender, but edges of the path here, which is one more.
 void read_renderer(const Context& context, SceneDescription& scene);
 
 }  // namespace penumbra::tinyrender

@@ -1,4 +1,4 @@
-// Reading one table of a TinyRender scene: each key must be requested, so that an unknown one is an error.
+// Reads one table of a TinyRender scene. Every key must be requested, so that unknown keys are detected.
 #pragma once
 
 #include <optional>
@@ -19,42 +19,44 @@ struct Context {
   Diagnostics& diagnostics;
   bool lenient = false;
 
-  /// An error, or with `lenient` a warning that ends in `instead`, "it is left out" for example.
+  /// Reports something unknown: an error, or with `lenient` a warning that ends in `instead`, "it is left
+  /// out" for example.
   void unknown(SourceLocation location, std::string_view message, std::string_view instead) const;
 };
 
 class Section {
  public:
-  /// The table of that name; without one, an error, and a section that has nothing.
+  /// The table of that name. If it is missing, an error and an empty section.
   Section(const Context& context, std::string_view name);
 
   [[nodiscard]] bool has(std::string_view key) const;
 
-  /// The value, or `fallback` where the key is not given; an error where it is of another kind.
+  /// The value of the key, or `fallback` if it is not given. It is an error if it has another type.
   bool boolean(std::string_view key, bool fallback);
   std::optional<std::string> text(std::string_view key);
   std::optional<std::int64_t> integer(std::string_view key);
-  /// Three numbers.
+  /// Three numbers, as the text of a setting.
   std::optional<std::string> vector(std::string_view key);
 
-  /// Sets `setting` (see settings.h) from the key. Returns whether it is given.
+  /// Sets the setting `setting` (see settings.h) from the key. Returns whether the key is given.
   bool set(SceneDescription& scene, std::string_view setting, std::string_view key);
 
-  /// Sets it to what the scene's format implies. An error is one of the key, if it is given.
+  /// Sets a setting to the value that the scene's format implies. Errors are reported at the key, if it is
+  /// given.
   void imply(SceneDescription& scene, std::string_view setting, std::string_view value,
              std::string_view key = "") const;
 
-  /// An error if the key is not given.
+  /// Reports an error if the key is not given.
   void require(std::string_view key) const;
 
-  /// Known, but without effect on the image.
+  /// Accepts a key that has no effect on the image.
   void accept(std::string_view key) { take(key); }
 
-  /// Reports keys that were not requested: those among `elsewhere` have no effect `where` ("with method =
-  /// area"), and the others are unknown.
+  /// Reports keys that were not requested. Those in `elsewhere` have no effect `where` ("with method =
+  /// area"); all others are unknown.
   void finish(std::span<const std::string> elsewhere = {}, std::string_view where = "");
 
-  /// At the key's value, or at the table if it is not given.
+  /// Reports an error at the key's value, or at the table if the key is not given.
   void wrong(std::string_view key, std::string_view message) const;
   void warn(std::string_view key, std::string_view message) const;
   [[nodiscard]] SourceLocation location(std::string_view key) const;

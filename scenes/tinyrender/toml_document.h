@@ -1,4 +1,4 @@
-// A TOML file as tables of values with their places: all that a scene needs of TOML.
+// A TOML file as tables of values with their locations, limited to what a scene needs.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,21 @@
 
 namespace penumbra::tinyrender {
 
-/// What no scene has a use for, by its name for messages: "a date", "an array of text".
+/// A value of a type that no scene uses, described for messages: "a date", "an array of text".
 struct OtherValue {
   std::string what;
 };
 
 using Value = std::variant<std::int64_t, double, bool, std::string, std::vector<double>, OtherValue>;
 
-/// "an integer", "a number", "true or false", "text", "an array of numbers", or what an OtherValue is.
+/// The type of a value in words: "an integer", "a number", "true or false", "text", "an array of numbers", or
+/// the text of an OtherValue.
 std::string describe_kind(const Value& value);
 
 struct Entry {
   std::string key;
   Value value;
-  std::string text;  ///< the value as settings take it: numbers of an array with blanks between
+  std::string text;  ///< the value as text for settings; the numbers of an array are separated by blanks
   SourceLocation key_location;
   SourceLocation value_location;
 };
@@ -31,15 +32,15 @@ struct Entry {
 struct Table {
   std::string name;
   SourceLocation location;
-  std::vector<Entry> entries;  ///< in the file's order
+  std::vector<Entry> entries;  ///< in the order of the file
 };
 
 struct Document {
-  std::vector<Table> tables;   ///< of the top level, in the file's order
-  std::vector<Entry> entries;  ///< outside all tables
+  std::vector<Table> tables;   ///< top-level tables, in the order of the file
+  std::vector<Entry> entries;  ///< outside all tables, in the order of the file
 };
 
-/// Parses `file`. What is not TOML is reported, and ends the reading.
+/// Parses `file`. A syntax error is reported and ends reading.
 Document read_document(const SourceFile& file, Diagnostics& diagnostics);
 
 }  // namespace penumbra::tinyrender

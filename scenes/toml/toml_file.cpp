@@ -8,14 +8,15 @@
 
 namespace penumbra {
 
-/// The parser's lines and columns are from 1, columns in code points; 0: nowhere.
+/// The parser's lines and columns begin at 1, columns in code points. 0 means unknown.
 SourceLocation toml_location(const SourceFile& file, toml::source_position position) {
   if (position.line == 0 || position.column == 0) return {&file, 0};
   return location_of(file, {position.line, position.column});
 }
 
 std::optional<toml::table> parse_toml(const SourceFile& file, Diagnostics& diagnostics) {
-  // Arrays and inline tables have a limit in the parser; keys have none, and overflow the stack.
+  // The parser limits the nesting of arrays and inline tables, but not that of dotted keys, which may
+  // overflow the stack.
   if (const auto deep = find_deep_key(file.text)) {
     diagnostics.error({&file, *deep}, fmt::format("a key of more than {} parts", kMaxKeyParts));
     return std::nullopt;

@@ -1,4 +1,4 @@
-// A TOML file and the places of what is in it.
+// A TOML file and the locations of its values.
 #pragma once
 
 #include <toml++/toml.h>
@@ -10,13 +10,14 @@
 
 namespace penumbra {
 
-/// Where something of the file is, from the parser's line and column; the file's start for what is nowhere.
+/// The location of a line and column of the parser. A position that is not in the file gives the file's
+/// start.
 SourceLocation toml_location(const SourceFile& file, toml::source_position position);
 
-/// The entries of a table in the file's order.
+/// The entries of a table in the order of the file.
 std::vector<std::pair<const toml::key*, const toml::node*>> in_order(const toml::table& table);
 
-/// Parses the file. Nothing, and an error at its place, for what is not TOML.
+/// Parses the file. Nothing, and an error with its location, if it is not TOML.
 std::optional<toml::table> parse_toml(const SourceFile& file, Diagnostics& diagnostics);
 
 }  // namespace penumbra

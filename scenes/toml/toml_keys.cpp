@@ -3,7 +3,7 @@
 namespace penumbra {
 namespace {
 
-/// Past the string or the comment that begins at `at`; `at` where none does.
+/// The offset after the string or comment that begins at `at`; `at` if none begins there.
 std::size_t skip(std::string_view text, std::size_t at) {
   const char quote = text[at];
   if (quote == '#') return text.find('\n', at);
@@ -17,7 +17,7 @@ std::size_t skip(std::string_view text, std::size_t at) {
       ++at;
     } else if (text.substr(at, length) == end) {
       at += length;
-      // Up to two quotes may come before the three that end it.
+      // Up to two quotes may precede the three that end the string.
       while (several_lines && at < text.size() && text[at] == quote) ++at;
       return at;
     } else if (text[at] == '\n' && !several_lines) {
@@ -32,7 +32,7 @@ std::size_t skip(std::string_view text, std::size_t at) {
 std::optional<std::size_t> find_deep_key(std::string_view text) {
   constexpr std::string_view kBetweenKeys = "=,[]{}\n", kBlanks = " \t\r";
   int parts = 1;
-  std::size_t begin = text.npos;  // of the key, or of a value, which has no two dots
+  std::size_t begin = text.npos;  // of the key, or of a value, which never has two dots
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
     if (kBetweenKeys.find(c) != kBetweenKeys.npos) {

@@ -1,4 +1,4 @@
-// What a TOML parser that nests as deep as its text says cannot be given.
+// Protects the TOML parser, which recurses as deep as the text nests, from deep keys.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace penumbra {
 
-/// Parts that a dotted key may have. Each is a table inside the one before it.
+/// The largest number of parts of a dotted key. Each part is a table inside the one before it.
 constexpr int kMaxKeyParts = 8;
 
-/// Where the first dotted key, of a value or a table, with more parts than that begins. Text that is no TOML
-/// is told apart up to where it ceases to be.
+/// The offset of the first dotted key, of a value or a table, with more than kMaxKeyParts parts. Malformed
+/// text is scanned up to the error.
 std::optional<std::size_t> find_deep_key(std::string_view text);
 
 }  // namespace penumbra

@@ -73,7 +73,7 @@ std::string identity_difference(const RenderIdentity& there, const RenderIdentit
   for (const std::string& name : names)
     compare(name == "scene_hash" ? "content of the scene file" : name, value_of(of_file, name),
             value_of(now, name));
-  // It follows from the others, save where files that the scene names have changed.
+  // The scene's hash follows from the other entries, unless files that the scene refers to have changed.
   if (texts.empty() && there.scene != asked.scene) texts.emplace_back("what is in the scene");
   if (texts.empty() && there != asked) texts.emplace_back("the order of its settings");
   return fmt::format("{}", fmt::join(texts, "; "));

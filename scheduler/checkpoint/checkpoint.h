@@ -1,4 +1,4 @@
-// The bytes of a checkpoint: what a render is, and what is merged of it.
+// The format of a checkpoint: the identity of a render and its merged state.
 #pragma once
 
 #include <cstdint>
@@ -12,31 +12,32 @@
 
 namespace penumbra {
 
-/// All that the samples of a render depend on, and what the state of its film does. Two renders with equal
-/// ones can go on with each other's checkpoints.
+/// Everything on which the samples of a render and the state of its film depend. Renders with equal
+/// identities can resume from each other's checkpoints.
 struct RenderIdentity {
   std::string version;                                        ///< of this program
-  std::string worker;                                         ///< hash of the program that computes
-  std::string scene;                                          ///< hash of the scene as workers get it
-  std::vector<std::pair<std::string, std::string>> settings;  ///< name and value, for people too
+  std::string worker;                                         ///< hash of the worker's executable
+  std::string scene;                                          ///< content hash of the device scene
+  std::vector<std::pair<std::string, std::string>> settings;  ///< names and values; also shown to users
 
   friend bool operator==(const RenderIdentity&, const RenderIdentity&) = default;
 };
 
-/// Every byte of an identity, for hashing.
+/// The identity as text with every byte of it, for hashing.
 std::string identity_text(const RenderIdentity& identity);
 
-/// How the render of a checkpoint differs from the one asked for, a line; empty if it does not.
+/// How the render of a checkpoint differs from the requested one, in one line; empty if it does not.
 std::string identity_difference(const RenderIdentity& there, const RenderIdentity& asked);
 
-/// Replaces what is in `bytes`, whose memory is used again. Without the checksum, which takes time.
+/// Serialises into `bytes`, replacing its contents but reusing its memory. The checksum is not computed yet,
+/// because that takes time.
 void encode_checkpoint(const RenderIdentity& identity, const Merge& merge, Seconds rendered,
                        std::vector<std::uint8_t>& bytes);
-/// Adds what is missing.
+/// Adds the checksum.
 void seal_checkpoint(std::vector<std::uint8_t>& bytes);
 
-/// `empty` is the job's, with nothing merged. Errors: no checkpoint, of another format, damaged, of another
-/// render (with what differs).
+/// `empty` is the job's merge without results. Errors: not a checkpoint, another format, damaged, of another
+/// render (with the difference).
 Expected<ResumedState> decode_checkpoint(std::span<const std::uint8_t> bytes, const RenderIdentity& identity,
                                          Merge empty);
 

@@ -14,15 +14,15 @@
 namespace penumbra {
 namespace {
 
-/// Of copying, checksum and writing, before any was measured; more than most machines need.
+/// An estimate for copying, checksum and writing until they are measured; more than most machines need.
 constexpr double kSecondsPerByte = 2e-9;
 
-/// Of a file that may be one: films of it and its tiles' halves, and all else.
+/// Limits on a checkpoint's size: films (including halves of tiles) and everything else.
 constexpr std::int64_t kMostFilms = 2 + AdaptiveTile::kMostFilms, kMostOtherBytes = std::int64_t(256) << 20;
 
 constexpr Seconds kLongestInterval = 1e8;
 
-/// What this thread has computed; waiting for a disk takes nothing from workers.
+/// CPU time of this thread. Waiting for a disk takes nothing from the workers.
 Seconds thread_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -106,7 +106,7 @@ void CheckpointFile::wait_until_written() {
   changed_.wait(lock, [this] { return !to_be_written_; });
 }
 
-// --- Its thread
+// --- The writing thread
 
 void CheckpointFile::write_what_comes() {
   std::unique_lock lock(mutex_);

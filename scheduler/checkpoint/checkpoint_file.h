@@ -1,4 +1,4 @@
-// A checkpoint on disk, written again and again while a render goes on.
+// A checkpoint on disk that is updated repeatedly during a render.
 #pragma once
 
 #include <chrono>
@@ -15,21 +15,22 @@
 
 namespace penumbra {
 
-/// Of a render's time, at most, for copying what is merged and for writing it.
+/// The largest fraction of a render's time spent on copying and writing checkpoints.
 constexpr double kCheckpointShare = 0.01;
 
-/// At any moment the file is a whole checkpoint, or not there. It is written by a thread of its own. A
-/// failure is a problem that is told once; the render goes on, and the next one is tried.
+/// The file is replaced atomically, so it is a complete checkpoint at any time, or absent. A separate thread
+/// writes it. A failure is reported once; the render continues, and later checkpoints are tried again.
 class CheckpointFile final : public CheckpointSink {
  public:
-  /// Every `interval` seconds, or less often where that would take more than kCheckpointShare; 0: never.
+  /// Writes every `interval` seconds, or less often if that would take more than kCheckpointShare of the
+  /// time; 0: never.
   CheckpointFile(std::filesystem::path path, RenderIdentity identity, Seconds interval);
   CheckpointFile(const CheckpointFile&) = delete;
   CheckpointFile& operator=(const CheckpointFile&) = delete;
   ~CheckpointFile() override;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// What the file holds; nothing if it is not there. Errors: those of decode_checkpoint, a file that cannot
+  /// The state in the file; nothing if there is no file. Errors: those of decode_checkpoint; the file cannot
   /// be read.
   [[nodiscard]] Expected<std::optional<ResumedState>> read(Merge empty) const;
 
@@ -37,7 +38,7 @@ class CheckpointFile final : public CheckpointSink {
   void keep(const Merge& merge, Seconds rendered) override;
   void keep_last(const Merge& merge, Seconds rendered) override;
   std::optional<std::string> take_problem() override;
-  /// The render is complete and its files are there.
+  /// For use when the render is complete and its output files are written.
   void remove() override;
 
  private:
@@ -50,13 +51,13 @@ class CheckpointFile final : public CheckpointSink {
   const RenderIdentity identity_;
   const Seconds interval_;
 
-  std::optional<Clock::time_point> due_;  // of the farm's thread
+  std::optional<Clock::time_point> due_;  // used by the farm's thread only
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::uint8_t> bytes_;  // the farm's thread fills it while the other one waits
+  std::vector<std::uint8_t> bytes_;  // filled by the farm's thread while the writing thread waits
   bool to_be_written_ = false, ended_ = false;
   Seconds copy_seconds_ = 0;
-  std::optional<Seconds> cost_;  // of the last one, until the next time is known
+  std::optional<Seconds> cost_;  // of the last checkpoint, until the next due time is computed from it
   std::string problem_;
   bool told_ = false;
   std::thread thread_;

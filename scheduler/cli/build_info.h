@@ -1,4 +1,4 @@
-// What this program was built from and with, for reports of problems.
+// Build configuration of this program, for bug reports.
 #pragma once
 
 #include <string>

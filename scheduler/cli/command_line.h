@@ -1,4 +1,4 @@
-// How every program's command line ends where there is nothing to run.
+// Common error handling for the command lines of all programs.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-/// Names of everything that the command takes: its options if the unknown word is one, else its subcommands.
+/// The names that the command accepts: its options if the unknown word is an option, else its subcommands.
 inline std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
   std::vector<std::string> names;
   if (unknown.starts_with("-")) {
@@ -29,7 +29,7 @@ inline std::vector<std::string> known_names(const CLI::App& command, const std::
   return names;
 }
 
-/// What is wrong with the command line, and where help is.
+/// The message for a usage error, with a pointer to the help.
 inline std::string usage_error(const CLI::App& app, const CLI::Error& error) {
   const auto chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.front();
@@ -42,8 +42,7 @@ inline std::string usage_error(const CLI::App& app, const CLI::Error& error) {
   return fmt::format("{}: error: {}\nRun '{} --help' for what there is.", called, what, called);
 }
 
-/// Prints what CLI11 says to this end of a parse: the help that was asked for, or what is wrong with the
-/// usage.
+/// Prints the result of a parse that ends the program: the requested help, or the usage error.
 inline ExitCode end_of_parse(const CLI::App& app, const CLI::Error& error) {
   std::ostringstream answer, ignored;
   if (app.exit(error, answer, ignored) == 0) return print_answer(answer.str()), kAllDone;

@@ -16,7 +16,7 @@ std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std:
     return kAllDone;
   }
   const std::string called = app.get_name();
-  std::string name = called;  // of the page: "penumbra stress" is penumbra-stress
+  std::string name = called;  // the page's name: for "penumbra stress" it is penumbra-stress
   std::ranges::replace(name, ' ', '-');
   if (arguments[0] == "man" && rest.empty()) {
     print_answer(man_page(app, name, called, PENUMBRA_VERSION));

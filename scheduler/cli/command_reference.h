@@ -1,5 +1,5 @@
-// What every program answers about its own command line: `PROGRAM complete WORD…` to shells, `PROGRAM man` a
-// page of the manual.
+// Subcommands of every program that describe its command line: `PROGRAM complete WORD…` for shell completion,
+// and `PROGRAM man` for manual pages.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,8 +12,7 @@
 
 namespace penumbra {
 
-/// Of a program that is called `app`'s name, whose arguments are these; nothing if they ask for something
-/// else.
+/// Answers such a command of the program named by `app`. Nothing if the arguments ask for something else.
 std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std::string>& arguments,
                                      const ValuesOf& values = {});
 

@@ -1,4 +1,5 @@
-// The commands of `penumbra`: each adds itself to the command line, and runs once that is parsed.
+// The commands of `penumbra`. Each function adds a command to the command line; the command runs after
+// parsing.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,38 +13,38 @@
 
 namespace penumbra {
 
-/// What is to run, chosen by the parse: the command's body.
+/// The command chosen by the parser: a function that runs it.
 using Command = std::function<ExitCode()>;
 
-/// `command_line` is argv; both outlive the parse and the run.
+/// `command_line` is argv. It and `chosen` must outlive parsing and running.
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_preview_command(CLI::App& app, Command& chosen);
 void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
-/// For schedulers that other hosts reach.
+/// Manages the keys of schedulers that other hosts can reach.
 void add_keys_command(CLI::App& app, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);
 void add_convert_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
-// Of services.
+// Commands for services.
 void add_serve_command(CLI::App& app, Command& chosen);
 void add_submit_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_status_command(CLI::App& app, Command& chosen);
 void add_change_commands(CLI::App& app, Command& chosen);
 void add_fetch_command(CLI::App& app, Command& chosen);
-/// After all others, of which it knows the names.
+/// Must be called after all others, because it uses their names.
 void add_reference_commands(CLI::App& app, Command& chosen);
-/// `penumbra complete WORD…` and `penumbra man …`, also of commands that are programs of their own; nothing:
-/// other arguments, or wrong ones.
+/// Answers `penumbra complete WORD…` and `penumbra man …`, also for commands that are separate programs.
+/// Nothing for other or invalid arguments.
 std::optional<ExitCode> answer_reference(const CLI::App& app, const std::vector<std::string>& arguments);
-/// Commands that are programs of their own, such as `penumbra worker`: listed for the help, they never get to
-/// the parser, see run_sibling.
+/// Lists commands that are separate programs, such as `penumbra worker`, in the help. They are executed
+/// before parsing; see run_sibling.
 void add_sibling_commands(CLI::App& app);
 
-/// The program that the command is, or an empty text.
+/// The path of the program that implements the command, or an empty text.
 std::string sibling_program(const std::string& command);
-/// Replaces this process by that program with these arguments; returns only if there is no such program.
+/// Replaces this process by that program. Returns only if it cannot be executed.
 ExitCode run_sibling(const std::string& program, const std::vector<std::string>& arguments);
 
 }  // namespace penumbra

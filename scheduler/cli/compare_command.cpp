@@ -1,4 +1,4 @@
-// `penumbra compare A B`: how far is A from the reference B?
+// `penumbra compare A B`: measures the difference of A from the reference B.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -25,7 +25,7 @@ namespace {
 struct CompareCommandOptions {
   std::string image, reference, second_reference, variance, reference_variance;
   CompareOptions compare;
-  std::string json;  ///< a file, or - for stdout
+  std::string json;  ///< file name, or - for stdout
   std::string heatmap, map = "relmse";
   std::optional<MapRange> range;
   std::vector<CompareLimit> limits;
@@ -53,7 +53,7 @@ std::vector<std::filesystem::path> input_files(const CompareCommandOptions& opti
   return files;
 }
 
-/// Before the work: whether what is asked for can be written, and overwrites no input.
+/// Checks before the work that all outputs can be written and overwrite no input.
 Expected<void> check_files(const CompareCommandOptions& options) {
   std::vector<std::filesystem::path> outputs;
   if (!options.heatmap.empty()) {
@@ -66,7 +66,6 @@ Expected<void> check_files(const CompareCommandOptions& options) {
   return check_outputs(outputs, input_files(options));
 }
 
-/// Into a folder that may have to be made.
 /// The images of the command line, in memory.
 struct LoadedImages {
   std::optional<Image> image, reference, second_reference, variance, reference_variance;
@@ -134,7 +133,7 @@ Expected<WrittenMap> write_heat_map(const CompareCommandOptions& options, const 
 struct CheckedLimit {
   CompareLimit limit;
   double value = 0;
-  bool exceeded = false;  ///< also by what is NaN
+  bool exceeded = false;  ///< NaN counts as exceeded
 };
 
 Expected<std::vector<CheckedLimit>> check_limits(const CompareCommandOptions& options,
@@ -151,7 +150,7 @@ Expected<std::vector<CheckedLimit>> check_limits(const CompareCommandOptions& op
   return checked;
 }
 
-/// Says what is not good enough, if anything.
+/// Whether all limits are met; prints those that are not.
 bool passes(const CompareCommandOptions& options, const Comparison& comparison,
             const std::vector<CheckedLimit>& limits) {
   bool good = true;

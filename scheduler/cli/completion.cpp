@@ -7,7 +7,7 @@
 namespace penumbra {
 namespace {
 
-/// Types whose values are names of files, among what options are declared with.
+/// Types of options whose values are file names.
 bool is_file_type(const std::string& type) {
   return type.starts_with("FILE") || type.starts_with("FOLDER") || type == "A" || type == "B" ||
          type.starts_with("TEXT");
@@ -17,7 +17,7 @@ bool takes_value(const CLI::Option& option) { return option.get_expected_max() >
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// Of "NAME:{direct,path}".
+/// The choices of a type such as "NAME:{direct,path}".
 std::vector<Candidate> choices_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{'), close = type.find('}');
@@ -31,7 +31,7 @@ std::vector<Candidate> choices_of(const CLI::Option& option) {
   return choices;
 }
 
-/// The option of that name, with its dashes.
+/// The option with that name, including its dashes.
 const CLI::Option* option_named(const CLI::App& app, const std::string& name) {
   return name.starts_with("-") ? app.get_option_no_throw(name) : nullptr;
 }
@@ -59,7 +59,7 @@ void add_commands(const CLI::App& app, Completion& found) {
     found.candidates.push_back({command->get_name(), first_line(command->get_description())});
 }
 
-/// The next of the values without a name.
+/// Adds candidates for the next positional argument.
 void add_positional(const CLI::App& app, std::size_t index, const std::string& typed, const ValuesOf& values,
                     Completion& found) {
   for (const CLI::Option* option : app.get_options()) {
@@ -81,7 +81,7 @@ Completion complete(const CLI::App& app, const std::vector<std::string>& words, 
   Completion found;
   const std::string typed = words.empty() ? "" : words.back();
   const CLI::App* command = &app;
-  const CLI::Option* waits = nullptr;  // for its value
+  const CLI::Option* waits = nullptr;  // the option that still needs its value
   std::size_t positionals = 0;
   bool options_ended = false;
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
@@ -98,7 +98,7 @@ Completion complete(const CLI::App& app, const std::vector<std::string>& words, 
       ++positionals;
     }
   }
-  std::string before;  // of a value, which --name=value brings along
+  std::string before;  // the part of the word before the value, for --name=value
   const std::size_t equals = typed.find('=');
   if (waits == nullptr && !options_ended && typed.starts_with("--") && equals != std::string::npos) {
     before = typed.substr(0, equals + 1);
@@ -127,7 +127,7 @@ std::string completion_text(const Completion& completion) {
 }
 
 std::string completion_script(const std::string& shell) {
-  // bash splits words at = and :, so the line is split anew; $2 is what will be replaced.
+  // bash splits words at = and :, so the script splits the line again; $2 is the part to be replaced.
   if (shell == "bash")
     return R"(# Completion of Penumbra's programs for bash.
 _penumbra() {

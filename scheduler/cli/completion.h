@@ -1,4 +1,4 @@
-// What could stand next on a command line: for shells, from the tables that parse it.
+// Shell completion: the words that may come next on a command line, from the parser's tables.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,28 +9,28 @@
 namespace penumbra {
 
 struct Candidate {
-  std::string word;  ///< the whole word, as far as it is known: KEY= goes on
-  std::string help;  ///< one line, or nothing
+  std::string word;  ///< the whole word; one that ends in KEY= is still incomplete
+  std::string help;  ///< one line, or empty
   bool operator==(const Candidate&) const = default;
 };
 
 struct Completion {
   std::vector<Candidate> candidates;
-  bool files = false;  ///< or a file's name
+  bool files = false;  ///< file names are possible too
 };
 
-/// All values of an option of that type (FILE, KEY=VALUE…) which CLI11 does not know, for what is typed of
-/// one so far. May be empty.
+/// All values for an option of that type (FILE, KEY=VALUE…), if CLI11 does not know them. `typed` is the text
+/// typed so far. May be empty.
 using ValuesOf = std::function<std::vector<Candidate>(const std::string& type, const std::string& typed)>;
 
-/// `words` is what follows the program's name; the last one is being typed, and may be empty. Only what
-/// begins with it is in the answer.
+/// `words` are the words after the program's name. The last one is being typed and may be empty. Only
+/// candidates that begin with it are returned.
 Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ValuesOf& values = {});
 
-/// A line for each: word, tab, help; ":files" where files are meant too.
+/// One line per candidate: word, tab, help. ":files" if file names are possible too.
 std::string completion_text(const Completion& completion);
 
-/// What a shell loads: bash, zsh or fish; it asks `PROGRAM complete WORD…`. Empty for others.
+/// The completion script for bash, zsh or fish, which calls `PROGRAM complete WORD…`. Empty for other shells.
 std::string completion_script(const std::string& shell);
 
 }  // namespace penumbra

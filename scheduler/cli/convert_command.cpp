@@ -1,4 +1,4 @@
-// `penumbra convert`: a scene of any format as a file of Mitsuba 3.
+// `penumbra convert`: converts a scene of any format to a Mitsuba 3 file.
 #include <fmt/format.h>
 
 #include <filesystem>

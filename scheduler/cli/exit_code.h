@@ -5,8 +5,8 @@ namespace penumbra {
 
 enum ExitCode : int {
   kAllDone = 0,
-  kIncomplete = 1,  ///< something that was asked for is incomplete or failed; what exactly is on stderr
-  kBadInput = 2,    ///< bad usage, a bad scene, an output that cannot be written
+  kIncomplete = 1,  ///< something requested is incomplete or failed; details are on stderr
+  kBadInput = 2,    ///< wrong usage, an invalid scene, or an output that cannot be written
 };
 
 }  // namespace penumbra

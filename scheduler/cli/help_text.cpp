@@ -10,7 +10,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kNames = 28;  // columns before what an option is
+constexpr int kNames = 28;  // columns for the names of options
 
 std::string names_text(const CLI::Option& option) {
   std::string names;

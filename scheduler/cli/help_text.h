@@ -1,11 +1,11 @@
-// `--help` of every program and command.
+// The `--help` text of all programs and commands.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace penumbra {
 
-// Headings under which options are listed; those of a single command are where they are added.
+// Headings of option groups that several commands share.
 namespace group {
 constexpr const char* kArguments = "Arguments";
 constexpr const char* kInput = "Input";
@@ -18,9 +18,9 @@ constexpr const char* kCheckpoints = "Interrupted renders";
 constexpr const char* kGeneral = "General";
 }  // namespace group
 
-/// The help of the program and of its commands: options by their groups, lines of at most kTextColumns. Of
-/// the footer, lines that begin with a space stay as they are, others are wrapped. To be called once all
-/// options are there.
+/// Formats the help of the program and its commands: options by group, in lines of at most kTextColumns. In
+/// the footer, lines that begin with a space are kept, others are wrapped. Call it after all options were
+/// added.
 void use_help_text(CLI::App& app);
 
 }  // namespace penumbra

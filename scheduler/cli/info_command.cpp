@@ -1,4 +1,5 @@
-// `penumbra info SCENE`: what a scene holds; with --verbose also what it needs and what is left out for it.
+// `penumbra info SCENE`: prints the contents of a scene; with --verbose also the features that it needs and
+// those left out.
 #include <fmt/format.h>
 
 #include <memory>
@@ -24,7 +25,7 @@ struct InfoOptions {
 };
 
 using Section = std::pair<std::string, NamedTexts>;
-constexpr const char* kFeature = "feature";  // of the summary's entries, those that are one
+constexpr const char* kFeature = "feature";  // the name of summary entries that are features
 
 struct SceneFacts {
   SceneContents contents;
@@ -53,13 +54,14 @@ NamedTexts settings_of(const SceneOptions& options, const LoadedScene& scene) {
   settings.emplace_back("crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y,
                                             film.crop_x + film.crop_width, film.crop_y + film.crop_height));
   for (const auto& [name, value] : record_entries(record_of(options, scene))) {
-    if (name == "scene" || name == "backend" || name == "samples_per_pass") continue;  // not the scene's
+    // Not properties of the scene.
+    if (name == "scene" || name == "backend" || name == "samples_per_pass") continue;
     settings.emplace_back(name, std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
   }
   return settings;
 }
 
-/// What the device scene needs, but for the features, which are for --verbose.
+/// The summary without its features, which --verbose shows.
 NamedTexts without_features(NamedTexts entries) {
   std::erase_if(entries, [](const auto& entry) { return entry.first == kFeature; });
   return entries;
@@ -85,7 +87,7 @@ std::string info_text(const InfoOptions& options, const LoadedScene& scene, cons
 }
 
 std::string info_json(const SceneOptions& options, const LoadedScene& scene, const SceneFacts& facts) {
-  const SceneHeader& header = scene.device.header;  // its first material is black, for what has none
+  const SceneHeader& header = scene.device.header;  // the first material is black, for shapes without a BSDF
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
       {"scene", options.scene},
@@ -107,7 +109,7 @@ std::string info_json(const SceneOptions& options, const LoadedScene& scene, con
       {"warnings", scene.description.warnings}};
   add_contents(json, facts.contents);
   if (!scene.description.dialect.empty()) json["dialect"] = scene.description.dialect;
-  // Names and paths are bytes, not always UTF-8.
+  // Names and paths may be invalid UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

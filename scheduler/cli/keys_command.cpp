@@ -1,4 +1,4 @@
-// `penumbra keys FOLDER`: certificates and tokens for a scheduler that other hosts reach.
+// `penumbra keys FOLDER`: makes certificates and tokens for a scheduler that other hosts can reach.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -20,7 +20,7 @@ IntersectorChoice intersector_of(const std::string& name) {
   return IntersectorChoice::kAuto;
 }
 
-/// name=value each; the options' parser has checked that.
+/// Splits name=value; the option parser has checked the form.
 std::vector<std::pair<std::string, std::string>> split_assignments(
     const std::vector<std::string>& assignments) {
   std::vector<std::pair<std::string, std::string>> pairs;
@@ -31,7 +31,8 @@ std::vector<std::pair<std::string, std::string>> split_assignments(
   return pairs;
 }
 
-/// An option and a --set of the same setting with another value: one of them would have no effect.
+/// Error if an option and a --set give different values for the same setting, because one of them would have
+/// no effect.
 Expected<void> check_they_agree(std::string_view key, std::string_view value,
                                 const std::vector<std::pair<std::string, std::string>>& settings) {
   for (const auto& [set, text] : settings)

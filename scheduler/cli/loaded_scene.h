@@ -1,4 +1,4 @@
-// A scene as a command needs it: read, overridden by the options, and in the form that the kernels read.
+// A scene loaded for a command: the description with the options applied, and the device scene.
 #pragma once
 
 #include <functional>
@@ -18,21 +18,21 @@ struct LoadedScene {
   SceneDescription description;
   DeviceScene device;
   SceneSummary summary;
-  MatteNames mattes;                          ///< with --cryptomatte
-  std::map<int, std::string> boundary_names;  ///< see there
-  double seconds = 0;                         ///< that it took
-  glm::dvec3 center{0.0};                     ///< see scene_center; once it is reduced
+  MatteNames mattes;                          ///< only with --cryptomatte
+  std::map<int, std::string> boundary_names;  ///< see boundary_names()
+  double seconds = 0;                         ///< load time
+  glm::dvec3 center{0.0};                     ///< see scene_center; set by load_scene
 };
 
-/// Of the description's shapes polygon_lights_of it remain: meshes and images are in the device scene, and
-/// two copies of the largest would take all of the memory.
+/// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device
+/// scene, and two copies of the largest scenes would not fit into memory.
 void reduce(LoadedScene& scene);
 
-/// Reads the scene file and applies the overrides; `-D` and `--set` are the reader's, the others are applied
+/// Reads the scene file and applies the options. The reader applies `-D` and `--set`; the others are applied
 /// here.
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options);
 
-/// The description in the form that the kernels read; `adjust`, which may be empty, changes it before.
+/// Reads the scene and builds its device scene. `adjust`, which may be empty, changes the description before.
 Expected<LoadedScene> load_scene(const SceneOptions& options,
                                  const std::function<void(SceneDescription&)>& adjust = {});
 

@@ -1,4 +1,4 @@
-// penumbra: the one command.
+// The program penumbra with all its commands.
 #include <fmt/format.h>
 
 #include <exception>
@@ -27,7 +27,7 @@ constexpr const char* kExamples =
     "  penumbra compare out/a.exr reference.exr\n"
     "  penumbra report scene.xml -o report --integrator path_ems --integrator path_mis";
 
-/// Of the commands, in the order of the help.
+/// Commands by group, in the order of the help.
 const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Render", {"render", "view", "preview", "worker"}},
     {"Scenes", {"info", "convert", "plugins", "settings"}},

@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-/// Text as it is to be read: nothing of it is a request or an escape.
+/// Escapes text so that man interprets nothing in it.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -100,7 +100,7 @@ std::string commands_text(const CLI::App& app, const std::string& name) {
   return text.empty() ? "" : section("Commands") + text;
 }
 
-/// Paragraphs, and examples as they are to be typed.
+/// Paragraphs of the footer, and its examples verbatim.
 std::string footer_text(const std::string& footer) {
   std::string text;
   std::istringstream lines(footer);
@@ -116,7 +116,7 @@ std::string footer_text(const std::string& footer) {
       text += line.empty() ? ".PP\n" : escaped(line) + "\n";
     }
   }
-  // A paragraph that nothing follows is none.
+  // Remove empty paragraphs before headings.
   for (std::size_t at = text.find(".PP\n.SH"); at != std::string::npos; at = text.find(".PP\n.SH"))
     text.erase(at, 4);
   return text + (examples ? ".fi\n" : "");

@@ -1,4 +1,4 @@
-// A page of the manual, in man(7)'s language, from the tables that parse a command line.
+// Generates manual pages in man(7) format from the command line's tables.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,8 +6,8 @@
 
 namespace penumbra {
 
-/// Of a program, or of one of its commands: `name` is the page's, "penumbra-render", and `called` how it is
-/// called, "penumbra render". Depends on the tables and the version alone.
+/// The page of a program or of one of its commands. `name` is the page's name, "penumbra-render", and
+/// `called` the invocation, "penumbra render". The result depends only on the tables and the version.
 std::string man_page(const CLI::App& app, const std::string& name, const std::string& called,
                      const std::string& version);
 

@@ -19,7 +19,7 @@ OneRender::OneRender(const RenderOptions& options, const std::vector<std::string
       printer_(show ? progress_style() : ProgressStyle::kNone, terminal_columns()) {}
 
 std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& prepare) {
-  // An address that others are told, or a queue's hosts, are for a scene that can be rendered.
+  // Listen on a public address, or occupy hosts of a queue, only for a scene that can be rendered.
   const auto worker = find_program("penumbra-worker");
   if (worker && options_.listen.empty() && options_.launch.empty()) {
     FarmOptions farm = farm_of(options_);
@@ -72,7 +72,8 @@ void OneRender::render(const FarmOptions& farm) {
 std::shared_ptr<const RenderJob> OneRender::next() {
   if (is_exhausted() || !is_prepared_) return nullptr;
   is_taken_ = true;
-  return {std::shared_ptr<const RenderJob>(), &(*prepared_)->job};  // whose owner waits for run()
+  // Without ownership, because the owner waits for run().
+  return {std::shared_ptr<const RenderJob>(), &(*prepared_)->job};
 }
 
 bool OneRender::is_exhausted() {
@@ -84,7 +85,7 @@ void OneRender::progress(JobId, const RenderProgress& progress) {
   with_notices.notices.insert(with_notices.notices.begin(), notices_.begin(), notices_.end());
   notices_.clear();
   printer_.update(with_notices);
-  // The address and its token are printed even so, since the user asked for an address.
+  // The address and its token are printed nevertheless, because the user asked for an address.
   if (!show_ && !options_.listen.empty())
     for (const std::string& text : with_notices.notices) print_message(text);
 }
@@ -95,7 +96,7 @@ void OneRender::done(JobId, Expected<RenderOutcome> outcome) {
   if (!*outcome_) return;
   RenderOutcome& rendered = **outcome_;
   rendered.problems.insert(rendered.problems.begin(), said_.begin(), said_.end());
-  if (sample_range(rendered.film).total == 0) return;  // an image that exists is worth more than a black one
+  if (sample_range(rendered.film).total == 0) return;  // do not overwrite an existing image with an empty one
   writing_ = std::async(std::launch::async | std::launch::deferred,
                         [this, &rendered] { return write_outputs(**prepared_, rendered, command_line_); });
 }

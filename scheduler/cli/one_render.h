@@ -1,4 +1,4 @@
-// A render by itself: its scene is read while the workers start, its files are written while they end.
+// A single render. The scene is read while the workers start, and files are written while they end.
 #pragma once
 
 #include <atomic>
@@ -19,23 +19,23 @@ class OneRender final : public JobSource {
  public:
   using Prepared = std::expected<PreparedRender, ExitCode>;
 
-  /// All of them outlive it. `show`: how far it is, on the terminal.
+  /// The arguments must outlive this object. `show`: display progress on the terminal.
   OneRender(const RenderOptions& options, const std::vector<std::string>& command_line,
             const std::atomic<bool>& stop, bool show);
 
-  /// Prepares, perhaps on another thread, renders, and writes what there is. The error is that of `prepare`,
-  /// which has said why. Where the machine was to choose what computes, and its choice brings down every
-  /// worker (a driver that crashes is none that fails), native code renders after all.
+  /// Prepares (possibly on another thread), renders, and writes the results. The error is that of `prepare`,
+  /// which has printed it. If the backend was chosen automatically and every worker died with it (a driver
+  /// that crashes does not report an error), the render is repeated with native code.
   std::expected<void, ExitCode> run(const std::function<Prepared()>& prepare);
 
-  // --- After run()
+  // --- Valid after run()
   [[nodiscard]] PreparedRender& prepared() { return **prepared_; }
-  /// What came of it; the error: no worker could do it. None: it was stopped before it began.
+  /// The outcome, or an error if no worker could render it. Nothing if it was stopped before it began.
   [[nodiscard]] const std::optional<Expected<RenderOutcome>>& outcome() const { return outcome_; }
-  /// Whether its files are there, if there was anything to write.
+  /// Whether the files were written, if there was anything to write.
   [[nodiscard]] const Expected<void>& written() const { return written_; }
 
-  // --- Of the farm's thread
+  // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override;
   void progress(JobId id, const RenderProgress& progress) override;
@@ -52,13 +52,14 @@ class OneRender final : public JobSource {
   const bool show_;
   ProgressPrinter printer_;
 
-  std::optional<Prepared> prepared_;         // before is_prepared_, of the thread that prepares
-  std::atomic<bool> is_prepared_ = false;    // or never will be
-  bool is_taken_ = false;                    // by the farm
-  std::vector<std::string> notices_, said_;  // said: by an attempt before
+  std::optional<Prepared> prepared_;         // written by the preparing thread before is_prepared_ is set
+  std::atomic<bool> is_prepared_ = false;    // whether preparing has ended, with or without success
+  bool is_taken_ = false;                    // whether the farm has taken the job
+  std::vector<std::string> notices_, said_;  // said_: those shown by an earlier attempt
   std::optional<Expected<RenderOutcome>> outcome_;
   Expected<void> written_;
-  std::future<Expected<void>> writing_;  // the last member: it is waited for before the others go
+  // The last member, so that it is waited for before the others are destroyed.
+  std::future<Expected<void>> writing_;
 };
 
 }  // namespace penumbra

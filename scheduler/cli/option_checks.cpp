@@ -9,9 +9,9 @@
 namespace penumbra {
 namespace {
 
-constexpr std::int64_t kUnlimited = std::int64_t(1) << 31;  // in practice
+constexpr std::int64_t kUnlimited = std::int64_t(1) << 31;  // practically unlimited
 
-/// `wrong` says what is wrong with a finite number, or nothing.
+/// `wrong` returns what is wrong with a finite number, or an empty text.
 CLI::Validator number_check(std::function<std::string(double)> wrong, const std::string& help) {
   return {[wrong = std::move(wrong)](const std::string& text) {
             const auto value = parse_number(text);

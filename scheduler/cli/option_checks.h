@@ -1,5 +1,5 @@
-// What options take, checked and said in the help by the same limits. Numbers are read as `--set` reads them:
-// whole words only, never NaN or infinite.
+// Validators of option values. Their limits are also shown in the help. Numbers are read as by `--set`: the
+// whole word must be a number, and neither NaN nor infinite.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -7,7 +7,7 @@ namespace penumbra {
 ValueType value_type(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t colon = type.find(':');
-  // Of an address, and of a method with parameters, the colon is a part.
+  // In an address, and in a method with parameters, the colon is part of the value.
   if (colon == std::string::npos || (colon > 0 && type[colon - 1] == '[') ||
       (colon + 1 < type.size() && std::isupper((unsigned char)type[colon + 1])))
     return {type, ""};

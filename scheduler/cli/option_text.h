@@ -1,4 +1,4 @@
-// What the tables that parse a command line say of an option's value.
+// The name and the accepted values of an option, from the command line's tables.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// What a value is called, and what it may be: of "NAME:{a,b}" NAME, and "a, b".
+/// For "NAME:{a,b}" the name NAME and the values "a, b".
 struct ValueType {
   std::string name, values;
 };

@@ -1,4 +1,4 @@
-// Which files a render writes.
+// Chooses the files that a render writes.
 #pragma once
 
 #include <filesystem>
@@ -13,16 +13,16 @@ namespace penumbra {
 struct OutputFiles {
   std::optional<std::filesystem::path> exr, png, statistics;
 
-  /// Those that there are.
+  /// The files that are set.
   [[nodiscard]] std::vector<std::filesystem::path> all() const;
 };
 
-/// From -o, --statistics, --no-statistics and the scene's name. `--pixel` writes only what it is told to.
-/// Errors: an extension that is neither .exr nor .png, two outputs in one file.
+/// Chooses files from -o, --statistics, --no-statistics and the scene's name. With `--pixel` only explicitly
+/// requested files are written. Errors: an extension other than .exr or .png; two outputs to the same file.
 Expected<OutputFiles> choose_output_files(const RenderOptions& options);
 
-/// Makes the folders that are missing, once there is something to render. Error: one cannot be made, or
-/// another output is in its place.
+/// Creates missing folders. Call it only when there is something to write. Error: a folder cannot be created,
+/// or another output has its name.
 Expected<void> make_folders(const OutputFiles& files);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// One pixel of a film in all its digits.
+// Prints one pixel of a film with full precision.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace penumbra {
 
-/// Radiance, its standard error, sample count and, where the film has them, the feature layers of the pixel
-/// at film coordinates: 9 significant digits, and the exact bits of the radiance as the EXR holds them, in
-/// C's hexadecimal notation. Several lines.
+/// Radiance, its standard error, the sample count and, if the film has them, the feature layers of the pixel
+/// at film coordinates. Numbers have 9 significant digits; the radiance is also given in C's hexadecimal
+/// notation, exactly as in the EXR. Several lines.
 std::string pixel_text(const FilmAccumulator& film, int x, int y);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// `penumbra preview SCENE`: a scheduler and workers that render what a window asks for.
+// `penumbra preview SCENE`: a scheduler with workers that renders for an interactive window.
 #include <fmt/format.h>
 
 #include <memory>

@@ -11,13 +11,13 @@ bool has_cylinder(const SceneDescription& scene) {
 }
 
 bool has_only_polygon_lights(const SceneDescription& scene) {
-  if (!scene.instances.empty() || has_cylinder(scene)) return false;  // which the window does not draw
+  if (!scene.instances.empty() || has_cylinder(scene)) return false;  // the window does not draw these
   return scene.emitters.empty() && std::ranges::all_of(scene.shapes, [](const Shape& s) {
            return !s.radiance || std::holds_alternative<Mesh>(s.geometry);
          });
 }
 
-/// Whether the integrator estimates direct light, which polygon_cv can as well.
+/// Whether the integrator estimates direct illumination, which polygon_cv can do as well.
 bool is_direct(const IntegratorSettings& integrator, bool was_chosen) {
   if (integrator.is<DirectIntegrator>()) return !was_chosen;
   return integrator.is<PolygonAnalyticIntegrator>() || integrator.is<PolygonAreaIntegrator>() ||
@@ -29,7 +29,7 @@ bool is_direct(const IntegratorSettings& integrator, bool was_chosen) {
 std::function<void(SceneDescription&)> preview_adjustment(const SceneOptions& options) {
   return [options](SceneDescription& scene) {
     if (!options.spp && scene.sampler.kind != SamplerKind::kStratified) scene.sampler.spp = kPreviewSpp;
-    scene.film.alpha = false;  // which no window shows
+    scene.film.alpha = false;  // no window shows alpha
     IntegratorSettings& integrator = scene.integrator;
     if (options.no_features || !has_only_polygon_lights(scene) ||
         !is_direct(integrator, options.integrator.has_value()))

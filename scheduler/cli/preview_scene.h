@@ -1,4 +1,4 @@
-// Changes to a scene for a preview, whose samples a window requests one by one.
+// Adapts a scene to an interactive preview, whose samples a window requests step by step.
 #pragma once
 
 #include <functional>
@@ -8,12 +8,12 @@
 
 namespace penumbra {
 
-/// Samples of a pixel that a preview may come to, unless --spp says otherwise.
+/// The largest number of samples per pixel of a preview, unless --spp says otherwise.
 constexpr std::uint32_t kPreviewSpp = 4096;
 
-/// Direct light of polygons alone becomes polygon_cv with a given alpha, so that a window can draw the closed
-/// form itself; other scenes stay what they are. The number of samples becomes kPreviewSpp, but for
-/// stratified sampling, which has to know it.
+/// If the scene has only direct illumination by polygons, the integrator becomes polygon_cv with a fixed
+/// alpha, so that a window can draw the closed form itself. The number of samples becomes kPreviewSpp, except
+/// for stratified sampling, which must know it in advance.
 std::function<void(SceneDescription&)> preview_adjustment(const SceneOptions& options);
 
 }  // namespace penumbra

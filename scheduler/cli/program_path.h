@@ -1,4 +1,4 @@
-// Where the other executables are, and which builds of them.
+// Finds the other executables and identifies their builds.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace penumbra {
 /// The executable `name` beside this one, else the first in PATH. Error: it is in neither.
 Expected<std::filesystem::path> find_program(const std::string& name);
 
-/// Stands for the program's build: what another build rendered is not this one's.
+/// A hash that identifies the program's build. Results of another build must not be mixed with this one's.
 std::string program_hash(const std::filesystem::path& program);
 
 }  // namespace penumbra

@@ -15,7 +15,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kWidestBar = 20;  // leaves room for the text, which changes its length, in 80 columns
+constexpr int kWidestBar = 20;  // leaves enough of 80 columns for the text, whose length varies
 constexpr int kNarrowestBar = 5;
 
 double done_share(const RenderProgress& progress) {
@@ -34,7 +34,7 @@ std::string clock_text(double seconds) {
 }
 
 std::string progress_text(const RenderProgress& progress) {
-  // Rounded down: 100% means that all of it is done.
+  // Rounded down, so that 100% means that everything is done.
   std::string text = fmt::format("{:3d}%", int(std::floor(done_share(progress) * 100)));
   if (progress.samples_done > 0 && progress.elapsed_seconds > 0) {
     const double rate = double(progress.samples_done - progress.samples_before) / progress.elapsed_seconds;
@@ -52,7 +52,7 @@ std::string progress_text(const RenderProgress& progress) {
 
 std::string progress_bar(const RenderProgress& progress, int columns) {
   const std::string text = progress_text(progress);
-  const int room = columns - int(text.size()) - 3;  // brackets and a space
+  const int room = columns - int(text.size()) - 3;  // minus brackets and a space
   const int length = std::min(room, kWidestBar);
   if (length < kNarrowestBar) return text.substr(0, std::size_t(std::max(columns, 0)));
   const int filled = int(std::floor(done_share(progress) * length));
@@ -66,7 +66,7 @@ void ProgressPrinter::update(const RenderProgress& progress, const std::string& 
   if (style_ == ProgressStyle::kNone) return;
   for (const std::string& notice : progress.notices) print_message(notice);
   if (style_ == ProgressStyle::kBar) {
-    // One column stays free: terminals wrap a line that fills the last one.
+    // Leave one column free, because terminals wrap a line that fills the last one.
     redraw_line(what + progress_bar(progress, columns_ - 1 - int(what.size())));
   } else if (std::abs(progress.elapsed_seconds - last_line_) >= kSecondsBetweenLines) {
     print_message(what + progress_text(progress));

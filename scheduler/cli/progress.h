@@ -1,4 +1,4 @@
-// How far a render is, for people: one redrawn line on a terminal, a plain line now and then elsewhere.
+// Shows the progress of a render: one line that is redrawn on a terminal, or occasional lines elsewhere.
 #pragma once
 
 #include <string>
@@ -15,21 +15,22 @@ enum class ProgressStyle {
 
 constexpr double kSecondsBetweenLines = 10.0;
 
-/// e.g. "1:02:03", "4:05", "12 s"; whole seconds, rounded up, so that it is not 0 before the end.
+/// Whole seconds, rounded up so that 0 appears only at the end: "1:02:03", "4:05", "12 s".
 std::string clock_text(double seconds);
 
-/// Percent done, rate, time left, error and workers, without a bar. What is not known yet is left out.
+/// Percentage, rate, remaining time, error and workers, without a bar. Unknown values are left out.
 std::string progress_text(const RenderProgress& progress);
 
-/// A bar in front of `progress_text`, at most `columns` wide; the bar shrinks first, then the text is cut.
+/// A bar followed by `progress_text`, at most `columns` wide. If there is not enough room, first the bar is
+/// shortened, then the text.
 std::string progress_bar(const RenderProgress& progress, int columns);
 
-/// Prints progress to stderr. Time is what the progress says it is.
+/// Prints progress to stderr. Times are taken from the progress data.
 class ProgressPrinter {
  public:
   /// `columns` is the width of the terminal, for kBar.
   ProgressPrinter(ProgressStyle style, int columns);
-  /// Notices become lines that stay; `what` is put before the rest.
+  /// Shows the progress. Notices are printed as lines that remain. `what` is put before the text.
   void update(const RenderProgress& progress, const std::string& what = {});
   /// Clears the bar.
   void finish();
@@ -40,9 +41,9 @@ class ProgressPrinter {
   double last_line_ = 0;  ///< elapsed seconds at the last plain line
 };
 
-/// The style for stderr: a bar if it is a terminal that can redraw a line, else lines.
+/// The style for stderr: a bar on a terminal that can redraw a line, else lines.
 ProgressStyle progress_style();
-/// Width of stderr's terminal, 80 if it has none.
+/// The width of stderr's terminal; 80 if it is not a terminal.
 int terminal_columns();
 
 }  // namespace penumbra

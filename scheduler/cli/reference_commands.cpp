@@ -1,4 +1,4 @@
-// `penumbra completion SHELL` and `penumbra man [COMMAND]`: what packages are made with.
+// `penumbra completion SHELL` and `penumbra man [COMMAND]`, for building packages.
 #include <fmt/format.h>
 
 #include "scenes/settings.h"
@@ -10,7 +10,7 @@ namespace {
 
 std::string help_of(const Setting& setting) { return setting.description + ": " + setting.values; }
 
-/// Of --set: keys, and then the names that a setting takes.
+/// Candidates for --set: keys, then the values of a setting.
 std::vector<Candidate> values_of(const std::string& type, const std::string& typed) {
   if (!type.starts_with("KEY=VALUE")) return {};
   std::vector<Candidate> found;
@@ -61,7 +61,7 @@ void add_reference_commands(CLI::App& app, Command& chosen) {
 
 std::optional<ExitCode> answer_reference(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (arguments.size() > 1 && (arguments[0] == "man" || arguments[0] == "complete")) {
-    // `complete worker` is the word itself, still being typed.
+    // In `complete worker` the word itself is still being typed.
     const std::string program = sibling_program(arguments[1]);
     if (!program.empty() && (arguments[0] == "man" || arguments.size() > 2)) {
       std::vector<std::string> rest(arguments.begin() + 2, arguments.end());

@@ -15,8 +15,8 @@
 namespace penumbra {
 namespace {
 
-constexpr int kNames = 22;     // columns of names in lists
-constexpr int kSettings = 34;  // of settings with their groups
+constexpr int kNames = 22;     // columns for names in lists
+constexpr int kSettings = 34;  // columns for settings with their groups
 
 std::string default_text(const std::string& value) { return value.empty() ? "" : "; default: " + value; }
 
@@ -52,7 +52,7 @@ std::string setting_text(const Setting& setting, int columns) {
   return text;
 }
 
-/// The first line of a list; the others say what it is, up to a colon or semicolon.
+/// The description's first part, up to a colon or semicolon, for a list.
 std::string phrase_of(const Setting& setting) {
   return setting.description.substr(0, setting.description.find_first_of(";:("));
 }

@@ -1,4 +1,4 @@
-// What `penumbra plugins` and `penumbra settings` print, for a terminal of so many columns.
+// The output of `penumbra plugins` and `penumbra settings`, for a terminal of `columns` columns.
 #pragma once
 
 #include <string>
@@ -7,15 +7,15 @@
 
 namespace penumbra {
 
-/// A line for each plugin, by kind.
+/// One line per plugin, grouped by kind.
 std::string plugins_overview(int columns);
-/// All of the plugins of that name, other name or kind. The error suggests one.
+/// The full descriptions of the plugins with that name, alias or kind. The error suggests a similar name.
 Expected<std::string> plugins_text(const std::string& name, int columns);
 
-/// A line for each setting, by group.
+/// One line per setting, by group.
 std::string settings_overview(int columns);
-/// All of the setting of that key, with or without its group, or of the settings of that group. The error
-/// suggests one.
+/// The full description of a setting, given with or without its group, or of all settings of a group. The
+/// error suggests a similar name.
 Expected<std::string> settings_text(const std::string& name, int columns);
 
 }  // namespace penumbra

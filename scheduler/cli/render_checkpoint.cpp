@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-/// With what the state of the film depends on besides: which tiles there are.
+/// The identity, extended by what the state of the film also depends on: the tiles.
 RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std::string& worker) {
   RenderIdentity identity = identity_of(prepared, worker);
   const RenderJob& job = prepared.job;
@@ -56,14 +56,14 @@ RenderIdentity identity_of(const PreparedRender& prepared, const std::string& wo
 
 Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOptions& options,
                                         const std::string& worker) {
-  // One pixel, or a window's requests: there is nothing to keep.
+  // There is nothing to store for one pixel or for an interactive window.
   if (options.pixel || options.interactive || prepared.files.all().empty()) return "";
   std::filesystem::path path = prepared.files.all().front();
   path += ".checkpoint";
   prepared.checkpoint = std::make_shared<CheckpointFile>(path, identity_of_checkpoint(prepared, worker),
                                                          options.checkpoint_interval);
   prepared.job.checkpoints = prepared.checkpoint;
-  // Its copy of the film needs memory as well.
+  // A checkpoint's copy of the film needs memory as well.
   if (const auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   if (options.restart) return "";
   if (auto read = read_checkpoint(prepared); !read)

@@ -1,4 +1,5 @@
-// What a render depends on, and the checkpoint that it keeps and goes on with.
+// Attaches a checkpoint to a render: computes its identity, resumes from an earlier checkpoint and writes new
+// ones.
 #pragma once
 
 #include <string>
@@ -9,21 +10,21 @@
 
 namespace penumbra {
 
-/// All that its samples depend on; `worker` is the hash of that program. The scene goes by its name without
-/// the folder, as in the image's metadata.
+/// Everything on which the render's samples depend. `worker` is the hash of the worker's executable. The
+/// scene is named without its folder, as in the image's metadata.
 RenderIdentity identity_of(const PreparedRender& prepared, const std::string& worker);
 
-/// Gives the render its checkpoint, beside its first file, whose folder is there; and what an earlier process
-/// has left in it, but for `options.restart`. Returns what is to be said of that, a line or nothing. Errors:
-/// the checkpoint is of another render (with what differs), damaged, unreadable.
+/// Gives the render a checkpoint file beside its first output file, whose folder must exist, and the state
+/// that an earlier process has stored there, unless `options.restart` is set. Returns a line for the user, or
+/// an empty text. Errors: the checkpoint is of another render (with the difference), damaged or unreadable.
 Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOptions& options,
                                         const std::string& worker);
 
-/// Native code is to render what the machine's own choice of a device could not; what the farm that has
-/// failed has used up of a checkpoint is read again.
+/// Prepares a second attempt with native code after the automatically chosen device has failed. The
+/// checkpoint is read again, because the failed farm has consumed its state.
 Expected<void> fall_back_to_native(PreparedRender& prepared);
 
-/// The render is complete and its files are there.
+/// For use when the render is complete and its output files are written.
 void remove_checkpoint(PreparedRender& prepared);
 
 }  // namespace penumbra

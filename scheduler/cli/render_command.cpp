@@ -1,4 +1,4 @@
-// `penumbra render SCENE`: scene file in, image files and statistics out.
+// `penumbra render SCENE`: renders a scene file to image files and statistics.
 #include <fmt/format.h>
 
 #include <memory>
@@ -31,7 +31,7 @@ ExitCode estimate(const RenderOptions& options) {
   return stop ? kIncomplete : kAllDone;
 }
 
-/// With what is to be checked before anything is rendered, and what an earlier process has left.
+/// Prepares the render with all checks, and attaches the checkpoint of an earlier process.
 OneRender::Prepared prepare(const RenderOptions& options, bool show) {
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared;
@@ -67,7 +67,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (outcome->complete) remove_checkpoint(prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared);
-  // A target error takes independent samples, and who has named a sampler has chosen.
+  // No advice if a target error requires independent samples, or if the user has chosen a sampler.
   if (show && !options.scene.sampler && !options.target_error &&
       prepared.scene.description.sampler.kind == SamplerKind::kIndependent)
     print_sampler_advice();

@@ -22,13 +22,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kWorkersOfTable[] = {1, 8, 32, 128};
-constexpr double kMostSeconds = 120;  // then even a first tile is not waited for
-// Of the time, for the second measurement: the first has shown how much of the job that is.
+constexpr double kMostSeconds = 120;  // after this not even the first tile is waited for
+// The fraction of the time used for the second measurement; the first shows how much of the job that allows.
 constexpr double kShareOfSecond = 0.7;
 
 std::uint64_t pixels_of(const RenderJob& job) { return std::uint64_t(job.width) * std::uint64_t(job.height); }
 
-/// Some of the job's samples, in passes of at most so many.
+/// Renders some of the job's samples, with at most `spp` per pass.
 Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, double seconds,
                                const std::atomic<bool>& stop) {
   RenderJob& job = prepared.job;
@@ -37,7 +37,7 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
   job.verify = 0;
   std::atomic<bool> enough = false;
   std::optional<double>
-      begun;  // when a worker was there: large scenes take a while to be fetched and indexed
+      begun;  // when a worker was ready; large scenes take a while to be fetched and indexed
   const auto outcome = run_render(job, prepared.farm, enough, [&](const RenderProgress& now) {
     if (now.workers > 0 && !begun) begun = now.elapsed_seconds;
     const bool is_measured = begun && now.samples_done > 0 && now.elapsed_seconds - *begun > seconds;
@@ -94,7 +94,7 @@ RenderEstimate estimate_of(const PlannedWork& plan, const MeasuredWork& measured
                           .relative_error = 0};
   const double planned_spp = measured.spp * double(plan.samples) / double(measured.samples);
   double spp = planned_spp;
-  // The error of a mean falls with the root of the number of samples.
+  // The error of a mean falls with the square root of the number of samples.
   if (target_error > 0 && std::isfinite(measured.relative_error)) {
     const double ratio = measured.relative_error / target_error;
     spp = std::clamp(measured.spp * ratio * ratio, std::min(1.0, planned_spp), planned_spp);
@@ -119,7 +119,7 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
   const PlannedWork plan = planned_work(job);
   const double target_error = job.target_error.value_or(0);
   const std::uint32_t all = job.spp, samples_per_pass = job.samples_per_pass;
-  // On this machine, and to its end: there is nothing to go on with or to stop for.
+  // On this machine and without checkpoints or limits.
   prepared.farm.launch.clear();
   prepared.farm.listen.clear();
   prepared.farm.tells_how_to_watch = false;

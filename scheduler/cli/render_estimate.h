@@ -1,4 +1,4 @@
-// `penumbra render --estimate`: what a render would cost, from its plan and some seconds of it.
+// `penumbra render --estimate`: predicts the cost of a render from its plan and a few seconds of rendering.
 #pragma once
 
 #include <atomic>
@@ -10,31 +10,31 @@
 
 namespace penumbra {
 
-/// Of the job alone: the same wherever it is computed.
+/// Figures that follow from the job alone; they do not depend on the machine.
 struct PlannedWork {
   std::uint64_t samples = 0;  ///< over all pixels
   std::uint32_t tiles = 0, passes = 0;
   std::uint64_t units = 0;
-  std::uint64_t result_bytes = 0;            ///< of all units, from workers to the scheduler
-  std::uint64_t scene_bytes = 0;             ///< to each worker, without a cache
+  std::uint64_t result_bytes = 0;            ///< total size of all results, from workers to the scheduler
+  std::uint64_t scene_bytes = 0;             ///< bytes sent to each worker, without a cache
   std::uint64_t scheduler_memory_bytes = 0;  ///< for the image, its files and the scene
 };
 PlannedWork planned_work(const RenderJob& job);
 
-/// What some passes of the job took here.
+/// Measurements of some passes of the job on this machine.
 struct MeasuredWork {
   std::uint64_t samples = 0;
-  double covered = 0;        ///< share of the image's pixels that were reached
-  double seconds = 0;        ///< of rendering, without the start
+  double covered = 0;        ///< fraction of the image's pixels that were rendered
+  double seconds = 0;        ///< of rendering, without start-up
   double start_seconds = 0;  ///< until a worker was ready
-  double core_seconds = 0;   ///< of workers' threads; of a device where that is no CPU, of the device
-  int threads = 1;           ///< of each worker
+  double core_seconds = 0;   ///< time of all worker threads; for a GPU that of the device
+  int threads = 1;           ///< per worker
   std::uint64_t worker_memory_bytes = 0;
-  double relative_error = 0;  ///< of the image that came of it, see FilmAccumulator; NaN: not known
-  double spp = 0;             ///< of that image, on average
+  double relative_error = 0;  ///< of the measured image; see FilmAccumulator; NaN: unknown
+  double spp = 0;             ///< mean samples per pixel of that image
 };
 
-/// A prediction for so many workers like those of the measurement.
+/// The predicted wall time for `workers` workers like those of the measurement.
 struct WallTime {
   int workers = 1;
   double seconds = 0;
@@ -43,18 +43,18 @@ struct WallTime {
 struct RenderEstimate {
   PlannedWork plan;
   MeasuredWork measured;
-  double samples = 0;  ///< that there will be: fewer than planned where a target error ends tiles
+  double samples = 0;  ///< expected number of samples; fewer than planned if a target error ends tiles early
   double core_seconds = 0;
   std::vector<WallTime> wall;
-  double relative_error = 0;  ///< at the end, if it falls as that of independent samples; NaN: not known
+  double relative_error = 0;  ///< expected final error, if it falls as for independent samples; NaN: unknown
 };
 
-/// Fills in what follows from plan and measurement. `target_error`: 0 for none. Wall times are start, and the
-/// units of the busiest worker: whole ones.
+/// Computes the estimate from plan and measurement. `target_error`: 0 for none. A wall time is the start-up
+/// time plus the time of the worker with the most units, in whole units.
 RenderEstimate estimate_of(const PlannedWork& plan, const MeasuredWork& measured, double target_error,
                            int workers);
 
-/// Renders for at most about `seconds`, first a sample of every pixel, then some more, and writes no files.
+/// Renders for at most about `seconds`: first one sample per pixel, then more. Writes no files.
 Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double seconds,
                                           const std::atomic<bool>& stop);
 

@@ -16,7 +16,7 @@
 namespace penumbra {
 namespace {
 
-/// Exactly `values.size()` non-negative integers with commas between.
+/// Parses exactly `values.size()` non-negative integers separated by commas.
 bool parse_integers(const std::string& text, std::span<int> values) {
   const char* at = text.data();
   const char* end = text.data() + text.size();
@@ -229,7 +229,7 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kOutput);
 }
 
-/// What is rendered of the image, and how many samples.
+/// Options for the rendered region and the number of samples.
 void add_region_options(CLI::App& command, RenderOptions& options) {
   auto* crop = command.add_option_function<std::string>(
       "--crop",

@@ -26,8 +26,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Image files in the film's format, each written aside on a thread of its own; the image stays until they
-/// are.
+/// Adds image files in the film's format. Each is encoded on its own thread; the image must stay valid until
+/// then.
 void add_images(const Image& image, const Film& format, const OutputFiles& files, OutputBatch& batch) {
   if (files.exr)
     batch.add_aside(*files.exr, [&image, encoding = ExrEncoding{format.compression, format.half}] {
@@ -42,7 +42,7 @@ void add_images(const Image& image, const Film& format, const OutputFiles& files
 
 void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
                     OutputBatch& batch) {
-  // Names and paths are bytes, not always UTF-8.
+  // Names and paths may be invalid UTF-8.
   const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   batch.add(path, {text.begin(), text.end()});
 }
@@ -59,7 +59,7 @@ std::string range_text(std::uint64_t least, std::uint64_t most) {
   return least == most ? fmt::to_string(least) : fmt::format("{}–{}", least, most);
 }
 
-/// Of a pixel; where a time budget ended the render, of how many.
+/// The samples per pixel; if a time budget ended the render, also out of how many.
 std::string samples_of_pixel(const RenderOutcome& outcome, const RenderJob& job) {
   const SampleRange range = sample_range(outcome.film);
   const bool is_cut = outcome.complete && job.time_budget && !outcome.ended_by_tile && range.least < job.spp;
@@ -68,7 +68,7 @@ std::string samples_of_pixel(const RenderOutcome& outcome, const RenderJob& job)
                      job.spp);
 }
 
-/// Of BAD_BOUNDARY, the name of the shape that the first of them met.
+/// For BAD_BOUNDARY the name of the shape that the first such sample hit.
 std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples& samples) {
   const auto name = prepared.scene.boundary_names.find(samples.shape);
   return name != prepared.scene.boundary_names.end() ? name->second : "";
@@ -91,10 +91,10 @@ void print_sampler_advice() {
   print_remark("hint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
 }
 
-// At edges, and where a boundary meets another surface, rounding decides which is crossed first: of a closed
-// scene's samples 1 in 100 000 seem to contradict each other.
+// At edges, and where a boundary meets another surface, rounding decides which one is crossed first. In a
+// closed scene about 1 in 100 000 samples seem contradictory for this reason.
 constexpr double kContradictionsByRounding = 1e-4;
-// An image of which more is missing is not what was asked for.
+// With more non-finite samples than this, the image is considered incomplete.
 constexpr double kMostNonFinite = 0.01;
 
 bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict) {
@@ -145,7 +145,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   const auto begin = Clock::now();
   const OutputFiles& files = prepared.files;
   Image image;
-  OutputBatch batch;  // which goes before the image that it writes
+  OutputBatch batch;  // declared after the image that it writes, so that it is destroyed first
   RenderStatistics statistics;
   RenderedSamples rendered = rendered_samples(outcome);
   rendered.scene_warnings = prepared.scene.description.warnings.size();
@@ -168,7 +168,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.warnings = prepared.scene.description.warnings;
   statistics.needs = prepared.scene.summary.needs;
   statistics.left_out = prepared.scene.summary.left_out;
-  // Of a scene that others have read only its device form is known.
+  // If the scene is shared with other renders, only its device scene is known.
   if (files.statistics && !prepared.scene.description.source.empty())
     statistics.inventory =
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
@@ -176,7 +176,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.build_seconds = prepared.scene.seconds;
   if (files.exr) statistics.files.push_back(*files.exr);
   if (files.png) statistics.files.push_back(*files.png);
-  // While the images are encoded.
+  // This runs while the images are encoded.
   nlohmann::ordered_json json = files.statistics ? statistics_json(statistics) : nlohmann::ordered_json();
   batch.wait();
   if (files.statistics) {

@@ -1,4 +1,4 @@
-// What a render that is over leaves: its files, and what is printed.
+// Writes the files of a finished render and prints its results.
 #pragma once
 
 #include <string>
@@ -9,36 +9,37 @@
 
 namespace penumbra {
 
-/// Image files and statistics, with the record of as many samples as the render came to. Uses up the record.
+/// Writes image files and statistics. The record in them has the number of samples that were actually
+/// rendered. Consumes the record.
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line);
 
 enum class RenderEndKind { kDone, kIncomplete, kFailed };
 struct RenderEnd {
   RenderEndKind kind = RenderEndKind::kDone;
-  std::string error = {};  ///< why it is not done
+  std::string error = {};  ///< why it is not complete
 };
-/// Of one of several renders: writes what there is of it into folders that are made for it, and prints what
-/// is to be said, after `name`. The checkpoint stays, until the caller has noted the end. `strict`:
-/// such samples make it incomplete.
+/// For one of several renders: creates its folders, writes its files, and prints messages that begin with
+/// `name`. The checkpoint is kept until the caller has recorded the end. `strict`: non-finite samples make
+/// the render incomplete.
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
                         bool stopped);
 
-/// Files, size, samples, time; says so where a time budget has ended it.
+/// Prints files, size, samples and time, and whether a time budget has ended the render.
 void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared);
 
-/// A line for somebody whose scene file asks for independent samples.
+/// Prints advice for users whose scene file asks for independent samples.
 void print_sampler_advice();
 
-/// Samples that are not as they should be, and variances that no file holds, as warnings, or as errors with
-/// `strict` and where more than 1 % of the samples are not finite; whether there are errors.
+/// Prints invalid samples, and variances that no file can hold, as warnings. They are errors with `strict`,
+/// or if more than 1 % of the samples are not finite. Returns whether there are errors.
 bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict);
 
-/// That a render came to no sample; why.
+/// The error for a render without any samples, with the reason.
 Error nothing_to_write(bool stopped);
 
-/// What went wrong, and how incomplete the image is.
+/// Prints the problems of the render and how incomplete the image is.
 void print_problems(const RenderOutcome& outcome, bool stopped);
 
 }  // namespace penumbra

@@ -22,7 +22,7 @@ namespace {
 
 constexpr Seconds kPreviewLease = 60;
 
-/// The film with the rectangle that the options ask for as its crop.
+/// The film whose crop window is the rectangle given by the options.
 Expected<Film> cropped_film(const RenderOptions& options, Film film) {
   std::optional<CropRectangle> crop = options.crop;
   if (options.pixel) crop = {options.pixel->x, options.pixel->y, options.pixel->x + 1, options.pixel->y + 1};
@@ -61,7 +61,7 @@ Expected<DeviceOptions> device_options(const RenderOptions& options, const Devic
   return device;
 }
 
-/// The one pixel is rendered as simply as can be: one thread, one path at a time.
+/// A single pixel is rendered as simply as possible: one thread, one path at a time.
 void simplify_for_a_pixel(RenderJob& job) {
   job.device.threads = 1;
   job.device.block_of_one = job.device.backend == Backend::kNative;
@@ -112,7 +112,8 @@ FarmOptions farm_of(const RenderOptions& options) {
   farm.listen = options.listen;
   farm.largest_tile = options.tile;
   set_launch(options, farm);
-  // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
+  // A unit is one sample of a tile, and after every change of the view nothing is known about the workers'
+  // speed.
   if (options.interactive) farm.leases.initial = kPreviewLease;
   return farm;
 }
@@ -137,7 +138,7 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.tile = record.tile;
   job.device = device;
   RenderRecord of_a_part = record;
-  of_a_part.adaptive = false;  // a tile or a pixel alone has nothing to share out
+  of_a_part.adaptive = false;  // a single tile or pixel has no samples to distribute
   job.reproduce_command = repeat_command(of_a_part, false);
   job.target_error = record.target_error;
   job.adaptive = record.adaptive;
@@ -160,7 +161,7 @@ Expected<LoadedScene> load_reduced(const RenderOptions& options) {
 Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared) {
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
-  // What can be told before the scene, which may be large, is read.
+  // Check what is possible before the scene, which may be large, is read.
   if (auto checked = check_outputs(files->all(), std::array{std::filesystem::path(options.scene.scene)});
       !checked)
     return std::unexpected(checked.error());

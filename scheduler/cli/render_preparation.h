@@ -1,4 +1,4 @@
-// Everything that a render needs, checked before any of it is rendered.
+// Prepares a render: everything is checked before rendering begins.
 #pragma once
 
 #include <memory>
@@ -16,35 +16,37 @@ namespace penumbra {
 
 struct PreparedRender {
   OutputFiles files;
-  LoadedScene scene;  ///< its device form is in the job; of its shapes there are only polygon_lights_of it
+  /// The device scene is moved to the job; of the shapes only polygon_lights_of the scene are kept.
+  LoadedScene scene;
   RenderRecord record;
   RenderJob job;
-  FarmOptions farm;                            ///< all but the worker's executable
-  std::shared_ptr<CheckpointFile> checkpoint;  ///< the job's; null: none, see attach_checkpoint
+  FarmOptions farm;  ///< complete except for the worker's executable
+  /// The job's checkpoint file; null: none; see attach_checkpoint.
+  std::shared_ptr<CheckpointFile> checkpoint;
 };
 
-/// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that
-/// cannot be written or would overwrite an input, a bad scene, more pixels than memory, a crop outside the
-/// film, options that exclude each other or that this machine has not.
-/// `shared`, where the render is one of a set: reads the scene, or has it.
+/// Chooses the files, reads the scene, applies the options. All errors are errors of the input: an output
+/// that cannot be written or would overwrite an input, an invalid scene, more pixels than fit into memory, a
+/// crop outside the film, options that exclude each other or that this machine does not support. `shared`:
+/// provides the scene if the render is one of a set.
 Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared = nullptr);
 
-/// What a record says of its job. `manifest`: of the scene.
+/// The job for a record. `manifest` is the scene's.
 RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene,
                         AssetManifest manifest);
 
-/// The same for commands at a terminal, perhaps with viewers: finds the worker's executable, checks that the
-/// requested device exists, and prints the scene's warnings. On failure the error is printed.
+/// The same for commands at a terminal, possibly with viewers: also finds the worker's executable, checks
+/// that the requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
-/// A farm for it, but for keys and the worker's executable.
+/// The farm's options for the render, except keys and the worker's executable.
 FarmOptions farm_of(const RenderOptions& options);
 
-/// Who starts the workers.
+/// Sets how the workers are launched.
 void set_launch(const RenderOptions& options, FarmOptions& farm);
 
-/// Whether the requested OpenCL device exists; the error lists the existing ones. Otherwise each worker would
-/// report it later, one after the other.
+/// Checks that the requested OpenCL device exists. The error lists the existing ones. Without this check each
+/// worker would report the error later, one after the other.
 Expected<void> check_device(const DeviceOptions& device);
 
 }  // namespace penumbra

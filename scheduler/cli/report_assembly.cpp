@@ -50,14 +50,14 @@ Expected<std::optional<LoadedReference>> load_reference(const ScenePlan& plan, c
   return loaded;
 }
 
-/// Adds each pixel's relative squared error, over all images of the report.
+/// Sums the relative squared error of each pixel over all images of the report.
 class ErrorSum {
  public:
   ErrorSum(const PixelWindow& window, double epsilon)
       : sum_(std::size_t(window.width) * std::size_t(window.height), 0.0), epsilon_(epsilon) {}
   void add(const ImagePair& pair) {
     const ErrorMap map = relative_error_map(pair, epsilon_);
-    const double mean = relative_mse(pair, epsilon_).overall;  // so that each image counts alike
+    const double mean = relative_mse(pair, epsilon_).overall;  // so that all images have equal weight
     for (std::size_t i = 0; i < sum_.size(); ++i)
       if (map.values[i] > 0 && mean > 0) sum_[i] += map.values[i] / mean;
   }

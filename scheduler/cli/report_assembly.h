@@ -1,4 +1,4 @@
-// From finished cells to the report's numbers, pictures and files.
+// Assembles a report from finished cells: numbers, pictures and files.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace penumbra {
 
-/// Of a scene: its reference, curves, crops; no plots yet. Cells that are missing are left out, with a
-/// remark. Nothing where the reference is missing. `missing` grows by the cells, and the references, that are
-/// not there. Errors: an image that cannot be read any more.
+/// Computes a scene's reference, curves and crops, but no plots. Missing cells are left out, with a remark.
+/// Returns nothing if the reference is missing. `missing` is increased by the number of missing cells and
+/// references. Errors: an image cannot be read any more.
 Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options, const ScenePlan& plan,
                                                     const CellStore& store, const ReportData& report,
                                                     std::size_t& missing);

@@ -39,7 +39,7 @@ PhaseSeconds median_phases(const std::vector<PhaseSeconds>& all) {
           of(&PhaseSeconds::total)};
 }
 
-/// Renders one cell, as often as it is to be repeated, and stores it. Nothing where the user stopped it.
+/// Renders and stores one cell, with the given number of repeats. Returns false if the user stopped it.
 Expected<bool> run_cell(const CellPlan& cell, const CellStore& store, int repeats,
                         const CellRunOptions& options, const std::atomic<bool>& stop,
                         ProgressPrinter& progress) {
@@ -86,7 +86,7 @@ std::vector<QueuedCell> queue_of(const std::vector<ScenePlan>& plans, int repeat
     for (const CellPlan& cell : plan.reference_cells) queue.push_back({&cell, 1});
   for (const ScenePlan& plan : plans) {
     if (plan.curves.empty()) continue;
-    const auto& shape = plan.curves.front().cells;  // all curves have as many budgets and seeds
+    const auto& shape = plan.curves.front().cells;  // all curves have the same budgets and seeds
     for (std::size_t budget = 0; budget < shape.size(); ++budget)
       for (std::size_t seed = 0; seed < shape[budget].size(); ++seed)
         for (const CurvePlan& curve : plan.curves) queue.push_back({&curve.cells[budget][seed], repeats});

@@ -1,4 +1,4 @@
-// Renders the cells of a report, each through the scheduler like any job, and keeps what is finished.
+// Renders the cells of a report through the scheduler, and stores each that is finished.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 namespace penumbra {
 
 struct CellRun {
-  bool stopped = false;               ///< by the user; what is finished is kept
-  std::vector<std::string> failures;  ///< cells that could not be rendered, and why
+  bool stopped = false;               ///< stopped by the user; finished cells are kept
+  std::vector<std::string> failures;  ///< the cells that could not be rendered, with the reasons
   std::size_t rendered = 0, found = 0, total = 0;
 };
 
@@ -21,8 +21,9 @@ struct CellRunOptions {
   bool quiet = false;
 };
 
-/// Renders every cell that the store has not: references first, then the curves side by side, small budgets
-/// first, so that all methods see the same times of the machine. A cell that fails does not keep the others.
+/// Renders every cell that the store lacks: first the references, then the curves side by side, from small to
+/// large budgets, so that varying machine load affects all methods alike. If a cell fails, the others are
+/// still rendered.
 CellRun run_cells(const std::vector<ScenePlan>& plans, const CellStore& store, const CellRunOptions& options,
                   const std::atomic<bool>& stop);
 

@@ -1,4 +1,4 @@
-// `penumbra report SCENE... -o DIR`: error against run time.
+// `penumbra report SCENE... -o DIR`: compares error against render time.
 #include <fmt/format.h>
 
 #include <array>
@@ -34,7 +34,7 @@ std::array<double, 3> load_averages() {
   return load;
 }
 
-/// The files of a report that is there already may be written anew; what another program wrote may not.
+/// Files of an existing report may be overwritten, but not files of other programs.
 Expected<void> check_own_files(const fs::path& folder) {
   const std::pair<const char*, std::string_view> files[] = {{"index.html", kReportPageMarker},
                                                             {"report.json", "\"penumbra\":"},
@@ -43,7 +43,7 @@ Expected<void> check_own_files(const fs::path& folder) {
     std::error_code unknown;
     if (!fs::exists(folder / name, unknown)) continue;
     std::string begin(4096, '\0');
-    if (fs::is_regular_file(folder / name, unknown)) {  // a pipe might never have anything to read
+    if (fs::is_regular_file(folder / name, unknown)) {  // reading a pipe might block for ever
       std::ifstream file(folder / name, std::ios::binary);
       file.read(begin.data(), std::streamsize(begin.size()));
     }
@@ -99,7 +99,7 @@ void print_summary(const fs::path& folder, const ReportData& report) {
   print_remark(fmt::format("wrote {}\n", (folder / "index.html").string()));
 }
 
-/// Assembles, draws and writes what the cells hold; what went wrong is printed.
+/// Assembles, draws and writes the report from the cells. Prints errors.
 bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& plans, const CellStore& store,
                    const fs::path& gnuplot, std::size_t failed, ReportData& report) {
   const fs::path folder = options.out;
@@ -124,7 +124,7 @@ bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& p
     }
     report.scenes.push_back(std::move(**scene));
   }
-  // What failed has been said; what is missing besides has been removed by somebody.
+  // Failed cells were reported already. Others that are missing must have been removed.
   if (missing > failed) {
     print_error(
         {fmt::format("images of this report have been removed or damaged in {} meanwhile; the same command "

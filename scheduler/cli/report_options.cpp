@@ -14,7 +14,7 @@
 namespace penumbra {
 namespace {
 
-/// An option whose text a function of the report takes apart; a repeated one adds to the list.
+/// Adds an option whose value is parsed by `parse`. If it is repeated, the values are appended.
 template <typename Value, typename Parse>
 CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::vector<Value>& values, Parse parse,
                         const std::string& help) {

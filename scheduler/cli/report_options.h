@@ -22,7 +22,7 @@ struct ReportOptions {
   std::vector<std::uint32_t> budgets;
   int seeds = 3, repeats = 1;
   std::vector<std::string> references{}, second_references{};  ///< FILE, SCENE=FILE, auto
-  std::uint32_t reference_spp = 0;                             ///< both halves; 0: by rule
+  std::uint32_t reference_spp = 0;                             ///< of both halves together; 0: chosen by rule
   std::vector<Method> reference_methods;
   std::vector<std::string> peers;  ///< DIR, SCENE=DIR
   std::vector<Target> targets;
@@ -31,14 +31,15 @@ struct ReportOptions {
   double exposure = 0;
   double epsilon = 0.01;
   std::string time = "render";
-  RenderOptions render;  ///< what all cells share: -D, --set, workers, threads, …
+  RenderOptions render;  ///< options that all cells share: -D, --set, workers, threads, …
   bool no_plots = false, quiet = false;
 };
 
 void add_report_options(CLI::App& command, ReportOptions& options);
 
-/// The part of "SCENE=VALUE…" or "VALUE" for this scene: the last that names it, else the last that names no
-/// scene. Nothing if there is none. `scenes` are the names that can stand before '='.
+/// The value for this scene from a list of "SCENE=VALUE…" and "VALUE": the last one that names the scene,
+/// else the last one without a scene. Nothing if there is none. `scenes`: the names that may stand before
+/// '='.
 std::optional<std::string> value_for_scene(const std::vector<std::string>& values, const std::string& scene,
                                            const std::vector<std::string>& scenes);
 

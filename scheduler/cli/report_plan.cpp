@@ -17,8 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Whether the integrator has the parameter that "key=value" sets; keys that do not exist are left for the
-/// reader to report.
+/// Whether the integrator has the parameter of "key=value". Unknown keys return true and are reported by the
+/// reader.
 bool has_setting(const std::string& integrator, const std::string& assignment) {
   RenderSettings settings;
   if (!apply_setting(settings, "integrator.type", integrator)) return true;
@@ -26,15 +26,15 @@ bool has_setting(const std::string& integrator, const std::string& assignment) {
   return setting == nullptr || setting->belongs_to(settings);
 }
 
-/// Options of any cell of this scene with this method.
+/// The options of all cells of this scene with this method.
 RenderOptions cell_options(const ReportOptions& report, const std::string& scene, const Method& method,
                            const std::string& sampler, const std::string& backend, std::uint32_t spp) {
   RenderOptions options = report.render;
   options.scene.scene = scene;
-  options.scene.no_features = true;  // what other renderers do not compute either
+  options.scene.no_features = true;  // other renderers do not compute these layers either
   if (!method.integrator.empty()) {
     options.scene.integrator = method.integrator;
-    // What is set for all methods counts for those that have such a parameter.
+    // Settings for all methods apply only to those that have such a parameter.
     std::erase_if(options.scene.settings,
                   [&](const std::string& text) { return !has_setting(method.integrator, text); });
   }
@@ -50,7 +50,7 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
   return options;
 }
 
-/// One that no method has is a mistake.
+/// Error if a common setting belongs to no method.
 Expected<void> check_common_settings(const ReportOptions& report) {
   for (const std::string& text : report.render.scene.settings) {
     const auto has = [&](const Method& m) { return m.integrator.empty() || has_setting(m.integrator, text); };
@@ -60,7 +60,7 @@ Expected<void> check_common_settings(const ReportOptions& report) {
   return {};
 }
 
-/// The scene as a method sees it, and what cells are hashed from.
+/// A scene with the settings of a method, and the data from which its cells' hashes are computed.
 struct MethodScene {
   PreparedRender prepared;
   std::string device_hash;
@@ -113,7 +113,7 @@ CellPlan make_cell(const ReportOptions& report, const MethodScene& method, Rende
   return cell;
 }
 
-/// What a scene's curves have in common.
+/// What the curves of a scene share.
 struct SceneContext {
   const ReportOptions& options;
   const CellStore& store;
@@ -122,7 +122,7 @@ struct SceneContext {
   std::uint32_t base_seed = 0;
 };
 
-/// The method's label, with what else tells curves apart where there is more than one of it.
+/// The method's label, with sampler and backend if there are several of these.
 std::string curve_label(const ReportOptions& options, const Method& method, const std::string& sampler,
                         const std::string& backend) {
   std::string label = method.label;
@@ -140,7 +140,7 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
   std::optional<MethodScene> scene;
   for (const std::uint32_t spp : options.budgets) {
     const RenderOptions cell = cell_options(options, context.file, method, sampler, backend, spp);
-    // The device scene depends on the number of samples only where points are stratified.
+    // The device scene depends on the number of samples only for stratified sampling.
     if (!scene || scene->prepared.record.sampler.kind == SamplerKind::kStratified) {
       auto prepared = prepare_method(cell, method.label, context.store);
       if (!prepared) return std::unexpected(prepared.error());
@@ -193,7 +193,7 @@ Expected<void> plan_curves(const SceneContext& context, ScenePlan& plan,
   return {};
 }
 
-/// The integrators of the reference to render: those asked for, or others that tend to the same image.
+/// The integrators for the reference: the requested ones, or others with the same limit image.
 std::array<ReferenceMethod, 2> reference_methods(const ReportOptions& options,
                                                  const IntegratorSettings& first) {
   if (options.reference_methods.empty()) return choose_reference(first);
@@ -218,7 +218,7 @@ Expected<void> plan_rendered_reference(const SceneContext& context, const Integr
                                        ScenePlan& plan) {
   const ReportOptions& options = context.options;
   const std::uint32_t spp = half_reference_spp(options.budgets.back(), options.reference_spp);
-  // All backends render the same image; the reference takes the first.
+  // All backends render the same image, so the reference uses the first.
   const std::string backend = options.backends.empty() ? "native" : options.backends.front();
   const auto methods = reference_methods(options, first);
   for (std::size_t i = 0; i < methods.size(); ++i) {

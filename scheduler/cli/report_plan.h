@@ -1,4 +1,4 @@
-// What a report has to render, all of it checked before any of it is rendered.
+// Plans a report: lists and checks all images before rendering begins.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ namespace penumbra {
 /// One image to render.
 struct CellPlan {
   CellId id;
-  nlohmann::ordered_json settings;  ///< everything that image and times depend on
+  nlohmann::ordered_json settings;  ///< everything on which the image and its times depend
   RenderOptions options;
-  std::string what;  ///< for people
+  std::string what;  ///< for messages
 };
 
 /// cells[i][j]: budget i, seed j.
@@ -33,24 +33,25 @@ struct CurvePlan {
 struct ScenePlan {
   std::string name;
   std::filesystem::path file;
-  PixelWindow window;  ///< the crop of the film that is rendered
+  PixelWindow window;  ///< the crop window of the film
   std::vector<CurvePlan> curves;
   std::vector<Peer> peers;
-  std::string reference_quantity;                      ///< of a reference to render; else empty
+  std::string reference_quantity;                      ///< of a reference that is rendered; else empty
   std::vector<CellPlan> reference_cells;               ///< two, or none
   std::vector<std::filesystem::path> reference_files;  ///< one or two, or none
 };
 
-/// Short unique names of scene files: the stem, with the folder's name or a number where stems are alike.
+/// Short unique names of scene files: the file name without its extension, made unique by the folder's name
+/// or a number.
 std::vector<std::string> scene_names(const std::vector<std::string>& files);
 
-/// Seed of an image: a hash, so that no two images of a report share samples, whatever they have in common.
-/// `role` tells curves from references.
+/// The seed of an image. It is a hash, so no two images of a report share samples. `role` distinguishes
+/// curves from references.
 std::uint32_t cell_seed(std::uint32_t base, const std::string& role, std::uint32_t spp, int index);
 
-/// Reads every scene with every method. `worker_hash` stands for the program that renders: cells of another
-/// one are not taken up. Errors, all of them of the input: a bad scene or setting, a method that a backend
-/// cannot do, a reference or peer that is missing or of another size.
+/// Reads every scene with every method. `worker_hash` identifies the program that renders; cells of another
+/// one are not reused. All errors are errors of the input: an invalid scene or setting, a method that a
+/// backend does not support, a reference or peer that is missing or has another size.
 Expected<std::vector<ScenePlan>> plan_report(const ReportOptions& options, const CellStore& store,
                                              const std::string& worker_hash);
 

@@ -34,7 +34,8 @@ void count_geometry(const SceneDescription& scene, std::span<const PlacedGroup> 
     contents.placed_triangles += triangles_of(shape);
     if (emits(shape)) ++contents.lights["area"];
   }
-  std::vector<std::pair<std::size_t, std::size_t>> groups;  // triangles and area lights of each
+  // Number of triangles and area lights of each group.
+  std::vector<std::pair<std::size_t, std::size_t>> groups;
   for (const ShapeGroup& group : scene.groups) {
     auto& [triangles, lights] = groups.emplace_back();
     for (const Shape& shape : group.shapes) {

@@ -23,7 +23,7 @@ std::optional<NativeCode> native_code(Isa isa) {
   return NativeCode{std::string(isa_name(isa)), native_code_bytes(*kernel)};
 }
 
-/// A file of this process alone, until the end.
+/// A temporary file that is removed at the end.
 class TemporaryFile {
  public:
   TemporaryFile() {

@@ -1,5 +1,4 @@
-// What a scene costs, with what only this program knows: the native kernels and, on request, the OpenCL
-// compiler.
+// The cost of a scene, including the native kernels and, on request, OpenCL compile times.
 #pragma once
 
 #include <string>
@@ -10,12 +9,12 @@
 
 namespace penumbra {
 
-/// See take_inventory; with the native kernels of that instruction set.
+/// take_inventory, with the native kernels of the given instruction set.
 SceneInventory scene_costs(const SceneDescription& description, const DeviceScene& scene, Isa isa,
                            bool thorough);
 
-/// Asks penumbra-worker to compile OpenCL kernels for the scene, which takes half a minute. Errors: an Embree
-/// scene, no device, kernels that do not compile.
+/// Lets penumbra-worker compile OpenCL kernels for the scene, which takes half a minute. Errors: a scene for
+/// Embree, no device, kernels that do not compile.
 Expected<CompileTimes> measure_compile_times(const DeviceScene& scene, const std::string& opencl_device);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// `penumbra settings`: all that --set takes. `penumbra plugins`: all that scene files may hold.
+// `penumbra settings`: lists all settings of --set. `penumbra plugins`: lists all plugins of scene files.
 #include <memory>
 
 #include "scheduler/cli/commands.h"

@@ -1,5 +1,5 @@
-// `penumbra view …`, `penumbra worker …`, `penumbra stress …`: they start programs of their own, so that
-// `penumbra` itself knows of no windows and no devices.
+// `penumbra view …`, `penumbra worker …`, `penumbra stress …` start separate programs, so that `penumbra`
+// itself needs no libraries for windows and devices.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,7 +15,7 @@ namespace penumbra {
 namespace {
 
 struct Sibling {
-  const char *command, *program, *help, *hint;  ///< hint: where the program is missing
+  const char *command, *program, *help, *hint;  ///< hint: shown if the program is missing
 };
 constexpr Sibling kSiblings[] = {
     {"view", "penumbra-view", "Open a window on a scene, or on a render that is under way",

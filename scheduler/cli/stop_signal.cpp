@@ -10,7 +10,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touc
 
 void on_signal(int number) {
   stop_requested = true;
-  if (number == SIGHUP) return;  // comes twice: from the terminal, and from the shell that ends with it
+  if (number == SIGHUP) return;  // it comes twice: from the terminal, and from the shell that ends with it
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
@@ -26,7 +26,8 @@ const std::atomic<bool>& install_stop_signal() {
   sigaction(SIGTERM, &action, nullptr);
   struct sigaction inherited {};
   sigaction(SIGHUP, nullptr, &inherited);
-  if (inherited.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // else this runs under nohup
+  // Otherwise this runs under nohup.
+  if (inherited.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   return stop_requested;
 }
 

@@ -28,7 +28,7 @@ int columns_of(std::string_view text) {
 std::string wrapped(std::string_view text, int at, int indent, int columns) {
   std::string lines;
   int column = at;
-  bool is_first = true;  // of its line
+  bool is_first = true;  // the first word of its line
   const auto begin_line = [&] {
     lines += "\n" + std::string(std::size_t(indent), ' ');
     column = indent;

@@ -1,4 +1,4 @@
-// Text for a terminal: lines that fit.
+// Wraps text to the width of the terminal.
 #pragma once
 
 #include <string>
@@ -6,25 +6,25 @@
 
 namespace penumbra {
 
-/// Columns of the help, and of all text where stdout is no terminal.
+/// The number of columns of the help, and of all text if stdout is not a terminal.
 constexpr int kTextColumns = 100;
 
-/// Of the terminal that stdout is, within [60, 200]; kTextColumns where it is none.
+/// The width of stdout's terminal, clamped to [60, 200]; kTextColumns if it is not a terminal.
 int text_columns();
 
-/// Columns that a terminal shows the text in: its characters.
+/// The number of columns that the text takes on a terminal: its number of characters.
 int columns_of(std::string_view text);
 
-/// The words of `text` in lines of at most `columns`, but for longer words. The first line begins at column
-/// `at`, after what is there already, all others after `indent` spaces. Line feeds stay. No line feed at the
-/// end.
+/// Wraps `text` to lines of at most `columns`, except for longer words. The first line begins at column `at`,
+/// after existing text; all others are indented by `indent` spaces. Line feeds in the text are kept. There is
+/// no line feed at the end.
 std::string wrapped(std::string_view text, int at, int indent, int columns);
 
-/// Two columns: a name, indented by two spaces, and what there is to say of it, from column `indent` on: in
-/// the same line where the name is short enough. Ends in a line feed.
+/// Two columns: a name, indented by two spaces, and its description from column `indent` on. The description
+/// begins in the same line if the name is short enough. Ends with a line feed.
 std::string described(std::string_view name, std::string_view text, int indent, int columns);
 
-/// "512 B", "1.2 MB": in powers of 1000.
+/// A size in powers of 1000: "512 B", "1.2 MB".
 std::string size_text(double bytes);
 
 }  // namespace penumbra

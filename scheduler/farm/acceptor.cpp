@@ -28,9 +28,9 @@ namespace {
 
 constexpr int kBacklog = SOMAXCONN;
 constexpr int kFewestConnections = 4;
-constexpr rlim_t kMostDescriptors = 1 << 30;  // where there is no limit
+constexpr rlim_t kMostDescriptors = 1 << 30;  // used if there is no limit
 constexpr int kMostUnsent = 512 << 10;        // bytes
-// A connection waits while there is no free descriptor for it.
+// How long a connection waits if there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
 rlim_t descriptor_limit() {
@@ -38,8 +38,8 @@ rlim_t descriptor_limit() {
   return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
 
-/// The other end of a connection as "address port", be it of gRPC's "ipv4:127.0.0.1:7000" and
-/// "ipv6:%5B::1%5D:7000"; IPv4 within IPv6 is IPv4. Empty if it is nothing of the kind.
+/// The peer as "address port", from a socket address or from gRPC's "ipv4:127.0.0.1:7000" and
+/// "ipv6:%5B::1%5D:7000". IPv4-mapped IPv6 addresses become IPv4. Empty for anything else.
 std::string peer_name(const in6_addr& six, int port) {
   char text[INET6_ADDRSTRLEN] = "";
   if (IN6_IS_ADDR_V4MAPPED(&six))
@@ -68,7 +68,7 @@ std::string peer_name(const std::string& peer) {
   host.remove_prefix(std::min(host.size(), std::string_view("ipv6:").size()));
   for (const std::string_view bracket : {"%5B", "["})
     if (host.starts_with(bracket)) host.remove_prefix(bracket.size());
-  host = host.substr(0, host.find_first_of("%]"));  // also before a zone
+  host = host.substr(0, host.find_first_of("%]"));  // also cuts a zone
   if (!is_six) return fmt::format("{} {}", host, parts.port);
   in6_addr six{};
   int port = 0;
@@ -86,16 +86,17 @@ Error cannot_listen(const std::string& address, const std::string& why) {
   return {fmt::format("cannot listen on {}: {}", address, why)};
 }
 
-/// The listening socket, or an errno.
+/// Makes a listening socket, or returns an errno.
 std::expected<int, int> listen_at(const sockaddr* name, socklen_t size) {
   const int descriptor = socket(name->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0) return std::unexpected(errno);
   const int on = 1;
   if (name->sa_family == AF_UNIX) {
-    // On Linux a socket's file gets the mode of its descriptor: there is no moment at which others reach it.
+    // On Linux the socket's file gets the mode of its descriptor, so at no time can others access it.
     fchmod(descriptor, S_IRUSR | S_IWUSR);
   } else {
-    setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);  // a port of connections that linger
+    // Allows a port with lingering connections.
+    setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   }
   if (bind(descriptor, name, size) == 0 && listen(descriptor, kBacklog) == 0) return descriptor;
   const int error = errno;
@@ -106,7 +107,7 @@ std::expected<int, int> listen_at(const sockaddr* name, socklen_t size) {
 std::expected<int, std::string> listen_unix(const std::string& path) {
   const std::optional<sockaddr_un> name = unix_socket_name(path);
   if (!name) return std::unexpected(std::strerror(ENAMETOOLONG));
-  // A socket's file without a listener is left over from a process that died.
+  // A socket's file without a listener was left by a process that died.
   struct stat status {};
   if (lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(path.c_str());
   const std::expected<int, int> listener = listen_at(reinterpret_cast<const sockaddr*>(&*name), sizeof *name);
@@ -114,7 +115,7 @@ std::expected<int, std::string> listen_unix(const std::string& path) {
   return *listener;
 }
 
-/// At the first address of the name that is this host's. "localhost" is IPv4's.
+/// Listens on the first address of the name that belongs to this host. "localhost" means IPv4.
 std::expected<int, std::string> listen_tcp(const HostAndPort& address) {
   const std::string host = address.host == "localhost" ? "127.0.0.1" : bare_host(address.host);
   addrinfo hints{}, *found = nullptr;
@@ -285,13 +286,13 @@ void Acceptor::accept_one() {
   const int on = 1;
   if (is_tcp_) {
     setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    // Else the system keeps some MiB for each peer that does not read.
+    // Otherwise the system buffers some MiB for each peer that does not read.
     setsockopt(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMostUnsent, sizeof kMostUnsent);
   }
   hand_over_(descriptor, listener_);
 }
 
-/// The receiver's descriptor is closed by the receiver, which notices.
+/// The receiver closes its own descriptor when it notices the end.
 void Acceptor::drop(std::size_t index, bool by_force) {
   if (by_force) shutdown(connections_[index].descriptor, SHUT_RDWR);
   close(connections_[index].descriptor);

@@ -1,4 +1,4 @@
-// A listening address of the scheduler. Its number of connections is bounded, and they can be ended.
+// A listening socket of the scheduler. It limits the number of connections, and it can end them.
 #pragma once
 
 #include <chrono>
@@ -13,49 +13,53 @@
 
 namespace penumbra {
 
-/// As many files and connections as this user may have open: workers and what they send need some.
+/// Raises the limit on open file descriptors as far as this user may. Every worker needs a connection, and
+/// results need some memory mappings and files.
 void raise_descriptor_limit();
 
 struct AcceptorLimits {
-  /// At once. A new connection replaces the oldest one that has not been admitted. If all have been admitted,
-  /// the new one is closed. Workers cost no thread, so there may be many.
+  /// Limit on simultaneous connections. At the limit a new connection replaces the oldest one that has not
+  /// been admitted. If all have been admitted, the new one is closed. A worker needs no thread here, so there
+  /// may be many.
   int connections = 1 << 14;
-  /// TCP only: of them so many that have not been admitted; further ones replace the oldest of those.
+  /// TCP only: limit on connections that have not been admitted. Further ones replace the oldest of them.
   int strangers = 64;
-  /// TCP only: from here on a connection that has not been admitted is closed.
+  /// TCP only: a connection that has not been admitted after this time is closed.
   std::chrono::milliseconds time_to_show_token{10000};
-  /// At most one of so many descriptors of this process: others need some, too.
+  /// Connections use at most one of so many file descriptors of this process, because others are needed too.
   int share_of_descriptors = 8;
 };
 
-/// Listens itself, since gRPC accepts any number of connections. A connection that is handed over belongs to
-/// the receiver. A second descriptor stays here: it shows when the connection has ended, and can end it.
+/// Accepts connections itself, because gRPC would accept any number of them. A connection that is handed over
+/// belongs to the receiver. This class keeps a duplicate of its descriptor, with which it notices the end of
+/// the connection and can end it.
 class Acceptor {
  public:
-  /// `address`: one that check_listen_address lets pass, with keys or without. A Unix socket is reachable by
-  /// its owner alone, whatever the umask. Errors: it is taken, or not of this host.
+  /// `address` must have passed check_listen_address, with or without keys. A Unix socket is accessible only
+  /// to its owner, whatever the umask. Errors: the address is in use, or does not belong to this host.
   static Expected<std::unique_ptr<Acceptor>> listen(const std::string& address, AcceptorLimits limits = {},
                                                     bool has_keys = false);
   Acceptor(const Acceptor&) = delete;
   Acceptor& operator=(const Acceptor&) = delete;
   ~Acceptor();
 
-  /// The address with the port that was chosen.
+  /// The address, with the actual port if port 0 was requested.
   [[nodiscard]] const std::string& address() const { return address_; }
-  /// Begins to accept. `hand_over` gets a non-blocking socket to keep, from a thread of this object.
+  /// Begins to accept. `hand_over` is called from a thread of this object and takes ownership of a
+  /// non-blocking socket.
   void start(std::function<void(int descriptor, int listener)> hand_over);
-  /// The peer has shown a token. `peer` is gRPC's name of it, as in "ipv4:127.0.0.1:7000".
+  /// The peer has shown a valid token. `peer` is gRPC's name of it, such as "ipv4:127.0.0.1:7000".
   void admit(const std::string& peer);
-  /// Accepts no more; what was handed over stays.
+  /// Stops accepting. Existing connections stay open.
   void stop();
-  /// Ends all connections at once, also those whose peers do not read what was sent to them.
+  /// Ends all connections at once, including those whose peers do not read what was sent to them.
   void cut_off();
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Connection {
     int descriptor = -1;
-    std::string peer;  // the other end, see peer_name
+    std::string peer;  // the other end; see peer_name
     Clock::time_point since;
     bool admitted = false;
   };

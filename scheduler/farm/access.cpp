@@ -14,7 +14,7 @@
 namespace penumbra {
 namespace {
 
-/// Looks at the metadata of each call.
+/// Checks the metadata of each call.
 class TokenCheck final : public grpc::AuthMetadataProcessor {
  public:
   TokenCheck(const Tokens& tokens, const char* where_tokens_are) : where_tokens_are_(where_tokens_are) {
@@ -30,7 +30,7 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                        OutputMetadata*) override {
     if (!complete_) return grpc::Status::CANCELLED;
     const std::string_view shown = find(metadata, kTokenKey), call = find(metadata, ":path");
-    // All are compared, so that the time does not tell which one it was.
+    // Compare with all tokens, so that the time does not reveal which one matched.
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < kTokenKinds.size(); ++i)
       if (are_equal_secrets(shown, expected_[i]) && !expected_[i].empty()) found = i;
@@ -52,7 +52,7 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                                    : std::string_view(found->second.data(), found->second.size());
   }
 
-  /// Of the kinds that permit the call: that one if it is among them.
+  /// Of the tokens that permit the call: the shown one if it is among them.
   static std::size_t kind_that(std::string_view call, const std::string Tokens::*shown) {
     constexpr std::size_t kWatch = 0, kWork = 1, kSubmit = 2;
     const std::string_view name = call.substr(call.rfind('/') + 1);
@@ -65,8 +65,9 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
   }
 
   const std::string where_tokens_are_;
-  std::array<std::string, kTokenKinds.size()> expected_;  // of the metadata; empty: there is no such token
-  // gRPC hands this over to threads of its own; unlike its hand-over, the thread sanitizer sees this one.
+  std::array<std::string, kTokenKinds.size()> expected_;  // metadata values; empty: there is no such token
+  // gRPC hands this object to its own threads. The thread sanitizer does not see that synchronisation, but
+  // sees this one.
   std::atomic<bool> complete_ = false;
 };
 
@@ -118,8 +119,7 @@ std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens,
     options.pem_key_cert_pairs.push_back({keys->key, keys->certificate});
     credentials = grpc::SslServerCredentials(options);
   } else {
-    // The check belongs to credentials. These are of connections within one host: they change nothing on the
-    // wire.
+    // The token check needs credentials. These are for local connections and change nothing on the wire.
     credentials = grpc::experimental::LocalServerCredentials(LOCAL_TCP);
   }
   credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(

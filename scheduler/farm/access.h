@@ -1,5 +1,5 @@
 // Access control of a scheduler. A Unix socket is protected by its file permissions. TCP connections need a
-// token, and those from other hosts encryption and certificates too.
+// token. Connections from other hosts also need TLS and certificates.
 #pragma once
 
 #include <grpcpp/security/server_credentials.h>
@@ -18,21 +18,23 @@ namespace penumbra {
 /// The path of "unix:path".
 std::string unix_path(const std::string& address);
 
-/// Fails unless it is "unix:/path", or host and port: of this host itself ("127.0.0.1:0", "[::1]:7000",
-/// "localhost:7000"); with keys of any of its addresses and names, "0.0.0.0:7000" and "[::]:7000" for all.
+/// Checks a listening address: "unix:/path", or host and port. Without keys it must be on the loopback
+/// interface ("127.0.0.1:0", "[::1]:7000", "localhost:7000"). With keys it may be any address or name of this
+/// host, or "0.0.0.0:7000" and "[::]:7000" for all of them.
 Expected<void> check_listen_address(const std::string& address, bool has_keys = false);
 
-/// The keys of a scheduler that listens there, from the folder; null without one, or for a Unix socket.
-/// Fails as check_listen_address and read_keys do.
+/// Reads the keys for listening at this address from the folder. Null without a folder, or for a Unix socket.
+/// Errors: those of check_listen_address and read_keys.
 Expected<std::shared_ptr<const Keys>> listening_keys(const std::string& address, const std::string& folder);
 
-/// Where clients on other hosts reach it: for "0.0.0.0" and "[::]" this host's name.
+/// The address at which clients on other hosts reach this one: "0.0.0.0" and "[::]" are replaced by the
+/// host's name.
 std::string reachable_address(const std::string& address);
 
-/// For a TCP port. With keys connections are encrypted, and clients show certificates of the same authority.
-/// A call is checked once its metadata have arrived and before any message is read: UNAUTHENTICATED without
-/// one of the tokens, PERMISSION_DENIED where the token does not permit this call. Without keys: for
-/// connections within this host.
+/// Credentials for a TCP port. With keys, connections are encrypted, and clients must have certificates of
+/// the same authority. Without keys, they are for connections within this host. The token is checked when a
+/// call's metadata arrive, before any message is read: UNAUTHENTICATED if there is no valid token,
+/// PERMISSION_DENIED if the token does not permit this call.
 std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens, const Keys* keys = nullptr);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// What comes from workers, and from watchers of an interactive render.
+// Events that arrive from workers, and from viewers of an interactive render.
 #pragma once
 
 #include <cstdint>
@@ -15,71 +15,71 @@
 
 namespace penumbra {
 
-/// The first arrival of a worker is Connected, the last is Gone. Texts are UTF-8 and of bounded length.
+/// A worker's first event is Connected, its last one Gone. Texts are UTF-8 and of limited length.
 namespace arrivals {
 
 struct Connected {
   WorkerId worker;
   std::string host;
-  int pid;                ///< as the worker reports it; only for messages
-  std::string key;        ///< identifies the process, see WorkerProcesses::claim
-  std::string peer;       ///< where it is connected from, for people
-  std::vector<Isa> isas;  ///< instruction sets that it says it has, ascending
+  int pid;                ///< as reported by the worker; only for messages
+  std::string key;        ///< identifies the process; see WorkerProcesses::claim
+  std::string peer;       ///< the address of the connection, for messages
+  std::vector<Isa> isas;  ///< instruction sets that the worker claims to support, ascending
 };
-struct Compiling {  ///< kernels, before it is ready
+struct Compiling {  ///< the worker compiles kernels before it is ready
   WorkerId worker;
-  std::string device;  ///< for people
+  std::string device;  ///< for messages
 };
 struct Ready {
   WorkerId worker;
   JobId job;
-  std::string device;  ///< for people
+  std::string device;  ///< for messages
   DevicePreparation preparation;
   SceneBytes scene;
 };
-struct Leaving {  ///< the worker will end, for a reason of its own; units that it has will not come
+struct Leaving {  ///< the worker is about to end for a reason of its own; it will not finish its units
   WorkerId worker;
-  std::string reason;  ///< for people
+  std::string reason;  ///< for messages
 };
-struct Beat {  ///< the worker is alive
+struct Beat {  ///< heartbeat: the worker is alive
   WorkerId worker;
-  std::uint64_t parts;  ///< of units that it has done so far
+  std::uint64_t parts;  ///< number of parts of units that it has finished so far
 };
-struct JobFailed {  ///< the worker cannot do this job at all
+struct JobFailed {  ///< the worker cannot render this job at all
   WorkerId worker;
   JobId job;
   std::string message;
 };
-struct Result {  ///< checked: its size is the unit's, its checksum is right
+struct Result {  ///< a valid result: its size matches the unit and its checksum is correct
   WorkerId worker;
   UnitId unit;
-  std::uint32_t view;  ///< of the job, when the unit was given out
+  std::uint32_t view;  ///< the job's view when the unit was issued
   SampleBuffer buffer;
-  std::uint64_t hash;  ///< equal for results of equal content
+  std::uint64_t hash;  ///< equal for results with equal contents
   double busy_seconds;
   std::uint64_t peak_memory_bytes;
 };
 struct BadResult {
   WorkerId worker;
   UnitId unit;
-  std::uint32_t view;  ///< of the job, when the unit was given out
+  std::uint32_t view;  ///< the job's view when the unit was issued
   std::string why;
 };
 struct UnitFailed {
   WorkerId worker;
   UnitId unit;
-  std::uint32_t view;  ///< of the job, when the unit was given out
+  std::uint32_t view;  ///< the job's view when the unit was issued
   std::string message;
 };
 struct Gone {
   WorkerId worker;
 };
-struct Rung {};       ///< the source of jobs has something new
-struct ViewChanged {  ///< by a watcher; numbers only grow
+struct Rung {};       ///< the job source has news (see JobSignal)
+struct ViewChanged {  ///< a viewer changed the view; view numbers only increase
   JobId job;
   WatchView view;
 };
-struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
+struct SamplesWanted {  ///< a viewer requests this many samples per pixel of the view
   JobId job;
   std::uint32_t view;
   std::uint32_t spp;

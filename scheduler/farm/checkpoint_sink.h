@@ -1,4 +1,4 @@
-// Where what is merged of a job is kept, so that another process can go on with it.
+// The interface for storing a job's merged state, so that another process can resume it.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,29 @@
 
 namespace penumbra {
 
-constexpr Seconds kCheckpointInterval = 5;  ///< where nothing else is asked for
+constexpr Seconds kCheckpointInterval = 5;  ///< default interval
 
-/// Called from the farm's thread, which it keeps no longer than a copy takes.
+/// Called from the farm's thread. It must return after no more time than copying the state takes.
 class CheckpointSink {
  public:
   virtual ~CheckpointSink() = default;
 
-  /// Whether it is time to keep what is merged.
+  /// Whether a checkpoint is due.
   [[nodiscard]] virtual bool is_due(const Merge& merge) = 0;
-  /// Keeps it, and how long has been rendered for it; what is merged meanwhile has no part in that.
+  /// Stores a checkpoint of the merged state and the render time so far. Results merged later are not part of
+  /// it.
   virtual void keep(const Merge& merge, Seconds rendered) = 0;
-  /// The job ends unfinished: likewise, whether it is time or not.
+  /// Stores a last checkpoint of a job that ends unfinished, whether or not one is due.
   virtual void keep_last(const Merge& merge, Seconds rendered) = 0;
-  /// What was kept is not to be trusted, or not needed any longer.
+  /// Removes the checkpoint because it is not trustworthy or no longer needed.
   virtual void remove() = 0;
-  /// Why it could not be kept, once.
+  /// A problem with storing; each is returned once.
   [[nodiscard]] virtual std::optional<std::string> take_problem() = 0;
 };
 
-/// What an earlier process has merged of a job.
+/// The state of a job that an earlier process merged.
 struct ResumedState {
-  Merge merge;  ///< of the job's film and grid, see merge_of_job
+  Merge merge;  ///< with the job's film and grid; see merge_of_job
   Seconds rendered = 0;
 };
 

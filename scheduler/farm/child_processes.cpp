@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{1};
 constexpr std::chrono::milliseconds kTimeToDie{5000};
-constexpr std::chrono::milliseconds kTimeToExecute{100};  // it takes one or two
+constexpr std::chrono::milliseconds kTimeToExecute{100};  // usually one or two milliseconds
 
 std::string describe(int status) {
   if (WIFSIGNALED(status)) {
@@ -32,7 +32,8 @@ std::string describe(int status) {
   return fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
-/// These variables, and those of this process that have other names; ends with a null pointer.
+/// The environment of a child: these variables, and those of this process with other names. Ends with a null
+/// pointer.
 std::vector<char*> with_own_environment(std::vector<std::string>& more) {
   std::vector<char*> all;
   for (std::string& variable : more) all.push_back(variable.data());
@@ -51,16 +52,17 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
 /// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
 [[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int orphan_signal,
                          int error_pipe) {
-  // Survives exec. If the parent died before this line, the signal will not come: hence the check.
+  // This survives exec. If the parent died before this call, the signal will not come, so check for that.
   prctl(PR_SET_PDEATHSIG, orphan_signal);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
   restore_default_signals();
-  for (const int number : {SIGINT, SIGTERM}) signal(number, SIG_DFL);  // ignored where this runs behind a `&`
+  // They are ignored if this runs in a shell's background.
+  for (const int number : {SIGINT, SIGTERM}) signal(number, SIG_DFL);
   const int nothing = open("/dev/null", O_RDONLY);
   if (nothing >= 0) dup2(nothing, STDIN_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);
-  // A leaked descriptor of another worker's connection would keep that connection open.
+  // An inherited descriptor of another worker's connection would keep that connection open.
   close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
   execve(arguments[0], arguments, environment);
   const int error = errno;
@@ -80,7 +82,7 @@ Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   arguments.push_back(nullptr);
   const std::vector<char*> variables = with_own_environment(environment);
 
-  int error_pipe[2];  // closed by a successful exec
+  int error_pipe[2];  // a successful exec closes it
   if (pipe2(error_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(errno)));
   }
@@ -95,7 +97,7 @@ Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   }
   running_.push_back(child);
   error_pipes_[child] = error_pipe[0];
-  // Something to read, or the other end closed: executed, or not.
+  // Readable: exec failed. Closed: exec succeeded.
   pollfd entry{.fd = error_pipe[0], .events = POLLIN, .revents = 0};
   if (poll(&entry, 1, int(kTimeToExecute.count())) <= 0) return child;
   if (std::string why = why_not_executed(child); !why.empty()) {
@@ -129,7 +131,7 @@ std::vector<ChildExit> ChildProcesses::reap() {
       close(pipe->second);
       error_pipes_.erase(pipe);
     }
-    if (got == pid)  // else other code in this process has reaped it
+    if (got == pid)  // otherwise other code in this process has reaped it
       ended.push_back({pid, why.empty() ? describe(status) : why,
                        WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt,
                        WIFSIGNALED(status) ? WTERMSIG(status) : 0});
@@ -151,7 +153,7 @@ void ChildProcesses::wait_for_all(std::chrono::milliseconds limit) {
 void ChildProcesses::stop_all() {
   for (const pid_t pid : running_) {
     ::kill(pid, SIGTERM);
-    ::kill(pid, SIGCONT);  // a stopped process takes no other signal
+    ::kill(pid, SIGCONT);  // a stopped process handles no other signal
   }
   wait_for_all(end_.patience);
   for (const pid_t pid : running_) ::kill(pid, SIGKILL);

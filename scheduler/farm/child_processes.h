@@ -1,5 +1,5 @@
-// Child processes on this machine, the workers above all: started, watched, reaped. None outlives this
-// process, however that ends.
+// Child processes on this machine, mainly workers: starts, monitors and reaps them. None outlives this
+// process, however it ends.
 #pragma once
 
 #include <sys/types.h>
@@ -17,40 +17,40 @@ namespace penumbra {
 
 struct ChildExit {
   pid_t pid = 0;
-  std::string how;               ///< e.g. "exit code 1", "killed by signal 9 (Killed)"
-  std::optional<int> code = {};  ///< its exit code, unless a signal killed it
-  int signal = 0;                ///< that killed it, or 0
+  std::string how;               ///< for messages: "exit code 1", "killed by signal 9 (Killed)"
+  std::optional<int> code = {};  ///< exit code, unless a signal killed it
+  int signal = 0;                ///< the signal that killed it, or 0
 };
 
-/// How children end that are asked to.
+/// How children are asked to end.
 struct ChildEnd {
-  std::chrono::milliseconds patience{1000};  ///< from SIGTERM to SIGKILL
-  int signal_of_orphans = SIGKILL;           ///< what they get when this process dies
+  std::chrono::milliseconds patience{1000};  ///< time between SIGTERM and SIGKILL
+  int signal_of_orphans = SIGKILL;           ///< the signal that children get if this process dies
 };
 
-/// Each child is its own process group, so that Ctrl-C at the terminal reaches this process alone; its
-/// standard error is ours, its standard output goes there too. The kernel ends a child when the *thread*
-/// that started it ends, so one thread must call all members and live as long as the object.
+/// Each child is its own process group, so that Ctrl-C at the terminal reaches only this process. Its
+/// standard output and standard error both go to our standard error. The kernel ends a child when the
+/// *thread* that started it ends. So one thread must call all members and must live as long as the object.
 class ChildProcesses {
  public:
-  /// `arguments` without the program's name.
+  /// `arguments` do not include the program's name.
   ChildProcesses(std::string executable, std::vector<std::string> arguments, ChildEnd end = {});
   ChildProcesses(const ChildProcesses&) = delete;
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
 
-  /// Starts one more, with these NAME=value in its environment. Fails if the program cannot be executed;
-  /// where that takes longer than a moment (a child that is stopped before, a file system that does not
-  /// answer) `reap` says so later.
+  /// Starts a child with these NAME=value in its environment. Fails if the program cannot be executed. If
+  /// executing takes long (a stopped child, a file system that does not respond), `reap` reports the failure
+  /// later.
   Expected<pid_t> start(std::vector<std::string> environment = {});
   /// The children that ended since the last call.
   std::vector<ChildExit> reap();
-  /// Ends a child at once, even one that is stopped; `reap` reports it.
+  /// Kills a child at once, even a stopped one; `reap` reports it.
   void kill(pid_t pid);
-  /// Asks all to end, kills those that have not after a moment, and waits until none is left; but not for
-  /// ever for those that the kernel keeps even so (a file system that does not answer).
+  /// Asks all children to end, kills the others after a moment, and waits until none is left. It does not
+  /// wait for ever for children that the kernel cannot end (a file system that does not respond).
   void stop_all();
-  /// Waits at most so long for all of them to end by themselves; those that did are reaped.
+  /// Waits until all children have ended by themselves, at most for `limit`. Reaps those that have.
   void wait_for_all(std::chrono::milliseconds limit);
 
   [[nodiscard]] const std::vector<pid_t>& running() const { return running_; }
@@ -59,11 +59,11 @@ class ChildProcesses {
   std::string executable_;
   std::vector<std::string> arguments_;
   ChildEnd end_;
-  /// Says why the program could not be executed, if that is known by now.
+  /// Why the program could not be executed, if that is known yet.
   [[nodiscard]] std::string why_not_executed(pid_t pid);
 
   std::vector<pid_t> running_;
-  std::map<pid_t, int> error_pipes_;  // of those that have not yet executed the program, as far as is known
+  std::map<pid_t, int> error_pipes_;  // of children that may not have executed the program yet
 };
 
 }  // namespace penumbra

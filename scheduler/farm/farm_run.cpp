@@ -13,12 +13,14 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::milliseconds kTickInterval{20};
-// A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
+// Limits the plan's time step, so that a pause of this process (Ctrl-Z, a suspended machine) does not look
+// like silence of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kWorkersInterval = 0.5;
-constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
+constexpr std::size_t kMostProblems = 100;  // of the farm, which may run for months
 constexpr std::size_t kMostSaid = 10'000;
-constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
+// How long a job waits for a worker that can render it when the present ones cannot.
+constexpr Seconds kTimeForAnotherToJoin = 30;
 constexpr Seconds kTimeToEnd = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
@@ -45,7 +47,7 @@ Expected<void> FarmRun::start() {
       worker_command(options_, far ? reachable_address(server_->more_address()) : socket_->address(),
                      far && !options_.keys ? server_->tokens().work : ""),
       options_.workers);
-  // They start up while the first scene is being packed.
+  // Workers start up while the first scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();
   if (options_.tells_how_to_watch) tell_how_to_watch();
@@ -61,7 +63,7 @@ void FarmRun::tell_how_to_watch() {
     source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
   if (options_.keys) {
-    // Their tokens are nothing to print.
+    // Tokens from keys must not be printed.
     const std::string address = shell_quoted(reachable_address(server_->more_address()));
     const auto line = [&](KeyRole role, const char* command) {
       source_.notice(
@@ -125,15 +127,15 @@ Expected<void> FarmRun::run() {
   return {};
 }
 
-/// Until it is time for the next tick, a job is over, or the source has rung: what has to be done then takes
-/// longer than an arrival.
+/// Handles events until the next tick is due, a job is over, or the source has news. Reacting to those takes
+/// longer than an event.
 void FarmRun::take_arrivals() {
   const Clock::time_point next_tick = Clock::now() + kTickInterval;
   const std::size_t open_jobs = jobs_.size();
   while (jobs_.size() == open_jobs && !stop_ && !plan_.gave_up()) {
     std::optional<Arrival> arrival = server_->next(std::chrono::milliseconds(0));
     if (!arrival) {
-      publish();  // at once, for those who steer what they watch
+      publish();  // at once, for viewers that steer the camera
       arrival =
           server_->next(std::max(std::chrono::milliseconds(0),
                                  std::chrono::ceil<std::chrono::milliseconds>(next_tick - Clock::now())));
@@ -192,7 +194,8 @@ void FarmRun::make_changes() {
   }
 }
 
-/// Those whose every unit is merged or set aside. An interactive one waits for its watchers' next request.
+/// Finishes jobs of which every unit is merged or set aside. An interactive job waits for its viewers' next
+/// request.
 void FarmRun::finish_jobs() {
   std::vector<JobId> finished;
   for (const auto& [id, job] : jobs_)
@@ -200,7 +203,7 @@ void FarmRun::finish_jobs() {
   for (const JobId id : finished) end_job(id);
 }
 
-/// Viewers see its end.
+/// Removes a job; its viewers see its end.
 std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
   const std::vector<WatchedWorker> workers = watched_workers();
   std::unique_ptr<JobRun> ended = std::move(jobs_.extract(id).mapped());
@@ -213,8 +216,9 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
 
 void FarmRun::end_job(JobId id) {
   const std::unique_ptr<JobRun> ended = take_out(id);
+  // Either of the disagreeing workers may have contributed wrong results to it.
   if (plan_.gave_up())
-    ended->discard_checkpoint();  // either of those that disagree may have merged what is wrong
+    ended->discard_checkpoint();
   else if (!plan_.finished(id) || !plan_.set_aside(id).empty())
     ended->keep_last_checkpoint();
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
@@ -229,7 +233,7 @@ void FarmRun::end_all_jobs() {
   while (!jobs_.empty()) end_job(jobs_.begin()->first);
 }
 
-/// Workers that are still starting may be able to do what the others are not.
+/// Fails jobs that no worker can render, unless workers that are still starting may be able to.
 void FarmRun::fail_hopeless_jobs() {
   if (deadly_.empty() && hopeless_.empty()) return;
   const auto connected = std::ranges::count_if(here_, [&](WorkerId id) {
@@ -237,13 +241,13 @@ void FarmRun::fail_hopeless_jobs() {
     return !worker.gone && !worker.ended;
   });
   std::set<JobId> failed;
-  // Only when all of those processes are counted does a fresh account begin for the ones that follow.
+  // The counts of failures restart only when the ends of all those processes are known.
   if (!deadly_.empty() && !is_an_end_half_known()) {
     failed = std::exchange(deadly_, {});
     workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
-  // Of those that a launcher brings, or that join a service, nobody knows how many will come, and when.
+  // It is unknown how many workers a launcher starts, or will join a service, and when.
   const bool others_may_join = workers_here_->launches() || options_.service;
   const bool are_all_here = others_may_join
                                 ? now_ - std::max(last_joined_, hopeless_since_) > kTimeForAnotherToJoin
@@ -252,8 +256,8 @@ void FarmRun::fail_hopeless_jobs() {
   for (const JobId id : failed) fail_job(id);
 }
 
-/// No worker can do it, or go on with it. What was rendered of it is kept; where native code may render it
-/// instead, that goes on with the checkpoint.
+/// No worker can render the job or continue it. Its results are kept in the checkpoint, from which native
+/// code may resume.
 void FarmRun::fail_job(JobId id) {
   std::string reasons = "no worker can do this job:";
   for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;
@@ -286,13 +290,14 @@ void FarmRun::look_after_workers() {
     const Worker& worker = workers_.at(id);
     if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToEnd) workers_here_->kill(worker.pid);
   }
-  // By the plan's time: neither may a pause of this process look like one of a worker that starts.
+  // Uses the plan's time, so that a pause of this process does not look like one of a starting worker.
   for (const ChildExit& exit : workers_here_->look_after(plan_time_)) worker_ended(exit);
   workers_here_->start_missing(plan_time_);
   tell_start_problems();
 }
 
-/// A farm that goes on for months meets any number of them. What open jobs say of theirs is kept.
+/// Forgets old workers, because a farm that runs for months meets any number of them. What open jobs report
+/// about theirs is kept.
 void FarmRun::forget_gone_workers() {
   std::erase_if(workers_, [&](const auto& entry) {
     const Worker& worker = entry.second;
@@ -325,10 +330,10 @@ void FarmRun::worker_ended(const ChildExit& exit) {
   Worker& worker = found->second;
   worker.ended = true;
   worker.ended_since = now_;
-  if (worker.dismissed || worker.has_left) return;  // said already
+  if (worker.dismissed || worker.has_left) return;  // reported already
   for (const auto& [id, job] : jobs_)
     if (job->has_share(found->first)) job->share(found->first).ended = exit.how;
-  // The end of its process may be known before that of its stream.
+  // The end of a process may be known before the end of its stream.
   const std::optional<UnitId> last_unit = worker.gone ? worker.last_unit : plan_.in_hand(found->first);
   const std::string where = last_unit ? " at " + unit_text(unit(*last_unit)) : "";
   problem(fmt::format("worker {} was lost{}: {}", worker.name, where, exit.how));
@@ -344,7 +349,7 @@ void FarmRun::advance_clock() {
 void FarmRun::tick() {
   const Seconds since_last = now_ - std::exchange(last_tick_, now_);
   for (const auto& [id, job] : jobs_) {
-    // Beside others, or while there is no worker, a job may wait for long.
+    // Beside other jobs, or without workers, a job may wait for a long time.
     const bool is_alone = jobs_.size() == 1 && !options_.service;
     if (is_alone || plan_.is_in_hand(id)) job->was_rendered_for(since_last);
     if (job->budget_is_spent()) tell_plan(NoFurtherUnits{id});
@@ -357,7 +362,7 @@ void FarmRun::publish() {
 }
 
 void FarmRun::report_progress() {
-  std::optional<std::vector<WatchedWorker>> workers;  // if anybody wants to know
+  std::optional<std::vector<WatchedWorker>> workers;  // computed on demand
   for (const auto& [id, job] : jobs_) {
     if (job->is_progress_due(since_start()))
       source_.progress(id, job->progress(plan_, ready_workers(), since_start()));

@@ -1,4 +1,4 @@
-// One call of run_farm: passes arrivals to the plan, and the plan's orders to jobs and workers.
+// The state of one call of run_farm. It passes events to the plan, and executes the plan's orders.
 #pragma once
 
 #include <atomic>
@@ -31,12 +31,12 @@ class FarmRun {
 
   struct Worker {
     std::string name;  // host:pid
-    int pid = 0;       // of the process here; 0: this farm has not started it
+    int pid = 0;       // pid of a local process; 0: this farm did not start it
     std::vector<Isa> isas;
     bool ready = false, dismissed = false, has_left = false, gone = false, ended = false;
-    std::optional<UnitId> last_unit;  // in hand when it was lost
+    std::optional<UnitId> last_unit;  // the unit that it was rendering when it was lost
     Seconds gone_since = 0, ended_since = 0;
-    std::uint64_t parts = 0;  // of units, as it reports
+    std::uint64_t parts = 0;  // number of parts of units done, as the worker reports
     Seconds since = 0;
     std::string device;
     std::uint64_t units = 0, samples = 0;
@@ -100,10 +100,11 @@ class FarmRun {
             is_an_end_half_known()) &&
            !plan_.gave_up();
   }
-  /// Of a worker, only its stream or only its process has ended so far; what that means is decided by both.
+  /// Whether, for some worker, only its stream or only its process has ended so far. How to react depends on
+  /// both.
   [[nodiscard]] bool is_an_end_half_known() const;
   [[nodiscard]] bool is_done() const { return jobs_.empty() && source_.is_exhausted(); }
-  /// Nothing if it is over.
+  /// Null if the job is over.
   [[nodiscard]] JobRun* job(JobId id);
   [[nodiscard]] RenderUnit unit(const UnitId& id);
   [[nodiscard]] std::string detail(const UnitId& id);
@@ -116,10 +117,10 @@ class FarmRun {
       return found == workers_.end() ? "of before" : found->second.name;
     };
   }
-  /// Of the farm: told to all jobs that are open, or to the next one.
+  /// Reports a problem of the farm to all open jobs, or to the next one if none is open.
   void problem(const std::string& text);
   void notice(const std::string& text);
-  /// A notice that all workers send alike is shown once.
+  /// Whether this notice is new. Identical notices of several workers are shown once.
   [[nodiscard]] bool is_new(const std::string& text) { return said_.insert(text).second; }
 
   const FarmOptions& options_;
@@ -130,20 +131,20 @@ class FarmRun {
   Plan plan_;
   std::map<JobId, std::unique_ptr<JobRun>> jobs_;
   JobId next_job_ = 1;
-  std::set<JobId> hopeless_;                                // no worker that is here can do them
-  std::set<JobId> deadly_;                                  // workers die of preparing them
-  std::map<JobId, std::vector<std::string>> job_failures_;  // what workers said
-  std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // of jobs that are over
+  std::set<JobId> hopeless_;                                // no connected worker can render them
+  std::set<JobId> deadly_;                                  // workers repeatedly died while preparing them
+  std::map<JobId, std::vector<std::string>> job_failures_;  // the errors that workers reported
+  std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // boards of finished jobs
   std::map<WorkerId, Worker> workers_;
-  std::vector<WorkerId> here_;         // of them, those whose processes this farm has started
-  std::vector<PlanEvent> follow_ups_;  // what came of obeying orders: of that the plan is to be told next
+  std::vector<WorkerId> here_;         // workers whose processes this farm has started
+  std::vector<PlanEvent> follow_ups_;  // events caused by executing orders, to be passed to the plan next
   std::set<std::string> said_;
-  std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
-  std::atomic<bool> rung_ = false;                       // a Rung is on its way
+  std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open yet
+  std::atomic<bool> rung_ = false;                       // a Rung event is on its way
   bool anyone_was_ready_ = false;
-  int foreign_workers_ = 0;  // that are connected
+  int foreign_workers_ = 0;  // number of connected workers that this farm has not started
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;
-  // The workers talk to the server through the socket, so they go first and the socket last.
+  // The workers are connected through this socket, so they are destroyed before it.
   std::optional<PrivateSocket> socket_;
   std::unique_ptr<Server> server_;
   std::optional<WorkerProcesses> workers_here_;

@@ -22,7 +22,7 @@ std::string peer_text(const std::string& peer) {
 
 }  // namespace
 
-// --- What comes from workers
+// --- Events from workers
 
 void FarmRun::on(const arrivals::Connected& arrival) {
   Worker& worker = workers_[arrival.worker];
@@ -41,8 +41,8 @@ void FarmRun::on(const arrivals::Connected& arrival) {
     here_.push_back(arrival.worker);
     workers_here_->is_heard_of(worker.pid, plan_time_);
   }
-  if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
-  hopeless_.clear();                                       // it may be able; else the plan says so again
+  if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // ready for whatever job comes
+  hopeless_.clear();  // the worker may be able to; otherwise the plan reports it again
   tell_plan(WorkerJoined{arrival.worker});
 }
 
@@ -78,7 +78,7 @@ void FarmRun::on(const arrivals::Beat& arrival) {
 }
 
 void FarmRun::on(const arrivals::JobFailed& arrival) {
-  // Every worker says the same but for names of temporary files in a compiler's log; once is enough.
+  // All workers report the same, except for names of temporary files in a compiler's log; show it once.
   const std::string what = arrival.message.substr(0, arrival.message.find('\n'));
   JobRun* of = job(arrival.job);
   if (of != nullptr && is_new(fmt::format("{} {}", arrival.job, what))) {
@@ -120,7 +120,7 @@ void FarmRun::on(const arrivals::UnitFailed& arrival) {
   tell_plan(UnitFailed{arrival.worker, arrival.unit});
 }
 
-/// Nothing is its fault, and what it had goes to others at once.
+/// The worker is not at fault, and its units go to others at once.
 void FarmRun::on(const arrivals::Leaving& arrival) {
   Worker& worker = workers_.at(arrival.worker);
   if (worker.dismissed) return;
@@ -156,13 +156,14 @@ void FarmRun::on(const arrivals::SamplesWanted& arrival) {
     tell_plan(MorePasses{arrival.job, of->passes_of(arrival.spp)});
 }
 
-// --- What the plan orders
+// --- Orders of the plan
 
 void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
   const std::vector<PlanOrder> orders = plan_.handle(event, plan_time_);
   const auto is_unit = [](const PlanOrder& order) { return std::holds_alternative<Assign>(order); };
   const auto is_result = [](const PlanOrder& order) { return std::holds_alternative<MergeResult>(order); };
-  // The next unit is on its way while a result is merged, where nothing else is to be done in between.
+  // If there is nothing else to do, send the next unit before merging the result, so that the worker does not
+  // wait.
   const bool units_first =
       std::ranges::all_of(orders, [&](const PlanOrder& order) { return is_unit(order) || is_result(order); });
   const auto obey_those = [&](auto&& chosen) {
@@ -185,7 +186,7 @@ void FarmRun::execute(const Prepare& order, arrivals::Result*) {
     job_failures_[order.job].push_back(why);
     follow_ups_.emplace_back(WorkerUnfit{order.worker, order.job});
     if (jobs_.size() == 1 && source_.is_exhausted())
-      refuse(order.worker, why);  // there is nothing else for it
+      refuse(order.worker, why);  // no worker can be expected to do better
     else
       of.problem(why);
     return;
@@ -205,7 +206,7 @@ void FarmRun::execute(const Assign& order, arrivals::Result*) {
 }
 
 void FarmRun::execute(const MergeResult& order, arrivals::Result* result) {
-  // What others do says nothing about those that are started here.
+  // Failures of foreign workers say nothing about local ones.
   const Worker& worker = workers_.at(order.worker);
   if (worker.pid != 0 || workers_here_->launches()) workers_here_->has_worked();
   JobRun& of = *jobs_.at(order.unit.job);
@@ -232,7 +233,7 @@ void FarmRun::execute(const DismissWorker& order, arrivals::Result*) {
   workers_here_->kill(worker.pid);
 }
 
-/// A worker that this farm's jobs cannot use at all.
+/// Refuses a worker that none of this farm's jobs can use.
 void FarmRun::refuse(WorkerId id, const std::string& why) {
   workers_.at(id).dismissed = true;
   for (const auto& [job, of] : jobs_)
@@ -244,7 +245,7 @@ void FarmRun::refuse(WorkerId id, const std::string& why) {
 
 void FarmRun::execute(const RedoTile& order, arrivals::Result*) { jobs_.at(order.job)->redo(order.tile); }
 
-/// Images have one phase; what others make comes with the first job that has any.
+/// Images have only one phase, so there is nothing to do.
 void FarmRun::execute(const PhaseDone&, arrivals::Result*) {}
 
 void FarmRun::execute(const RestartJob& order, arrivals::Result*) {

@@ -10,7 +10,7 @@
 namespace penumbra {
 namespace {
 
-// How often a watcher that has seen everything looks whether it is still there.
+// How often a viewer that has seen everything is checked for a lost connection.
 constexpr std::chrono::milliseconds kWatchInterval{500};
 grpc::Status no_asset(const wire::AssetRequest& request) {
   return {grpc::StatusCode::NOT_FOUND,
@@ -184,7 +184,7 @@ grpc::Status FarmService::Watch(grpc::ServerContext* context, const wire::WatchR
   std::optional<WatchedJob> job;
   while (!job && !watcher.at_end() && !context->IsCancelled()) job = watcher.job(kWatchInterval);
   if (!job || !writer->Write(encode(*job))) return grpc::Status::CANCELLED;
-  // Write waits while the watcher is slow; meanwhile the board keeps only what is newest.
+  // Write blocks while the viewer is slow; meanwhile the board keeps only the newest state.
   while (!watcher.at_end() && !context->IsCancelled()) {
     const std::optional<WatchItem> item = watcher.next(kWatchInterval);
     if (item && !writer->Write(encode(*item))) return grpc::Status::CANCELLED;

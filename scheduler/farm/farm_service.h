@@ -1,4 +1,4 @@
-// The calls of penumbra.proto, as the scheduler answers them.
+// The scheduler's implementation of the calls of penumbra.proto.
 #pragma once
 
 #include <chrono>
@@ -24,40 +24,41 @@ namespace penumbra {
 /// The state shared by all addresses on which the scheduler listens. Thread-safe.
 class Farm {
  public:
-  /// Locks for the thread sanitizer's sake, which does not see that all calls are over.
+  /// Locks only for the thread sanitizer, which cannot see that all calls are over.
   ~Farm() { const std::lock_guard lock(mutex_); }
 
-  /// Its length is bounded: a sender that is faster than the render's loop waits.
+  /// Bounded: if senders are faster than the farm's loop, they wait.
   Mailbox<Arrival> mailbox{kMostArrivals};
 
-  /// A job that can be watched from now on; `interactive` ones take Control.
+  /// Makes a job visible to viewers. An `interactive` job accepts Control.
   void show(JobId job, std::shared_ptr<WatchBoard> board, bool interactive);
-  /// It is over. Those who watch it see its end.
+  /// The job is over. Its current viewers still see its end.
   void hide(JobId job);
-  /// What is shown of the job, waiting for it at most so long; of the oldest one for 0. Nothing if there is
+  /// The board of the job, waiting at most `patience` for it; 0 stands for the oldest job. Null if there is
   /// none.
   std::shared_ptr<WatchBoard> board(JobId job, std::chrono::milliseconds patience);
-  /// Nothing more will be shown.
+  /// Closes all boards; nothing more will be shown.
   void close_boards();
   [[nodiscard]] bool is_closed();
 
-  /// Equal assets are kept once, until each has been removed.
+  /// Adds an asset. Equal assets are stored once, until each of them has been removed.
   void add_asset(OfferedAsset asset);
   void remove_asset(const std::string& hash);
-  /// Nothing if there is none of this hash.
+  /// Null if there is no asset of this hash.
   std::shared_ptr<const OfferedAsset> asset(const std::string& hash);
 
   std::pair<WorkerId, std::shared_ptr<WorkerConnection>> open();
   void close(WorkerId worker);
-  /// Nothing if it has gone.
+  /// Null if the worker has gone.
   std::shared_ptr<WorkerConnection> connection(WorkerId worker);
   std::vector<std::shared_ptr<WorkerConnection>> all_connections();
 
-  /// The job that Control means, 0 the oldest one; or why there is none to control.
+  /// The job to which Control applies; 0 stands for the oldest. Error: there is no such job, or it is not
+  /// interactive; sets `code`.
   Expected<JobId> controlled(JobId job, grpc::StatusCode& code);
-  /// Another view, with the job's next number.
+  /// Sets another view and returns its number, the job's next.
   std::uint32_t change_view(JobId job, const View& view);
-  /// Takes the job's next number for what makes it begin anew.
+  /// Reserves the job's next view number, for a restart without a new view.
   std::uint32_t next_view_number(JobId job);
 
  private:
@@ -84,13 +85,13 @@ class Farm {
   std::map<std::string, CountedAsset> assets_;
 };
 
-/// The service at one address. `on_call` is called with the peer of each call, after the token has been
-/// checked where one is required.
+/// The service at one address. `on_call` is called with the peer of each call, after its token (if one is
+/// required) has been checked.
 class FarmService final : public wire::Farm::WithCallbackMethod_Work<wire::Farm::Service> {
  public:
   explicit FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call = {});
 
-  /// Of workers there may be thousands, so no thread waits for one.
+  /// There may be thousands of workers, so no thread waits for one.
   grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* Work(
       grpc::CallbackServerContext* context) override;
   grpc::Status Manifest(grpc::ServerContext* context, const wire::AssetRequest* request,

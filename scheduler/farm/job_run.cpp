@@ -67,7 +67,7 @@ void JobRun::open(Server& server) {
 
 void JobRun::close(Server& server, const Plan& plan, const std::vector<WatchedWorker>& workers) {
   feed_.publish(merge_.film(), true);
-  // An interactive render is never known to be complete: its viewers wait for another scheduler.
+  // An interactive render is never complete; its viewers wait for another scheduler.
   show(plan, workers, !job_->interactive);
   server.hide_job(id_);
   server.remove_asset(scene_hash_);
@@ -133,7 +133,7 @@ bool JobRun::budget_is_spent() {
   return is_over && !std::exchange(budget_spent_, true);
 }
 
-// --- What happens to it
+// --- Events of the job
 
 void JobRun::worker_is_ready(const arrivals::Ready& arrival, Seconds now) {
   WorkerShare& share = shares_[arrival.worker];
@@ -193,14 +193,14 @@ void JobRun::discard_checkpoint() {
 void JobRun::redo(std::uint32_t tile) {
   samples_done_ -= merge_.redo(tile);
   samples_before_ = std::min(samples_before_, samples_done_);
-  discard_checkpoint();  // the tile's untrustworthy samples are in it
+  discard_checkpoint();  // it contains the tile's untrusted samples
 }
 
 void JobRun::tell_checkpoint_problem() {
   if (std::optional<std::string> text = job_->checkpoints->take_problem()) problem(std::move(*text));
 }
 
-// --- What is said of it
+// --- Reports about the job
 
 void JobRun::problem(std::string text) {
   board_->say("warning: " + text);

@@ -1,4 +1,4 @@
-// One job of a farm: what is merged of it, what its viewers see, and what its outcome will say.
+// One open job of a farm: its merged results, what its viewers see, and the data of its outcome.
 #pragma once
 
 #include <chrono>
@@ -21,21 +21,22 @@
 
 namespace penumbra {
 
-/// Of a job, with nothing merged.
+/// An empty merge for the job.
 Merge merge_of_job(const RenderJob& job);
 
-/// Viewers still receive what is queued for them at the end, as long as they keep reading.
+/// At the end, viewers still receive what is queued for them, as long as they keep reading. This is how long
+/// one may pause.
 constexpr std::chrono::milliseconds kPatienceWithWatchers{300};
 
 /// All times are seconds since the farm was started.
 class JobRun {
  public:
-  /// Its time begins now if it is the only job, else with its first unit.
+  /// The job's time begins now if it is the only job, else with its first unit.
   JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool is_only);
 
   /// Offers the scene to workers and viewers.
   void open(Server& server);
-  /// Nothing more will come: viewers see the end. Waits a moment for a tev.
+  /// Ends the job for its viewers. Waits a moment for a tev viewer.
   void close(Server& server, const Plan& plan, const std::vector<WatchedWorker>& workers);
 
   [[nodiscard]] const RenderJob& job() const { return *job_; }
@@ -45,51 +46,52 @@ class JobRun {
   [[nodiscard]] std::uint64_t samples_done() const { return samples_done_; }
   [[nodiscard]] const FilmLayers& layers() const { return layers_; }
   [[nodiscard]] std::vector<PhaseUnits> phases() const;
-  /// Empty for a unit that the job does not have: a faulty worker may name any.
+  /// Empty for a unit that the job does not have; a faulty worker may name any.
   [[nodiscard]] RenderUnit unit(const UnitId& id) const;
-  /// How many passes come to so many samples of a pixel, at most those of the job.
+  /// The number of passes that give `spp` samples per pixel, at most that of the job.
   [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
-  /// Whether tiles end by themselves; then of which passes the plan is to be told.
+  /// Whether each tile has its own number of passes, of which the plan must be told.
   [[nodiscard]] bool is_adaptive() const { return job_->target_error || job_->adaptive; }
-  /// Of all tiles.
+  /// The current numbers of passes of all tiles.
   [[nodiscard]] std::vector<PassesOfTile> passes_of_tiles() const;
-  /// Of those that a result of this tile may have changed.
+  /// The numbers of passes that a result of this tile may have changed.
   [[nodiscard]] std::vector<PassesOfTile> passes_after(std::uint32_t tile);
-  /// Whether the time for its rendering is over; true once.
+  /// Whether the time budget is used up. Returns true once.
   bool budget_is_spent();
 
-  // --- What happens to it
+  // --- Events of the job
 
   void worker_is_ready(const arrivals::Ready& arrival, Seconds now);
-  /// Time has passed; `is_busy`: there was something to render.
+  /// Adds elapsed time. `is_busy`: there was something to render.
   void advance(Seconds seconds, bool is_busy) { active_ += is_busy && begun_ ? seconds : 0; }
-  /// Time in which workers had units of it in hand.
+  /// Adds time during which workers were rendering units of the job.
   void was_rendered_for(Seconds seconds) { rendered_ += first_given_ ? seconds : 0; }
   void unit_was_given(Seconds now);
   void merge(const MergeResult& order, arrivals::Result& result, Seconds now);
   void skip(const UnitId& unit) { merge_.skip(unit.tile, unit.pass); }
   void redo(std::uint32_t tile);
-  /// Everything begins anew, with this view.
+  /// Starts again from the first sample with this view.
   void begin_view(const WatchView& view);
 
-  /// Keeps what is merged, if it is time. And if the job ends unfinished.
+  /// Stores a checkpoint if one is due; and one if the job ends unfinished.
   void keep_checkpoint();
   void keep_last_checkpoint();
   void discard_checkpoint();
 
-  // --- What is said of it
+  // --- Reports about the job
 
-  /// What this worker did for the job.
+  /// The statistics of this worker for the job.
   WorkerShare& share(WorkerId worker) { return shares_[worker]; }
   [[nodiscard]] bool has_share(WorkerId worker) const { return shares_.contains(worker); }
   void problem(std::string text);
   void notice(std::string text);
-  /// What was said last about a unit that failed; empty if nothing was.
+  /// The last message about a failed unit; empty if there was none.
   std::string& detail(const UnitId& id) { return details_[id]; }
 
-  /// Shows viewers what has changed, and notes what became of showing it.
+  /// Shows viewers what has changed, and records problems of showing it.
   void publish();
-  /// A few times a second; less often where the error estimate, which goes over the whole film, takes long.
+  /// Progress is due a few times a second. It is due less often if the error estimate, which reads the whole
+  /// film, takes long.
   [[nodiscard]] bool is_progress_due(Seconds now) const { return now >= next_progress_; }
   [[nodiscard]] RenderProgress progress(const Plan& plan, int workers, Seconds now);
   void show_progress(const Plan& plan, const std::vector<WatchedWorker>& workers, Seconds now);
@@ -97,14 +99,15 @@ class JobRun {
 
  private:
   [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
-  /// Samples that there will be in the end.
+  /// The expected number of samples at the end.
   [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const;
-  /// Passes that every tile will have.
+  /// The number of passes that every tile will have at least.
   [[nodiscard]] std::uint32_t least_passes(const Plan& plan) const;
-  /// Whether tiles may come to have numbers of passes of their own, though no target says so.
+  /// Whether tiles may end with different numbers of passes although neither a target error nor adaptive
+  /// sampling was asked for.
   [[nodiscard]] bool ends_amid_a_pass() const { return budget_spent_ || job_->units_at_most != kAllUnits; }
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
-  /// Seconds of rendering, of all processes.
+  /// Seconds of rendering, including earlier processes.
   [[nodiscard]] Seconds rendered() const { return rendered_before_ + rendered_; }
   void tell_checkpoint_problem();
   void tell_tev_problem();
@@ -126,10 +129,11 @@ class JobRun {
   std::vector<std::string> problems_, notices_;
   std::optional<Seconds> begun_, first_given_;
   bool budget_spent_ = false;
-  std::uint64_t samples_done_ = 0, samples_kept_ = 0, samples_before_ = 0;  // kept: in the last checkpoint
+  // samples_kept_: those in the last checkpoint.
+  std::uint64_t samples_done_ = 0, samples_kept_ = 0, samples_before_ = 0;
   Seconds rendered_before_ = 0, rendered_ = 0;
-  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was begun
-  Seconds active_ = 0;  // since the view began, while there was something to render
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since the job began
+  Seconds active_ = 0;  // since the view began; only while there was something to render
   Seconds next_progress_ = 0, next_shown_ = 0;
   double relative_error_ = 0;  // as last reported
 };

@@ -1,4 +1,4 @@
-// How a source of jobs, from any of its threads, gets the farm to look at it at once.
+// Lets a source of jobs, from any thread, make the farm ask it for jobs at once.
 #pragma once
 
 #include <functional>
@@ -9,12 +9,13 @@ namespace penumbra {
 
 class JobSignal {
  public:
-  /// There is a job, or none will come any more. Nothing happens while no farm listens.
+  /// There is a new job, or there will be no more. Does nothing while no farm is connected.
   void notify() {
     const std::lock_guard lock(mutex_);
     if (on_notify_) on_notify_();
   }
-  /// Of the farm; called with nothing it returns when the last call is over.
+  /// For the farm: sets the callback. Called with an empty function, it returns when the last callback has
+  /// ended.
   void connect(std::function<void()> on_notify) {
     const std::lock_guard lock(mutex_);
     on_notify_ = std::move(on_notify);

@@ -1,4 +1,4 @@
-// Data that a scheduler offers to workers.
+// Data that a scheduler offers to workers for download.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace penumbra {
 
-/// Two parts, one after the other; the second stays where it is, so that a large scene is not there twice.
+/// An asset in two consecutive parts. The body is not copied, so a large scene is in memory once.
 struct OfferedAsset {
-  AssetManifest manifest;  ///< of both
+  AssetManifest manifest;  ///< describes both parts
   std::vector<std::uint8_t> head;
   std::span<const std::uint8_t> body;
-  std::shared_ptr<const void> owner;  ///< of the body
+  std::shared_ptr<const void> owner;  ///< keeps the body's memory alive
 };
 
 }  // namespace penumbra

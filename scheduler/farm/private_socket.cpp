@@ -25,10 +25,10 @@ constexpr std::string_view kPrefix = "penumbra-";
 constexpr std::string_view kSocketName = "socket";
 constexpr std::size_t kLongestSocketPath = sizeof(sockaddr_un::sun_path) - 1;  // 107
 constexpr std::string_view kRandom = "XXXXXX";                                 // of mkdtemp
-// Between its creation and its locking, a directory looks abandoned for a moment.
+// A directory looks abandoned between its creation and its locking, so only older ones are removed.
 constexpr std::chrono::minutes kAbandonedAge{1};
 
-/// The lock on a directory, which ends with this process; -1 if another process holds it.
+/// Locks a directory until this process ends. Returns -1 if another process holds the lock.
 int lock_directory(const fs::path& directory) {
   const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -37,7 +37,7 @@ int lock_directory(const fs::path& directory) {
   return -1;
 }
 
-/// One that `create` may have made.
+/// Whether `create` of this user may have made it.
 bool is_mine(const fs::path& path) {
   const std::string name = path.filename();
   struct stat status {};
@@ -45,7 +45,7 @@ bool is_mine(const fs::path& path) {
          lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid();
 }
 
-/// An empty directory counts too: its owner may have died before it listened.
+/// An empty directory is abandoned too: its process may have died before it listened.
 bool holds_nothing_in_use(const fs::path& directory) {
   std::error_code error;
   return fs::is_empty(directory, error) || probe_unix_socket(directory / kSocketName) == ECONNREFUSED;

@@ -7,10 +7,10 @@
 
 namespace penumbra {
 
-/// A fresh directory of mode 0700 under $XDG_RUNTIME_DIR, or /tmp where that is not usable or too long for a
-/// socket's path; removed with the object. A killed process leaves its directory behind, and the next process
-/// removes it. A live process holds a lock on its directory (flock, which programs that clean up /tmp respect
-/// too), whether or not it is listening there at the moment.
+/// A new directory of mode 0700 under $XDG_RUNTIME_DIR, or under /tmp if the former is not usable or too long
+/// for a socket's path. The destructor removes it. If the process is killed, its directory remains, and the
+/// next process removes it. A live process holds a lock on its directory (flock, which programs that clean up
+/// /tmp respect too), whether or not it is listening there at the moment.
 class PrivateSocket {
  public:
   static Expected<PrivateSocket> create();
@@ -19,7 +19,7 @@ class PrivateSocket {
   ~PrivateSocket();
 
   [[nodiscard]] const std::string& directory() const { return directory_; }
-  /// For gRPC: "unix:" and the path of the socket, which the listening process creates.
+  /// The address for gRPC: "unix:" and the path of the socket, which the listening process creates.
   [[nodiscard]] std::string address() const;
 
  private:

@@ -16,7 +16,7 @@ namespace {
 class SingleJob final : public JobSource {
  public:
   SingleJob(const RenderJob& job, const std::function<void(const RenderProgress&)>& on_progress)
-      // Whose owner waits for run_render.
+      // Without ownership, because the caller waits in run_render.
       : job_(std::shared_ptr<const RenderJob>(), &job), on_progress_(on_progress) {}
 
   std::shared_ptr<const RenderJob> next() override { return std::exchange(job_, nullptr); }
@@ -46,7 +46,7 @@ Expected<void> run_farm(const FarmOptions& options, JobSource& source, const std
   if (options.workers < (options.listen.empty() ? 1 : 0))
     return fail(fmt::format("{} workers; at least 1 is needed", options.workers));
   keep_grpc_running();
-  // gRPC's mutexes look for deadlocks in Debian's build of absl, which takes a tenth of its time.
+  // In Debian's build of absl, gRPC's mutexes detect deadlocks, which takes a tenth of its time.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   return FarmRun(options, source, stop).run();
 }

@@ -45,7 +45,7 @@ Expected<void> check_render_job(const RenderJob& job) {
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
                     job.tile, job.width, job.height, kMostTiles));
   }
-  // No overflow: each side is an int.
+  // In double, so that nothing overflows.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel(job));
   const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
   if (bytes > double(memory)) {

@@ -1,4 +1,4 @@
-// What a render job has to be.
+// Checks whether a render job is valid.
 #pragma once
 
 #include "kernels/host/error.h"
@@ -6,11 +6,11 @@
 
 namespace penumbra {
 
-/// The error says what is wrong with the job's rectangle, tiles, passes or samples, and what is
+/// Checks the job's rectangle, tile size, passes and samples. The error says what is wrong and what is
 /// possible.
 Expected<void> check_render_job(const RenderJob& job);
 
-/// Bytes that the scheduler needs for the image and its files, at the worst time.
+/// The peak memory, in bytes, that the scheduler needs for the image and its files.
 std::uint64_t memory_of_image(const RenderJob& job);
 
 }  // namespace penumbra

@@ -17,35 +17,35 @@
 namespace penumbra {
 namespace {
 
-// For calls that are about to end when the server does.
+// Time for calls that are about to end when the server ends.
 constexpr std::chrono::milliseconds kTimeToEndCalls{300};
 constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 
-// The first one is this user's alone; but for descriptors there is no need of a limit.
+// The first address is only for this user, so apart from descriptors it needs no limit.
 constexpr AcceptorLimits kLimitsOfOwn{.connections = 1 << 16, .share_of_descriptors = 2};
-// Limits of the second address. A window has three calls at a time, a worker two; each takes a thread.
-constexpr int kMostCalls = 8;  // of a connection
+// Limits of the second address. A window has three calls at a time and a worker two; each takes a thread.
+constexpr int kMostCalls = 8;  // per connection
 constexpr int kMostThreads = 2048;
 constexpr int kMostStrangersWithKeys = 2048;
 constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
-// Clients ask half as often whether the connection lives, see protocol/client.cpp.
+// Clients send pings half as often; see protocol/client.cpp.
 constexpr int kPingMilliseconds = 10'000;
-constexpr int kLookaheadBytes = 1 << 20;  // of a message that may be unsolicited
+constexpr int kLookaheadBytes = 1 << 20;  // bytes of a message that may arrive before it is read
 
 void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& options) {
   const std::size_t largest = std::min(options.largest_result + kRoomForTexts, std::size_t(kMaxMessageBytes));
   builder.SetMaxReceiveMessageSize(int(largest));
-  // Samples hardly compress, and a small compressed message may expand to a large one.
+  // No compression: samples hardly compress, and a small compressed message may expand to a large one.
   for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
-  // Its records of connections, which nobody reads, scatter over the heap where many come and go.
+  // No channelz: its records of connections, which nobody reads, fragment the heap if many come and go.
   builder.AddChannelArgument(GRPC_ARG_ENABLE_CHANNELZ, 0);
 }
 
 using Connections = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
 
-/// A server of what the acceptor accepts; null if gRPC does not start.
+/// Makes a server for the acceptor's connections; null if gRPC does not start.
 std::unique_ptr<grpc::Server> start(grpc::ServerBuilder& builder,
                                     const std::shared_ptr<grpc::ServerCredentials>& credentials,
                                     Acceptor& acceptor, Connections& connections) {
@@ -73,8 +73,8 @@ struct Server::State {
   Tokens tokens;
   bool comes_back = false;
   std::string more_address;
-  // The second address has a server of its own, whose calls that need a thread (watching, assets) take none
-  // of those of the scheduler's own workers.
+  // The second address has a server of its own. Its calls that need a thread (watching, assets) take none
+  // from the scheduler's own workers.
   std::unique_ptr<Acceptor> own_acceptor, acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
   std::shared_ptr<grpc::Service> further_service;
@@ -100,7 +100,7 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
 
 Expected<void> Server::listen_for_all(const ListenOptions& options) {
   AcceptorLimits limits = options.limits;
-  // A cluster's workers come at once, and with keys each needs some time to be known.
+  // The workers of a cluster connect at the same time, and with keys each handshake takes some time.
   if (options.keys) limits.strangers = std::max(limits.strangers, kMostStrangersWithKeys);
   Expected<std::unique_ptr<Acceptor>> acceptor =
       Acceptor::listen(options.more, limits, options.keys != nullptr);
@@ -126,7 +126,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMilliseconds);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingMilliseconds);
-  // Otherwise a fast sender's window grows before its data is read.
+  // Otherwise the window of a fast sender grows before its data are read.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("more").SetMaxThreads(kMostThreads));
@@ -158,7 +158,7 @@ Server::~Server() {
                         state_->comes_back);
   for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
     if (acceptor != nullptr) acceptor->stop();
-  // A write to a peer that does not read ends with its connection alone, and so does its call.
+  // A write to a peer that does not read ends only with its connection, and so does its call.
   std::jthread cutter([this](const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any never;
@@ -168,7 +168,7 @@ Server::~Server() {
     for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
       if (acceptor != nullptr && !is_over) acceptor->cut_off();
   });
-  // A watcher's call that is cancelled may lose what was written last.
+  // A viewer's call that is cancelled may lose what was written last.
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
     if (server == nullptr) continue;
     server->Shutdown(std::chrono::system_clock::now() + kTimeToEndCalls);

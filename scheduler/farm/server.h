@@ -1,5 +1,5 @@
-// The scheduler's end of the wire: accepts workers, passes their messages to one consumer, sends them jobs
-// and units.
+// The scheduler's side of the connection to workers: accepts them, passes their messages to one consumer,
+// sends them jobs and units.
 #pragma once
 
 #include <chrono>
@@ -22,64 +22,63 @@
 namespace penumbra {
 
 struct ListenOptions {
-  std::string address;  ///< of this scheduler's own workers, e.g. "unix:/run/user/1000/penumbra-x/socket"
-  /// A second address, for viewers and foreign workers: "unix:/path", or "127.0.0.1:port" (also
-  /// "[::1]:port"), where a token is required; with keys any host's. Port 0 is any free port. Connections
-  /// there never keep the scheduler's own workers out.
+  /// The address for this scheduler's own workers: "unix:/run/user/1000/penumbra-x/socket"
+  std::string address;
+  /// A second address, for viewers and for workers started by others: "unix:/path", or "127.0.0.1:port" (also
+  /// "[::1]:port"), where a token is required. With keys it may be an address of any interface. Port 0 means
+  /// any free port. Connections there never prevent the scheduler's own workers from connecting.
   std::string more = {};
-  std::shared_ptr<const Keys> keys = {};  ///< of `more`, where it is TCP: TLS, and their tokens
-  bool comes_back = false;  ///< workers that are sent away at the end are told to look for it again
-  /// Bytes of the largest unit's samples: larger messages are not taken.
+  std::shared_ptr<const Keys> keys = {};  ///< the keys for `more` if it is TCP: for TLS, and their tokens
+  bool comes_back = false;  ///< workers dismissed at the end are told that the scheduler will return
+  /// Size in bytes of the largest unit's samples. Larger messages are rejected.
   std::size_t largest_result = std::size_t(1) << 20;
-  AcceptorLimits limits = {};  ///< of `more`
-  ServiceMaker service = {};   ///< further calls at `more`
+  AcceptorLimits limits = {};  ///< limits for `more`
+  ServiceMaker service = {};   ///< additional calls served at `more`
 };
 
-/// gRPC's threads read, check, decode and write, of workers as their streams need it; `next` gives the
-/// arrivals to the one thread that drives the plan. Sending to a worker that is gone does nothing: its Gone
-/// is on the way.
+/// gRPC's threads read, check, decode and write messages as the workers' streams require. `next` passes the
+/// events to the one thread that drives the plan. Sending to a worker that is gone has no effect; its Gone
+/// event is on the way.
 class Server {
  public:
-  /// Errors: an address that is taken, makes no sense, or is of other hosts too,
-  /// which would need encryption.
+  /// Errors: an address that is in use, invalid, or reachable from other hosts without keys.
   static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options);
-  /// Dismisses the remaining workers, breaks all streams that do not end very soon, and waits for the
-  /// threads.
+  /// Dismisses the remaining workers, breaks streams that do not end soon, and joins the threads.
   ~Server();
 
-  /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.
+  /// The address of `ListenOptions::more` with its actual port; empty if there is none.
   [[nodiscard]] const std::string& more_address() const;
-  /// The tokens for calls over TCP; empty if there are none. Those of keys are not to be printed.
+  /// The tokens for calls over TCP; empty if there are none. Tokens from keys must not be printed.
   [[nodiscard]] const Tokens& tokens() const;
 
-  /// Offers data to workers, under its manifest's hash.
+  /// Offers data to workers under the hash of its manifest.
   void add_asset(OfferedAsset asset);
-  /// What nobody needs any more.
+  /// Removes an asset that nobody needs any more.
   void remove_asset(const std::string& hash);
-  /// A job that can be watched from now on; `interactive` ones take Control.
+  /// Makes a job visible to viewers. An `interactive` job accepts Control.
   void show_job(JobId job, std::shared_ptr<WatchBoard> board, bool interactive);
-  /// It is over; its board is to be closed.
+  /// The job is over. The caller closes its board.
   void hide_job(JobId job);
 
   void send_job(WorkerId worker, JobId job, const std::string& scene_hash, const DeviceOptions& device);
   void forget_job(WorkerId worker, JobId job);
-  /// `layers`: that the result must have.
+  /// `layers`: the layers that the result must have.
   void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, const FilmLayers& layers);
-  /// Another camera for the job's units that follow; those of older views are dropped by the worker, and
-  /// their results here.
+  /// Sets another camera for the following units of the job. The worker drops its units of older views, and
+  /// their results are dropped here.
   void send_view(WorkerId worker, JobId job, const WatchView& view);
-  /// The number of the job's next view, where it begins anew without a watcher's wish.
+  /// Reserves the job's next view number, for a restart that no viewer requested.
   [[nodiscard]] std::uint32_t next_view_number(JobId job);
-  /// Its later messages are ignored.
+  /// Dismisses a worker. Its later messages are ignored.
   void dismiss(WorkerId worker, const std::string& reason);
-  /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
+  /// Sends away a worker that cannot render the job. It prints the reason and exits with an error.
   void refuse(WorkerId worker, const std::string& reason);
 
-  /// Lets the one who waits for the next arrival have one, Rung. From any thread.
+  /// Makes next() return a Rung event. May be called from any thread.
   void wake();
-  /// Nothing that arrives from here on is wanted: no stream waits for room any more.
+  /// Drops all further events, so that no stream waits for room in the mailbox.
   void stop_taking();
-  /// The next arrival, waiting for it at most so long.
+  /// The next event, waiting at most `patience`.
   std::optional<Arrival> next(std::chrono::milliseconds patience);
 
  private:

@@ -1,4 +1,4 @@
-// Calls that somebody else answers at a scheduler's address.
+// Lets another component serve additional calls at a scheduler's address.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@ class Service;
 
 namespace penumbra {
 
-/// Is given what each call has to begin with, once its token is checked: its peer is told to what bounds
-/// connections.
+/// Makes the service. Each of its calls must first pass the peer's name to the given function, once its token
+/// has been checked, so that the connection counts as admitted.
 using ServiceMaker =
     std::function<std::shared_ptr<grpc::Service>(std::function<void(const std::string& peer)>)>;
 

@@ -22,7 +22,7 @@ int probe_unix_socket(const std::string& path) {
   const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0) return errno;
   const bool connected = connect(descriptor, reinterpret_cast<const sockaddr*>(&*name), sizeof *name) == 0;
-  const int error = connected || errno == EAGAIN ? 0 : errno;  // EAGAIN: too many wait for him already
+  const int error = connected || errno == EAGAIN ? 0 : errno;  // EAGAIN: the listener's queue is full
   close(descriptor);
   return error;
 }

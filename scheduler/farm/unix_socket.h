@@ -1,4 +1,4 @@
-// Unix sockets by the paths of their files.
+// Helpers for Unix sockets given by file paths.
 #pragma once
 
 #include <sys/un.h>
@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-/// The path as the name of a socket; nothing if it is longer than one may be.
+/// The socket address for the path; nothing if the path is too long.
 std::optional<sockaddr_un> unix_socket_name(const std::string& path);
 
-/// Tries to connect, without waiting: 0 where somebody listens, be it that he has no time at the moment; else
-/// errno, ECONNREFUSED where nobody does.
+/// Tries to connect without waiting. Returns 0 if some process listens there, even if it is busy; else errno,
+/// which is ECONNREFUSED if none listens.
 int probe_unix_socket(const std::string& path);
 
 }  // namespace penumbra

@@ -9,11 +9,11 @@
 namespace penumbra {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeToLeave{5000};  // after the final message
-constexpr std::chrono::milliseconds kTimeToTake{300};    // what was sent last
+constexpr std::chrono::milliseconds kTimeToLeave{5000};  // time limit after the final message
+constexpr std::chrono::milliseconds kTimeToTake{300};    // time limit for the last message to be sent
 constexpr std::size_t kLongestKey = 64;
 
-/// Sets that this scheduler does not know are left out.
+/// The instruction sets of a worker. Unknown ones are left out.
 std::vector<Isa> isas_of(const wire::Hello& hello) {
   std::vector<Isa> isas;
   for (const Isa isa : kIsas)
@@ -23,14 +23,14 @@ std::vector<Isa> isas_of(const wire::Hello& hello) {
 
 }  // namespace
 
-// Here, so that gRPC's own code that calls a stream back is compiled with it.
+// Defined here, so that gRPC's code that calls a stream back is compiled in this file.
 FarmService::FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call)
     : farm_(farm), on_call_(std::move(on_call)) {}
 
 grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* FarmService::Work(
     grpc::CallbackServerContext* context) {
   if (on_call_) on_call_(context->peer());
-  return new WorkStream(farm_, *context);  // which deletes itself
+  return new WorkStream(farm_, *context);  // deletes itself
 }
 
 WorkStream::WorkStream(Farm& farm, grpc::CallbackServerContext& context) : farm_(farm), context_(context) {
@@ -71,7 +71,7 @@ void WorkStream::OnWriteDone(bool ok) {
   if (connection_->written(ok)) Finish(status_);
 }
 
-/// A worker that stays is cut off.
+/// A worker that stays after its final message is cut off.
 void WorkStream::is_final() {
   leaving_ = std::make_unique<grpc::Alarm>();
   cut_off_in(kTimeToLeave, *leaving_);
@@ -83,12 +83,12 @@ void WorkStream::end(const grpc::Status& status) {
     Finish(status_);
     return;
   }
-  // It cannot be told why if it does not read what it was sent before.
+  // The worker cannot be told the reason if it does not read earlier messages.
   ending_ = std::make_unique<grpc::Alarm>();
   cut_off_in(kTimeToTake, *ending_);
 }
 
-/// The alarm goes with this stream, but it may be ringing then.
+/// The alarm is a member of this stream, so it may fire while the stream is being destroyed.
 void WorkStream::cut_off_in(std::chrono::milliseconds time, grpc::Alarm& alarm) {
   alarm.Set(std::chrono::system_clock::now() + time, [connection = connection_](bool is_time) {
     if (is_time) connection->cut_off();
@@ -100,7 +100,7 @@ void WorkStream::OnDone() {
     connection_->detach();
     farm_.mailbox.put(arrivals::Gone{worker_});
     connection_.reset();
-    farm_.close(worker_);  // from here on the farm may go
+    farm_.close(worker_);  // from here on the farm may be destroyed
   }
   delete this;
 }

@@ -1,4 +1,4 @@
-// The stream of one worker, as gRPC calls it back: no thread waits for a worker.
+// The stream of one worker, driven by gRPC's callbacks: no thread waits for a worker.
 #pragma once
 
 #include <grpcpp/alarm.h>
@@ -10,8 +10,8 @@
 
 namespace penumbra {
 
-/// Deletes itself when the call is over. Putting an arrival into a full mailbox makes gRPC's thread wait, and
-/// with it whoever sends more than the scheduler takes.
+/// Deletes itself when the call is over. If the mailbox is full, putting an event into it blocks gRPC's
+/// thread, which slows down workers that send faster than the scheduler consumes.
 class WorkStream final : public grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>,
                          public WorkerConnection::Stream {
  public:
@@ -35,7 +35,7 @@ class WorkStream final : public grpc::ServerBidiReactor<wire::WorkerMessage, wir
   wire::WorkerMessage incoming_;
   wire::SchedulerMessage refusal_;
   WorkerId worker_ = 0;
-  std::shared_ptr<WorkerConnection> connection_;  // from Hello on
+  std::shared_ptr<WorkerConnection> connection_;  // set when Hello has arrived
   grpc::Status status_;
   std::unique_ptr<grpc::Alarm> leaving_, ending_;
 };

@@ -19,15 +19,15 @@ WorkerCommand worker_command(const FarmOptions& options, const std::string& addr
   if (!token.empty()) command.environment.push_back(fmt::format("{}={}", kTokenVariable, token));
   if (!command.is_launcher) return command;
   if (options.keys && is_tcp(address)) {
-    // The worker's part is beside the scheduler's.
+    // The worker's keys are in a folder beside the scheduler's.
     std::filesystem::path folder = std::filesystem::absolute(options.keys->folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
     if (folder.filename() == info(KeyRole::kScheduler).folder) folder = folder.parent_path();
     command.environment.push_back(fmt::format("{}={}", kKeysVariable, folder.string()));
   }
-  // On another machine the number of this one's cores says nothing.
+  // Another machine may have another number of cores.
   command.arguments.insert(command.arguments.end(), {"--threads", options.launch_threads});
-  // The user's words are read by a shell, ours are not.
+  // A shell interprets the user's words, but not ours.
   std::vector<std::string> words = {"-c", "exec " + options.launch + " \"$@\"", "sh", command.program};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
   command.program = "/bin/sh";

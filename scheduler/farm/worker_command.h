@@ -1,4 +1,4 @@
-// How a farm starts workers: the one place where their command line is made.
+// Builds the command line with which a farm starts workers.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ struct FarmOptions;
 struct WorkerCommand {
   std::string program;
   std::vector<std::string> arguments;
-  /// NAME=value. A token goes here: every user of a machine can read arguments.
+  /// NAME=value. Tokens are passed here, because every user of a machine can read command-line arguments.
   std::vector<std::string> environment;
-  /// One process that starts any number of workers, maybe elsewhere and not at once.
+  /// The process starts any number of workers, possibly on other machines and later.
   bool is_launcher = false;
 };
 
-/// Of a worker on this machine; or with FarmOptions::launch of what launches them. `address` is where workers
-/// reach the scheduler, `token` what they have to show there, if anything.
+/// The command for a local worker, or with FarmOptions::launch for the launcher. `address` is where workers
+/// reach the scheduler; `token` may be empty.
 WorkerCommand worker_command(const FarmOptions& options, const std::string& address,
                              const std::string& token);
 

@@ -109,7 +109,7 @@ void WorkerConnection::refuse(const std::string& reason) {
   send_final(std::move(message));
 }
 
-// --- By the stream
+// --- Called by the stream
 
 void WorkerConnection::attach(Stream& stream) {
   const std::lock_guard lock(mutex_);
@@ -130,7 +130,7 @@ bool WorkerConnection::written(bool ok) {
   if (ok)
     write_next();
   else
-    stream_ = nullptr;  // broken; the reading end notices, too
+    stream_ = nullptr;  // broken; the reading end notices it too
   return false;
 }
 
@@ -167,7 +167,8 @@ bool WorkerConnection::is_awaited(JobId job) const {
   return awaited_.contains(job);
 }
 
-/// What the worker says of a job that it was given; whether it was not given it again meanwhile.
+/// The worker has answered a job that it was sent. Returns whether the answer is for the latest time that the
+/// job was sent.
 Expected<bool> WorkerConnection::end_preparing(JobId job) {
   const std::lock_guard lock(mutex_);
   const auto found = awaited_.find(job);

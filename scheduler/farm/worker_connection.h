@@ -1,5 +1,5 @@
-// The scheduler's side of one worker's stream: which messages are valid when, and which are queued for the
-// worker.
+// The scheduler's side of one worker's stream: checks which messages are valid when, and queues messages for
+// the worker.
 #pragma once
 
 #include <atomic>
@@ -17,58 +17,60 @@
 
 namespace penumbra {
 
-/// The stream's reading end has its messages decoded here. What any thread sends is written one message after
-/// the other, the next when the stream says that the last one is gone: no sender waits for a worker that does
+/// Messages from the stream are decoded here. Any thread may send. Messages are written one after the other,
+/// each when the stream reports that the previous one is written, so no sender waits for a worker that does
 /// not read.
 class WorkerConnection {
  public:
-  /// The writing end of a stream. Called with the connection's lock held, so it must not call back at once.
+  /// The writing end of a stream. It is called with the connection's lock held, so it must not call back
+  /// synchronously.
   class Stream {
    public:
     virtual ~Stream() = default;
-    /// The message stays until `written`.
+    /// The message must stay valid until `written` is called.
     virtual void write(const wire::SchedulerMessage& message) = 0;
-    /// Nothing but the final message is to be written any more.
+    /// After the message being written nothing else will follow.
     virtual void is_final() = 0;
     /// Breaks the stream.
     virtual void cancel() = 0;
   };
 
   explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
-  /// Locks for the thread sanitizer's sake, which does not see that all streams are over.
+  /// Locks only for the thread sanitizer, which cannot see that all streams are over.
   ~WorkerConnection() { const std::lock_guard lock(mutex_); }
 
-  // --- To the worker; nothing after the first final message (Refused or Dismiss)
+  // --- To the worker. After the first final message (Refused or Dismiss) nothing more is sent.
 
   void send_job(JobId job, const std::string& scene_hash, const DeviceOptions& device);
-  /// Units of the job are not expected to be answered any more.
+  /// The worker need not answer units of this job any more.
   void forget_job(JobId job);
   void send_unit(const UnitId& id, const RenderUnit& unit, const FilmLayers& layers);
-  /// Units of the job's older views that have not left yet need not.
+  /// Queued units of older views of the job are not sent.
   void send_view(JobId job, const WatchView& view);
-  /// `comes_back`: the scheduler does, and the worker may wait for it.
+  /// `comes_back`: the scheduler will be restarted, and the worker may wait for it.
   void dismiss(const std::string& reason, bool comes_back = false);
   void refuse(const std::string& reason);
 
-  // --- By the stream
+  // --- Called by the stream
 
-  /// It takes messages from now on, until `detach`.
+  /// Messages are written to this stream from now on, until `detach`.
   void attach(Stream& stream);
   void detach();
-  /// The last message given to it is gone, or will never be; true if the stream may be finished now, because
+  /// The last message was written, or never will be. Returns true if the stream may now be finished, because
   /// `close` was waiting for that.
   bool written(bool ok);
-  /// Nothing more is to be written; true if nothing is being written either.
+  /// No more messages will be sent. Returns true if none is being written either.
   bool close();
-  /// Breaks the stream, if there is one still.
+  /// Breaks the stream if it still exists.
   void cut_off();
 
   // --- From the worker
 
-  struct Nothing {};  ///< it is too late for that: of an older view or a forgotten job, or from one sent away
-  /// What a message after Hello means; or what is wrong about it, and ends the connection.
+  /// The message is outdated: of an older view, of a forgotten job, or from a dismissed worker.
+  struct Nothing {};
+  /// Decodes a message after Hello. An error ends the connection.
   Expected<std::variant<Nothing, Arrival>> understand(const wire::WorkerMessage& message);
-  /// The scheduler, or the worker itself, has said that this is over.
+  /// Whether the scheduler or the worker has ended the conversation.
   [[nodiscard]] bool has_ended() const;
 
  private:
@@ -78,9 +80,9 @@ class WorkerConnection {
   };
 
   void send(wire::SchedulerMessage message);
-  void write_next();  // the lock is held
+  void write_next();  // requires the lock
   void send_final(wire::SchedulerMessage message);
-  [[nodiscard]] std::uint32_t view_of(JobId job) const;  // the lock is held
+  [[nodiscard]] std::uint32_t view_of(JobId job) const;  // requires the lock
   [[nodiscard]] bool is_awaited(JobId job) const;
   Expected<bool> end_preparing(JobId job);
   bool is_outdated(const wire::UnitId& id) const;
@@ -92,10 +94,10 @@ class WorkerConnection {
   mutable std::mutex mutex_;
   Stream* stream_ = nullptr;
   std::deque<wire::SchedulerMessage> outbox_;
-  wire::SchedulerMessage outgoing_;  // while it is being written
+  wire::SchedulerMessage outgoing_;  // the message that is being written
   std::map<UnitId, Expectation> expected_;
-  std::map<JobId, std::uint32_t> views_;  // of jobs that have had another one than the first
-  std::map<JobId, int> awaited_;          // how often it was given without a Ready or JobFailed so far
+  std::map<JobId, std::uint32_t> views_;  // of jobs whose view has changed
+  std::map<JobId, int> awaited_;  // how often the job was sent without an answer (Ready or JobFailed) yet
   std::set<JobId> forgotten_;
   bool sent_away_ = false, closed_ = false, writing_ = false;
   std::atomic<int> compiles_ = 0;

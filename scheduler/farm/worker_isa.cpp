@@ -22,7 +22,7 @@ Expected<DeviceOptions> options_for_worker(const DeviceOptions& job, bool embree
                     worker, isa_name(job.isa), list(has)));
   }
   DeviceOptions options = job;
-  // Of the sets below the job's: more than the job asks for is not wanted.
+  // Only sets below the job's are considered, because no more than that was asked for.
   options.isa = Isa::kSse2;
   for (const Isa isa : has)
     if (isa < job.isa) options.isa = std::max(options.isa, isa);

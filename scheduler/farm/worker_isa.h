@@ -1,4 +1,4 @@
-// Which workers can do a job, by their instruction sets.
+// Decides which workers can render a job, by their instruction sets.
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@
 
 namespace penumbra {
 
-/// What a worker that has these instruction sets is to compute with. With Embree the set is a part of the
-/// image, so a worker that lacks the job's own is refused, and the error says why, naming `worker`; with the
-/// portable intersector every set gives the same bits, and a worker that lacks the job's takes its best.
-/// OpenCL kernels have none.
+/// The device options for a worker that supports these instruction sets. With Embree the image depends on the
+/// instruction set, so a worker without the job's set is refused; the error says why and names `worker`. With
+/// the portable intersector every set gives bitwise equal results, so a worker without the job's set uses its
+/// best one. OpenCL kernels do not depend on it.
 Expected<DeviceOptions> options_for_worker(const DeviceOptions& job, bool embree, std::span<const Isa> has,
                                            const std::string& worker);
 

@@ -13,19 +13,20 @@
 namespace penumbra {
 namespace {
 
-constexpr int kStartsInARow = 3;  // workers that end before they are ready; then no more are started
-// Deaths with no unit finished in between. A unit that kills its workers needs up to four of them to be found
-// out.
+// After so many workers that ended before they were ready, no more are started.
+constexpr int kStartsInARow = 3;
+// The number of deaths without a finished unit in between. A unit that kills its workers is found out after
+// at most four deaths per worker.
 constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
-// Whoever kills workers before they are ready may go on for a moment.
+// Whatever kills workers before they are ready may go on for a moment.
 Seconds pause_after(int deaths) { return std::min(2.0, 0.1 * std::exp2(deaths)); }
-// A launcher ends with its workers, which were dismissed; one that is asked to end passes that on to them,
-// and dies of nothing harder than that with this process, so that no job stays behind in a queue.
+// A launcher ends with its workers, which were dismissed. When it is asked to end, it passes that on to them.
+// If this process dies, it gets no harder signal, so that it can remove its job from a queue.
 constexpr std::chrono::milliseconds kTimeToEndDismissed{2000};
 constexpr ChildEnd kLauncherEnd{.patience = std::chrono::milliseconds(10'000), .signal_of_orphans = SIGTERM};
-constexpr Seconds kTimeToBeReady = 300;  // from the start; it may have to compile kernels
-// Until it connects, and then without a beat, of which there should be one a second: for a machine that is
-// busy with other things. What takes longer than the other one is told.
+constexpr Seconds kTimeToBeReady = 300;  // from its start; it may have to compile kernels
+// Timeouts before the worker connects, and then without a heartbeat (one per second), long enough for a busy
+// machine. Delays beyond kPatience are reported.
 constexpr Seconds kTimeToBeHeardOf = 30, kPatience = 5;
 
 bool is_from_outside(const ChildExit& exit) {
@@ -46,7 +47,7 @@ void WorkerProcesses::start_missing(Seconds now) {
     environment.push_back(fmt::format("{}={}", kWorkerKeyVariable, key));
     const Expected<pid_t> pid = children_.start(std::move(environment));
     if (pid && launches()) {
-      launch_key_ = std::move(key);  // a queue may keep its workers waiting for as long as it likes
+      launch_key_ = std::move(key);  // a queue may keep its workers waiting for any time
     } else if (pid) {
       keys_[std::move(key)] = *pid;
       starting_[*pid] = {.since = now, .heard_at = now};
@@ -70,7 +71,7 @@ void WorkerProcesses::is_heard_of(int pid, Seconds now) {
   found->second.is_told = false;
 }
 
-/// Its end is noticed as that of any other.
+/// Its end is noticed like that of any other process.
 void WorkerProcesses::end_start(int pid, Start& start, Seconds now, const std::string& why) {
   problems_.push_back(fmt::format("the worker process {} was ended: {}", pid, why));
   children_.kill(pid);
@@ -112,7 +113,7 @@ void WorkerProcesses::stop_all() {
 std::vector<std::string> WorkerProcesses::take_notices() { return std::exchange(notices_, {}); }
 
 int WorkerProcesses::claim(const std::string& key) {
-  // All are looked at, in constant time: workers that others started may try keys, too.
+  // Compares with all keys in constant time, because workers started by others may try keys too.
   auto found = keys_.end();
   for (auto at = keys_.begin(); at != keys_.end(); ++at)
     if (are_equal_secrets(at->first, key)) found = at;

@@ -1,4 +1,5 @@
-// Keeps a number of local worker processes going: starts them, replaces those that end, ends those that hang.
+// Keeps a number of local worker processes running: starts them, replaces those that end, kills those that
+// hang.
 #pragma once
 
 #include <map>
@@ -12,41 +13,43 @@
 
 namespace penumbra {
 
-/// All times are seconds of one monotonic clock. A launcher's workers, and when they come, are its own
-/// affair: its process is looked after, they are known by its key. The rules of ChildProcesses about threads
-/// hold.
+/// All times are seconds of one monotonic clock. With a launcher, only the launcher's process is monitored;
+/// its workers come and go independently, and are recognised by the launcher's key. The rules of
+/// ChildProcesses about threads apply.
 class WorkerProcesses {
  public:
-  /// Of a launcher there is one: when it ends, it is started again, as long as its workers do anything.
+  /// There is only one launcher process. If it ends, it is started again, unless its workers never finish
+  /// anything.
   WorkerProcesses(WorkerCommand command, int wanted);
 
-  /// Starts what is missing, unless workers keep ending before they have done anything. After one that was
-  /// killed before it was ready there is a pause, longer each time.
+  /// Starts missing processes, unless workers keep ending before they have finished anything. After a worker
+  /// that was killed before it was ready it pauses, longer each time.
   void start_missing(Seconds now);
-  /// A process that is not ready yet has shown that it is alive.
+  /// A process that is not ready yet has given a sign of life.
   void is_heard_of(int pid, Seconds now);
-  /// Ends those that are not ready in time or not heard of, and says which processes have ended.
+  /// Kills processes that are not ready in time or give no sign of life. Returns the processes that have
+  /// ended.
   std::vector<ChildExit> look_after(Seconds now);
-  /// The process that was started with this key, which no other process knows; 0 if there is none, or if the
-  /// key has been used before. A worker is identified by nothing else.
+  /// The pid of the process that was started with this key. Only that process knows the key, and a worker is
+  /// identified by nothing else. 0 if there is none, or if the key has been used before.
   int claim(const std::string& key);
-  /// Whether a worker with this key was started by the launcher, all of whose workers have the same one.
+  /// Whether a worker with this key was started by the launcher. All workers of a launcher share one key.
   [[nodiscard]] bool has_launched(const std::string& key) const {
     return command_.is_launcher && !key.empty() && key == launch_key_;
   }
   [[nodiscard]] bool launches() const { return command_.is_launcher; }
-  /// The worker has said that it is ready.
+  /// The worker has reported that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
-  /// A unit has been finished: workers that end from here on have a fresh account.
+  /// A unit has been finished, so the counts of failures begin again at 0.
   void has_worked() { failed_starts_ = fruitless_deaths_ = 0; }
   void kill(int pid) { children_.kill(pid); }
   void stop_all();
   [[nodiscard]] std::size_t running() const { return children_.running().size(); }
-  /// Or will be started.
+  /// Whether processes are running or will be started.
   [[nodiscard]] bool any_left() const { return running() > 0 || will_start(); }
-  /// What could not be done, for people; each once.
+  /// Problems for the user; each is returned once.
   [[nodiscard]] std::vector<std::string> take_problems();
-  /// What is waited for, likewise.
+  /// Notices about what is being waited for; each is returned once.
   [[nodiscard]] std::vector<std::string> take_notices();
 
  private:
@@ -62,8 +65,8 @@ class WorkerProcesses {
     Seconds since = 0, heard_at = 0;
     bool is_connected = false, is_told = false, is_ended = false;
   };
-  std::map<int, Start> starting_;    // by pid: those that are not ready yet
-  std::map<std::string, int> keys_;  // not claimed yet, and whose they are
+  std::map<int, Start> starting_;    // processes that are not ready yet, by pid
+  std::map<std::string, int> keys_;  // keys that have not been claimed yet, and the pids of their processes
   int failed_starts_ = 0, fruitless_deaths_ = 0;
   Seconds next_start_ = 0;
   std::vector<std::string> problems_, notices_;

@@ -21,12 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr mode_t kAllPermissions = 07777;
-constexpr std::chrono::seconds kTimeToRead{10};  // a pipe's reader has
+constexpr std::chrono::seconds kTimeToRead{10};  // time limit for the reader of a pipe
 constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// Of one target at the same time, by several writers.
+/// Limit on simultaneous writers of one target.
 constexpr int kMostParts = 64;
-/// A process has some 1000 descriptors: beyond so many, what is written aside has no lock any more.
+/// A process has some 1000 descriptors. Beyond this number, temporary files are not kept locked.
 constexpr int kMostKeptDescriptors = 512;
 
 fs::path part_name(const fs::path& path, int number) {
@@ -35,7 +35,8 @@ fs::path part_name(const fs::path& path, int number) {
          (number == 0 ? fmt::format(".{}.part", name) : fmt::format(".{}.{}.part", name, number));
 }
 
-/// Removes a part that nobody holds the lock of: its writer was killed. Returns whether it is gone.
+/// Removes a temporary file that nobody has locked, because its writer was killed. Returns whether it is
+/// gone.
 bool remove_if_abandoned(const fs::path& name) {
   const OwnedDescriptor part(open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (part.get() < 0) return errno == ENOENT;
@@ -44,11 +45,12 @@ bool remove_if_abandoned(const fs::path& name) {
   if (fstat(part.get(), &held) != 0 || !S_ISREG(held.st_mode) || held.st_uid != geteuid()) return false;
   if (flock(part.get(), LOCK_EX | LOCK_NB) != 0) return false;
   if (lstat(name.c_str(), &there) != 0) return errno == ENOENT;
-  if (there.st_dev != held.st_dev || there.st_ino != held.st_ino) return false;  // another has come meanwhile
+  // Another file has taken its place meanwhile.
+  if (there.st_dev != held.st_dev || there.st_ino != held.st_ino) return false;
   return unlink(name.c_str()) == 0;
 }
 
-/// What is abandoned of the parts of that number and those that follow it.
+/// Removes abandoned temporary files from that number on.
 void remove_abandoned_from(const fs::path& path, int number) {
   std::error_code ignored;
   for (; number < kMostParts && fs::exists(part_name(path, number), ignored); ++number)
@@ -60,7 +62,7 @@ struct Part {
   OwnedDescriptor descriptor;  ///< locked; negative: errno says why there is none
 };
 
-/// A new file beside `path` that is this writer's alone, and what killed ones have left is gone.
+/// Creates a new temporary file beside `path` for this writer, and removes those left by killed writers.
 Part new_part(const fs::path& path) {
   for (int number = 0; number < kMostParts;) {
     Part part{part_name(path, number),
@@ -73,7 +75,7 @@ Part new_part(const fs::path& path) {
     }
     struct stat status {};
     flock(part.descriptor.get(), LOCK_EX);
-    // Who looks for abandoned ones may have been between the two.
+    // Another process may have removed it as abandoned between creation and locking.
     if (fstat(part.descriptor.get(), &status) == 0 && status.st_nlink == 0) continue;
     remove_abandoned_from(path, number + 1);
     return part;
@@ -82,8 +84,8 @@ Part new_part(const fs::path& path) {
   return {};
 }
 
-/// Opens a device or a pipe, neither made nor cut off: it is there. A pipe's reader may come a little later;
-/// negative with errno = ENXIO if none does.
+/// Opens an existing device or pipe without truncating it. The reader of a pipe may come a little later.
+/// Negative with errno = ENXIO if there is none.
 int open_for_reader(const fs::path& path) {
   const auto deadline = std::chrono::steady_clock::now() + kTimeToRead;
   for (;;) {
@@ -93,7 +95,7 @@ int open_for_reader(const fs::path& path) {
   }
 }
 
-/// Waits until a pipe whose reader is slow takes more; false with errno set.
+/// Waits until a slow pipe accepts more data; false with errno set on failure.
 bool wait_for_room(int descriptor) {
   pollfd entry{.fd = descriptor, .events = POLLOUT, .revents = 0};
   const int ready = poll(&entry, 1, int(std::chrono::milliseconds(kTimeToRead).count()));
@@ -101,7 +103,7 @@ bool wait_for_room(int descriptor) {
   return ready > 0 || (ready < 0 && errno == EINTR);
 }
 
-/// False with errno set.
+/// False with errno set on failure.
 bool write_all(int descriptor, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
@@ -113,10 +115,10 @@ bool write_all(int descriptor, std::span<const std::uint8_t> bytes) {
   return true;
 }
 
-/// What cannot be flushed, as pipes and some file systems, is none the worse for it.
+/// Pipes and some file systems cannot be flushed; that is not an error.
 bool flush(int descriptor) { return fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS; }
 
-/// The first folder on the way up that there is.
+/// The nearest existing parent folder.
 fs::path existing_folder(fs::path folder) {
   std::error_code ignored;
   while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder_of(folder);

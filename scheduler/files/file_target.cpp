@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  // as many as Linux follows
+constexpr int kMostLinks = 40;  // the same limit as in Linux
 
 std::unexpected<Error> refuse(const fs::path& path, std::string_view why) {
   return fail(fmt::format("cannot write {}: {}", path.string(), why));
 }
 
-/// The number N of /proc/self/fd/N, to which /dev/stdout and /dev/fd/N lead. Its own link is not followed:
-/// the file behind it may have been renamed or removed, and what is in it already must stay.
+/// The number N of /proc/self/fd/N, to which /dev/stdout and /dev/fd/N lead. This link is not followed: the
+/// file behind it may have been renamed or removed, and its contents must be kept.
 std::optional<int> descriptor_of(const fs::path& path) {
   const std::string name = path.filename().string();
   if (name.empty() || name.size() > 6 ||
@@ -52,11 +52,11 @@ Expected<FileTarget> existing_target(const fs::path& path, const fs::path& at, c
   return FileTarget{S_ISREG(status.st_mode) ? FileTarget::Kind::kFile : FileTarget::Kind::kDirect, at};
 }
 
-/// Linux's rule of protected_symlinks, whether that is on or not: in a sticky folder to which all may write,
-/// links are followed that are one's own or the folder's owner's.
+/// Linux's rule of protected_symlinks, whether or not it is enabled: in a world-writable sticky folder, only
+/// links of the user or of the folder's owner are followed.
 bool may_follow(const fs::path& link, const struct stat& status) {
   struct stat folder {};
-  if (stat(folder_of(link).c_str(), &folder) != 0) return true;  // which reading it will say
+  if (stat(folder_of(link).c_str(), &folder) != 0) return true;  // a later read reports the error
   constexpr mode_t kShared = S_ISVTX | S_IWOTH;
   return (folder.st_mode & kShared) != kShared || status.st_uid == geteuid() ||
          status.st_uid == folder.st_uid;
@@ -95,7 +95,7 @@ Expected<FileTarget> find_target(const fs::path& path) {
     std::error_code error;
     const fs::path next = fs::read_symlink(at, error);
     if (error) return refuse(path, error.message());
-    at = folder_of(at) / next;  // the link itself, if it is absolute
+    at = folder_of(at) / next;  // replaces the path if the link is absolute
   }
   return cannot_write(path, ELOOP);
 }

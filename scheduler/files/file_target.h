@@ -1,4 +1,4 @@
-// Where the bytes of an output go: the one answer to links, devices, pipes and files that are protected.
+// Determines how an output path is written: links, devices, pipes and protected files.
 #pragma once
 
 #include <filesystem>
@@ -9,25 +9,25 @@ namespace penumbra {
 
 struct FileTarget {
   enum class Kind {
-    kFile,        ///< a plain file, or none yet: written aside, then renamed
-    kDirect,      ///< a device or a pipe, which a rename would replace: written as it is
-    kDescriptor,  ///< open already, as /dev/stdout is
+    kFile,        ///< a regular file, or none yet: written to a temporary file and renamed
+    kDirect,      ///< a device or a pipe, which a rename would replace: written directly
+    kDescriptor,  ///< already open, such as /dev/stdout
   };
   Kind kind = Kind::kFile;
-  std::filesystem::path path;  ///< as given, where that is no link; else what the link leads to
+  std::filesystem::path path;  ///< the given path, or the target of a link
   int descriptor = -1;
 };
 
-/// Follows symbolic links, which stay, but for those of others in shared sticky folders. Errors: such a link,
-/// a folder, a disk, a socket, a file that may not be written to. A rename needs no permission of the file
-/// that it replaces, and root needs none at all: a file without any write permission is refused all the same,
-/// since it has been protected on purpose.
+/// Resolves symbolic links, which are kept, except links of other users in shared sticky folders. Errors:
+/// such a link, a folder, a disk, a socket, a file that is not writable. A rename needs no permission of the
+/// replaced file, and root needs none at all. Nevertheless a file without any write permission is refused,
+/// because it was protected on purpose.
 Expected<FileTarget> find_target(const std::filesystem::path& path);
 
 /// The folder that holds it.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// "cannot write PATH: WHY", the reason of errno said in terms of the path.
+/// "cannot write PATH: WHY". The reason, from errno, is worded for this path.
 std::unexpected<Error> cannot_write(const std::filesystem::path& path, int error);
 
 }  // namespace penumbra

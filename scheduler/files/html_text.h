@@ -1,4 +1,4 @@
-// The small parts that an HTML page is made of.
+// Building blocks of HTML pages.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,26 @@
 
 namespace penumbra {
 
-/// A page: its title, its style sheet, further elements of its head, and its body.
+/// A page with this title, style sheet, additional head elements and body.
 std::string html_page(std::string_view title, std::string_view style, std::string_view head,
                       std::string_view body);
 
-/// RFC 4648, with padding.
+/// Base64 with padding (RFC 4648).
 std::string base64(std::span<const std::uint8_t> bytes);
 
-/// data:image/png;base64,…
+/// The image as a URI: data:image/png;base64,…
 std::string png_uri(std::span<const std::uint8_t> png);
 
-/// The <svg> element alone, without XML declaration, document type and comments; ids get `prefix`, so that
-/// several can be on one page.
+/// Only the <svg> element, without XML declaration, document type and comments. IDs get `prefix`, so that a
+/// page can contain several.
 std::string inline_svg(std::string_view svg, std::string_view prefix);
 
-/// For people: three or four digits, "1.23e-05" below a thousandth; "–" for what is not a number.
+/// A number for display: three or four digits, "1.23e-05" below a thousandth; "–" for NaN.
 std::string number_text(double value);
 /// "0.0123 s", "12.3 s", "2 min 05 s".
 std::string seconds_text(double seconds);
 
-/// A table of cells that are HTML already.
+/// A table whose cells are HTML.
 class HtmlTable {
  public:
   explicit HtmlTable(const std::vector<std::string>& header);

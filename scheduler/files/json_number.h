@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// JSON has no NaN or infinity; null stands for "not known".
+/// A number, or null for NaN and infinity, which JSON lacks; null means "unknown".
 inline nlohmann::ordered_json json_number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }

@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Locks folders so that no other batch puts files into them meanwhile. Goes on without a lock where the file
-/// system has none, or where another process holds it for long.
+/// Locks folders so that no other batch puts files into them meanwhile. Continues without a lock if the file
+/// system does not support it, or if another process holds it for long.
 class FolderLocks {
  public:
   explicit FolderLocks(const std::vector<fs::path>& folders) {
     std::map<std::pair<dev_t, ino_t>, int>
-        in_order;  // the same order in every process, so that there is no deadlock
+        in_order;  // the same order in every process, which prevents deadlock
     for (const fs::path& folder : folders) {
       const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       struct stat status {};
@@ -55,7 +55,8 @@ class FolderLocks {
   std::vector<int> descriptors_;
 };
 
-/// A new folder for what has no other place; where the first has no room, the next.
+/// Candidates for the folder of files that cannot be written to their place; each is tried if the previous
+/// one has no room.
 std::vector<fs::path> rescue_folders() {
   std::error_code error;
   const fs::path preferred = fs::temp_directory_path(error);
@@ -89,7 +90,7 @@ void OutputBatch::Entry::make_and_write_aside(const std::function<Expected<Bytes
   Expected<Bytes> result = fail("");
   try {
     result = make();
-  } catch (const std::exception& exception) {  // memory above all
+  } catch (const std::exception& exception) {  // usually out of memory
     result = fail(fmt::format("cannot write {}: {}", path.string(), exception.what()));
   }
   if (result) {
@@ -110,7 +111,7 @@ void OutputBatch::add(fs::path path, Bytes bytes) {
 void OutputBatch::add_aside(fs::path path, std::function<Expected<Bytes>()> make) {
   Entry& entry = entries_.emplace_back();
   entry.path = std::move(path);
-  // Where there is no thread to be had, it is done by wait().
+  // If no thread can be started, wait() does the work.
   entry.making = std::async(std::launch::async | std::launch::deferred,
                             [&entry, make = std::move(make)] { entry.make_and_write_aside(make); });
 }
@@ -120,7 +121,7 @@ void OutputBatch::wait() {
     if (entry.making.valid()) entry.making.get();
 }
 
-/// None, if one could not be written aside: an old image beside a new report would belong to no run.
+/// Puts no file in place if one could not be written: an old image beside a new report would be inconsistent.
 void OutputBatch::put_in_place() {
   if (!errors_.empty()) {
     for (Entry& entry : entries_) entry.staged.reset();
@@ -161,7 +162,7 @@ std::string OutputBatch::rescue() {
       entry.written = true;
       places += (places.empty() ? "" : ", ") + place.string();
     }
-    rmdir(folder.c_str());  // if nothing came of it
+    rmdir(folder.c_str());  // succeeds only if it is empty
   }
   std::string text = places.empty() ? "" : "; written instead: " + places;
   std::string lost;

@@ -1,4 +1,4 @@
-// The files of one run, which appear together.
+// Writes the files of one run so that they appear together.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,23 @@
 
 namespace penumbra {
 
-/// Plain files are put in place all or none, and of two batches for the same files the one that ends last
-/// wins whole: while they are renamed, their folders are locked (by flock, which leaves nothing behind).
-/// Devices and pipes come after them.
+/// Regular files are all put in place, or none. If two batches write the same files, the one that ends last
+/// wins completely: their folders are locked while files are renamed (by flock, which leaves nothing behind).
+/// Devices and pipes are written afterwards.
 class OutputBatch {
  public:
   using Bytes = std::vector<std::uint8_t>;
 
-  /// Writes a plain file aside. What goes wrong is told at the end, in the order of the files.
+  /// Writes a temporary file. Errors are reported by finish(), in the order of the files.
   void add(std::filesystem::path path, Bytes bytes);
-  /// The same on a thread of its own, where `make` is called for the bytes: what that reads stays until
-  /// wait(), finish() or the end of the batch. A file that cannot be made is an error like the others.
+  /// The same on another thread, which calls `make` for the bytes. What `make` reads must stay valid until
+  /// wait(), finish() or the destructor. A file that cannot be made is an error like the others.
   void add_aside(std::filesystem::path path, std::function<Expected<Bytes>()> make);
-  /// Waits until all of them are written aside.
+  /// Waits until all temporary files are written.
   void wait();
 
-  /// Puts everything in its place. What could not be written is written to a new folder in TMPDIR, or /tmp,
-  /// instead; the error says why, and where it is.
+  /// Puts all files in place. Files that cannot be written there are written to a new folder in TMPDIR, or
+  /// /tmp, instead; the error says why, and where they are.
   Expected<void> finish();
 
  private:
@@ -42,8 +42,8 @@ class OutputBatch {
     FileTarget target;
     std::optional<StagedFile> staged;
     bool made = true, written = false;
-    std::string error;         // of the bytes, or of writing them aside
-    std::future<void> making;  // the last member: it is waited for before the others go
+    std::string error;         // of making the bytes, or of writing the temporary file
+    std::future<void> making;  // the last member, so that it is waited for before the others are destroyed
 
     void write_aside();
     void make_and_write_aside(const std::function<Expected<Bytes>()>& make);
@@ -53,8 +53,8 @@ class OutputBatch {
   void write_directly();
   [[nodiscard]] std::string rescue();
 
-  std::deque<Entry> entries_;  // which stay where they are
-  std::string errors_;         ///< a line each
+  std::deque<Entry> entries_;  // a deque, so that addresses stay valid
+  std::string errors_;         ///< one per line
 };
 
 }  // namespace penumbra

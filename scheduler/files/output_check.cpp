@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Equal for two paths of one file. Of a file that does not exist yet: its normal path.
+/// Equal for two paths of the same file. For a file that does not exist yet it is the normalised path.
 struct FileIdentity {
   dev_t device = 0;
   ino_t number = 0;
@@ -42,7 +42,7 @@ Expected<void> check_outputs(std::span<const fs::path> outputs, std::span<const 
     for (const FileIdentity& input : read)
       if (input == identity)
         return fail(fmt::format("{} is an input of this command; it is not overwritten", output.string()));
-    if (target->kind == FileTarget::Kind::kFile) {  // devices and pipes take one after the other
+    if (target->kind == FileTarget::Kind::kFile) {  // several outputs may go to the same device or pipe
       for (const FileIdentity& other : written)
         if (other == identity) return fail(fmt::format("two outputs in one file: {}", output.string()));
       written.push_back(identity);

@@ -1,4 +1,4 @@
-// What a command is about to write, held against what it reads.
+// Checks a command's outputs against its inputs.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace penumbra {
 
-/// Whether every output can be written (see check_writable), is none of the inputs, and no two of them are
-/// one file, whatever their names: files that there are compare by identity. Call it before the work, and
+/// Checks that every output can be written (see check_writable), that none is an input, and that no two are
+/// the same file; existing files are compared by identity, not by name. Call it before the work, and
 /// make_folders after it.
 Expected<void> check_outputs(std::span<const std::filesystem::path> outputs,
                              std::span<const std::filesystem::path> inputs);

@@ -33,7 +33,7 @@ constexpr int kNotStarted = 127;
   _exit(kNotStarted);
 }
 
-/// Reads until the other end is closed; false if the deadline comes first.
+/// Reads until the other end is closed. False if the deadline passes first.
 bool read_all(int descriptor, Clock::time_point deadline, std::string& text) {
   char part[4096];
   for (;;) {
@@ -47,7 +47,8 @@ bool read_all(int descriptor, Clock::time_point deadline, std::string& text) {
   }
 }
 
-/// Its status; nothing if the deadline comes first. It may close its output before it ends.
+/// The exit status of a child, which may close its output before it ends. Nothing if the deadline passes
+/// first.
 std::optional<int> wait_for(pid_t child, Clock::time_point deadline) {
   constexpr std::chrono::milliseconds kWaitInterval{2};
   for (;;) {

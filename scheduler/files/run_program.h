@@ -1,4 +1,4 @@
-// Another program, run to its end.
+// Runs another program and waits for its end.
 #pragma once
 
 #include <chrono>
@@ -16,13 +16,13 @@ struct ProgramEnd {
 };
 
 struct ProgramOptions {
-  std::filesystem::path folder = {};  ///< where it runs; empty: here
-  bool errors_too = false;            ///< what it writes to stderr is taken as well
-  std::chrono::seconds limit{600};    ///< longer than it may take
+  std::filesystem::path folder = {};  ///< working directory; empty: the current one
+  bool errors_too = false;            ///< capture stderr too
+  std::chrono::seconds limit{600};    ///< time limit
 };
 
-/// Starts the program (a path), waits for it, and takes what it writes to stdout. Errors: it could not be
-/// started, or did not end in time and was killed.
+/// Runs the program (a path), waits for it, and captures its stdout. Errors: it could not be started, or it
+/// exceeded the time limit and was killed.
 Expected<ProgramEnd> run_program(std::string program, std::vector<std::string> arguments,
                                  const ProgramOptions& options = {});
 

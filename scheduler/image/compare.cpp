@@ -9,14 +9,14 @@ namespace {
 
 bool is_beauty(const std::string& layer) { return layer.empty() || layer == "beauty"; }
 
-/// Whether the values are signals for a display: what OpenImageIO says of a PNG or JPEG.
+/// Whether the values are display signals, as OpenImageIO reports for PNG and JPEG.
 bool is_display_image(const Image& image) {
   const auto space = image.attribute("oiio:ColorSpace");
   const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
   return name != nullptr && *name == "sRGB";
 }
 
-/// What kAuto means for these images, and why if it is nothing.
+/// The kind of FLIP that kAuto selects for these images; if none, also the reason.
 std::pair<FlipKind, std::string> chosen_flip(const CompareImages& images, const CompareOptions& options) {
   if (options.flip == FlipKind::kNone) return {FlipKind::kNone, "not asked for"};
   if (options.flip != FlipKind::kAuto) return {options.flip, ""};
@@ -39,14 +39,15 @@ Expected<void> add_flip(const CompareImages& images, const CompareOptions& optio
   return {};
 }
 
-/// From a file of its own, else from the image's layer, else empty. Errors: the file of its own does not fit.
+/// The variance from a separate file, else from the image's layer, else empty. Errors: the separate file does
+/// not match.
 Expected<std::vector<float>> variance_of(const Image& image, const Image* variance,
                                          const Comparison& result) {
   if (variance != nullptr) return variance_image(*variance, result.pair, result.layer);
   return variance_layer(image, result.pair, result.layer).value_or(std::vector<float>{});
 }
 
-/// Of the mean of both references; empty if only one of them has a variance.
+/// The variance of the mean of both references; empty if only one of them has a variance.
 std::vector<float> variance_of_mean(const std::vector<float>& first, const std::vector<float>& second) {
   if (first.empty() || second.empty()) return {};
   std::vector<float> mean(first.size());

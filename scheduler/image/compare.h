@@ -1,4 +1,4 @@
-// How far an image is from a reference: everything that `penumbra compare` reports.
+// Compares an image with a reference: everything that `penumbra compare` reports.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,8 +15,9 @@
 namespace penumbra {
 
 enum class FlipKind {
-  kAuto,  ///< by the images: LDR for two sRGB images, HDR for two linear ones, none for one of each or other
-          ///< layers
+  /// Depends on the images: LDR-FLIP for two sRGB images, HDR-FLIP for two linear ones, none for mixed ones
+  /// or for other layers.
+  kAuto,
   kDisplay,   ///< LDR-FLIP, values as sRGB signals
   kRadiance,  ///< HDR-FLIP, values as linear radiance
   kNone
@@ -24,22 +25,23 @@ enum class FlipKind {
 
 struct CompareOptions {
   std::string layer;                  ///< see layer_channels
-  double epsilon = kRelativeEpsilon;  ///< of relMSE, MAPE and SMAPE
+  double epsilon = kRelativeEpsilon;  ///< epsilon of relMSE, MAPE and SMAPE
   FlipKind flip = FlipKind::kAuto;
   double pixels_per_degree = kFlipPixelsPerDegree;
   ZTestOptions z_test;
 };
 
-/// What is compared. Null pointers: there is none.
+/// The images to compare. Null: there is none.
 struct CompareImages {
   const Image& image;
   const Image& reference;
-  const Image* second_reference = nullptr;    ///< independent of the first, of as many samples
-  const Image* variance = nullptr;            ///< of the image's values, instead of its own layer
-  const Image* reference_variance = nullptr;  ///< likewise; of the mean of both where there are two
+  const Image* second_reference = nullptr;  ///< independent of the first, with as many samples
+  const Image* variance = nullptr;  ///< the variance of the image's values; used instead of its own layer
+  /// Likewise for the reference; with two references the variance of their mean.
+  const Image* reference_variance = nullptr;
 };
 
-/// See error_metrics.h, flip.h and z_test.h for what each is.
+/// The results. For their definitions see error_metrics.h, flip.h and z_test.h.
 struct Comparison {
   std::string layer;
   ImagePair pair;
@@ -50,23 +52,24 @@ struct Comparison {
       psnr, largest;
   LargestDifference largest_at;
   std::optional<FlipResult> flip;
-  std::string flip_left_out;  ///< why there is none
+  std::string flip_left_out;  ///< why FLIP was not computed
   std::optional<ZTest> z_test;
   std::string z_test_left_out;
-  std::vector<float> image_variance, reference_variance;  ///< as the z-test takes them
+  std::vector<float> image_variance, reference_variance;  ///< the variances used by the z-test
 
-  /// image mean / reference mean of a channel; NaN where both are 0.
+  /// image mean / reference mean of a channel; NaN if both are 0.
   [[nodiscard]] double mean_ratio(std::size_t channel) const;
 };
 
-/// Errors: those of pair_images, flip_of_display_images and z_test where they were asked for, a variance
-/// image that does not fit.
+/// Errors: those of pair_images, and of flip_of_display_images and z_test if they were explicitly requested;
+/// a variance image that does not match.
 Expected<Comparison> compare_images(const CompareImages& images, const CompareOptions& options = {});
 
-/// The map of that name: relmse, abs, flip or z. Errors: another name, no FLIP or no variance.
+/// The error map of that name: relmse, abs, flip or z. Errors: another name; no FLIP or no variance
+/// available.
 Expected<ErrorMap> error_map(const Comparison& comparison, const std::string& name);
 
-/// The comparison in words, several lines, for people.
+/// The comparison as text of several lines.
 std::string comparison_text(const Comparison& comparison);
 nlohmann::ordered_json comparison_json(const Comparison& comparison);
 

@@ -1,4 +1,4 @@
-// The comparison as JSON.
+// Formats the comparison as JSON.
 #include <nlohmann/json.hpp>
 
 #include "scheduler/files/json_number.h"

@@ -1,4 +1,4 @@
-// Limits of a comparison: what `penumbra compare --fail-above METRIC=VALUE` decides by.
+// Limits on metrics, for `penumbra compare --fail-above METRIC=VALUE`.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@ namespace penumbra {
 
 struct CompareLimit {
   std::string metric;  ///< one of limit_metrics()
-  double value = 0;    ///< the largest that is good enough
+  double value = 0;    ///< the largest acceptable value
 };
 
-/// Names that a limit can have.
+/// The names of metrics that can have a limit.
 std::vector<std::string> limit_metrics();
 
-/// "METRIC=VALUE". Errors: another form, no such metric, a value that is not finite or is negative.
+/// Parses "METRIC=VALUE". Errors: another form, an unknown metric, a value that is negative or not finite.
 Expected<CompareLimit> parse_limit(std::string_view text);
 
-/// The metric of all channels together; of bias and relative_bias the largest magnitude of the channels, in
-/// which signs do not cancel. Errors: it was left out; the message says why.
+/// The metric over all channels. For bias and relative_bias it is the largest magnitude of a channel, so that
+/// signs do not cancel. Errors: the metric was not computed; the message says why.
 Expected<double> limited_value(const Comparison& comparison, std::string_view metric);
 
 }  // namespace penumbra

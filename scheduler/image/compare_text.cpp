@@ -1,4 +1,4 @@
-// The comparison as a table for people.
+// Formats the comparison as a table.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,7 +11,7 @@ constexpr double kPercent = 100;
 
 std::string row(const std::string& name, const ChannelValues& values, const std::string& note = "") {
   std::string text = fmt::format("{:<14} {:>12.6g}", name, values.overall);
-  // One channel is all there is.
+  // With a single channel there is nothing more to show.
   if (values.channels.size() > 1) {
     for (const double value : values.channels) text += fmt::format(" {:>12.6g}", value);
   }

@@ -1,4 +1,4 @@
-// An image in memory, with the channels, windows and metadata of an OpenEXR file.
+// An image in memory with the channels, windows and metadata of an OpenEXR file.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace penumbra {
 
-/// A rectangle of pixels; y grows downwards.
+/// A rectangle of pixels; y points downwards.
 struct PixelWindow {
   int x = 0, y = 0, width = 0, height = 0;
   bool operator==(const PixelWindow&) const = default;
@@ -24,36 +24,37 @@ struct PixelWindow {
 
 using MetadataValue = std::variant<int, float, double, std::string>;
 
-/// Of row vectors, p' = (x, y, z, 1) M: by rows.
+/// A matrix M for row vectors, p' = (x, y, z, 1) M, stored by rows.
 using RowMatrix = std::array<float, 16>;
 
-/// Where the pinhole stands, as OpenEXR's standard attributes have it.
+/// The pinhole camera as in OpenEXR's standard attributes.
 struct ImageCamera {
-  RowMatrix world_to_camera;  ///< x to the right of the image, y upwards, z along the view
-  RowMatrix world_to_ndc;     ///< (0, 0) and (1, 1): upper left and lower right corner of the display window
+  RowMatrix world_to_camera;  ///< camera space: x to the right of the image, y up, z along the view direction
+  /// NDC: (0, 0) and (1, 1) are the upper left and lower right corner of the display window.
+  RowMatrix world_to_ndc;
   bool operator==(const ImageCamera&) const = default;
 };
 
-/// Channel c of pixel (x, y), counted from the corner of `data`, is `values[(y * data.width + x) *
+/// Channel c of pixel (x, y), relative to the corner of `data`, is `values[(y * data.width + x) *
 /// channels.size() + c]`.
 struct Image {
-  PixelWindow data;     ///< the pixels that there are: the crop
+  PixelWindow data;     ///< the existing pixels: the crop window
   PixelWindow display;  ///< the whole film
   std::vector<std::string> channels;
   std::vector<float> values;
   std::vector<std::pair<std::string, MetadataValue>> metadata;
-  std::optional<Chromaticities> chromaticities = {};  ///< of R, G, B, if it is said
-  std::optional<ImageCamera> camera = {};             ///< likewise
-  /// The last so many channels are numbers of which no file may lose a bit.
+  std::optional<Chromaticities> chromaticities = {};  ///< of R, G, B, if known
+  std::optional<ImageCamera> camera = {};             ///< if known
+  /// The number of channels at the end whose values must be stored exactly, for example hashes.
   std::size_t exact_channels = 0;
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(data.width) * std::size_t(data.height); }
-  /// Index of the channel of that name.
+  /// The index of the channel of that name.
   [[nodiscard]] std::optional<std::size_t> channel(std::string_view name) const;
-  /// Indices of red, green and blue of the beauty layer, which is the channels R, G, B; a grey image (Y, or
-  /// only one channel) is all three. Nothing if there is no such layer.
+  /// The indices of red, green and blue of the beauty layer, which consists of the channels R, G, B. For a
+  /// grey image (Y, or a single channel) all three are the same. Nothing if there is no beauty layer.
   [[nodiscard]] std::optional<std::array<std::size_t, 3>> beauty_channels() const;
-  /// The metadata of that name; nothing if there is none.
+  /// The metadata entry of that name, if it exists.
   [[nodiscard]] std::optional<MetadataValue> attribute(std::string_view name) const;
   [[nodiscard]] float at(int x, int y, std::size_t channel_index) const {
     return values[(std::size_t(y) * std::size_t(data.width) + std::size_t(x)) * channels.size() +
@@ -61,9 +62,9 @@ struct Image {
   }
 };
 
-/// Reads any image that OpenImageIO reads: the first part, full resolution, as float. Values are as stored
-/// (integers scaled to 0…1, no transfer function undone). Errors: missing, truncated, of no known format,
-/// deep, or larger than 16 GiB in memory.
+/// Reads an image in any format of OpenImageIO: the first part, full resolution, converted to float. Values
+/// are as stored (integers scaled to 0…1, no transfer function applied). Errors: missing, truncated, unknown
+/// format, deep, or larger than 16 GiB in memory.
 Expected<Image> read_image(const std::filesystem::path& path);
 
 }  // namespace penumbra

@@ -26,15 +26,15 @@
 
 #include "scheduler/image/tone_map.h"
 
-// OpenEXR and libpng themselves, and not OpenImageIO, which reads images: see image_reader.h for what that
-// costs.
+// Uses OpenEXR and libpng directly instead of OpenImageIO, which reads images; image_reader.h tells what that
+// would cost.
 
 namespace penumbra {
 namespace {
 
 constexpr float kMostHalf = 65504.0f;
 
-/// OpenEXR goes back to write its table of lines.
+/// A seekable stream in memory: OpenEXR goes back to write its table of lines.
 class MemoryStream : public Imf::OStream {
  public:
   explicit MemoryStream(std::vector<std::uint8_t>& bytes) : Imf::OStream("memory"), bytes_(bytes) {}
@@ -83,17 +83,17 @@ Imf::PixelType type_of(const std::string& channel, const ExrEncoding& encoding) 
   return encoding.half && is_half_channel(channel) ? Imf::HALF : Imf::FLOAT;
 }
 
-/// What of an image one part of a file has.
+/// The channels of an image that belong to one part of the file.
 struct Part {
   const char* name;
   std::size_t first_channel, end_channel;
   Imf::Compression compression;
 };
 
-/// Metadata that belong to the exact channels.
+/// Whether the metadata belong to the exact channels.
 bool is_of_exact(std::string_view name) { return name.starts_with("cryptomatte/"); }
 
-/// One, but for exact channels in a file whose compression would change floats: those get one of their own.
+/// One part, but if the compression would change floats, exact channels get a part of their own.
 std::vector<Part> parts_of(const Image& image, const ExrEncoding& encoding) {
   const std::size_t all = image.channels.size(), others = all - image.exact_channels;
   const Imf::Compression compression = compression_of(encoding.compression);
@@ -123,7 +123,7 @@ Imf::Header header_of(const Image& image, const ExrEncoding& encoding, const Par
   return header;
 }
 
-/// The channels that a file has with 16 bits, one after the other; rounded to the nearest.
+/// The channels that are stored with 16 bits, one after the other, rounded to nearest.
 std::vector<half> halves_of(const Image& image, const ExrEncoding& encoding) {
   std::vector<half> halves;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
@@ -137,7 +137,7 @@ std::vector<half> halves_of(const Image& image, const ExrEncoding& encoding) {
   return halves;
 }
 
-/// Where OpenEXR finds the pixels; it only reads them. Halves are of the first part alone.
+/// Describes the pixels to OpenEXR, which only reads them. Halves belong to the first part.
 Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding, const Part& part,
                                  const std::vector<half>& halves) {
   Imf::FrameBuffer buffer;
@@ -157,7 +157,7 @@ Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding
   return buffer;
 }
 
-/// OpenEXR's own, which are started once for the whole process.
+/// The number of OpenEXR's threads, which are started once per process.
 int compression_threads() {
   static const int threads = [] {
     const int count = int(std::max(1u, std::thread::hardware_concurrency()));
@@ -167,8 +167,8 @@ int compression_threads() {
   return threads;
 }
 
-/// libpng's calls from the header to the end; whether they went well. Nothing in here has a destructor, which
-/// libpng's way out of an error would not call.
+/// Makes all libpng calls from the header to the end. Returns whether they succeeded. No object here has a
+/// destructor, because libpng leaves by longjmp on an error.
 bool write_png(png_structp png, png_infop info, int width, int height, const std::uint8_t* pixels,
                bool alpha) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -176,8 +176,8 @@ bool write_png(png_structp png, png_infop info, int width, int height, const std
                alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  // What the filters leave of a render hardly repeats but in runs: looking for more than those takes 2 to 7
-  // times as long and saves 0 to 1 % of the bytes.
+  // After filtering, a render contains few repetitions except runs. Searching for others takes 2 to 7 times
+  // as long and saves 0 to 1 % of the bytes.
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
   png_set_compression_strategy(png, Z_RLE);
   png_write_info(png, info);
@@ -192,7 +192,7 @@ struct PngTarget {
   std::string error;
 };
 
-/// Pixels for the display, with alpha or without.
+/// Encodes display-ready pixels with or without alpha.
 Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
                                                       std::span<const std::uint8_t> pixels, bool alpha) {
   PngTarget target;
@@ -208,7 +208,7 @@ Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
       return;
     } catch (const std::exception&) {
     }
-    png_error(png, "no memory is left");  // which an exception would have to pass as well
+    png_error(png, "no memory is left");  // an exception must not pass through libpng
   };
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &target, on_error, on_warning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
@@ -220,7 +220,7 @@ Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
                           target.error.empty() ? "no memory is left" : target.error));
 }
 
-/// Of alpha, which has no transfer function.
+/// Alpha has no transfer function.
 std::uint8_t linear_byte(float value) {
   return std::uint8_t(std::lround(255 * std::clamp(value, 0.0f, 1.0f)));
 }
@@ -246,7 +246,7 @@ std::uint64_t values_beyond_half(const Image& image) {
 Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding) {
   std::vector<std::uint8_t> bytes;
   try {
-    // Room that is not used takes no memory, and growing would copy what is there again and again.
+    // Unused capacity takes no memory, while growing would copy the contents repeatedly.
     bytes.reserve(image.values.size() * sizeof(float));
     MemoryStream stream(bytes);
     const int threads = compression_threads();
@@ -278,7 +278,7 @@ Expected<std::vector<std::uint8_t>> encode_png(const Image& image) {
   pixels.reserve(image.pixels() * (alpha ? 4 : 3));
   for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
     const float* values = &image.values[pixel * image.channels.size()];
-    // Light without a surface, as of a light that is seen through, is nothing to divide.
+    // Where alpha is 0 but colours are not, for example in front of a visible light, colours are not divided.
     const float covered = alpha && values[*alpha] > 0 ? values[*alpha] : 1.0f;
     for (const std::size_t channel : *beauty) pixels.push_back(display_byte(values[channel] / covered));
     if (alpha) pixels.push_back(linear_byte(values[*alpha]));

@@ -1,5 +1,5 @@
-// Image files as bytes. What is written depends on the image alone: no time, host or process id gets in, so
-// equal images give equal files.
+// Encodes image files. The bytes depend only on the image, not on time, host or process ID, so equal images
+// give equal files.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,28 @@ namespace penumbra {
 
 struct ExrEncoding {
   ExrCompression compression = ExrCompression::kZip;
-  bool half = false;  ///< 16 bits in channels that are good enough with them, see is_half_channel
+  bool half = false;  ///< 16 bits for channels for which that suffices; see is_half_channel
 };
 
-/// Colours, alpha and normals: what is shown or guides. Not variances, distances and counts, of which 11
-/// bits, or at most 65504, are too few.
+/// Whether 16 bits suffice for the channel: colours, alpha and normals, but not variances, distances and
+/// counts, which need more than 11 bits of precision or values above 65504.
 bool is_half_channel(std::string_view name);
 
-/// Values of those channels that are beyond the range of 16 bits: a file has the largest ones instead.
+/// The number of values in those channels that exceed the range of 16-bit floats. They are clamped in the
+/// file.
 std::uint64_t values_beyond_half(const Image& image);
 
-/// OpenEXR: all channels, by default as 32-bit floats with ZIP compression; data and display window, every
-/// metadata entry, camera and chromaticities as its standard attributes. Exact channels have a part of their
-/// own, with the metadata cryptomatte/…, where the compression would change floats.
+/// Encodes OpenEXR: all channels, by default as 32-bit floats with ZIP compression; data and display window,
+/// all metadata, camera and chromaticities as standard attributes. With a compression that is lossy for
+/// floats, exact channels are stored in a separate part, together with the metadata cryptomatte/….
 Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding = {});
 
-/// PNG: the beauty layer of the data window through `display_byte`, 8 bits a channel. With a channel A it has
-/// alpha, by which the colours are divided first, as PNG wants it.
+/// Encodes PNG: the beauty layer of the data window, converted by `display_byte`, with 8 bits per channel.
+/// With a channel A the PNG has alpha, and colours are divided by it, as PNG requires.
 Expected<std::vector<std::uint8_t>> encode_png(const Image& image);
 
-/// PNG of pixels that are ready for the display: sRGB, 8 bits of red, green and blue, row by row from the
-/// top. An error if there are not width × height of them.
+/// Encodes PNG from display-ready sRGB pixels: 8 bits of red, green and blue, row by row from the top. Error:
+/// their number is not width × height.
 Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
                                                      std::span<const std::uint8_t> pixels);
 

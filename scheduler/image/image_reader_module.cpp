@@ -1,4 +1,4 @@
-// The module behind image_reader.h.
+// The implementation of the module in image_reader.h.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -23,8 +23,8 @@ std::optional<std::array<float, n>> floats_of(const OIIO::ImageSpec& spec, const
   return floats;
 }
 
-/// Scalars of the kinds that we write, the camera and what the colours are; others (thumbnails…) say nothing
-/// about a render.
+/// Copies metadata of the types that we write, the camera and the chromaticities. Others, such as thumbnails,
+/// do not describe a render.
 void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
   for (const OIIO::ParamValue& parameter : spec.extra_attribs) {
     const std::string name = parameter.name().string();

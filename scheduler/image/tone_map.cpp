@@ -16,8 +16,8 @@ std::uint8_t rounded_byte(float linear) {
   return std::uint8_t(std::lround(255.0 * srgb_from_linear(linear)));
 }
 
-/// rounded_byte without a power for each number: where it changes is found once. It never falls, since floats
-/// beside each other are further apart than the errors of double precision.
+/// rounded_byte by table lookup instead of a power. The table holds where the byte changes. The byte never
+/// decreases, because neighbouring floats are further apart than the errors of double precision.
 class ByteTable {
  public:
   ByteTable() {
@@ -28,7 +28,7 @@ class ByteTable {
       least_[upper] = std::uint8_t(byte);
     }
   }
-  /// For numbers from 0 to 1, without 1.
+  /// For numbers in [0, 1).
   [[nodiscard]] std::uint8_t operator()(float linear) const {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(linear);
     int byte = least_[bits >> kLowerBits];
@@ -40,7 +40,7 @@ class ByteTable {
   static constexpr int kMost = 255, kLowerBits = 16;
   static constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f), kEntries = kOne >> kLowerBits;
 
-  /// The bits of the least number with at least this byte.
+  /// The bits of the smallest number that gives at least this byte.
   static std::uint32_t first_of(int byte) {
     std::uint32_t below = 0, first = kOne;
     if (byte == 0) return 0;
@@ -52,7 +52,7 @@ class ByteTable {
   }
 
   std::array<std::uint32_t, kMost + 1> from_{};
-  std::array<std::uint8_t, kEntries> least_{};  // of the numbers with these upper bits
+  std::array<std::uint8_t, kEntries> least_{};  // the smallest byte of numbers with these upper bits
 };
 
 }  // namespace

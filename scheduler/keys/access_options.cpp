@@ -19,7 +19,7 @@ void add_client_access_options(CLI::App& app, std::string& folder) {
 }
 
 void add_token_refusal(CLI::App& app) {
-  // Not in the help.
+  // An empty group hides it from the help.
   app.add_option_function<std::string>(
          "--token",
          [](const std::string&) {

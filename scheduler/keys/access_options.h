@@ -1,4 +1,4 @@
-// The options by which a client of a scheduler is told what to show.
+// Command-line options for a client's credentials.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,11 +6,11 @@
 
 namespace penumbra {
 
-/// Adds --keys. `what_for`: beginning of its help, as in "The scheduler's keys".
+/// Adds --keys. `what_for` is the beginning of its help text, for example "The scheduler's keys".
 CLI::Option* add_keys_option(CLI::App& app, std::string& folder, const std::string& what_for);
-/// Answers --token, which there is not: other users see the words of a command.
+/// Rejects --token with an explanation: other users can read a command line.
 void add_token_refusal(CLI::App& app);
-/// Both, of a client.
+/// Adds both for a client.
 void add_client_access_options(CLI::App& app, std::string& folder);
 
 }  // namespace penumbra

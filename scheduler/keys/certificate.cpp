@@ -46,7 +46,7 @@ Certificate read_certificate(const std::string& pem) {
   return read;
 }
 
-/// A key with a password is not asked for one.
+/// Reads a private key. A key with a password is an error; the user is not asked for it.
 Key read_key(const std::string& pem) {
   char none[] = "";
   Key read(PEM_read_bio_PrivateKey(pem_reader(pem).get(), nullptr, nullptr, none));
@@ -65,7 +65,7 @@ std::string common_name(const X509_NAME* name) {
   return text;
 }
 
-/// Of a server.
+/// The names in a server's certificate.
 std::string names_in(X509* certificate) {
   const Names names(
       static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
@@ -87,7 +87,7 @@ bool add_extension(X509* certificate, X509* issuer, int kind, const char* value)
   return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
 }
 
-/// By the library's types: a text with commas would be taken for several names.
+/// Uses the library's types; in its text form a name with commas would be several names.
 bool add_names(X509* certificate, const std::vector<std::string>& names) {
   const Names all(sk_GENERAL_NAME_new_null());
   for (const std::string& name : names) {

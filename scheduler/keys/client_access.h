@@ -1,4 +1,4 @@
-// How every client of a scheduler proves that it may talk.
+// The credentials of clients of a scheduler.
 #pragma once
 
 #include <memory>
@@ -9,19 +9,20 @@
 
 namespace penumbra {
 
-/// The environment variables from which programs read secrets, or where they are.
+/// Environment variables that contain a token, or the path of a folder of keys.
 inline constexpr const char* kTokenVariable = "PENUMBRA_TOKEN";
 inline constexpr const char* kKeysVariable = "PENUMBRA_KEYS";
 
-/// What a client shows. Over a Unix socket neither is needed.
+/// A client's credentials. Over a Unix socket neither is needed.
 struct ClientAccess {
   std::string token = {};
-  std::shared_ptr<const Keys> keys = {};  ///< with them the connection is encrypted
+  std::shared_ptr<const Keys> keys = {};  ///< if set, the connection is encrypted
 };
 
-/// For a connection to `address` ("unix:/path" or "host:port"): the keys of `folder`, or where that is empty
-/// the token of the environment, which this process then forgets, so that no child inherits it. Errors: those
-/// of read_keys; a scheduler on another host without keys, since the token would travel for all to read.
+/// The credentials for a connection to `address` ("unix:/path" or "host:port"): the keys of `folder`, or if
+/// that is empty the token of the environment. The token is then removed from this process's environment, so
+/// that no child inherits it. Errors: those of read_keys; a scheduler on another host without keys, because
+/// the token would be sent unencrypted.
 Expected<ClientAccess> client_access(const std::string& address, const std::string& folder, KeyRole role);
 
 }  // namespace penumbra

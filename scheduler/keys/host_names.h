@@ -1,4 +1,4 @@
-// Under which names and addresses this host may be reached.
+// The names and addresses of this host.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace penumbra {
 
-/// Its name, short and whole, and the addresses of its interfaces that are up, link-local ones left out.
+/// The host's short and full name, and the addresses of all interfaces that are up, except link-local ones.
 std::vector<std::string> host_names();
 
-/// "localhost", "127.0.0.1", "::1": for whoever comes through a tunnel.
+/// "localhost", "127.0.0.1", "::1", for clients that connect through a tunnel.
 std::vector<std::string> loopback_names();
 
 }  // namespace penumbra

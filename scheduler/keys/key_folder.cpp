@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMostBytes = 64 << 10;
 constexpr std::size_t kShortestToken = 32, kLongestToken = 256;
 
-/// A secret that others may read is none.
+/// Error if other users may read the file.
 Expected<void> check_private(const std::filesystem::path& file) {
   struct stat status {};
   if (stat(file.c_str(), &status) != 0)

@@ -28,10 +28,11 @@ Error cannot_write(const std::filesystem::path& path) {
   return {fmt::format("cannot write {}: {}", path.string(), std::strerror(errno))};
 }
 
-/// Aside first: a file is there whole or not at all, and at no moment for others.
+/// Writes a temporary file first, so that the file is complete when it appears, and never readable for
+/// others.
 Expected<void> write_private(const KeyFile& file, bool may_replace) {
   const std::string aside = file.path.string() + ".new";
-  unlink(aside.c_str());  // of a process that was killed
+  unlink(aside.c_str());  // left by a process that was killed
   const int descriptor =
       open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
   if (descriptor < 0) return std::unexpected(cannot_write(aside));
@@ -39,7 +40,7 @@ Expected<void> write_private(const KeyFile& file, bool may_replace) {
   bool is_written = fchmod(descriptor, kOwnerOnly) == 0 && write_whole(descriptor, bytes);
   is_written = is_written && fsync(descriptor) == 0;
   is_written = close(descriptor) == 0 && is_written;
-  // A link, unlike a rename, never replaces.
+  // Unlike a rename, a link never replaces a file.
   if (is_written)
     is_written = (may_replace ? rename(aside.c_str(), file.path.c_str())
                               : link(aside.c_str(), file.path.c_str())) == 0;
@@ -57,7 +58,7 @@ Expected<void> make_private_folder(const std::filesystem::path& folder) {
 
 Expected<std::vector<KeyFile>> compose(const MakeKeysOptions& options) {
   const std::chrono::seconds lifetime = std::chrono::hours(std::int64_t(kHoursOfDay) * options.days);
-  // Its name tells it from other farms' in messages.
+  // The name distinguishes it from other farms' in messages.
   const std::string name = "penumbra farm " + make_token().substr(0, 8);
   const auto authority = make_authority(name, {.until = 2 * lifetime});
   if (!authority) return std::unexpected(authority.error());

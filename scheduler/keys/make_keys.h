@@ -1,4 +1,4 @@
-// `penumbra keys`: an authority of a farm's own, a certificate and tokens for each role.
+// `penumbra keys`: makes an authority for a farm, and a certificate and tokens for each role.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,14 @@
 namespace penumbra {
 
 struct MakeKeysOptions {
-  std::filesystem::path folder;    ///< is made, for its owner alone
+  std::filesystem::path folder;    ///< is created, accessible only to its owner
   std::vector<std::string> names;  ///< host names and addresses at which clients reach the scheduler
-  int days = 730;                  ///< of the certificates; the authority's is twice as long
-  bool force = false;              ///< replaces what is there
+  int days = 730;                  ///< validity of the certificates; the authority's is twice as long
+  bool force = false;              ///< replaces existing files
 };
 
-/// What is in the files and where is in key_folder.h. Every file is its owner's alone from the moment that it
-/// is there (mode 0600). Errors: anything is there already (nothing is written then), a name that is none, a
-/// full disk.
+/// key_folder.h describes the files. Every file is created with mode 0600. Errors: files exist already
+/// (nothing is written then), an invalid name, a full disk.
 Expected<void> make_keys(const MakeKeysOptions& options);
 
 }  // namespace penumbra

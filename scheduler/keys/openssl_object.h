@@ -1,4 +1,4 @@
-// Objects of OpenSSL, freed with their owner.
+// Owning pointers for OpenSSL's objects.
 #pragma once
 
 #include <openssl/bio.h>
@@ -17,7 +17,7 @@ struct Freed {
 };
 using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
 
-/// For reading PEM; the text outlives it.
+/// A reader of PEM text, which must outlive it.
 inline Bio pem_reader(const std::string& pem) { return Bio(BIO_new_mem_buf(pem.data(), int(pem.size()))); }
 
 }  // namespace penumbra

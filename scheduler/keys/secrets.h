@@ -1,4 +1,4 @@
-// What is done with secrets wherever they are.
+// Functions for handling secrets.
 #pragma once
 
 #include <string>
@@ -6,16 +6,16 @@
 
 namespace penumbra {
 
-/// 128 random bits as 32 hexadecimal digits.
+/// A random token: 128 bits as 32 hexadecimal digits.
 std::string make_token();
 
-/// In a time that depends on the lengths alone, and not on where they differ.
+/// Compares in a time that depends only on the lengths, not on where the texts differ.
 bool are_equal_secrets(std::string_view a, std::string_view b);
 
-/// From here on a crash of this process leaves no core, and processes of other users, or debuggers of this
-/// one, do not read its memory (PR_SET_DUMPABLE). Marking pages (MADV_DONTDUMP) would not do: gRPC and
-/// OpenSSL copy keys and tokens into buffers of their own. Children that execute a program are as usual
-/// again.
+/// From now on a crash of this process writes no core dump, and processes of other users and debuggers of
+/// this one cannot read its memory (PR_SET_DUMPABLE). Marking pages (MADV_DONTDUMP) would not suffice,
+/// because gRPC and OpenSSL copy keys and tokens into their own buffers. Children that execute a program are
+/// not affected.
 void keep_out_of_core_dumps();
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// The tokens of a scheduler: what a call over TCP has to show, and what it may then do.
+// The tokens of a scheduler. A call over TCP must present one, which determines what it may do.
 #pragma once
 
 #include <array>
@@ -6,14 +6,14 @@
 
 namespace penumbra {
 
-/// Over TCP; a viewer's does not permit sending samples.
+/// The tokens for TCP. That of a viewer does not permit sending samples.
 struct Tokens {
-  std::string watch = {};   ///< Watch, Control, and the data that they need
-  std::string work = {};    ///< Work, and the data that it needs
-  std::string submit = {};  ///< whatever else there is, and all that `watch` permits
+  std::string watch = {};   ///< permits Watch, Control, and fetching the data for them
+  std::string work = {};    ///< permits Work, and fetching the data for it
+  std::string submit = {};  ///< permits all other calls, and everything that `watch` permits
 };
 
-/// For all that is done with each of them alike.
+/// For loops over all kinds of tokens.
 struct TokenKind {
   const char* name;
   const char* what_for;

@@ -28,9 +28,9 @@ using std::chrono::milliseconds;
 using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
 using Connection = std::unique_ptr<SSL, Freed<SSL_free>>;
 
-constexpr unsigned char kHttp2[] = {2, 'h', '2'};  // as ALPN names it, RFC 7301
+constexpr unsigned char kHttp2[] = {2, 'h', '2'};  // in ALPN's encoding, RFC 7301
 
-/// OpenSSL writes to sockets without MSG_NOSIGNAL; the other end may have gone.
+/// Blocks SIGPIPE: OpenSSL writes to sockets without MSG_NOSIGNAL, and the other end may have gone.
 class NoPipeSignal {
  public:
   NoPipeSignal() {
@@ -55,7 +55,7 @@ struct CertificateProblem {
   std::string host, text;
 };
 
-/// The errno of connecting, 0 where it worked.
+/// The errno of connecting; 0 on success.
 int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
   if (connect(descriptor, to.ai_addr, to.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS) return errno;
@@ -67,13 +67,13 @@ int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
   return error;
 }
 
-/// Writes what is wrong into the text of the connection: after a failed handshake the certificate is gone.
+/// Stores the problem's text with the connection, because the certificate is gone after a failed handshake.
 int note_failure(int is_verified, X509_STORE_CTX* verification) {
   if (is_verified == 1) return 1;
   const auto* ssl =
       static_cast<SSL*>(X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
   auto& problem = *static_cast<CertificateProblem*>(SSL_get_app_data(ssl));
-  // The certificate itself, and not that of an authority which nobody knows.
+  // Names the certificate itself, not that of an unknown authority.
   X509* certificate = X509_STORE_CTX_get0_cert(verification);
   problem.text = verification_text(X509_STORE_CTX_get_error(verification), certificate, problem.host);
   return 0;
@@ -97,7 +97,8 @@ Context make_context(const Keys* keys) {
   return context;
 }
 
-/// Repeats a step of OpenSSL on a non-blocking socket until it is done, or nothing comes for so long.
+/// Repeats an OpenSSL step on a non-blocking socket until it is done, or until nothing arrives for
+/// `patience`.
 template <typename Step>
 bool finish(SSL* ssl, int descriptor, milliseconds patience, Step step) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
@@ -118,7 +119,7 @@ bool finish(SSL* ssl, int descriptor, milliseconds patience, Step step) {
   }
 }
 
-/// Of a connection that failed after this side's certificate had gone out, or while it did.
+/// The text for a connection that failed while or after this side's certificate was sent.
 std::string refusal_text(const Keys& keys, bool met_tls) {
   switch (ERR_GET_REASON(ERR_peek_error())) {
     case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
@@ -156,7 +157,7 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
   const bool is_connected = finish(ssl.get(), descriptor, patience, [&] { return SSL_connect(ssl.get()); });
   const int timed_out = errno == ETIMEDOUT;
   if (keys == nullptr) {
-    // Whoever got a certificate, whatever came then, has met TLS.
+    // If a certificate was received, the other end uses TLS, whatever happened then.
     if (is_connected || SSL_get0_peer_certificate(ssl.get()) != nullptr)
       return "the scheduler there asks for TLS: give --keys";
     return "";
@@ -164,7 +165,7 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
   const bool met_tls = SSL_get0_peer_certificate(ssl.get()) != nullptr;
   if (!problem.text.empty()) return "the scheduler's certificate " + problem.text;
   if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys, met_tls);
-  // With TLS 1.3 the server looks at our certificate afterwards, and only then answers.
+  // With TLS 1.3 the server checks our certificate only after the handshake, and then answers.
   char byte = 0;
   if (finish(ssl.get(), descriptor, patience, [&] { return SSL_read(ssl.get(), &byte, 1); })) return "";
   return errno == ETIMEDOUT && ERR_peek_error() == 0 ? "nothing answers there in time"

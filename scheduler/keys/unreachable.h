@@ -1,4 +1,4 @@
-// Why there is no connection to a scheduler, which gRPC does not say.
+// Finds out why a connection to a scheduler fails, which gRPC does not report.
 #pragma once
 
 #include <chrono>
@@ -8,10 +8,9 @@
 
 namespace penumbra {
 
-/// Connects to "host:port" by itself, as a client with these keys does (null: one without), and says in words
-/// where that ends: no such host, nobody listens, no TLS at one of the ends, whose certificate is wrong and
-/// how. Empty if nothing is found. Takes at most about `patience` for each of: connecting, the handshake, an
-/// answer.
+/// Connects to "host:port" like a client with these keys (null: without) and describes the failure: unknown
+/// host, nobody listens, TLS missing at one end, which certificate is wrong and why. Empty if no cause is
+/// found. `patience` limits the time for each of: connecting, the handshake, an answer.
 std::string why_unreachable(const std::string& address, const Keys* keys, std::chrono::milliseconds patience);
 
 }  // namespace penumbra

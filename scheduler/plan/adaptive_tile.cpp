@@ -29,7 +29,7 @@ void AdaptiveTile::add(std::uint32_t pass, const SampleBuffer& result) {
 
 bool AdaptiveTile::decide(std::uint32_t passes_done) {
   const std::uint32_t before = std::exchange(done_, passes_done);
-  if (passes_done >= passes_) return true;  // halves that go on count whole
+  if (passes_done >= passes_) return true;  // halves that were not stopped are used completely
   if (next_decision(before, passes_) != passes_done) return false;
   worst_ = 0;
   bool done = true;

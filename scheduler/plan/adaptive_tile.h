@@ -1,4 +1,4 @@
-// A tile that is rendered until its error is small enough, without a bias from stopping.
+// A tile that is rendered until its error is small enough, with an unbiased stopping rule.
 #pragma once
 
 #include <cstdint>
@@ -11,34 +11,35 @@
 
 namespace penumbra {
 
-/// Stopping by the error of the very samples that are averaged biases the average: it stops where they happen
-/// to agree, too early where the rare bright ones have not come (Kirk and Arvo 1991). So there are two
-/// halves, the even passes and the odd ones, whose samples are independent of each other. How many passes of
-/// a half count is decided by the other half's samples alone, at fixed numbers of passes, so each half's
-/// average is that of a number of samples that it has no part in: unbiased. The tile is the mean of both,
-/// equally weighed, since weights by their numbers would bring the dependence back. Passes that were rendered
-/// for the other half's decision, after a half has stopped, count only for that decision.
+/// If the decision to stop depends on the samples that are averaged, the average is biased: rendering stops
+/// where samples happen to agree, too early if the rare bright ones have not come (Kirk and Arvo 1991). So
+/// the passes of a tile are divided into two independent halves, the even and the odd ones. How many passes
+/// of one half are used is decided, at fixed numbers of passes, by the samples of the other half alone. Each
+/// half's average then has a number of samples that is independent of them, so it is unbiased. The tile is
+/// the mean of both halves with equal weights; weights by the numbers of samples would bring the dependence
+/// back. Passes that are rendered for the other half's decision, after a half has stopped, are used only for
+/// that decision.
 ///
-/// An error is sqrt(mean over the tile's pixels and channels of SE^2 / (mean^2 + .01)), as the film's; that
-/// of the tile is taken to be the deciding half's over sqrt(2). Samples of a pixel have to be independent,
-/// which those of the independent sampler are.
+/// The error is sqrt(mean over the tile's pixels and channels of SE^2 / (mean^2 + .01)), like the film's. The
+/// tile's error is taken to be that of the deciding half over sqrt(2). The samples of a pixel must be
+/// independent, as those of the independent sampler are.
 class AdaptiveTile {
  public:
-  static constexpr int kMostFilms = 4;  ///< that it holds, of its own size
+  static constexpr int kMostFilms = 4;  ///< the number of films of the tile's size that it holds
 
-  /// `empty`: of the tile's rectangle. At most so many passes.
+  /// `empty`: a film of the tile's rectangle without samples. `passes`: the largest number of passes.
   AdaptiveTile(FilmAccumulator empty, double target_error, std::uint32_t passes);
 
-  /// The next passes of the tile after so many that are decided by: 4, then a quarter more each time, even
-  /// numbers.
+  /// The number of passes at which the next decision is made, after `passes_done`: 4, then a quarter more
+  /// each time, always even.
   static std::uint32_t next_decision(std::uint32_t passes_done, std::uint32_t passes);
 
   void add(std::uint32_t pass, const SampleBuffer& result);
-  /// After so many passes; whether the tile is done.
+  /// Decides after so many passes. Returns whether the tile is done.
   bool decide(std::uint32_t passes_done);
-  /// What counts so far, into the tile's place.
+  /// Writes the current estimate to the tile's rectangle of the film.
   void put_into(FilmAccumulator& film) const;
-  /// In all, if the error goes on as it does: at least the next decision's.
+  /// The expected total number of passes, extrapolated from the error; at least up to the next decision.
   [[nodiscard]] std::uint32_t passes_expected() const;
 
   void write(ByteWriter& bytes) const;
@@ -46,8 +47,8 @@ class AdaptiveTile {
 
  private:
   struct Half {
-    FilmAccumulator all;                  // its passes
-    std::optional<FilmAccumulator> kept;  // those that count, once it is decided
+    FilmAccumulator all;                  // all passes of this half
+    std::optional<FilmAccumulator> kept;  // the passes that are used, once that is decided
   };
   [[nodiscard]] const FilmAccumulator& counting(int half) const {
     return halves_[half].kept ? *halves_[half].kept : halves_[half].all;
@@ -56,7 +57,7 @@ class AdaptiveTile {
   FilmAccumulator empty_;
   double target_;
   std::uint32_t passes_, done_ = 0;
-  double worst_ = 0;  // error of a half at the last decision, over its target
+  double worst_ = 0;  // larger error of the two halves at the last decision, relative to their target
   Half halves_[2];
 };
 

@@ -1,5 +1,5 @@
-// Numbers and texts as bytes, least significant first, whatever the machine; and back, where nothing is
-// trusted.
+// Serialises numbers and texts as little-endian bytes on any machine, and reads them back from untrusted
+// data.
 #pragma once
 
 #include <bit>
@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-/// What a row of which is kept as it lies in memory: 8-byte numbers and nothing between.
+/// Types of which arrays are stored as they are in memory: 8-byte numbers without padding.
 template <typename T>
 concept Words = std::is_trivially_copyable_v<T> && sizeof(T) % 8 == 0 && alignof(T) == 8;
 
@@ -49,7 +49,7 @@ class ByteWriter {
   std::vector<std::uint8_t>& bytes_;
 };
 
-/// Reads 0, empty texts and nothing after the end; then and there it has failed.
+/// A reader. Beyond the end it reads 0 and empty texts, and has then failed.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -66,7 +66,7 @@ class ByteReader {
     const auto taken = take(u64());
     return {taken.begin(), taken.end()};
   }
-  /// Fills what is there; whether there was enough.
+  /// Fills all of `values`. Returns whether there were enough bytes.
   template <Words T>
   bool row(std::vector<T>& values) {
     const auto taken = take(std::uint64_t(values.size()) * sizeof(T));

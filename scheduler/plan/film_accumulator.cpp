@@ -13,8 +13,8 @@ namespace {
 // hash() reads the pixels as bytes, so they must not hold any padding.
 static_assert(sizeof(PixelStatistics) == 7 * 8);
 
-/// Share of the new samples in the merged mean, and the weight of the squared difference of the means in the
-/// merged sum of squares: n_b / n and n_a n_b / n.
+/// Weights for merging two sets of samples: n_b / n for the mean, and n_a n_b / n for the squared difference
+/// of the means in the sum of squares.
 struct MergeWeights {
   double share;
   double squares;
@@ -99,7 +99,7 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
   for (int y = a.y_; y < a.y_ + a.height_; ++y) {
     for (int x = a.x_; x < a.x_ + a.width_; ++x) {
       const PixelStatistics &of_a = a.at(x, y), &of_b = b.at(x, y);
-      const double weight = of_b.count == 0 ? 1 : of_a.count == 0 ? 0 : 0.5;  // of a
+      const double weight = of_b.count == 0 ? 1 : of_a.count == 0 ? 0 : 0.5;  // weight of a
       PixelStatistics& mean = pixels_[index(x, y)];
       mean.count = of_a.count + of_b.count;
       const double n = double(mean.count);
@@ -211,7 +211,7 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
   return bytes.failed() ? fail("it ends in its film") : check();
 }
 
-/// Whether its numbers can be statistics.
+/// Checks that the numbers can be statistics.
 Expected<void> FilmAccumulator::check() const {
   const auto is_finite = [](double value) { return std::isfinite(value); };
   for (const PixelStatistics& pixel : pixels_)

@@ -1,4 +1,4 @@
-// The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
+// The merged image: per-pixel statistics in double precision. Results of work units are added in pass order.
 #pragma once
 
 #include <cstdint>
@@ -14,41 +14,42 @@
 
 namespace penumbra {
 
-/// Running statistics of one pixel's radiance per channel; `m2` is the sum of squared deviations.
+/// Running statistics of a pixel's radiance, per channel. `m2` is the sum of squared deviations from the
+/// mean.
 struct PixelStatistics {
   std::uint64_t count = 0;
   double mean[3] = {0, 0, 0};
   double m2[3] = {0, 0, 0};
 };
 
-/// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes
-/// of a pixel in pass order; then the result is the same bytes whatever the workers, the tiles and the
-/// arrival order.
+/// A rectangle of the film. Chan's merge of variances is not associative in floating point. So the caller
+/// must add the passes of a pixel in pass order; then the result is bitwise the same for any workers, tiles
+/// and order of arrival.
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results that have these layers.
+  /// A film of the rectangle [x, x+width) x [y, y+height), to which results with these layers are added.
   FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers);
 
-  /// One of another rectangle without samples, whose pixels have the same layers.
+  /// A film without samples for another rectangle, with the same layers.
   [[nodiscard]] FilmAccumulator empty_like(int x, int y, int width, int height) const {
     return {x, y, width, height, layers_};
   }
 
-  /// Of the memory that one with these layers takes, but for mattes.
+  /// Bytes of memory per pixel with these layers, without mattes.
   static constexpr std::uint64_t bytes_per_pixel(const FilmLayers& layers) {
     return sizeof(PixelStatistics) + std::uint64_t(layers.planes() - kRadiancePlanes) * sizeof(double);
   }
 
-  /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
+  /// Adds a unit's result. Its corner is film pixel (x, y), and it lies inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
-  /// Forgets all samples of a rectangle whose corner is film pixel (x, y), results wholly inside or outside
-  /// of it: for results that turned out to be unreliable and are rendered again.
+  /// Removes all samples of a rectangle whose corner is film pixel (x, y). Every result must lie wholly
+  /// inside or outside of it. It is used when results turned out to be unreliable and are rendered again.
   void clear(int x, int y, int width, int height);
 
-  /// Puts into its rectangle the mean of two independent estimates of it, equally weighed whatever their
-  /// samples; of one alone, where the other one has none. Of the same planes. The
-  /// statistics are then those of as many samples whose mean has that mean's variance.
+  /// Sets the rectangle to the mean of two independent estimates of it, with equal weights whatever their
+  /// numbers of samples. If one has no samples, the other is used alone. Both must have the same planes. The
+  /// resulting statistics are those of as many samples whose mean has the variance of this mean.
   void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
 
   [[nodiscard]] int x() const { return x_; }
@@ -56,32 +57,33 @@ class FilmAccumulator {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] const FilmLayers& layers() const { return layers_; }
-  /// Pixel at film coordinates.
+  /// The pixel at film coordinates.
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
-  /// Mean of a plane of a layer that it has, LAYER_… of kernels/film_layers.h, at film coordinates.
+  /// The mean of a plane of an existing layer (LAYER_… of kernels/film_layers.h) at film coordinates.
   [[nodiscard]] double layer(int film_x, int film_y, int layer, int plane = 0) const;
-  /// The mattes that its samples hit, in the order of their numbers; none of a film without mattes.
+  /// The mattes hit by the pixel's samples, by ascending ID. Empty for a film without mattes.
   [[nodiscard]] std::span<const MatteWeight> mattes(int film_x, int film_y) const {
     return mattes_.is_kept() ? mattes_.at(index(film_x, film_y)) : std::span<const MatteWeight>();
   }
-  /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
-  /// light.
+  /// The visible fraction of the polygon lights, estimated from the samples, at film coordinates; 0 if there
+  /// is no light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
-  /// Samples that are not as they should be.
+  /// Counts of invalid samples, by kind.
   [[nodiscard]] FlaggedByKind flagged() const;
-  /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
-  /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
-  /// while there are none.
+  /// The relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)),
+  /// where SE^2 = m2 / (n (n - 1)) is the variance of the mean of a pixel. It is taken over the pixels with
+  /// at least two samples; NaN if there are none.
   [[nodiscard]] double relative_error() const;
   /// XXH3-64 of all pixel statistics, layers and mattes, for tests of reproducibility and for statistics.
   [[nodiscard]] std::uint64_t hash() const;
 
-  /// All of its state, to go on with it in another process; so many bytes, about, and at most.
+  /// Writes the whole state, so that another process can resume. The sizes are the approximate and the
+  /// largest number of bytes.
   void write(ByteWriter& bytes) const;
   [[nodiscard]] std::uint64_t written_size() const { return written_with(FilmMattes::kBytesPerPixel); }
   [[nodiscard]] std::uint64_t most_written() const { return written_with(FilmMattes::kMostBytesPerPixel); }
-  /// Takes the state of one of the same rectangle and planes. Error: that is not what the bytes are. It is
-  /// to be thrown away then.
+  /// Reads the state of a film with the same rectangle and planes. Error: the bytes are not such a state; the
+  /// film must then be discarded.
   Expected<void> read(ByteReader& bytes);
 
  private:
@@ -97,9 +99,10 @@ class FilmAccumulator {
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
   FilmLayers layers_;
   std::vector<PixelStatistics> pixels_;
-  std::vector<double> layer_means_;  // of the layers' planes, of one pixel after the other
+  std::vector<double> layer_means_;  // means of the layers' planes, pixel by pixel
   FilmMattes mattes_;
-  std::map<std::pair<int, int>, FlaggedByKind> flagged_;  // by the corner of the results that hold some
+  // Keyed by the corner of the results that contain invalid samples.
+  std::map<std::pair<int, int>, FlaggedByKind> flagged_;
 };
 
 }  // namespace penumbra

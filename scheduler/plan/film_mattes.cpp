@@ -79,7 +79,7 @@ Expected<void> FilmMattes::read(ByteReader& bytes) {
 bool FilmMattes::are_of(std::size_t pixel, std::uint64_t samples) const {
   double all = 0;
   for (const MatteWeight& each : pixels_[pixel]) all += each.weight;
-  return all <= double(samples) * (1 + 1e-12);  // of a mean of two halves all is rounded
+  return all <= double(samples) * (1 + 1e-12);  // in a mean of two halves the counts are rounded
 }
 
 }  // namespace penumbra

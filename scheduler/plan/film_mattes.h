@@ -1,4 +1,4 @@
-// Merged counts of the mattes that the samples of each pixel hit.
+// Counts, for each pixel, how many samples hit each matte (Cryptomatte).
 #pragma once
 
 #include <cstddef>
@@ -11,48 +11,48 @@
 
 namespace penumbra {
 
-/// A matte of a device scene, from 1 on, and how many of the pixel's samples hit it: a whole number, exact,
-/// but for a mean of two halves.
+/// A matte ID, from 1 on, and the number of the pixel's samples that hit it. The number is an integer and
+/// exact, except in a mean of two halves.
 struct MatteWeight {
   std::uint64_t matte = 0;
   double weight = 0;
   friend bool operator==(const MatteWeight&, const MatteWeight&) = default;
 };
 
-/// That a pixel can have. Of more the first count, in the order of passes and in one pass of their numbers.
+/// The largest number of mattes per pixel. If there are more, those that come first are kept, in the order of
+/// passes, and within a pass by ID.
 constexpr std::size_t kMostMattesOfPixel = 64;
 
 class FilmMattes {
  public:
   FilmMattes() = default;
-  /// Of a scene with so many mattes; 0: there are none and nothing is kept.
+  /// `matte_count`: the scene's number of mattes; with 0 nothing is stored.
   FilmMattes(std::size_t pixels, int matte_count);
 
   [[nodiscard]] bool is_kept() const { return matte_count_ > 0; }
   [[nodiscard]] int matte_count() const { return matte_count_; }
-  /// Of the memory that a pixel takes in pictures with a few mattes each; the list, and those that it has
-  /// room for.
+  /// Memory per pixel in images with a few mattes per pixel: the list and the capacity of its elements.
   static constexpr std::uint64_t kBytesPerPixel = sizeof(std::vector<MatteWeight>) + 4 * sizeof(MatteWeight);
-  /// That write() makes of a pixel, at most.
+  /// The most bytes that write() produces per pixel.
   static constexpr std::uint64_t kMostBytesPerPixel =
       sizeof(std::uint64_t) + kMostMattesOfPixel * sizeof(MatteWeight);
 
-  /// Adds the pairs of a row of pixels, the first of which is `first`, as SampleBuffer::mattes has them;
-  /// returns what follows.
+  /// Adds the matte pairs of a row of pixels that begins at `first`, in the form of SampleBuffer::mattes.
+  /// Returns the remaining pairs.
   std::span<const std::uint32_t> add(std::size_t first, std::size_t count,
                                      std::span<const std::uint32_t> pairs);
-  /// In the order of their numbers.
+  /// By ascending ID.
   [[nodiscard]] std::span<const MatteWeight> at(std::size_t pixel) const { return pixels_[pixel]; }
   void clear(std::size_t first, std::size_t count);
-  /// What the pixel has becomes `scale_a` times those of a and `scale_b` times those of b.
+  /// Sets the pixel to `scale_a` times the counts of a plus `scale_b` times those of b.
   void set_sum_of(std::size_t pixel, std::span<const MatteWeight> a, double scale_a,
                   std::span<const MatteWeight> b, double scale_b);
 
   [[nodiscard]] std::uint64_t hash(std::uint64_t seed) const;
   void write(ByteWriter& bytes) const;
-  /// Takes the state of one of the same size. Errors: that is not what the bytes are.
+  /// Reads the state of an object of the same size. Errors: the bytes are not such a state.
   Expected<void> read(ByteReader& bytes);
-  /// Whether no more samples met somebody than the pixel has.
+  /// Whether the counts are consistent with a pixel of `samples` samples.
   [[nodiscard]] bool are_of(std::size_t pixel, std::uint64_t samples) const;
 
  private:

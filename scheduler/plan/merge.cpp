@@ -88,7 +88,7 @@ Expected<void> Merge::read(ByteReader& bytes) {
       sampling_->forget(number);
     }
   }
-  // It begins anew, so that the image is that of an undisturbed render.
+  // Start again, so that the image is that of an undisturbed render.
   if (!sampling_->is_undisturbed()) start_again();
   return {};
 }
@@ -107,7 +107,7 @@ Expected<Merge::Skipped> Merge::read_passes(ByteReader& bytes) {
   return skipped;
 }
 
-/// Whether its pixels have the samples of the passes that are merged.
+/// Checks that the tile's pixels have the samples of the merged passes.
 Expected<void> Merge::check_samples(std::uint32_t tile, const std::set<std::uint64_t>& skipped) const {
   const std::uint32_t passes = tiles_[tile].next_pass;
   if (passes > sampling_->known_passes(tile)) return fail("a tile with more passes than there are");

@@ -41,7 +41,7 @@ bool Plan::is_in_hand(JobId job) const {
   });
 }
 
-// --- What happened to jobs
+// --- Events of jobs
 
 void Plan::on(const JobAdded& event) {
   const auto [added, is_new] = jobs_.try_emplace(event.job);
@@ -53,8 +53,9 @@ void Plan::on(const JobAdded& event) {
   job.begin();
   units_left_ += job.units_left;
   order_jobs();
+  // It still prepares the job's previous version.
   for (auto& [id, worker] : workers_)
-    if (worker.preparing == event.job) worker.prepares_in_vain = true;  // what it was before
+    if (worker.preparing == event.job) worker.prepares_in_vain = true;
   tell_if_phase_is_done(event.job);
   all_changed_ = true;
 }
@@ -65,7 +66,7 @@ void Plan::on(const JobRemoved& event) {
   forget_units(event.job);
   units_left_ -= found->second.units_left;
   jobs_.erase(found);
-  if (!gave_up()) disputes_ = 0;  // of a scheduler that goes on for months they are not to add up
+  if (!gave_up()) disputes_ = 0;  // disputes of a scheduler that runs for months must not add up
   order_jobs();
   for (auto& [id, worker] : workers_) {
     if (worker.prepared.erase(event.job) > 0 || worker.preparing == event.job)
@@ -127,7 +128,7 @@ void Plan::on(const NoFurtherUnits& event) {
   Phase& phase = job.phases.back();
   const std::uint64_t before = phase.units();
   const std::uint32_t begun = phase.next.empty() ? 1 : std::max(1u, std::ranges::max(phase.next));
-  // The last tile of the last pass that is begun: units up to there are in order.
+  // The last tile of the last pass that was begun: units up to there are in order.
   std::uint32_t last = 0;
   for (std::uint32_t tile = 0; tile < phase.tiles; ++tile)
     if (phase.next[tile] == begun) last = tile;
@@ -141,7 +142,7 @@ void Plan::on(const NoFurtherUnits& event) {
   count_left(job, phase, std::int64_t(phase.units() - before));
 }
 
-// --- What happened to workers
+// --- Events of workers
 
 void Plan::on(const WorkerJoined& event) {
   Worker& worker = workers_.try_emplace(event.worker).first->second;
@@ -158,7 +159,7 @@ void Plan::on(const WorkerPrepared& event) {
   worker.heard_at = now_;
   update_idle(event.worker, worker);
   const auto job = jobs_.find(event.job);
-  // It was told to forget it meanwhile.
+  // It was told meanwhile to forget the job.
   if (std::exchange(worker.prepares_in_vain, false) || job == jobs_.end()) return;
   worker.prepared.insert(event.job);
   job->second.deaths = 0;
@@ -173,7 +174,7 @@ void Plan::on(const WorkerUnfit& event) {
   worker.heard_at = now_;
   update_idle(event.worker, worker);
   if (std::exchange(worker.prepares_in_vain, false) || !jobs_.contains(event.job)) return;
-  // Perhaps its memory does not hold two.
+  // Its memory may not suffice for two jobs.
   const bool was_alone = worker.prepared.empty() || worker.alone.contains(event.job);
   (was_alone ? worker.unfit : worker.alone).insert(event.job);
   if (was_alone) tell_if_nobody_can(event.job);
@@ -199,8 +200,8 @@ void Plan::on(const Progressed& event) {
 
 void Plan::on(const WorkerLost& event) {
   const auto worker = workers_.find(event.worker);
-  if (worker == workers_.end()) return;  // dismissed before
-  // A hung worker's unit in hand has been blamed already.
+  if (worker == workers_.end()) return;  // dismissed earlier
+  // The current unit of a hung worker has been blamed already.
   if (!event.has_left && !worker->second.hung && !worker->second.units.empty()) {
     const UnitId unit = worker->second.units.front();
     blame(unit, event.worker, Fault::kDied);
@@ -210,7 +211,7 @@ void Plan::on(const WorkerLost& event) {
   }
   if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {
     const auto job = jobs_.find(*worker->second.preparing);
-    // While others render it, it is not the job that is at fault.
+    // If others render the job, the job is not at fault.
     const auto renders_it = [&](const auto& other) { return other.second.prepared.contains(job->first); };
     if (job != jobs_.end() && ++job->second.deaths >= kDeathsToGiveUpJob &&
         std::ranges::none_of(workers_, renders_it))
@@ -228,7 +229,7 @@ void Plan::on(const UnitDone& event) {
   const Seconds taken = worker == workers_.end() ? 0 : now_ - worker->second.in_hand_since;
   if (!take_back(event.worker, event.unit)) {
     orders_.push_back(DiscardResult{event.worker, event.unit});
-    dismiss(event.worker, Fault::kCorrupt, event.unit);  // it was not asked for this unit
+    dismiss(event.worker, Fault::kCorrupt, event.unit);  // it was not given this unit
     return;
   }
   worker->second.proven.insert(event.unit.job);
@@ -286,7 +287,8 @@ void Plan::order_jobs() {
                     [this](JobId id) { return std::pair(-std::int64_t(jobs_.at(id).priority), id); });
 }
 
-/// All that was issued of a job, also from workers' hands: whatever they send of it does not come here.
+/// Forgets all issued units of a job, also those that workers hold: results for them are not passed on any
+/// more.
 void Plan::forget_units(JobId job) {
   const auto is_of_job = [job](const UnitId& unit) { return unit.job == job; };
   for (auto& [id, worker] : workers_) {
@@ -332,7 +334,7 @@ void Plan::count_left(Job& job, Phase& phase, std::int64_t more) {
   units_left_ += std::uint64_t(more);
 }
 
-/// The next phase is then the present one, and waits.
+/// If the present phase is done, the next one becomes the present one and waits to be opened.
 void Plan::tell_if_phase_is_done(JobId id) {
   Job& job = jobs_.at(id);
   if (job.waits || present(job).left > 0 || job.phase + 1 == job.phases.size()) return;
@@ -340,7 +342,7 @@ void Plan::tell_if_phase_is_done(JobId id) {
   job.waits = true;
 }
 
-/// Every worker has said so. A worker that comes later may.
+/// Reports a job that every present worker has refused. A worker that joins later may still render it.
 void Plan::tell_if_nobody_can(JobId id) {
   const bool nobody = !workers_.empty() && std::ranges::all_of(workers_, [id](const auto& worker) {
     return worker.second.unfit.contains(id);
@@ -350,7 +352,7 @@ void Plan::tell_if_nobody_can(JobId id) {
 
 // --- Bookkeeping of units and workers
 
-/// Ends the worker's hold of the unit; false if it did not have it. The worker shows that it is alive.
+/// Takes the unit from the worker; false if it did not hold it. Counts as a sign of life.
 bool Plan::take_back(WorkerId id, UnitId unit) {
   const auto found = workers_.find(id);
   if (found == workers_.end()) return false;
@@ -369,7 +371,7 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   return true;
 }
 
-/// After a holder is gone or given up: queues, sets aside or forgets the unit.
+/// After a holder is gone or given up: queues the unit again, sets it aside or forgets it.
 void Plan::settle(UnitId id) {
   const auto found = units_.find(id);
   if (found == units_.end()) return;
@@ -416,7 +418,7 @@ void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
   }
 }
 
-/// Keeps up its job's list of what can be copied.
+/// Updates the job's list of units that can be copied.
 void Plan::update_idle(UnitId id) {
   const auto found = units_.find(id);
   if (found == units_.end()) return;
@@ -433,7 +435,7 @@ void Plan::update_idle(UnitId id) {
   unit.copyable = begun;
 }
 
-/// Keeps up who can take something.
+/// Updates the sets of workers that can take a unit.
 void Plan::update_idle(WorkerId id, Worker& worker) {
   std::optional<std::size_t> wants;
   if (!worker.hung && !worker.preparing && worker.units.size() < kUnitsPerWorker) wants = worker.units.size();
@@ -444,7 +446,7 @@ void Plan::update_idle(WorkerId id, Worker& worker) {
   worker.wants = wants;
 }
 
-/// The worker is gone: what it held goes back.
+/// The worker is gone: its units are returned.
 void Plan::release(WorkerId id) {
   const auto worker = workers_.find(id);
   const std::deque<UnitId> held = std::move(worker->second.units);

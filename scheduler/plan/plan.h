@@ -1,6 +1,6 @@
-// Which worker renders which unit, and what happens when a worker dies, hangs, is slow or returns wrong
-// results. Pure: events in, orders out; no I/O, no threads, no clock, so that every rule can be tested with
-// fake workers and a fake clock.
+// Decides which worker renders which unit, and what happens when a worker dies, hangs, is slow or returns
+// wrong results. It is a pure state machine: events in, orders out. It has no I/O, threads or clock, so every
+// rule can be tested with simulated workers and time.
 #pragma once
 
 #include <algorithm>
@@ -18,37 +18,38 @@
 
 namespace penumbra {
 
-/// The state of all jobs and workers of a scheduler. Rules:
-/// - Jobs are ordered by priority, then by age. A worker gets units of the first job that has any for it. One
-///   that does not know a job with work for it is told to prepare it, behind what it holds, and gets nothing
-///   more until it has; it keeps up to kJobsPerWorker jobs, and prepares one in advance when it has nothing
-///   else to do.
-/// - A worker that cannot do a job beside others that it keeps is given it again without them. A job that no
-///   worker can do, or that workers die of while they prepare it, is told; the others go on.
-/// - Phases of a job follow each other: the next one waits for its PhaseOpened.
-/// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
-/// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new
-///   of its job. The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the
-///   next blame cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one.
-///   Three faults set it aside.
-/// - When nothing is left to issue, idle workers get copies of units that wait at a busy worker, or that have
-///   been in hand for longer than the mean unit. The first result counts. A second one must have the same
-///   hash: otherwise one of the two workers computes wrongly. It is not known which, so both are dismissed
-///   and every tile that either worked on is done again from its first pass; a job with an earlier phase that
-///   they worked on starts again.
-/// - A late result of a unit that is still open counts like any other.
-/// - Of a job that asks for it, a share of the units goes to a second worker as soon as the first one is done
-///   with them, before anything new; the job is not finished before. Where nobody can be the second, they are
-///   counted as not verified in the end.
-/// No event but those of jobs takes a time that grows with the number of workers or units, except as their
-/// logarithm: whoever can take something, what can be copied and when the next lease ends is kept in order.
+/// The state of all jobs and workers of a scheduler. Its rules:
+///   - Jobs are ordered by priority, then by age. A worker gets units of the first job that has any for it. A
+///     worker that is not prepared for a job with work for it is told to prepare it after its current units.
+///     It gets nothing more until it is prepared. It keeps up to kJobsPerWorker jobs, and prepares one in
+///     advance when it has nothing else to do.
+///   - If a worker fails to prepare a job while it keeps others, it is told to try again without them. A job
+///     that no worker can render, or whose preparation kills workers, is reported; the others go on.
+///   - The phases of a job are sequential: each waits for its PhaseOpened.
+///   - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`, of which it renders the first.
+///   - A unit that was not finished (its worker was lost, dismissed or hung) is issued again before new units
+///     of its job. The unit that the worker was rendering is blamed. A blamed unit is issued alone from then
+///     on, so that the next blame cannot hit the wrong unit. It goes to a worker that has not failed on it,
+///     if there is one. After three faults it is set aside.
+///   - When there is nothing left to issue, idle workers get copies of units that wait at a busy worker, or
+///     that have been rendering for longer than the mean unit. The first result is used. A second one must
+///     have the same hash; otherwise one of the two workers computes wrongly. It is not known which one, so
+///     both are dismissed, and every tile to which either contributed is rendered again from its first pass.
+///     If they contributed to an earlier phase of a job, that job starts again.
+///   - A late result of a unit that is still open is used like any other.
+///   - If a job asks for verification, a fraction of its units goes to a second worker as soon as the first
+///     one has finished them, before new units. The job is not finished before that. Units for which there is
+///     no second worker are counted as not verified in the end.
+/// Apart from events about jobs, handling an event takes at most logarithmic time in the number of workers
+/// and units: idle workers, units to copy and lease deadlines are kept in sorted order.
 class Plan {
  public:
   explicit Plan(LeaseRule leases = {});
 
   std::vector<PlanOrder> handle(const PlanEvent& event, Seconds now);
 
-  /// Every unit of every job is done or set aside, of all phases, and verified where that was asked for.
+  /// Whether every unit of every phase of every job is done or set aside, and verified where that was asked
+  /// for.
   [[nodiscard]] bool finished() const {
     return units_left_ == 0 &&
            std::ranges::all_of(jobs_, [](const auto& job) { return job.second.unverified == 0; });
@@ -59,94 +60,98 @@ class Plan {
   [[nodiscard]] bool gave_up() const { return disputes_ >= kDisputesToGiveUp; }
   [[nodiscard]] std::uint64_t units_left() const { return units_left_; }
 
-  /// Of one job, since it was added or began anew. What was merged before counts as done.
+  /// Counts of a job since it was added or restarted. Units merged before (by another process) count as done.
   struct Counts {
-    std::uint64_t done = 0, duplicated = 0, requeued = 0;  ///< duplicated: copies given out
-    std::uint64_t verified = 0, not_verified = 0;          ///< of those that were to be
+    std::uint64_t done = 0, duplicated = 0, requeued = 0;  ///< duplicated: copies issued to idle workers
+    std::uint64_t verified = 0, not_verified = 0;          ///< of the units chosen for verification
   };
   [[nodiscard]] Counts counts(JobId job) const { return jobs_.at(job).counts; }
   [[nodiscard]] const std::set<UnitId>& set_aside(JobId job) const { return jobs_.at(job).set_aside; }
-  /// Passes of the present phase that will be rendered of a tile at most, as MorePasses and NoFurtherUnits
-  /// left them; and of one tile.
+  /// The largest number of passes of a tile in the present phase, after MorePasses and NoFurtherUnits; and
+  /// the number for one tile.
   [[nodiscard]] std::uint32_t passes(JobId job) const { return present(jobs_.at(job)).passes; }
   [[nodiscard]] std::uint32_t passes(JobId job, std::uint32_t tile) const {
     return present(jobs_.at(job)).end(tile);
   }
-  /// What the worker renders at the moment, as far as is known here.
+  /// The unit that the worker is rendering, as far as is known.
   [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
-  /// Whether any worker renders a unit of the job, likewise.
+  /// Whether any worker is rendering a unit of the job, as far as is known.
   [[nodiscard]] bool is_in_hand(JobId job) const;
 
  private:
   struct Phase {
     std::uint32_t tiles;
-    std::uint32_t passes;                    // to be issued, at most
-    bool by_tile;                            // each tile has its limit
-    bool closed = false;                     // to further passes
-    std::vector<std::uint32_t> next, limit;  // of each tile: the pass to be issued next, and where it ends
-    std::vector<std::uint64_t> fresh;        // heap of (next, tile) of the tiles with anything to issue
-    std::uint64_t left = 0;                  // units that are neither done nor set aside
+    std::uint32_t passes;                    // the largest number of passes to be issued
+    bool by_tile;                            // each tile has its own limit
+    bool closed = false;                     // no further passes are accepted
+    std::vector<std::uint32_t> next, limit;  // for each tile: the next pass to be issued, and the end
+    std::vector<std::uint64_t> fresh;        // heap of (next, tile) of the tiles that have units to issue
+    std::uint64_t left = 0;                  // number of units that are neither done nor set aside
 
     explicit Phase(const PhaseUnits& units);
     [[nodiscard]] std::uint32_t end(std::uint32_t tile) const { return std::min(limit[tile], passes); }
-    [[nodiscard]] std::uint64_t units() const;  // of all tiles up to their ends
+    [[nodiscard]] std::uint64_t units() const;  // the number of units of all tiles up to their limits
     void queue_tiles();
     void queue(std::uint32_t tile);
-    [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> take();  // a pass and its tile
+    // The next pass and its tile.
+    [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> take();
   };
   struct Job {
     int priority = 0;
     std::vector<PhaseUnits> as_added;
     std::vector<Phase> phases;
     std::uint32_t phase = 0;
-    bool waits = false;  // for the present phase to be opened
+    bool waits = false;  // waits for the present phase to be opened
     std::uint64_t units_left = 0;
     Counts counts;
     std::set<UnitId> set_aside;
-    // What its units take.
-    Seconds longest_wait = 0;  // for a sign of progress
-    Seconds total = 0;         // of finished units
+    // Durations of its units.
+    Seconds longest_wait = 0;  // the longest time to a sign of progress
+    Seconds total = 0;         // the total time of finished units
     std::uint64_t timed = 0;
-    int deaths = 0;           // of workers that were preparing it, one after the other
-    int deaths_at_units = 0;  // likewise at units, since one was finished
-    // What can be copied: units with one holder and no blame, by when they were begun (kNotBegun: not yet).
+    int deaths = 0;           // number of workers lost in a row while preparing the job
+    int deaths_at_units = 0;  // number of workers lost at its units since a unit was finished
+    // Units that can be copied: those with one holder and no blame, sorted by their start (kNotBegun: not
+    // started).
     std::set<std::pair<Seconds, UnitId>> copyable;
-    // Units to be verified.
+    // Verification of units.
     double verify = 0;
-    std::uint64_t unverified = 0;       // done so far, but not by a second worker
-    std::set<UnitId> checks;            // of them, those that no second worker has
-    std::optional<Seconds> idle_since;  // there is nothing but checks, and nobody takes them
+    std::uint64_t unverified = 0;       // units done so far, but not by a second worker
+    std::set<UnitId> checks;            // those of them that are not issued to a second worker
+    std::optional<Seconds> idle_since;  // since when only verifications are left and no worker takes them
 
     void begin();
   };
   struct Worker {
-    std::deque<UnitId> units;  // the first is in hand
+    std::deque<UnitId> units;  // the first is being rendered
     Seconds in_hand_since = 0;
-    Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
+    // Times of the last sign of life and of the last progress of the current unit.
+    Seconds heard_at = 0, progress_at = 0;
     std::set<JobId> prepared, unfit;
-    std::optional<JobId> preparing;          // also one that was removed meanwhile: it is busy with it
-    bool prepares_in_vain = false;           // that job has been added anew since
-    std::optional<Seconds> preparing_since;  // with nothing in hand any more
-    std::set<JobId> alone;                   // failed beside other jobs: to be tried without any
-    std::set<JobId> proven;                  // of which it has finished a unit
-    bool overdue = false;                    // which has been told
+    // Possibly a job that was removed meanwhile; the worker is still busy with it.
+    std::optional<JobId> preparing;
+    bool prepares_in_vain = false;           // that job has been added again since
+    std::optional<Seconds> preparing_since;  // since when it prepares with no unit left
+    std::set<JobId> alone;                   // jobs that failed beside other jobs, to be tried again alone
+    std::set<JobId> proven;                  // jobs of which it has finished a unit
+    bool overdue = false;                    // whether that it is overdue was reported
     int failures_in_a_row = 0;
-    bool hung = false;                 // its lease expired and nothing came since
-    bool silent = false;               // ... for silence
-    Seconds hung_until = 0;            // then it is dismissed
-    std::optional<std::size_t> wants;  // in which of idle_workers_ it is
+    bool hung = false;                 // its lease expired and it has given no sign since
+    bool silent = false;               // hung because of silence
+    Seconds hung_until = 0;            // when it will be dismissed
+    std::optional<std::size_t> wants;  // index into idle_workers_ of the set that contains it
   };
-  // A unit that was issued and that a worker still holds, or that waits to be issued again or verified. A
-  // unit before its tile's `next` that has no record is done or set aside.
+  // A unit that was issued, and that a worker still holds or that waits to be issued again or verified. A
+  // unit before its tile's `next` without such a record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;
-    bool closed = false;  // done or set aside; kept for the holders' results
+    bool closed = false;  // done or set aside; kept for results of its remaining holders
     std::uint64_t hash = 0;
     std::optional<WorkerId> done_by;
     int expired_leases = 0;
     std::vector<std::pair<WorkerId, Fault>> faults;
-    std::optional<Seconds> copyable;  // as it stands in its job's list
-    bool unverified = false;          // closed, and another worker is to do it too
+    std::optional<Seconds> copyable;  // its key in the job's `copyable`
+    bool unverified = false;          // closed, but still to be done by a second worker
     int failed_checks = 0;
   };
 
@@ -196,7 +201,7 @@ class Plan {
   void reopen(UnitId id);
   [[nodiscard]] std::vector<bool>& contributions(WorkerId worker, JobId job, std::uint32_t phase);
 
-  // In plan_verify.cpp.
+  // Defined in plan_verify.cpp.
   [[nodiscard]] bool is_to_be_verified(UnitId id) const;
   void end_check(UnitId id, Unit& unit);
   void give_up_checks(JobId id);
@@ -204,7 +209,7 @@ class Plan {
   void give_up_idle_checks();
   [[nodiscard]] std::optional<UnitId> check_for(WorkerId worker, JobId job) const;
 
-  // In plan_issue.cpp.
+  // Defined in plan_issue.cpp.
   void issue();
   void issue_to(WorkerId id);
   [[nodiscard]] bool is_anything_waiting(bool also_copies) const;
@@ -226,7 +231,7 @@ class Plan {
   void look_after_workers();
   void look_by(Seconds time) { next_check_ = std::min(next_check_, time); }
   [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
-  /// How long its unit in hand may go without progress, and the worker without a word.
+  /// How long a worker may go without progress of its current unit, and without any sign of life.
   struct Lease {
     Seconds progress, silence;
   };
@@ -235,22 +240,23 @@ class Plan {
 
   LeaseRule leases_;
   std::map<JobId, Job> jobs_;
-  std::vector<JobId> order_;  // of jobs_, as units are taken from them
+  std::vector<JobId> order_;  // keys of jobs_ in the order in which units are taken from them
   std::map<WorkerId, Worker> workers_;
   std::map<UnitId, Unit> units_;
-  std::set<UnitId> requeued_;  // to be issued again
-  std::set<UnitId> suspects_;  // likewise, but blamed for something
+  std::set<UnitId> requeued_;  // units to be issued again
+  std::set<UnitId> suspects_;  // those of them that are blamed for a fault
   std::map<std::tuple<WorkerId, JobId, std::uint32_t>, std::vector<bool>>
-      contributions_;  // tiles of a phase, also of lost workers
+      contributions_;  // the tiles of a phase to which each worker contributed, including lost workers
 
-  // By how many units they hold: workers that can take another one.
+  // Workers that can take another unit, by the number of units that they hold.
   std::array<std::set<WorkerId>, kUnitsPerWorker> idle_workers_;
-  // Of this event: who may prepare a job in advance now.
+  // Workers that this event allows to prepare a job in advance.
   std::vector<WorkerId> changed_;
   bool all_changed_ = false;
 
   Seconds now_ = 0;
-  // No lease ends before, nor is anybody overdue; and the shortest time from a sign of life to either.
+  // No lease expires, and no worker becomes overdue, before next_check_. shortest_: the shortest time from a
+  // sign of life to either.
   Seconds next_check_ = 0, shortest_;
   std::uint64_t units_left_ = 0;
   int disputes_ = 0;

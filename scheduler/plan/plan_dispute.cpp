@@ -1,4 +1,4 @@
-// Results that come, and what is done again where two of them differ.
+// Handling of results, and of disputes, in which two results of one unit differ.
 #include <algorithm>
 #include <utility>
 
@@ -43,8 +43,8 @@ void Plan::redo_work_of(WorkerId first, WorkerId second) {
   for (const JobId id : order_) redo_work_of(first, second, id);
 }
 
-/// Chan's merge cannot be undone for one unit, so the tiles that the two workers had a hand in start afresh;
-/// and what an earlier phase made cannot be undone at all.
+/// Chan's merge cannot be undone for one unit, so all tiles to which the two workers contributed start again.
+/// The results of an earlier phase cannot be undone at all, so then the job starts again.
 void Plan::redo_work_of(WorkerId first, WorkerId second, JobId id) {
   Job& job = jobs_.at(id);
   for (std::uint32_t phase = 0; phase < job.phase; ++phase) {
@@ -70,7 +70,7 @@ void Plan::reopen(UnitId id) {
   if (jobs_.at(id.job).set_aside.contains(id)) return;
   const auto [found, is_new] = units_.try_emplace(id);
   Unit& unit = found->second;
-  if (!is_new && !unit.closed) return;  // on its way already
+  if (!is_new && !unit.closed) return;  // it is queued already
   end_check(id, unit);
   unit.closed = false;
   unit.done_by.reset();

@@ -1,4 +1,4 @@
-// Who gets what, and who takes too long.
+// Issues units to workers, and detects workers that take too long.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-// --- Who gets what
+// --- Issuing units
 
 void Plan::issue() {
-  // Breadth first: no worker gets a second unit while another one has none. Who gets something leaves the
-  // set.
+  // Breadth first: no worker gets a second unit while another one has none. A worker that gets a unit leaves
+  // the set.
   for (std::size_t held = 0; held < kUnitsPerWorker; ++held) {
     const std::set<WorkerId>& wanting = idle_workers_[held];
     for (auto next = wanting.begin(); next != wanting.end() && is_anything_waiting(held == 0);) {
@@ -41,7 +41,7 @@ void Plan::issue_to(WorkerId id) {
   orders_.push_back(Assign{id, *unit});
 }
 
-/// Whether any worker could be given something that it can do; copies go to idle ones alone.
+/// Whether any worker could be given something. Copies are given only to idle workers.
 bool Plan::is_anything_waiting(bool also_copies) const {
   return std::ranges::any_of(jobs_, [&](const auto& entry) {
     const auto& [id, job] = entry;
@@ -52,7 +52,7 @@ bool Plan::is_anything_waiting(bool also_copies) const {
 std::optional<UnitId> Plan::next_for(WorkerId id) {
   const Worker& worker = workers_.at(id);
   const bool is_idle = worker.units.empty();
-  // A blamed unit travels alone: nothing follows it, and a worker empties its hands to take one.
+  // A blamed unit is issued alone: nothing follows it, and only a worker without other units takes one.
   if (worker.preparing || (!is_idle && !units_.at(worker.units.front()).faults.empty())) return {};
   for (const JobId job : order_) {
     if (!worker.prepared.contains(job)) continue;
@@ -64,7 +64,7 @@ std::optional<UnitId> Plan::next_for(WorkerId id) {
   return is_idle ? straggler_for(id) : std::nullopt;
 }
 
-/// Whether anything of the job waits to be issued.
+/// Whether units of the job wait to be issued.
 bool Plan::has_work(const Job& job, JobId id) const {
   const Phase& phase = present(job);
   const auto any_of_job = [id](const std::set<UnitId>& units) {
@@ -75,8 +75,8 @@ bool Plan::has_work(const Job& job, JobId id) const {
   return has_fresh || any_of_job(requeued_) || any_of_job(suspects_);
 }
 
-/// Tells a worker to prepare the first job that it does not know and that comes before all those that it has
-/// work of; in advance, any job that may still need it.
+/// Tells a worker to prepare the first job that it has not prepared and that precedes all its prepared jobs
+/// with work. In advance: any job that may still need it.
 void Plan::prepare_one(WorkerId id, bool in_advance) {
   Worker& worker = workers_.at(id);
   if (worker.preparing) return;
@@ -102,12 +102,12 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
   }
 }
 
-/// Makes the worker, which holds no units, forget all jobs.
+/// Makes a worker without units forget all other jobs.
 void Plan::forget_others(WorkerId id) {
   for (const JobId job : std::exchange(workers_.at(id).prepared, {})) orders_.push_back(Forget{id, job});
 }
 
-/// Makes the worker forget the last job of which it holds no unit; whether there is one.
+/// Makes the worker forget the last job of which it holds no unit. Returns whether there is one.
 bool Plan::make_room(WorkerId id) {
   Worker& worker = workers_.at(id);
   const auto is_held = [&](JobId job) {
@@ -144,16 +144,16 @@ std::optional<UnitId> Plan::fresh(JobId id) {
   return UnitId{id, job.phase, taken->first, taken->second};
 }
 
-/// The first to be copied, and since when it is in hand.
+/// The first unit to be copied, and since when it has been rendering.
 std::optional<std::pair<Seconds, UnitId>> Plan::oldest_straggler(const Job& job) const {
   if (job.copyable.empty()) return {};
   const Seconds straggler_age = job.timed == 0 ? kFirstStragglerAge : job.total / double(job.timed);
-  // One that has not been begun is the best to take over.
+  // A unit that was not begun is the best one to copy.
   const std::pair<Seconds, UnitId>& oldest = *job.copyable.begin();
   return now_ - oldest.first < straggler_age ? std::nullopt : std::optional(oldest);
 }
 
-/// For a worker that holds nothing.
+/// For a worker without units.
 std::optional<UnitId> Plan::straggler_for(WorkerId id) {
   std::optional<std::pair<Seconds, UnitId>> chosen;
   for (const JobId candidate : workers_.at(id).prepared) {
@@ -165,7 +165,7 @@ std::optional<UnitId> Plan::straggler_for(WorkerId id) {
   return chosen->second;
 }
 
-/// Whether the unit has failed on this worker while there is another one that it has not failed on.
+/// Whether the unit has failed on this worker, and there is another one on which it has not.
 bool Plan::better_elsewhere(const Unit& unit, WorkerId id, JobId job) const {
   const auto failed_on = [&unit](WorkerId worker) {
     return std::ranges::any_of(unit.faults, [&](const auto& fault) { return fault.first == worker; });
@@ -180,7 +180,7 @@ bool Plan::rendered_by_someone(const Unit& unit) const {
   return std::ranges::any_of(unit.holders, [this](WorkerId holder) { return !workers_.at(holder).hung; });
 }
 
-// --- Who takes too long
+// --- Timeouts
 
 /// A pause of the worker says nothing about how long parts of units take.
 void Plan::show_progress(Worker& worker) {
@@ -193,7 +193,7 @@ void Plan::show_progress(Worker& worker) {
   look_by(now_ + shortest_);
 }
 
-/// Its lease begins now. A worker without a unit is not expected to report anything.
+/// Starts the lease of the worker's current unit. A worker without a unit need not report progress.
 void Plan::take_in_hand(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;
@@ -201,7 +201,8 @@ void Plan::take_in_hand(Worker& worker) {
   look_by(now_ + shortest_);
 }
 
-/// Whether it has prepared a job for too long, or too long without a word. What it held before came first.
+/// Whether it has prepared a job for too long, or without a sign of life for too long. Units that it held
+/// before come first.
 bool Plan::is_stuck_preparing(Worker& worker) const {
   if (!worker.preparing) return false;
   if (!worker.preparing_since) {
@@ -211,7 +212,7 @@ bool Plan::is_stuck_preparing(Worker& worker) const {
   return now_ - worker.heard_at >= leases_.unheard || now_ - *worker.preparing_since >= leases_.unprepared;
 }
 
-/// When it is to be told that the worker is silent, or slow.
+/// The time at which to report that the worker is silent or slow.
 Seconds Plan::overdue_at(const Worker& worker) const {
   const Seconds longest_wait = jobs_.at(worker.units.front().job).longest_wait;
   return std::min(worker.heard_at + leases_.patience,
@@ -227,7 +228,7 @@ void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
                                 hung_at(worker) - now_});
 }
 
-/// Leases that end, and when the next one may.
+/// Handles expired leases, and computes when the next one may expire.
 void Plan::look_after_workers() {
   std::vector<std::pair<WorkerId, UnitId>> silent;
   std::vector<std::pair<WorkerId, JobId>> stuck;

@@ -1,4 +1,4 @@
-// The units of a phase of a job, and in which order they are issued.
+// The units of a phase of a job, and the order in which they are issued.
 #include <algorithm>
 #include <functional>
 
@@ -39,7 +39,7 @@ void Plan::Phase::queue_tiles() {
   std::ranges::make_heap(fresh, std::greater());
 }
 
-/// One that is not there.
+/// Adds a tile that is not in the heap.
 void Plan::Phase::queue(std::uint32_t tile) {
   if (next[tile] >= end(tile)) return;
   fresh.push_back(std::uint64_t(next[tile]) << 32 | tile);

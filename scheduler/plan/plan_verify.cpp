@@ -1,4 +1,4 @@
-// Units that a second worker does too.
+// Verification: units that a second worker renders too.
 #include <utility>
 
 #include "scheduler/plan/plan.h"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kChecksLookedAt = 16;
 
-/// Any function that mixes well (the finalizer of SplitMix64; Steele, Lea and Flood 2014).
+/// A hash with good mixing (the finalizer of SplitMix64; Steele, Lea and Flood 2014).
 std::uint64_t mixed(std::uint64_t bits) {
   bits += 0x9e3779b97f4a7c15u;
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -24,7 +24,7 @@ bool Plan::is_to_be_verified(UnitId id) const {
   return double(name >> 11) * 0x1p-53 < share;
 }
 
-/// Verified, or not: no longer to be.
+/// The unit is verified, or will not be.
 void Plan::end_check(UnitId id, Unit& unit) {
   if (!std::exchange(unit.unverified, false)) return;
   Job& job = jobs_.at(id.job);
@@ -35,13 +35,13 @@ void Plan::end_check(UnitId id, Unit& unit) {
 void Plan::give_up_checks(JobId id) {
   Job& job = jobs_.at(id);
   for (const UnitId& unit : std::exchange(job.checks, {})) {
-    units_.erase(unit);  // nobody holds it
+    units_.erase(unit);  // no worker holds it
     --job.unverified;
     ++job.counts.not_verified;
   }
 }
 
-/// Whether somebody who is busy now may be the second for the job's units.
+/// Whether a worker that is busy now may verify the job's units later.
 bool Plan::may_be_verified_later(JobId job) const {
   int able = 0;
   bool is_any_busy = false;
@@ -54,7 +54,7 @@ bool Plan::may_be_verified_later(JobId job) const {
   return false;
 }
 
-/// Of jobs of which nothing else is left, and that nobody does who could.
+/// Gives up verifications in jobs where nothing else is left and no worker can do them.
 void Plan::give_up_idle_checks() {
   for (auto& [id, job] : jobs_) {
     if (job.units_left > 0 || job.unverified == 0 || job.checks.size() < job.unverified ||
@@ -67,7 +67,7 @@ void Plan::give_up_idle_checks() {
   }
 }
 
-/// One that was done by another worker. All of them may be this one's own; others will take those.
+/// A unit that another worker has rendered. If all were rendered by this worker, others will verify them.
 std::optional<UnitId> Plan::check_for(WorkerId id, JobId job) const {
   int looked_at = 0;
   for (const UnitId& unit : jobs_.at(job).checks) {

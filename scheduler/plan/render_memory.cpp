@@ -22,7 +22,7 @@ PixelMemory pixel_memory(const FilmLayers& layers) {
   const bool with_mattes = layers.mattes() > 0;
   const std::uint64_t image =
       std::uint64_t(image_channels(layers) + (with_mattes ? kMatteChannels : 0)) * sizeof(float);
-  // What does not compress fills a file as large as the image, in a buffer that doubles as it grows.
+  // Incompressible data fill a file as large as the image, in a buffer that doubles as it grows.
   return {.film = FilmAccumulator::bytes_per_pixel(layers) + (with_mattes ? FilmMattes::kBytesPerPixel : 0),
           .watch = TileSnapshot::bytes_per_pixel(layers.has(LAYER_DIFFERENCE)),
           .output = image + 2 * image};

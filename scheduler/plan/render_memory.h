@@ -1,5 +1,4 @@
-// The memory per pixel that this process needs for an image: the film, and everything that is derived from
-// it.
+// The memory per pixel that the scheduler needs for an image: the film and everything derived from it.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +7,22 @@
 
 namespace penumbra {
 
-/// How many channels an image file with these layers has, without mattes; see image_of_film.
+/// The number of channels of an image file with these layers, without mattes; see image_of_film.
 int image_channels(const FilmLayers& layers);
 
-/// Channels of the mattes' layers in an image file, see cryptomatte.h.
+/// The number of channels of the mattes' layers in an image file; see cryptomatte.h.
 constexpr int kMatteChannels = 24;
 
-/// Bytes for each pixel of a render whose results have these layers, and a few mattes each where there are some.
+/// Bytes per pixel for a render whose results have these layers, with a few mattes per pixel if there are
+/// any.
 struct PixelMemory {
-  std::uint64_t film = 0;    ///< while it goes on and after
-  std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
-  std::uint64_t output = 0;  ///< beside it afterwards: the image, and its file while it grows in memory
+  std::uint64_t film = 0;   ///< during the render and after it
+  std::uint64_t watch = 0;  ///< in addition during the render, if there are viewers: the board's newest tiles
+  /// In addition after the render: the image, and its file while it is assembled in memory.
+  std::uint64_t output = 0;
 
-  /// At the worst time. `films_beside`: as large as the film, while it goes on: the copy of a checkpoint, the
-  /// halves of a render with a target error.
+  /// The peak. `films_beside`: additional films during the render: the copy for a checkpoint, the halves of a
+  /// render with a target error.
   [[nodiscard]] std::uint64_t peak(bool writes_files, int films_beside = 0) const;
 };
 PixelMemory pixel_memory(const FilmLayers& layers);

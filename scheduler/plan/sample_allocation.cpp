@@ -9,14 +9,14 @@
 namespace penumbra {
 namespace {
 
-constexpr std::uint32_t kLeastShare = 8, kMostShare = 16;   // of the mean: an eighth, 16 times
-constexpr std::uint64_t kMostSpp = std::uint64_t(1) << 31;  // as many as are numbered
+constexpr std::uint32_t kLeastShare = 8, kMostShare = 16;  // relative to the mean: from an eighth to 16 times
+constexpr std::uint64_t kMostSpp = std::uint64_t(1) << 31;  // as many as sample numbers allow
 
-/// Pixels along a side of the squares over which a pilot's mean is taken: its single samples are too noisy to
+/// The side in pixels of the squares over which the pilot's mean is taken. Its single pixels are too noisy to
 /// divide by.
 constexpr int kSquare = 4;
 
-/// Of one sample, from the few of each pixel that there are.
+/// The relative variance of one sample, estimated from the few samples of each pixel.
 double relative_variance(const SampleBuffer& result) {
   const double per_square = double(result.sample_count) / std::max(1.0, double(result.sample_count) - 1);
   double sum = 0;
@@ -69,8 +69,8 @@ void SampleAllocation::end_pilot(std::uint32_t tile, double variance) {
   if (--pilots_missing_ == 0) allocate();
 }
 
-/// Doubles, from the least numbers on, those of the tile that is furthest below its share, as long as there
-/// are samples for it.
+/// Starts with the smallest numbers and repeatedly doubles that of the tile that lacks most, as long as there
+/// are samples left.
 void SampleAllocation::allocate() {
   double sum = 0;
   std::uint64_t known = 0, left = grid_.samples(grid_.passes());
@@ -81,10 +81,11 @@ void SampleAllocation::allocate() {
   }
   const double mean = known > 0 ? sum / double(known) : 1;
   struct Doubling {
-    double gain;  // variance / n^2.5, so that n goes as variance^0.4
+    double gain;  // variance / n^2.5, so that n becomes proportional to variance^0.4
     std::uint32_t spp, tile;
     bool operator<(const Doubling& other) const {
-      // Of equal ones, as without any noise in the pilot, that with the fewest samples.
+      // Among equal gains, for example in a pilot without noise, the tile with the fewest samples comes
+      // first.
       return std::tuple(gain, other.spp, other.tile) < std::tuple(other.gain, spp, tile);
     }
   };
@@ -116,7 +117,8 @@ std::uint32_t SampleAllocation::most_passes() const {
 }
 
 std::uint64_t SampleAllocation::counted(std::uint32_t tile, std::uint32_t passes) const {
-  if (passes <= kPilotPasses) return passes * kPilotSpp;  // nothing better is there yet
+  // The pilot is shown until something better is there.
+  if (passes <= kPilotPasses) return passes * kPilotSpp;
   return std::min<std::uint64_t>(std::uint64_t(passes - kPilotPasses) * grid_.samples_per_pass(),
                                  tiles_[tile].spp);
 }

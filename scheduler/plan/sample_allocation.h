@@ -1,4 +1,4 @@
-// How the samples of an image are shared out among its tiles, by the errors that a pilot shows.
+// Adaptive sampling: distributes the samples of an image among its tiles according to the errors of a pilot.
 #pragma once
 
 #include <cstdint>
@@ -11,49 +11,50 @@
 
 namespace penumbra {
 
-/// For a given number of samples the squared error of an image is least where each tile gets them in
-/// proportion to the root of the variance of one (J. Neyman, "On the two different aspects of the
-/// representative method", 1934). That holds where every sample costs the same and the error falls as
-/// 1 / samples. But paths are longer where it is noisy, and the error of Sobol points falls faster, so it is
-/// variance^0.4 here. The variance is that of a pilot: a first pass of two samples of each pixel.
+/// For a given total number of samples, the squared error of an image is minimal if each tile gets samples in
+/// proportion to the standard deviation of one sample (J. Neyman, "On the two different aspects of the
+/// representative method", 1934). That assumes that all samples have the same cost and that the squared error
+/// falls as 1 / samples. But paths are longer in noisy regions, and the error of Sobol points falls faster,
+/// so variance^0.4 is used here. The variance is estimated by a pilot: a first pass of two samples per pixel.
 ///
-/// The pilot has a sequence of random numbers of its own, and the samples that count have another one: how
-/// many they are does not depend on them, so their mean has no bias from being chosen. The pilot counts for
-/// nothing else. The sequence of a tile is made for its own number of samples, which is spp / 8, rounded
-/// down and at least 1, times a power of two, at most 16 spp: where spp is a power of two, so are they, and
-/// Sobol points stay the nets that they are.
+/// The pilot uses a random sequence of its own, and its samples are not part of the image. The image's
+/// samples use another sequence, so their number does not depend on their values, and their mean is unbiased.
+/// The number of samples per pixel of a tile is spp / 8, rounded down and at least 1, times a power of two,
+/// and at most 16 spp; the tile's sequence is made for that number. If spp is a power of two, so are these
+/// numbers, and Sobol points remain (t, m, s)-nets.
 ///
-/// Errors are relative, as a film's: of a pixel's squared one over the squared mean + .01.
+/// Errors are relative, as for a film: the squared error of a pixel over its squared mean + .01.
 class SampleAllocation {
  public:
   static constexpr std::uint32_t kPilotPasses = 1, kPilotSpp = 2;
 
-  /// The grid's samples of a pixel are the mean of those that count.
+  /// The grid's samples per pixel become the mean over the image, without the pilot.
   explicit SampleAllocation(const TileGrid& grid);
 
-  /// The result of a tile's pilot. Once the allocation is made nothing changes it: a tile that is done again
-  /// keeps its share.
+  /// The result of a tile's pilot. Once the allocation is made, nothing changes it: a tile that is rendered
+  /// again keeps its number of samples.
   void add_pilot(std::uint32_t tile, const SampleBuffer& result);
-  /// It will never come: the tile counts as one of the mean variance.
+  /// The pilot will never come; the tile gets the mean variance.
   void skip_pilot(std::uint32_t tile) { end_pilot(tile, kUnknown); }
-  /// The tile's pilot begins anew.
+  /// The tile's pilot will be rendered again.
   void forget_pilot(std::uint32_t tile);
 
-  /// Whether every tile's pilot has come; then how many samples of a pixel count, and all units, are known.
+  /// Whether the pilots of all tiles have come. Then all units and the numbers of samples are known.
   [[nodiscard]] bool is_made() const { return pilots_missing_ == 0; }
   [[nodiscard]] bool has_pilot(std::uint32_t tile) const { return tiles_[tile].has_pilot; }
-  /// Whether it is not what an undisturbed render has: a pilot was another one when it was done again, or
-  /// there is none.
+  /// Whether the allocation differs from that of an undisturbed render: a repeated pilot gave another result,
+  /// or one is missing.
   [[nodiscard]] bool is_disturbed() const { return contradicted_ || has_gaps(); }
   [[nodiscard]] std::uint32_t spp(std::uint32_t tile) const { return tiles_[tile].spp; }
-  /// Passes of a tile, as far as they are known: those of the pilot come first.
+  /// The number of passes of a tile as far as it is known. The pilot's come first.
   [[nodiscard]] std::uint32_t passes(std::uint32_t tile) const;
-  /// That a tile may come to have.
+  /// The largest number of passes that a tile may get.
   [[nodiscard]] std::uint32_t most_passes() const;
-  /// Of a pixel of the tile, after so many passes: how many are in the film, and how many were rendered.
+  /// Samples per pixel of the tile after so many passes: how many are in the film, and how many were
+  /// rendered.
   [[nodiscard]] std::uint64_t counted(std::uint32_t tile, std::uint32_t passes) const;
   [[nodiscard]] std::uint64_t rendered(std::uint32_t tile, std::uint32_t passes) const;
-  /// Of `pass` < passes(tile).
+  /// The unit of `pass` < passes(tile).
   [[nodiscard]] RenderUnit unit(std::uint32_t tile, std::uint32_t pass) const;
 
   void write(ByteWriter& bytes) const;
@@ -61,9 +62,9 @@ class SampleAllocation {
 
  private:
   struct Tile {
-    bool has_pilot = false;      // or will never have it
-    double variance = kUnknown;  // relative, of one sample
-    std::uint32_t spp = 0;       // that count; 0 before the allocation is made
+    bool has_pilot = false;      // its pilot has come, or never will
+    double variance = kUnknown;  // relative variance of one sample
+    std::uint32_t spp = 0;       // samples per pixel in the image; 0 before the allocation is made
   };
   static constexpr double kUnknown = -1;
 

@@ -1,4 +1,4 @@
-// Where the work units of one image lie: its tiles, row by row, and its passes of samples.
+// The work units of one image: its tiles, row by row, and its passes of samples.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace penumbra {
 
-/// Tiles start at the rectangle's corner; those at its right and lower edge may be smaller, as may the last
-/// pass.
+/// Tiles start at the rectangle's upper left corner. Those at the right and lower edge may be smaller, and so
+/// may the last pass.
 class TileGrid {
  public:
   TileGrid() = default;
@@ -20,14 +20,14 @@ class TileGrid {
   [[nodiscard]] std::uint32_t samples_per_pass() const { return samples_per_pass_; }
   [[nodiscard]] std::uint32_t tiles() const { return across_ * down_; }
   [[nodiscard]] std::uint32_t passes() const { return passes_; }
-  /// Samples of a pixel in the first `passes` passes.
+  /// The number of samples per pixel in the first `passes` passes.
   [[nodiscard]] std::uint64_t samples_of_pixel(std::uint32_t passes) const;
-  /// Samples of all pixels in the first `passes` passes.
+  /// The number of samples over all pixels in the first `passes` passes.
   [[nodiscard]] std::uint64_t samples(std::uint32_t passes) const;
   [[nodiscard]] std::uint64_t pixels(std::uint32_t tile) const;
-  /// Samples of all pixels of one tile in its first `passes` passes.
+  /// The number of samples over all pixels of one tile in its first `passes` passes.
   [[nodiscard]] std::uint64_t samples_of_tile(std::uint32_t tile, std::uint32_t passes) const;
-  /// What a worker has to render for `tile` < tiles() and `pass` < passes().
+  /// The work unit of `tile` < tiles() and `pass` < passes().
   [[nodiscard]] RenderUnit unit(std::uint32_t tile, std::uint32_t pass) const;
 
  private:

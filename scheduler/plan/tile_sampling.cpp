@@ -57,7 +57,7 @@ class UniformSampling : public TileSampling {
   const TileGrid grid_;
 };
 
-/// Each tile until its error is small enough.
+/// Renders each tile until its error is small enough.
 class TargetErrorSampling final : public UniformSampling {
  public:
   TargetErrorSampling(const TileGrid& grid, double target_error)
@@ -118,7 +118,7 @@ class TargetErrorSampling final : public UniformSampling {
  private:
   struct Tile {
     bool is_finished = false;
-    std::unique_ptr<AdaptiveTile> halves;  // from its first pass until it is finished
+    std::unique_ptr<AdaptiveTile> halves;  // exists from the tile's first pass until it is finished
   };
 
   void begin(std::uint32_t tile, const FilmAccumulator& film) {
@@ -132,7 +132,7 @@ class TargetErrorSampling final : public UniformSampling {
   std::vector<Tile> tiles_;
 };
 
-/// Samples by the errors of a pilot. The film shows the pilot until something better is there.
+/// Adaptive sampling by a pilot. The film shows the pilot until the image's own samples are there.
 class PilotSampling final : public UniformSampling {
  public:
   explicit PilotSampling(const TileGrid& grid) : UniformSampling(grid), allocation_(grid) {}

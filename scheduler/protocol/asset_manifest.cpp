@@ -20,7 +20,7 @@ void cut(Bytes bytes, std::vector<Bytes>& parts) {
     parts.push_back(bytes.subspan(at, std::min(kLargestPiece, bytes.size() - at)));
 }
 
-/// With a thread for each two of the largest pieces: SHA-256 takes a second for one or two GB.
+/// Hashes with one thread for each two of the largest pieces. SHA-256 takes a second for one or two GB.
 std::vector<AssetPiece> hashed(const std::vector<Bytes>& parts, std::size_t bytes) {
   std::vector<AssetPiece> pieces(parts.size());
   std::atomic<std::size_t> next = 0;

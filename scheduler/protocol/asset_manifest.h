@@ -1,5 +1,5 @@
-// How a device scene travels: in pieces, each by its content, so that a scene of which a part has changed
-// brings only that part.
+// The manifest of a device scene. A scene is transferred in pieces that are addressed by their content
+// hashes. If a part of a scene has changed, only its pieces are transferred.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,14 @@ namespace penumbra {
 constexpr std::size_t kLargestPiece = std::size_t(16) << 20;  ///< bytes
 
 struct AssetPiece {
-  std::string hash;  ///< of its bytes, see content_hash
+  std::string hash;  ///< of its bytes; see content_hash
   std::size_t size = 0;
   bool operator==(const AssetPiece&) const = default;
 };
 
-/// The pieces of an asset, one after the other. Its hash is over their hashes and sizes, so that it is the
-/// same for equal bytes that are cut alike, and whoever has verified it and every piece has verified all.
+/// The pieces of an asset, one after the other. The asset's hash covers the hashes and sizes of its pieces.
+/// So equal bytes that are cut alike have the same hash, and verifying the manifest and every piece verifies
+/// the whole asset.
 struct AssetManifest {
   std::string hash;
   std::vector<AssetPiece> pieces;
@@ -29,20 +30,22 @@ struct AssetManifest {
   [[nodiscard]] std::size_t bytes() const;
 };
 
-/// Hashes every byte once. `starts`: of bytes of the body where a piece begins, ascending; longer pieces than
-/// kLargestPiece are cut further, always at the same distance from their start. The head is the first one.
+/// Makes a manifest; every byte is hashed once. The head is the first piece. `starts`: ascending offsets in
+/// the body at which pieces begin. Pieces longer than kLargestPiece are cut further, at fixed distances from
+/// their start.
 AssetManifest make_manifest(std::span<const std::uint8_t> head, std::span<const std::uint8_t> body,
                             std::span<const std::size_t> starts);
-/// Of a scene: its header with camera and integrator, and each of its tables. Another camera is another
-/// first piece; another material, that and another table of materials.
+/// The manifest of a scene: a piece for the header with camera and integrator, and at least one for each
+/// table. Another camera changes only the first piece; another material changes that and the table of
+/// materials.
 AssetManifest manifest_of(const DeviceScene& scene);
-/// The name of an asset of these pieces.
+/// The hash of an asset that consists of these pieces.
 std::string hash_of_pieces(const std::vector<AssetPiece>& pieces);
 
-/// How somebody came by a scene, in bytes.
+/// Where the bytes of a scene came from.
 struct SceneBytes {
-  std::uint64_t fetched = 0;  ///< that travelled
-  std::uint64_t found = 0;    ///< that did not have to
+  std::uint64_t fetched = 0;  ///< bytes that were transferred
+  std::uint64_t found = 0;    ///< bytes that were already present
 };
 
 }  // namespace penumbra

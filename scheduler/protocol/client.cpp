@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-// Milliseconds. Schedulers take pings that come half as often, see server.cpp.
+// In milliseconds. Schedulers accept pings twice as often; see server.cpp.
 constexpr int kAliveInterval = 20'000, kAlivePatience = 10'000;
 constexpr int kTimeToHandshake = 10'000;
 
@@ -27,22 +27,22 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Ke
                                             const ConnectPace& pace) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  // gRPC's usual second of pause between attempts is an age here.
+  // gRPC's default pause of one second between attempts is too long here.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, int(pace.first.count()));
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, int(pace.most.count()));
-  // A connection that is on the way is given up no sooner.
+  // The time limit of one connection attempt.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kTimeToHandshake);
-  // Channels do not share connections, nor what other channels have learnt about reaching the address.
+  // Channels share neither connections nor earlier failures to reach the address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   if (is_tcp(address)) {
-    // A host that is cut off sends no end of the connection.
+    // If a host is cut off from the network, its connections do not end by themselves.
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kAliveInterval);
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kAlivePatience);
   }
-  // No detours: no proxy from the environment, no look-up of a service configuration.
+  // Connect directly: no proxy from the environment, no look-up of a service configuration.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_SERVICE_CONFIG_DISABLE_RESOLUTION, 1);
-  // gRPC reads ":7000" and names with a scheme as other things than a host.
+  // gRPC does not interpret ":7000" and names with a scheme as hosts.
   const std::string target = is_tcp(address) ? "dns:///" + address : address;
   return grpc::CreateCustomChannel(target, credentials(keys), arguments);
 }
@@ -52,7 +52,7 @@ void show_token(grpc::ClientContext& context, const std::string& token) {
 }
 
 std::string status_text(const grpc::Status& status) {
-  switch (status.error_code()) {  // those that our services never answer with
+  switch (status.error_code()) {  // codes that our services never use in answers
     case grpc::StatusCode::UNAVAILABLE:
     case grpc::StatusCode::CANCELLED:
       return "the connection broke";

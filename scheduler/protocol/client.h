@@ -1,4 +1,4 @@
-// What every client of a scheduler does: connect, and show its token.
+// What all clients of a scheduler share: connecting and authenticating.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -13,21 +13,21 @@
 
 namespace penumbra {
 
-/// How long a channel pauses between attempts to connect, at first and at most.
+/// The pause between connection attempts, initially and at most.
 struct ConnectPace {
   std::chrono::milliseconds first{20}, most{500};
 };
 
-/// A channel that takes our largest messages and tries again soon, for the scheduler may start a moment
-/// later. With keys it is encrypted, and both ends show certificates.
+/// Opens a channel that accepts the largest messages and retries soon, because the scheduler may start a
+/// moment later. With keys it is encrypted, and both ends authenticate with certificates.
 std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Keys* keys = nullptr,
                                             const ConnectPace& pace = {});
 
-/// Shows the token, if there is one, with the call.
+/// Adds the token, if there is one, to the call's metadata.
 void show_token(grpc::ClientContext& context, const std::string& token);
 
-/// What went wrong with a call, for people: the words of whoever answered, and our own where gRPC itself says
-/// so. "the connection broke", where that is all there is to say.
+/// The error of a call as text for the user: the peer's message, or our own words for errors of gRPC itself.
+/// "the connection broke" if nothing else is known.
 std::string status_text(const grpc::Status& status);
 
 }  // namespace penumbra

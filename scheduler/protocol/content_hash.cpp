@@ -18,7 +18,7 @@ ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>
   for (const auto part : parts)
     is_good = is_good && EVP_DigestUpdate(state.get(), part.data(), part.size()) == 1;
   ContentDigest digest;
-  // It fails only without memory, or where the system forbids SHA-256.
+  // This fails only if there is no memory, or if the system forbids SHA-256.
   if (!is_good || EVP_DigestFinal_ex(state.get(), digest.data(), nullptr) != 1)
     throw std::runtime_error("OpenSSL cannot compute SHA-256");
   return digest;

@@ -1,6 +1,6 @@
-// Names of data by its content. They hold between people who do not trust each other: nobody can make two
-// contents of the same hash, so whoever has checked the hash has what was meant. Checksums against accidents
-// within one program's own files are XXH3, where they are taken.
+// Cryptographic content hashes. Nobody can construct two contents with the same hash, so whoever verifies a
+// hash has the intended data, even from an untrusted peer. For accidental errors within one program's files,
+// XXH3 checksums are used instead.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@ namespace penumbra {
 
 using ContentDigest = std::array<std::uint8_t, 32>;
 
-/// SHA-256 (FIPS 180-4) of the parts, one after the other.
+/// SHA-256 (FIPS 180-4) of the concatenated parts.
 ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>> parts);
 
 /// SHA-256 of the bytes as 64 hexadecimal digits.
 std::string content_hash(std::span<const std::uint8_t> bytes);
 
-/// Whether a text looks like one: nothing else may become a part of a file's name.
+/// Whether a text has the form of a content hash. Only such texts may become part of a file name.
 bool is_content_hash(std::string_view text);
 
 }  // namespace penumbra

@@ -19,7 +19,7 @@ bool is_wanted() {
 }
 
 void on_grpc_log(gpr_log_func_args* said) {
-  // gRPC aborts after these.
+  // gRPC aborts after such a message.
   const bool is_fatal = std::string_view(said->message).starts_with("assertion failed");
   if (is_wanted() || is_fatal)
     print_message(fmt::format("gRPC: {}:{}: {}", said->file, said->line, said->message));

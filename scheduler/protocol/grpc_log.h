@@ -1,15 +1,15 @@
-// Log messages of gRPC and protobuf, and how long gRPC lives.
+// Log messages of gRPC and protobuf, and the lifetime of gRPC.
 #pragma once
 
 namespace penumbra {
 
-/// Hides these messages unless GRPC_VERBOSITY is set; then they go through the console like any other
-/// message. Lost connections are reported by our own messages. Call at the start of main, before gRPC is
+/// Hides these messages unless GRPC_VERBOSITY is set; then they are printed through the console like all
+/// others. Lost connections are reported by our own messages. Call it at the start of main, before gRPC is
 /// used.
 void route_grpc_log();
 
-/// Starts gRPC for the rest of the process: otherwise it ends with its last channel, which may wait ten
-/// seconds for a poll.
+/// Keeps gRPC initialised for the rest of the process. Otherwise it shuts down with its last channel, which
+/// may wait ten seconds for a poll.
 void keep_grpc_running();
 
 }  // namespace penumbra

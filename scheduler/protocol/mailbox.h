@@ -17,7 +17,7 @@ class Mailbox {
  public:
   explicit Mailbox(std::size_t most = std::numeric_limits<std::size_t>::max()) : most_(most) {}
 
-  /// Waits while the queue is full. What is put into a closed one is dropped.
+  /// Waits while the queue is full. An item for a closed queue is dropped.
   void put(T item) {
     {
       std::unique_lock lock(mutex_);
@@ -28,7 +28,7 @@ class Mailbox {
     changed_.notify_one();
   }
 
-  /// Nothing more will come; what is in there can still be taken.
+  /// No more items are accepted. Those in the queue can still be taken.
   void close() {
     {
       const std::lock_guard lock(mutex_);
@@ -38,14 +38,14 @@ class Mailbox {
     has_room_.notify_all();
   }
 
-  /// Waits for the next item; nothing once the queue is closed and empty.
+  /// Waits for the next item. Returns nothing once the queue is closed and empty.
   std::optional<T> take() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || !items_.empty(); });
     return take_first();
   }
 
-  /// The same, but waits at most so long.
+  /// The same, waiting at most `patience`.
   std::optional<T> take(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, patience, [this] { return closed_ || !items_.empty(); });

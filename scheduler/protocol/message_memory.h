@@ -1,13 +1,13 @@
-// How scheduler and worker processes keep memory for results.
+// Tunes malloc for results in scheduler and worker processes.
 #pragma once
 
 #include <malloc.h>
 
 namespace penumbra {
 
-/// Results are a few hundred kilobytes each and come by the thousand. By default the C library maps every
-/// block of that size anew and gives it back, and the page faults cost more than the merge; this lets it keep
-/// and reuse them. Call once, at the start of main.
+/// Results have a few hundred kilobytes each and arrive by the thousand. By default the C library maps and
+/// unmaps memory for every block of that size, and the page faults cost more than the merge. This makes it
+/// keep and reuse such blocks. Call it once, at the start of main.
 inline void keep_message_memory() {
   constexpr int kLargestMessage = 64 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargestMessage);

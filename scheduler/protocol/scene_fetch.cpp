@@ -13,7 +13,7 @@
 namespace penumbra {
 namespace {
 
-// The largest scenes have some GB, and networks some MB a second.
+// The largest scenes have some GB, and slow networks some MB per second.
 constexpr std::chrono::minutes kTimeToFetch{60};
 constexpr std::chrono::seconds kTimeForManifest{60};
 
@@ -27,7 +27,7 @@ std::string with_cause(const std::string& hash, const grpc::Status& status) {
 
 }  // namespace
 
-/// One call at a time can be cancelled.
+/// The current call, which cancel() can cancel.
 class SceneFetch::Call {
  public:
   Call(SceneFetch& owner, std::chrono::system_clock::duration limit) : owner_(owner) {
@@ -51,7 +51,7 @@ class SceneFetch::Call {
   grpc::ClientContext* outer_;
 };
 
-/// Pieces of an asset, one after the other, as they come.
+/// Receives pieces of an asset in order.
 class SceneFetch::Stream {
  public:
   Stream(SceneFetch& owner, const AssetManifest& manifest, std::vector<std::uint32_t> pieces)
@@ -64,7 +64,7 @@ class SceneFetch::Stream {
     reader_->Finish();
   }
 
-  /// The next one of them, whole but not verified.
+  /// The next piece, complete but not verified.
   Expected<std::vector<std::uint8_t>> next(const AssetPiece& piece) {
     if (!reader_) begin();
     std::vector<std::uint8_t> bytes;
@@ -103,7 +103,7 @@ class SceneFetch::Stream {
   std::optional<Call> call_;
   std::unique_ptr<grpc::ClientReader<wire::AssetChunk>> reader_;
   wire::AssetChunk chunk_;
-  std::span<const std::uint8_t> rest_;  // of chunk_
+  std::span<const std::uint8_t> rest_;  // the unread part of chunk_
 };
 
 void SceneFetch::cancel() {
@@ -122,7 +122,8 @@ Expected<AssetManifest> SceneFetch::fetch_manifest(const std::string& hash) {
   return decode(reply, hash);
 }
 
-/// From the store, else from the stream; what the store has lost or damaged meanwhile is asked for by itself.
+/// Takes a piece from the store, else from the stream. If the store has lost or damaged a piece meanwhile, it
+/// is requested separately.
 Expected<std::vector<std::uint8_t>> SceneFetch::take_piece(const AssetManifest& manifest, std::size_t index,
                                                            Stream& stream, bool streamed,
                                                            FetchedScene& fetched) {

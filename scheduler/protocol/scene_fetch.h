@@ -1,4 +1,4 @@
-// A device scene from a scheduler: only the pieces that are not at hand already.
+// Fetches a device scene from a scheduler: only the pieces that are not present already.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -17,19 +17,19 @@
 
 namespace penumbra {
 
-/// Where pieces may be found that need not travel.
+/// A local store of pieces, which need not be transferred then.
 class PieceStore {
  public:
   virtual ~PieceStore() = default;
-  /// Whether it seems to be there; what `read` then finds may be nothing all the same.
+  /// Whether the piece is probably in the store. `read` may still return nothing.
   virtual bool may_have(const AssetPiece& piece) = 0;
-  /// After all of a scene's pieces were asked for: the bytes of those that it has not, and of all.
+  /// Called after may_have was asked for all pieces of a scene: the number of bytes missing and in total.
   virtual void expect(std::uint64_t missing, std::uint64_t total) = 0;
-  /// What is there under its name, or nothing. Whoever asks verifies it.
+  /// The stored bytes under the piece's name, or nothing. The caller verifies them.
   virtual std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) = 0;
-  /// What was read is not the piece.
+  /// The bytes that were read are not the piece.
   virtual void reject(const AssetPiece& piece) = 0;
-  /// One that has come, and is verified.
+  /// Stores a piece that was received and verified.
   virtual void keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) = 0;
 };
 
@@ -39,16 +39,17 @@ struct FetchedScene {
   SceneBytes bytes;
 };
 
-/// One scene, fetched once. Only one piece is in memory beside the scene.
+/// Fetches one scene, once. Beside the scene only one piece is in memory at a time.
 class SceneFetch {
  public:
   /// `token` may be empty, `store` null.
   SceneFetch(penumbra::v1::Farm::Stub& stub, std::string token, PieceStore* store = nullptr)
       : stub_(stub), token_(std::move(token)), store_(store) {}
 
-  /// The scene of that hash. Errors: the scheduler does not have it, the received data is damaged, `cancel`.
+  /// Fetches the scene of that hash. Errors: the scheduler does not have it, the received data are damaged,
+  /// `cancel` was called.
   Expected<FetchedScene> fetch(const std::string& hash);
-  /// From another thread: `fetch` fails soon.
+  /// May be called from another thread: `fetch` then fails soon.
   void cancel();
 
  private:

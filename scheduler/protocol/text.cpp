@@ -14,7 +14,7 @@ constexpr std::string_view kCut = "...";
 std::string wire_text(std::string_view text, std::size_t longest) {
   std::string valid;
   valid.reserve(std::min(text.size(), longest));
-  std::size_t cut = 0;  // where the text may end to leave room for the mark
+  std::size_t cut = 0;  // where the text may end so that there is room for the mark
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = character_length(text, at);
     const std::size_t size = std::max<std::size_t>(length, 1);

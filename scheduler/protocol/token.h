@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-inline constexpr const char* kTokenKey = "authorization";  ///< of the call's metadata
-/// The environment variable in which a scheduler passes each worker process its key, see Hello.key.
+inline constexpr const char* kTokenKey = "authorization";  ///< key in the call's metadata
+/// The environment variable in which a scheduler passes a worker process its key; see Hello.key.
 inline constexpr const char* kWorkerKeyVariable = "PENUMBRA_WORKER_KEY";
 inline std::string token_metadata(const std::string& token) { return "Bearer " + token; }
 

@@ -208,7 +208,7 @@ void encode(const FlaggedSamples& samples, wire::FlaggedSamples& message) {
   message.set_shape(samples.shape);
 }
 
-/// The error says what no unit's result can hold.
+/// Errors: values that are impossible for a result of the unit.
 Expected<FlaggedSamples> decode(const wire::FlaggedSamples& message, const RenderUnit& unit) {
   const FlaggedSamples samples{.count = message.count(),
                                .x = message.x(),
@@ -336,7 +336,7 @@ std::uint64_t result_hash(const wire::UnitResult& message) {
   const wire::PixelResult& pixels = message.pixels();
   std::vector<std::uint64_t> flagged = {std::uint64_t(pixels.flagged_size()),
                                         std::uint64_t(pixels.mattes_size())};
-  // Not the source, which workers may know or not.
+  // Without the source, which a worker may or may not know.
   for (const wire::FlaggedSamples& kind : pixels.flagged())
     flagged.insert(flagged.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()),
                                    kind.sample(), std::uint64_t(kind.shape())});

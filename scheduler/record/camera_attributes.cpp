@@ -5,15 +5,15 @@
 namespace penumbra {
 namespace {
 
-/// A column of ours is a row of theirs.
+/// Converts column vectors' matrices to OpenEXR's row vectors: our columns become rows.
 RowMatrix rows_of(const glm::dmat4& matrix) {
   RowMatrix rows;
   for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 4; ++k) rows[std::size_t(4 * i + k)] = float(matrix[i][k]) + 0.0f;  // no -0
+    for (int k = 0; k < 4; ++k) rows[std::size_t(4 * i + k)] = float(matrix[i][k]) + 0.0f;  // avoids -0
   return rows;
 }
 
-/// OpenEXR's camera looks along +z as ours does, but its x is to the right.
+/// OpenEXR's camera looks along +z like ours, but its x axis points to the right.
 glm::dmat4 to_camera(const glm::dmat4& to_world) {
   const glm::dmat3 axes(-glm::normalize(glm::dvec3(to_world[0])), glm::normalize(glm::dvec3(to_world[1])),
                         glm::normalize(glm::dvec3(to_world[2])));
@@ -23,7 +23,7 @@ glm::dmat4 to_camera(const glm::dmat4& to_world) {
   return result;
 }
 
-/// From there to the film: what camera_ray and film_point do, backwards.
+/// From camera space to the film: the inverse of camera_ray and film_point.
 glm::dmat4 to_film(const CameraSettings& camera, const Film& film) {
   const HalfFilm half = half_film(camera, film);
   const double larger = 1.0 + camera.magnify().y;

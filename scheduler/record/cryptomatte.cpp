@@ -96,7 +96,7 @@ void CryptomattePixels::append(const FilmAccumulator& film, int x, int y, std::v
   collect(materials_, [](const MatteNames::Matte& matte) { return matte.material; });
 }
 
-/// Of ranks whose names may repeat.
+/// Merges ranks with equal names, then appends the largest.
 void CryptomattePixels::append_layer(double samples, std::vector<float>& values) {
   std::ranges::sort(ranks_, {}, [](const Rank& rank) { return std::pair(rank.hash, rank.weight); });
   std::size_t distinct = 0;

@@ -1,5 +1,6 @@
-// Cryptomatte: who is seen in each pixel and how much of it he covers, as layers of an image from which
-// compositing programs make mattes by name. Psyop, "Cryptomatte Specification", version 1.2.0.
+// Cryptomatte: the IDs of the objects and materials visible in each pixel with their coverage, as image
+// layers from which compositing programs extract mattes by name. Psyop, "Cryptomatte Specification", version
+// 1.2.0.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +18,28 @@ namespace penumbra {
 /// A. Appleby, MurmurHash3_x86_32 (2011).
 std::uint32_t murmur_hash3_32(std::string_view bytes, std::uint32_t seed = 0);
 
-/// The hash of a name whose bits as a float are neither NaN nor infinite nor denormal: an exponent of all
-/// zeros or all ones has its lowest bit flipped.
+/// The hash of a name, adjusted so that its bits as a float are neither NaN nor infinite nor denormal: if the
+/// exponent is all zeros or all ones, its lowest bit is flipped.
 std::uint32_t cryptomatte_hash(std::string_view name);
 
-/// The layers CryptoObject and CryptoMaterial, three groups of R, G, B, A each: six ranks of an id, the hash
-/// as a float, and its coverage, which falls from rank to rank; 0 where there are fewer. Coverage is the
-/// share of the pixel's samples that met somebody of that name first; what is missing to 1 met nobody, or is
-/// of lower ranks.
+/// The layers CryptoObject and CryptoMaterial have three groups of R, G, B, A each, which hold six ranks. A
+/// rank is an ID (the hash as a float) and its coverage. Coverage decreases from rank to rank; missing ranks
+/// are 0. Coverage is the fraction of the pixel's samples whose camera ray hits the name first. The rest to 1
+/// hit nothing, or belongs to further names.
 constexpr int kCryptomatteRanks = 6;
 std::vector<std::string> cryptomatte_channels();
-/// How many those are.
+/// The number of channels of both layers.
 constexpr int kCryptomatteChannels = 2 * 2 * kCryptomatteRanks;
 
-/// `cryptomatte/…` of both layers. A manifest is JSON: of each name its hash as 8 hexadecimal digits.
+/// The metadata `cryptomatte/…` of both layers. A manifest is JSON that maps each name to its hash as 8
+/// hexadecimal digits.
 std::vector<std::pair<std::string, MetadataValue>> cryptomatte_metadata(const MatteNames& names);
 
-/// The values of those channels, pixel by pixel.
+/// Computes the values of those channels, pixel by pixel.
 class CryptomattePixels {
  public:
   explicit CryptomattePixels(const MatteNames& names);
-  /// Appends the pixel's.
+  /// Appends the values of the pixel.
   void append(const FilmAccumulator& film, int x, int y, std::vector<float>& values);
 
  private:
@@ -49,7 +51,7 @@ class CryptomattePixels {
 
   const MatteNames& names_;
   std::vector<std::uint32_t> objects_, materials_;  // hashes of the names
-  std::vector<Rank> ranks_;                         // of one pixel, in memory that is used again
+  std::vector<Rank> ranks_;                         // of the current pixel; the memory is reused
 };
 
 }  // namespace penumbra

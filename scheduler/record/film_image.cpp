@@ -13,10 +13,11 @@
 namespace penumbra {
 namespace {
 
-/// The channels of a layer's planes, none where it is not shown by itself.
+/// Adds the channels of a layer's planes; none if the layer is not shown by itself.
 void add_channels(const FilmLayerInfo& layer, std::vector<std::string>& channels) {
   for (const char channel : layer.channels)
-    channels.push_back(layer.name.empty() ? std::string(1, channel) : fmt::format("{}.{}", layer.name, channel));
+    channels.push_back(layer.name.empty() ? std::string(1, channel)
+                                          : fmt::format("{}.{}", layer.name, channel));
 }
 
 }  // namespace

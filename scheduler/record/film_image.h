@@ -1,4 +1,4 @@
-// The merged film as an image with layers.
+// Converts the merged film to an image with layers.
 #pragma once
 
 #include <cstdint>
@@ -9,30 +9,30 @@
 
 namespace penumbra {
 
-/// M2 / (n (n - 1)), the unbiased estimate of the variance of a mean of `count` samples; 0 where it has none
-/// (n < 2).
+/// M2 / (n (n - 1)): the unbiased estimate of the variance of the mean of n = `count` samples; 0 for n < 2.
 double variance_of_mean(std::uint64_t count, double m2);
 
-/// How many samples the pixels of a film have.
+/// The numbers of samples of a film's pixels.
 struct SampleRange {
-  std::uint64_t least = 0, most = 0;  ///< of a pixel
+  std::uint64_t least = 0, most = 0;  ///< the smallest and the largest number of a pixel
   std::uint64_t total = 0;
 };
 SampleRange sample_range(const FilmAccumulator& film);
 
-/// Pixels with a variance that no float holds: infinite in the image, while it is finite in the film.
+/// The number of pixels with a variance that overflows a float: infinite in the image, but finite in the
+/// film.
 std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 
-/// Layers, by OpenEXR's naming convention, the film's rectangle as data window in a film of `film_width` x
-/// `film_height`:
-///   R G B             mean radiance, linear Rec. 709
-///   A                 the coverage, where the film has it; R, G, B are premultiplied by it
-///   variance.R/G/B    variance of that mean
-///   albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
-///                     those of kernels/film_layers.h that the film has
-///   samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
-///   CryptoObject00.R … CryptoMaterial02.A
-///                     with `mattes`, of which the film has to be: see cryptomatte.h
+/// The image of a film. Layers have OpenEXR's naming convention. The data window is the film's rectangle in a
+/// film of `film_width` x `film_height`:
+///      R G B             mean radiance, linear Rec. 709
+///      A                 coverage, if the film has it; R, G, B are then premultiplied
+///      variance.R/G/B    variance of that mean
+///      albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
+///                        the layers of kernels/film_layers.h that the film has
+///      samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
+///      CryptoObject00.R … CryptoMaterial02.A
+///                        with `mattes`, which must belong to the film's scene: see cryptomatte.h
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height,
                     const MatteNames* mattes = nullptr);
 

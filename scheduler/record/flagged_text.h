@@ -1,4 +1,4 @@
-// Samples that are not as they should be, in words for the user.
+// Messages about invalid samples.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace penumbra {
 
-/// The command that repeats the first of them, of a job with this `RenderJob::reproduce_command`.
+/// The command that reproduces the first invalid sample, for a job with this `RenderJob::reproduce_command`.
 std::string repeat_sample_command(const FlaggedSamples& samples, const std::string& reproduce_command);
 
-/// The kinds' names in files: "nan", "infinite", "contradictory_boundary".
+/// The names of the kinds in files: "nan", "infinite", "contradictory_boundary".
 std::string_view flagged_name(int kind);
 
-/// How many there are of the kind, BAD_*, where the first is, and how to repeat it. `shape`: of BAD_BOUNDARY,
-/// the name of its shape.
+/// The number of samples of the kind BAD_*, the position of the first, and how to reproduce it. `shape`: for
+/// BAD_BOUNDARY the name of the shape.
 std::string flagged_text(int kind, const FlaggedSamples& samples, std::string_view shape,
                          const std::string& reproduce_command);
 

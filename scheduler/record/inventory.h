@@ -1,4 +1,4 @@
-// What a scene costs and what was left out, for `penumbra info --json`, statistics and for people.
+// Formats the cost of a scene and of the features left out, for `penumbra info` and statistics.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,10 +8,10 @@
 
 namespace penumbra {
 
-/// Numbers only: bytes and seconds, each with what it would be with everything; null for what is not known.
+/// Only numbers: bytes and seconds, each also for a scene with every feature. Unknown values are null.
 nlohmann::ordered_json inventory_json(const SceneInventory& inventory);
 
-/// Two columns: as it is, and with everything.
+/// Two columns: the scene as it is, and with every feature.
 std::string inventory_text(const SceneInventory& inventory);
 
 }  // namespace penumbra

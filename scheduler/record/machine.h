@@ -1,4 +1,4 @@
-// Where and when a program runs, for statistics and reports.
+// Properties of the machine and the time, for statistics and reports.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-/// Now, as "2024-06-11T17:03:00Z".
+/// The current time, as "2024-06-11T17:03:00Z".
 std::string utc_now();
 
 }  // namespace penumbra

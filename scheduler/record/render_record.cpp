@@ -23,20 +23,20 @@ bool depends_on_tiles(const RenderRecord& record) {
   return record.target_error || record.adaptive || record.stop_after_units;
 }
 
-/// As the format's int where it fits, as unsigned 32-bit values may not: a double has them exactly.
+/// The format's int if the value fits, else a double, which represents unsigned 32-bit values exactly.
 MetadataValue integer_value(std::int64_t value) {
   if (value >= INT_MIN && value <= INT_MAX) return int(value);
   return double(value);
 }
 
-/// As the format's float where that is the same number, which it is of what is stored as one.
+/// The format's float if that is the same number, which holds for settings stored as float.
 MetadataValue number_value(const std::string& text) {
   const double value = *parse_number(text);
   if (fmt::to_string(float(value)) == text) return float(value);
   return value;
 }
 
-/// Numbers stay numbers.
+/// Numbers are recorded as numbers.
 MetadataValue recorded_value(const Setting& setting, const RenderRecord& record) {
   const std::string text = setting.print(record);
   if (setting.kind == SettingKind::kInteger) return integer_value(*parse_integer(text));
@@ -108,13 +108,13 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
 }
 
 RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered) {
-  // Where there are gaps, counts do not tell which samples there are.
+  // With gaps, counts do not determine which samples there are.
   if (rendered.has_gaps || rendered.ended_by_tile || rendered.most == 0) return record;
   if (rendered.least != rendered.most && rendered.units_in_order) {
     record.stop_after_units = rendered.units_in_order;
     return record;
   }
-  record.stop_after_units.reset();  // equally many of each pixel are the same whatever the tiles
+  record.stop_after_units.reset();  // with equally many samples per pixel the tile size does not matter
   if (rendered.most < record.sampler.spp) record.stop_after = std::uint32_t(rendered.most);
   return record;
 }

@@ -1,6 +1,6 @@
-// What a render was asked to do: everything that its pixels depend on, and nothing else. It goes into the
-// EXR, where it repeats the render, so how many workers and threads there were, the time and the host have no
-// place here.
+// The parameters of a render: everything on which its pixels depend, and nothing else. The record is stored
+// in the EXR so that the render can be repeated. Therefore it does not contain the number of workers and
+// threads, the time or the host.
 #pragma once
 
 #include <cstdint>
@@ -16,64 +16,69 @@
 
 namespace penumbra {
 
-/// The film's crop is what was rendered, and the sampler's number of samples what its sequences are made for.
+/// The film's crop is the rendered rectangle. The sampler's number of samples is the one for which its
+/// sequences are made.
 struct RenderRecord : RenderSettings {
   std::string scene;                  ///< as named by the user
   std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
-  std::string dialect;  ///< --dialect; empty: what the scene file tells
-  /// Only so many of them are rendered; nothing: all.
+  std::string dialect;  ///< --dialect; empty: determined from the scene file
+  /// Only so many samples per pixel are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
-  /// Only the first so many units, of `tile` and `samples_per_pass`, pass by pass and tile by tile; nothing:
-  /// all.
+  /// Only so many units (of `tile` and `samples_per_pass`) are rendered, pass by pass and tile by tile;
+  /// nothing: all.
   std::optional<std::uint64_t> stop_after_units;
   std::uint32_t samples_per_pass = 16;
-  std::optional<double> target_error;  ///< of each tile
+  std::optional<double> target_error;  ///< per tile
   bool adaptive = false;               ///< see SampleAllocation
-  int tile = 0;  ///< pixels along a side; matters with the last two, and with stop_after_units
+  /// Tile size in pixels; it affects the image only with a target error, adaptive sampling or
+  /// stop_after_units.
+  int tile = 0;
   bool feature_layers = true;
   bool cryptomatte = false;
-  bool embree = false;  ///< else the portable intersector
+  bool embree = false;  ///< false: the portable intersector
   Backend backend = Backend::kNative;
-  std::string isa;  ///< Embree's choices depend on the instruction set; empty where it makes no difference
+  std::string isa;  ///< with Embree the image depends on the instruction set; empty if it does not matter
 };
 
-/// The command that renders the same bytes again, quoted for a POSIX shell. Without `with_crop` it is the
-/// command for the whole film.
+/// The command that renders the same bytes again, quoted for a POSIX shell. Without `with_crop` it renders
+/// the whole film.
 std::string repeat_command(const RenderRecord& record, bool with_crop);
 
-/// Name and value of every setting, for people and for metadata; names are those of `--set` or of the command
-/// line's options, and values what these take, numbers as numbers.
+/// Names and values of all settings, for display and metadata. Names are those of `--set` or of command-line
+/// options, and values are in the same form; numbers are numbers.
 std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
 
-/// What of a render is in its image.
+/// Which samples of a render are in its image.
 struct RenderedSamples {
-  bool complete = true;               ///< all that was asked for
-  bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
-  std::uint64_t least = 0, most = 0;  ///< of a pixel
-  std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
-  bool ended_by_tile = false;         ///< each tile has come to the target error, its share, or all samples
+  bool complete = true;               ///< everything requested was rendered
+  bool has_gaps = false;              ///< some pixels may lack earlier samples than others that they have
+  std::uint64_t least = 0, most = 0;  ///< per pixel
+  /// The backends that computed them: native, opencl, or both; empty: as requested.
+  std::string_view backends = {};
+  /// Each tile has reached the target error, its allocated samples, or all samples.
+  bool ended_by_tile = false;
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
-  std::size_t scene_warnings = 0;                    ///< of its reader: what is not as the file says
+  std::size_t scene_warnings = 0;  ///< number of the reader's warnings that the scene is not as the file says
 
-  /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
-  /// as its tile's results ask for, or as many as the first units of all have.
+  /// Whether some command renders the same image. Then every pixel has its first samples: equally many, or as
+  /// many as its tile's results require, or as many as the first units of the image contain.
   [[nodiscard]] bool repeatable() const {
     return !has_gaps && (least == most || ended_by_tile || units_in_order);
   }
 };
 
-/// The record of what was rendered, where that may be less than what was to be. Its command repeats the image
-/// if any does; else it renders every pixel as far as the image's furthest.
+/// The record of what was actually rendered, which may be less than requested. Its command repeats the image
+/// if that is possible; otherwise it renders all pixels with the largest number of samples of any pixel.
 RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered);
 
-/// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
-/// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
-/// penumbra:scene_warnings is how many there were, if any. An image that misses samples is marked
-/// penumbra:incomplete = 1; if no command renders it again, there is penumbra:nearest_command instead of
-/// penumbra:command. penumbra:rendered_by is what a backend came to that the command leaves open.
+/// The EXR's metadata, all named penumbra:…. `film_hash` is FilmAccumulator::hash(). The scene is named
+/// without its folder, so that the same render gives the same file anywhere, and it is identified by its
+/// hash. penumbra:scene_warnings is the number of warnings, if any. An image that lacks samples is marked
+/// penumbra:incomplete = 1. If no command reproduces it, there is penumbra:nearest_command instead of
+/// penumbra:command. penumbra:rendered_by is the backend that was used, if the command leaves it open.
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
                                                                    std::uint64_t film_hash,
                                                                    const RenderedSamples& rendered);

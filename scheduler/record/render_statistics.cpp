@@ -39,7 +39,7 @@ Json settings_json(const RenderStatistics& statistics) {
   return settings;
 }
 
-/// How many samples of a kind are not as they should be, and the first of them.
+/// The number of invalid samples of a kind, and the first of them.
 Json flagged_json(int kind, const FlaggedSamples& samples, const RenderStatistics& statistics) {
   if (samples.count == 0) return {{"count", 0}, {"first", nullptr}};
   Json first{{"x", samples.x}, {"y", samples.y}, {"sample", samples.sample}};
@@ -67,8 +67,8 @@ Json samples_json(const RenderStatistics& statistics) {
   return samples;
 }
 
-/// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
-/// visible share; nothing where there is no closed form.
+/// Means over the image of the closed form of polygon lights, of the reduction by shadows, and of the visible
+/// fraction. Null if there is no closed form.
 Json polygon_light_json(const FilmAccumulator& film) {
   if (!film.layers().has(LAYER_ANALYTIC)) return nullptr;
   double analytic[3] = {}, difference[3] = {}, visibility = 0;
@@ -84,7 +84,7 @@ Json polygon_light_json(const FilmAccumulator& film) {
   return {{"analytic", analytic}, {"difference", difference}, {"visibility", visibility}};
 }
 
-/// How a worker came by its OpenCL kernels.
+/// The origin of a worker's OpenCL kernels.
 Json kernels_json(const std::optional<KernelOrigin>& kernels) {
   if (!kernels) return nullptr;
   return {{"cached", kernels->cached},
@@ -128,7 +128,7 @@ double samples_per_second(const RenderOutcome& outcome) {
   return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
 }
 
-/// What ended the render.
+/// The reason why the render ended.
 std::string_view ended_by(const RenderStatistics& statistics) {
   const RenderOutcome& outcome = *statistics.outcome;
   const RenderJob& job = *statistics.job;

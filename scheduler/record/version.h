@@ -1,4 +1,4 @@
-// The version of the program, as the build names it.
+// The version of the program, defined by the build.
 #pragma once
 
 #include <string_view>

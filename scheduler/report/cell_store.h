@@ -1,5 +1,5 @@
-// Finished cells of a report on disk: an image and what was measured of it. A cell is there once its JSON is,
-// which is written last, so an interrupted report goes on where it was.
+// Stores the finished cells of a report on disk: an image and its measurements. A cell exists if its JSON
+// file does, which is written last. So an interrupted report can be resumed.
 #pragma once
 
 #include <filesystem>
@@ -13,26 +13,26 @@
 
 namespace penumbra {
 
-/// What a cell's image and times depend on: any text, hashed into the cell's name.
+/// Identifies a cell by everything on which its image and times depend.
 struct CellId {
-  std::string name;  ///< for people: scene, method, budget, seed
+  std::string name;  ///< for display: scene, method, budget, seed
   std::string key;   ///< 16 hexadecimal digits
 };
 
-/// `settings` is everything that the cell depends on; its hash is the key. Characters of `name` that are not
-/// for file names become '_'.
+/// `settings` is everything on which the cell depends; its hash is the key. Characters of `name` that are not
+/// allowed in file names become '_'.
 CellId make_cell_id(const std::string& name, const nlohmann::ordered_json& settings);
 
 class CellStore {
  public:
-  /// The folder is made with its first cell. Error: it could not be written to.
+  /// The folder is created with the first cell. Error: it is not writable.
   static Expected<CellStore> open(const std::filesystem::path& folder);
 
   [[nodiscard]] std::filesystem::path image_path(const CellId& id) const;
-  /// The cell if it is finished and all of it is as it was stored. `damage`, if given, becomes what is wrong
-  /// with one that is there all the same; it counts as not there.
+  /// The cell, if it is finished and unchanged. If it exists but is damaged, it is treated as missing, and
+  /// `damage`, if not null, is set to the reason.
   [[nodiscard]] std::optional<ImageResult> find(const CellId& id, std::string* damage = nullptr) const;
-  /// Writes the image's R, G, B, then the JSON. `settings` as for make_cell_id.
+  /// Writes the image's R, G, B, then the JSON. For `settings` see make_cell_id.
   Expected<void> save(const CellId& id, const Image& image, const ImageResult& result,
                       const nlohmann::ordered_json& settings) const;
 
@@ -42,7 +42,7 @@ class CellStore {
   std::filesystem::path folder_;
 };
 
-/// The channels R, G, B alone: what a report compares.
+/// Only the channels R, G, B, which a report compares.
 Image beauty_only(const Image& image);
 
 }  // namespace penumbra

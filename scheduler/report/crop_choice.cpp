@@ -33,7 +33,7 @@ std::optional<CropChoice> parse_place(std::string_view text) {
   return CropChoice{CropChoice::Kind::kPlace, v[0], v[1], v[2]};
 }
 
-/// Sums over all rectangles in constant time: entry (x, y) is the sum left of x and above y.
+/// A summed-area table: entry (x, y) is the sum left of x and above y.
 class SummedArea {
  public:
   SummedArea(const PixelWindow& window, const std::vector<double>& values, double cap)
@@ -107,7 +107,7 @@ ChosenCrop choose_crop(const CropChoice& choice, const PixelWindow& window,
       for (int y = 0; y <= last_y; ++y)
         for (int x = 0; x <= last_x; ++x) {
           const double sum = sums.sum(x, y, crop.width, crop.height);
-          // Equal but for rounding: the first place stays.
+          // If sums are equal up to rounding, the first place is kept.
           if (sum > most * (1 + 1e-9)) {
             most = sum;
             crop.x = x;

@@ -1,4 +1,4 @@
-// Which part of an image the equal-time pictures show.
+// Chooses the part of an image that the equal-time crops show.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@ namespace penumbra {
 
 struct CropChoice {
   enum class Kind { kLargestError, kCentre, kPlace } kind = Kind::kLargestError;
-  int x = 0, y = 0;  ///< kPlace: corner, in film pixels
-  int size = 0;      ///< side of the square; 0: a third of the image's shorter side, at least 16
+  int x = 0, y = 0;  ///< for kPlace: the corner in film pixels
+  int size = 0;      ///< side of the square; 0: a third of the image's shorter side, but at least 16
 };
 
-/// "error", "centre", "error:SIZE", "centre:SIZE", "X,Y,SIZE".
+/// Parses "error", "centre", "error:SIZE", "centre:SIZE" or "X,Y,SIZE".
 Expected<CropChoice> parse_crop_choice(std::string_view text);
 
 struct ChosenCrop {
   PixelWindow window;
-  std::string why;  ///< for people
+  std::string why;  ///< for display
 };
 
-/// The square, moved and shrunk to lie in `window`. `errors` has a number for each pixel of it, row by row;
-/// NaN counts as 0. For kLargestError it is where their sum is largest, with each clamped to the 99th
-/// percentile, so that a firefly is not all that there is to see.
+/// The square, moved and shrunk to lie in `window`. `errors` has one number per pixel of it, row by row; NaN
+/// is treated as 0. For kLargestError it is the square with the largest sum of errors, each clamped to the
+/// 99th percentile, so that a single firefly does not determine it.
 ChosenCrop choose_crop(const CropChoice& choice, const PixelWindow& window,
                        const std::vector<double>& errors);
 

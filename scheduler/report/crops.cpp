@@ -21,7 +21,7 @@ double common_seconds(const ReportData& report, const SceneReport& scene) {
   return std::isfinite(common) ? common : 0;
 }
 
-/// Both halves of a reference as one image.
+/// The mean of both halves of a reference.
 Image mean_of(const Reference& reference) {
   Image mean = beauty_only(reference.first);
   if (!reference.second) return mean;
@@ -119,7 +119,7 @@ Expected<CropSet> make_crops(const ReportData& report, const SceneReport& scene,
     tops.push_back(default_range(one->map).high);
     measured.push_back(std::move(*one));
   }
-  // One scale for all, or the maps could not be compared.
+  // One scale for all maps, so that they can be compared.
   if (!tops.empty()) set.heat_high = *std::ranges::max_element(tops);
   if (!(set.heat_high > 0)) set.heat_high = 1;
   for (Measured& one : measured) {

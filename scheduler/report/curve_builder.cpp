@@ -35,8 +35,8 @@ ImageErrors mean_errors(const std::vector<ImageResult>& images) {
   return mean;
 }
 
-/// Where errors fall as 1 / T, 1 / (error T) is one number for the whole curve; elsewhere it is a number of a
-/// budget, not of a method.
+/// If errors fall as 1 / T, the efficiency 1 / (error T) is constant along the curve. Otherwise it
+/// characterises a budget, not a method, and is not reported.
 void find_efficiency(const ReportData& report, Curve& curve) {
   const auto& fit = curve.mse_over_time;
   if (!fit) {

@@ -1,4 +1,4 @@
-// From images to curves: errors of each budget, slopes, times to targets, efficiency.
+// Computes curves from images: errors of each budget, slopes, times to targets, efficiency.
 #pragma once
 
 #include <functional>
@@ -9,28 +9,28 @@
 
 namespace penumbra {
 
-/// Middle of the values, mean of the two middle ones; 0 for none.
+/// The median: the middle value, or the mean of the two middle ones; 0 for no values.
 double median(std::vector<double> values);
 
 ImageErrors measure_errors(const ImagePair& pair, double epsilon);
 
-/// One budget: reads the images of `images`, measures each, and all of them together. `on_pair` (which may be
-/// empty) sees each pair. Errors: an image that cannot be read or does not fit the reference.
+/// Computes one point: reads the images, measures each and all of them together. `on_pair` (which may be
+/// empty) is called with each pair. Errors: an image cannot be read or does not match the reference.
 Expected<CurvePoint> measure_point(std::uint32_t spp, std::vector<ImageResult> images,
                                    const Reference& reference, double epsilon,
                                    const std::function<void(const ImagePair&)>& on_pair = {});
 
-/// MSE or relMSE of each point over its median seconds, or over samples per pixel.
+/// MSE or relMSE of each point over its median time, or over samples per pixel.
 std::vector<CostError> over_time(const ReportData& report, const Curve& curve, bool relative);
 std::vector<CostError> over_spp(const Curve& curve, bool relative);
 
-/// relMSE at that time, linear in log error over log time between budgets; NaN outside of them.
+/// relMSE at that time, interpolated linearly in log error over log time; NaN outside the measured range.
 double error_at_time(const ReportData& report, const Curve& curve, double seconds);
 
-/// Fits the curve's points, and finds the times to `targets` and the efficiency.
+/// Fits the curve's slopes and computes the times to `targets` and the efficiency.
 void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve);
 
-/// The smallest relMSE that every curve reaches: a target for all of them. Nothing where there is none.
+/// The smallest relMSE that every curve reaches, as a common target. Nothing if there is none.
 std::optional<Target> common_target(std::span<const Curve> curves);
 
 }  // namespace penumbra

@@ -40,8 +40,8 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
-  // gnuplot runs in the folder: a name that begins with ./ is to it neither an option, nor a home, nor a
-  // pipe.
+  // gnuplot runs in the folder. It takes a name that begins with ./ neither for an option nor for a home
+  // folder or a pipe.
   const std::string plain_name = file_name_of(name);
   const auto file = [&](const char* ending) { return folder / (plain_name + ending); };
   const auto local = [&](const char* ending) { return "./" + plain_name + ending; };

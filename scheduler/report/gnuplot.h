@@ -1,4 +1,4 @@
-// Plots through the program gnuplot.
+// Draws plots with the program gnuplot.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-/// Where gnuplot is. Error: it is not in PATH; says how to get it.
+/// Finds gnuplot. Error: it is not in PATH; the message says how to install it.
 Expected<std::filesystem::path> find_gnuplot();
 
 struct GnuplotOutput {
@@ -18,9 +18,9 @@ struct GnuplotOutput {
   std::vector<std::uint8_t> png;
 };
 
-/// Runs a script that draws one plot and sets neither terminal nor output; text of users is in it by
-/// gnuplot_quoted. Script, SVG and PNG stay in `folder` as NAME.gp, NAME.svg, NAME.png, see file_name_of.
-/// Errors: what gnuplot says, or that it left no plot.
+/// Runs a script that draws one plot and sets neither terminal nor output. Text of users must be quoted with
+/// gnuplot_quoted. Script, SVG and PNG are stored in `folder` as NAME.gp, NAME.svg, NAME.png; see
+/// file_name_of. Errors: gnuplot's message, or that it produced no plot.
 Expected<GnuplotOutput> run_gnuplot(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
                                     const std::string& name, const std::string& script, int width,
                                     int height);

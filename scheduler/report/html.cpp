@@ -34,7 +34,7 @@ std::string load_text(const std::array<double, 3>& load) {
   return fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2]);
 }
 
-/// The other programs' share of the machine when nothing of ours ran yet.
+/// Whether other programs used the machine before the first render.
 bool was_busy(const ReportData& report) { return report.load_start[0] > 0.5 * report.cores; }
 
 std::string machine_html(const ReportData& report) {

@@ -1,4 +1,4 @@
-// index.html: the report as one page that needs nothing else, no network either.
+// Writes index.html: the report as a self-contained page that needs no network.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace penumbra {
 
-/// In every page, and so in none of another program.
+/// Marks the pages of this program; it is in every page.
 constexpr const char* kReportPageMarker = "<meta name=\"generator\" content=\"penumbra report\">";
 
 std::string report_html(const ReportData& report);
 
-/// One scene's section, without its head.
+/// The section of one scene, without its heading.
 std::string scene_tables_html(const ReportData& report, const SceneReport& scene);
 std::string scene_crops_html(const SceneReport& scene);
 

@@ -36,7 +36,7 @@ std::string target_name(const Target& target) {
                      number_text(target.error));
 }
 
-/// Indices of the curve that is fastest to each target, by what was measured.
+/// For each target the index of the fastest curve, considering only measured times.
 std::vector<std::size_t> fastest(const SceneReport& scene) {
   std::vector<std::size_t> best(scene.targets.size(), scene.curves.size());
   for (std::size_t t = 0; t < scene.targets.size(); ++t) {
@@ -77,7 +77,7 @@ std::string summary_table(const SceneReport& scene) {
                               : "");
 }
 
-/// One row of budgets for each curve.
+/// One row per curve, one column per budget.
 std::string equal_sample_table(const SceneReport& scene) {
   std::set<std::uint32_t> budgets;
   for (const Curve& curve : scene.curves)

@@ -1,4 +1,4 @@
-// A method as named on the command line: an integrator with settings and a label.
+// A method of a report as given on the command line: an integrator with settings and a label.
 #pragma once
 
 #include <string>
@@ -10,25 +10,26 @@
 namespace penumbra {
 
 struct Method {
-  std::string label;                  ///< in plots and tables
+  std::string label;                  ///< shown in plots and tables
   std::string integrator;             ///< empty: the scene's own
   std::vector<std::string> settings;  ///< integrator.key=value, as for --set
 };
 
-/// [LABEL=]NAME[:KEY=VALUE,…]; keys without a dot are the integrator's. The label is the text without LABEL=
-/// unless given. Errors: an unknown integrator (names the nearest), a setting without a value. What settings
-/// there are is the scene reader's to say.
+/// Parses [LABEL=]NAME[:KEY=VALUE,…]. Keys without a dot are parameters of the integrator. Without LABEL= the
+/// label is the text itself. Errors: an unknown integrator (suggests the nearest), a setting without a value.
+/// The scene reader checks later whether the settings exist.
 Expected<Method> parse_method(std::string_view text);
 
-/// Budgets in samples per pixel, ascending: "4..64" doubles from 4 up to at most 64; "1,2,8" is a list.
-/// Errors: no positive whole numbers, the same twice, the first of a range above the second.
+/// Parses budgets in samples per pixel, ascending: "4..64" doubles from 4 up to at most 64; "1,2,8" is a
+/// list. Errors: a number that is not a positive integer, duplicates, a range whose first number exceeds the
+/// second.
 Expected<std::vector<std::uint32_t>> parse_budgets(std::string_view text);
 
 /// "relmse=1e-3", "mse=0.01" or "block_relmse=1e-3".
 struct Target {
-  bool relative = true;  ///< of relMSE, else of MSE
+  bool relative = true;  ///< relMSE, else MSE
   double error = 0;
-  bool blocks = false;  ///< relMSE of the means of blocks, see block_relative_mse
+  bool blocks = false;  ///< relMSE of block means; see block_relative_mse
 };
 Expected<Target> parse_target(std::string_view text);
 

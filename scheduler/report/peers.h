@@ -1,4 +1,4 @@
-// Images of other renderers, made by whatever means: FOLDER/NAME/SECONDS-seconds.exr.
+// Images of other renderers, with their render times in the file names: FOLDER/NAME/SECONDS-seconds.exr.
 #pragma once
 
 #include <filesystem>
@@ -16,17 +16,17 @@ struct PeerImage {
   double seconds = 0;
 };
 
-/// One renderer, or one setting of one.
+/// Another renderer, or one configuration of it.
 struct Peer {
   std::string name;
-  std::vector<PeerImage> images;  ///< by time
+  std::vector<PeerImage> images;  ///< by ascending time
 };
 
-/// "0.35-seconds.exr" and "004.25-seconds.exr": the time; nothing for any other name.
+/// The time in a file name like "0.35-seconds.exr" or "004.25-seconds.exr". Nothing for any other name.
 std::optional<double> peer_seconds(std::string_view file_name);
 
-/// All peers of the folder, by name. Hidden files are passed over. Errors: the folder is missing or holds no
-/// folder with images, a file of another name, one time twice, an image that cannot be read or is not of this
+/// All peers in the folder, by name. Hidden files are ignored. Errors: the folder is missing or contains no
+/// folder with images; a file has another name; a time occurs twice; an image cannot be read or has another
 /// size.
 Expected<std::vector<Peer>> find_peers(const std::filesystem::path& folder, int width, int height);
 

@@ -18,7 +18,7 @@ namespace penumbra {
 namespace {
 
 constexpr int kWidth = 760, kHeight = 430;  // without the legend
-constexpr double kClearBias = 3;            // standard errors
+constexpr double kClearBias = 3;            // in standard errors
 
 constexpr std::string_view kLegendRows = "# rows of the legend: ";
 
@@ -28,7 +28,7 @@ int plot_height(const std::string& script) {
   return kHeight + (told ? kRowHeight * std::atoi(script.c_str() + kLegendRows.size()) : 0);
 }
 
-/// Collects data blocks and what is drawn of them.
+/// Collects the data blocks and plot commands of a script.
 class Script {
  public:
   Script(const std::string& x_label, const std::string& y_label) {
@@ -42,7 +42,7 @@ class Script {
   }
   void line(const std::string& text) { text_ += text + "\n"; }
 
-  /// Points, `with` as in gnuplot's plot command. Nothing is drawn of points with no logarithm.
+  /// Adds points; `with` is gnuplot's plot style. Points without a logarithm are not drawn.
   void add(const std::vector<CostError>& points, const std::string& with, const std::string& title) {
     std::string rows;
     for (const CostError& point : points) {
@@ -57,7 +57,7 @@ class Script {
                           title.empty() ? "notitle" : "title " + gnuplot_quoted(title));
   }
   [[nodiscard]] bool empty() const { return plots_.empty(); }
-  /// The legend is above the plot, in as many columns as fit; its rows make the plot higher, see plot_height.
+  /// The legend is above the plot, in as many columns as fit. Its rows increase the height; see plot_height.
   [[nodiscard]] std::string text() const {
     if (empty()) return "";
     std::size_t longest = 1;
@@ -73,7 +73,7 @@ class Script {
   int blocks_ = 0;
 };
 
-/// Ticks that read well: powers of ten as numbers, and 1-2-5 where the range is short.
+/// Readable ticks: powers of ten as numbers, or 1-2-5 steps for short ranges.
 void set_axis(Script& script, char axis, const std::vector<double>& values) {
   double low = INFINITY, high = 0;
   for (const double value : values) {
@@ -97,7 +97,7 @@ void set_axis(Script& script, char axis, const std::vector<double>& values) {
   script.line(fmt::format("set {}tics ({})", axis, ticks));
 }
 
-/// Samples per pixel: the budgets themselves, or every second, fourth, … of them.
+/// Ticks at the budgets in samples per pixel, or at every second, fourth, … of them.
 void set_budget_axis(Script& script, const std::vector<double>& values) {
   const std::set<double> budgets(values.begin(), values.end());
   if (budgets.empty()) return;
@@ -131,7 +131,7 @@ void set_axes(Script& script, Cost cost, const std::vector<std::vector<CostError
   set_axis(script, 'y', y);
 }
 
-/// Peers have open points, so that they read as what they are in print too.
+/// Peers have open symbols, so that they can be distinguished in grey print.
 std::string style(const Curve& curve, std::size_t index) {
   static constexpr int kFilled[] = {7, 5, 9, 11, 13, 15}, kOpen[] = {6, 4, 8, 10, 12, 14};
   const int point = (curve.name.peer ? kOpen : kFilled)[index % 6];
@@ -165,7 +165,7 @@ std::string curves_script(const SceneReport& scene, Cost cost, const std::string
   return script.text();
 }
 
-/// A line of this slope through the first point, as far as the points go.
+/// A line of this slope through the first point, over the range of the points.
 std::vector<CostError> order_line(const std::vector<CostError>& points, double slope) {
   const auto usable =
       std::ranges::find_if(points, [](const CostError& p) { return p.cost > 0 && p.error > 0; });
@@ -203,7 +203,7 @@ std::string bias_plot_script(const SceneReport& scene) {
     for (const CurvePoint& point : curve.points) {
       if (point.spp == 0 || point.images.size() < 2) continue;
       variance.push_back({double(point.spp), point.relative.variance});
-      // What is hardly larger than its own error says only that it is small.
+      // A bias that is not clearly larger than its standard error is only known to be small.
       const bool clear = point.relative.bias_squared > kClearBias * point.relative.bias_squared_error;
       bias.push_back({double(point.spp), clear ? point.relative.bias_squared : 0});
     }
@@ -233,7 +233,7 @@ std::string sampler_plot_script(const SceneReport& scene) {
   for (const Curve& curve : scene.curves) all.push_back(over_spp(curve, false));
   Script script("samples per pixel", "MSE");
   set_axes(script, Cost::kSamples, all);
-  std::map<double, std::string> orders;  // slope: whose it is
+  std::map<double, std::string> orders;  // the samplers with that slope
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Curve& curve = scene.curves[i];
     if (curve.name.peer || all[i].empty()) continue;

@@ -1,4 +1,4 @@
-// The plots of a report: error against run time and against samples, log-log.
+// The plots of a report, all log-log: error against render time and against samples.
 #pragma once
 
 #include <filesystem>
@@ -7,22 +7,23 @@
 
 namespace penumbra {
 
-/// What one plot shows, as a gnuplot script without terminal and output.
+/// The gnuplot script of the plot over time, without terminal and output.
 std::string time_plot_script(const ReportData& report, const SceneReport& scene);
 std::string spp_plot_script(const SceneReport& scene);
-/// Bias^2 and variance of each curve with two seeds or more against samples; empty where there is nothing to
+/// Bias^2 and variance against samples, for each curve with at least two seeds. Empty if there is nothing to
 /// show.
 std::string bias_plot_script(const SceneReport& scene);
-/// MSE of the samplers against samples, with the orders expected of them as dashed lines; empty where there
-/// are fewer than two samplers.
+/// MSE against samples for each sampler, with the expected convergence rates as dashed lines. Empty for fewer
+/// than two samplers.
 std::string sampler_plot_script(const SceneReport& scene);
 
-/// All plots of the scene, drawn by gnuplot into `folder`.
+/// Draws all plots of the scene into `folder` with gnuplot.
 Expected<std::vector<Plot>> draw_plots(const std::filesystem::path& gnuplot,
                                        const std::filesystem::path& folder, const ReportData& report,
                                        const SceneReport& scene);
 
-/// Colours of curves, for the eight that most people tell apart (Okabe and Ito 2008), as #rrggbb.
+/// The colour of a curve as #rrggbb, from the eight colours of Okabe and Ito (2008), which most people can
+/// distinguish.
 std::string curve_color(std::size_t index);
 
 }  // namespace penumbra

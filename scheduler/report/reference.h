@@ -1,4 +1,4 @@
-// The images that errors are measured against.
+// The reference images against which errors are measured.
 #pragma once
 
 #include <optional>
@@ -9,22 +9,24 @@
 
 namespace penumbra {
 
-/// One image, or two whose noise is independent: then squared errors are (x - A)(x - B), free of that noise.
+/// One image, or two with independent noise A and B. With two, squared errors are (x - A)(x - B), whose
+/// expectation is free of that noise.
 struct Reference {
   Image first;
   std::optional<Image> second;
 
-  /// The image against the reference; errors as pair_images.
+  /// Pairs an image with the reference. Errors: those of pair_images.
   [[nodiscard]] Expected<ImagePair> pair(const Image& image) const;
   [[nodiscard]] PixelWindow window() const { return first.data; }
 };
 
-/// Mean of A - B over pixels and channels in units of its standard error, by the spread over the pixels: 0
-/// for two halves that differ in nothing, about a standard normal where both estimate the same.
+/// The mean of A - B over pixels and channels, divided by its standard error, which is estimated from the
+/// variation over the pixels. 0 if both are equal; approximately standard normal if both estimate the same
+/// image.
 double halves_z(const Image& a, const Image& b);
 
-/// What the noise of a reference that stands alone adds to MSE and relMSE, by its layer `variance`; nothing
-/// where it has none.
+/// The amounts that the noise of a single reference adds to MSE and relMSE, from its layer `variance`.
+/// Nothing if it has none.
 struct ReferenceNoise {
   double mse = 0, relmse = 0;
 };

@@ -13,10 +13,10 @@
 namespace penumbra {
 namespace {
 
-/// kOwn: what no other integrator estimates.
+/// kOwn: no other integrator has the same limit image.
 enum class Quantity { kUnshadowed, kDirect, kPaths, kOwn };
 
-/// Of paths, else nothing.
+/// Nothing if the integrator does not trace paths.
 std::optional<int> max_depth(const IntegratorSettings& integrator) {
   std::optional<int> depth;
   with_parameter(integrator, PENUMBRA_PARAMETER(max_depth), [&](int edges) { depth = edges; });
@@ -42,10 +42,11 @@ Quantity quantity_of(const IntegratorSettings& integrator) {
   return integrator.is<PolygonAnalyticIntegrator>() || !shadows ? Quantity::kUnshadowed : Quantity::kDirect;
 }
 
-/// Of the integrator, as `--set` takes them: those that change what it estimates, or all.
+/// The integrator's parameters in the form of `--set`: those that change its limit image, or all.
 std::vector<std::string> parameters_of(const IntegratorSettings& integrator, bool all) {
   std::vector<std::string> parameters;
-  const bool part = is_part(integrator);  // what a technique finds depends on how it is weighed
+  // The part of the light found by one technique depends on the MIS weights.
+  const bool part = is_part(integrator);
   integrator_parameters(
       [&](const char* name, const auto& parameter, const auto& values, const char*, auto...) {
         const std::string_view n = name;

@@ -1,5 +1,5 @@
-// Which truth a report renders for itself: two halves with seeds of their own, by other means than the
-// methods that they judge where that is possible.
+// Chooses how a report renders its own reference: two halves with different seeds, if possible by other
+// integrators than those that are judged.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// What an integrator's image tends to, in words: equal texts are equal images in the limit.
+/// A description of the limit image of an integrator. Equal texts mean equal images in the limit.
 std::string estimated_quantity(const IntegratorSettings& integrator);
 
 struct ReferenceMethod {
@@ -20,16 +20,17 @@ struct ReferenceMethod {
   std::string sampler;
 };
 
-/// Two integrators whose images tend to the same as this one's, as different from it and from each other as
-/// there are: direct light by `direct` and by paths of two edges, others by paths under two MIS heuristics;
-/// one half with Owen-scrambled Sobol points, one with independent samples.
+/// Two methods with the same limit image as this integrator, as different from it and from each other as
+/// possible. Direct illumination is rendered by `direct` and by paths of two edges, other light transport by
+/// paths with two different MIS heuristics. One half uses Owen-scrambled Sobol points, the other independent
+/// samples.
 std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integrator);
 
-/// A reference has at least this many times the samples of the largest budget, both halves together.
+/// A reference has at least this many times the samples of the largest budget, counting both halves.
 constexpr std::uint64_t kReferenceFactor = 50;
 
-/// Samples of each half: half of `total`; if that is 0, of kReferenceFactor * largest_budget, rounded up to a
-/// power of two, which Sobol points like.
+/// Samples per pixel of each half: half of `total`, or if that is 0, of kReferenceFactor * largest_budget,
+/// rounded up to a power of two, which suits Sobol points.
 std::uint32_t half_reference_spp(std::uint32_t largest_budget, std::uint32_t total);
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@ namespace {
 /// The shortest digits that read back as the same number.
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-/// Of fields that are quoted where they are text.
+/// Appends a row; text fields must be quoted already.
 void add_row(std::string& csv, const std::vector<std::string>& fields) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (i > 0) csv += ',';

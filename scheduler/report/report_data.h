@@ -1,4 +1,4 @@
-// Everything that a report says, as values: computed once, then written as HTML, CSV and JSON.
+// All data of a report: computed once, then written as HTML, CSV and JSON.
 #pragma once
 
 #include <array>
@@ -16,15 +16,16 @@
 
 namespace penumbra {
 
-/// Wall-clock seconds of a render, part by part.
+/// Wall-clock times of a render by phase, in seconds.
 struct PhaseSeconds {
-  double build = 0;     ///< scene file to device scene
-  double transfer = 0;  ///< worker processes started, scene sent, kernels compiled: to the first worker ready
-  double render = 0;    ///< from there to the last result merged
-  double total = 0;     ///< build and everything of the render job, its end included
+  double build = 0;  ///< from scene file to device scene
+  /// Until the first worker is ready: starting workers, sending the scene, compiling kernels.
+  double transfer = 0;
+  double render = 0;  ///< from then until the last result is merged
+  double total = 0;   ///< build and the whole render job, including its end
 };
 
-/// What was measured of one image against the reference. Overall values of scheduler/metrics.
+/// The errors of one image against the reference: the overall values of the metrics.
 struct ImageErrors {
   double mse = 0, relative_mse = 0, trimmed_relative_mse = 0, mape = 0, smape = 0, bias = 0, largest = 0;
   double block_relative_mse = 0;
@@ -34,38 +35,38 @@ struct ImageErrors {
 struct ImageResult {
   std::filesystem::path file;
   std::uint32_t seed = 0;
-  PhaseSeconds seconds;                    ///< medians of the repeats
+  PhaseSeconds seconds;                    ///< medians over the repeats
   std::vector<double> render_seconds;      ///< of each repeat
-  double load_before = 0, load_after = 0;  ///< the machine's load average over a minute
+  double load_before = 0, load_after = 0;  ///< load average of the machine over a minute
   std::string film_hash;
-  std::uint64_t bad_samples = 0;  ///< NaN or infinite
+  std::uint64_t bad_samples = 0;  ///< number of NaN or infinite samples
   ImageErrors errors;
 };
 
 /// One budget of a curve.
 struct CurvePoint {
-  std::uint32_t spp = 0;  ///< 0: not known
+  std::uint32_t spp = 0;  ///< 0: unknown
   std::vector<ImageResult> images;
   PhaseSeconds seconds;  ///< medians over the images
-  ImageErrors errors;    ///< means over the images; of `largest` and `non_finite` the largest
+  ImageErrors errors;    ///< means over the images; for `largest` and `non_finite` the maximum
   ErrorSplit squared, relative;
 };
 
 struct CurveName {
   std::string label;
-  bool peer = false;  ///< images of another renderer; nothing is known but their times
+  bool peer = false;  ///< images of another renderer, of which only the times are known
   std::string integrator;
   std::vector<std::string> settings;
   std::string sampler, backend;
-  std::string quantity;       ///< what it estimates, in words
-  bool same_quantity = true;  ///< as the reference
+  std::string quantity;       ///< description of the limit image
+  bool same_quantity = true;  ///< the same limit image as the reference
 };
 
 struct Curve {
   CurveName name;
   std::vector<CurvePoint> points;  ///< by budget, or by time
   std::optional<SlopeFit> mse_over_time, relmse_over_time, mse_over_spp, relmse_over_spp;
-  std::vector<std::optional<TimeToTarget>> to_target;  ///< one for each target of the scene
+  std::vector<std::optional<TimeToTarget>> to_target;  ///< for each target of the scene
   std::optional<double> efficiency;                    ///< geometric mean of 1 / (MSE T)
   std::string no_efficiency;                           ///< why there is none
 };
@@ -74,20 +75,21 @@ struct Curve {
 struct ReferenceHalf {
   std::string what;  ///< integrator, sampler and seed, or the file
   std::filesystem::path file;
-  std::uint32_t spp = 0;  ///< 0: not known
+  std::uint32_t spp = 0;  ///< 0: unknown
   double seconds = 0;
 };
 
 struct ReferenceSummary {
   std::vector<ReferenceHalf> halves;  ///< one or two
-  std::string quantity;               ///< what it estimates, in words; empty: not known
-  /// Mean of A - B over the image, in standard errors of the pixels' spread; only with two halves.
+  std::string quantity;               ///< description of the limit image; empty: unknown
+  /// The z-score of the mean of A - B, see halves_z; only with two halves.
   std::optional<double> z;
-  /// MSE and relMSE that the reference's own noise adds, from its variance; only of one that stands alone.
+  /// The amounts of MSE and relMSE due to the reference's own noise, from its variance; only for a single
+  /// reference.
   std::optional<double> noise_mse, noise_relmse;
 };
 
-/// A picture of one method at the common time.
+/// The crop of one method at the common time.
 struct CropPicture {
   std::string label;
   std::uint32_t spp = 0;
@@ -101,8 +103,8 @@ struct CropPicture {
 struct CropSet {
   int x = 0, y = 0, width = 0, height = 0;  ///< in film pixels
   std::string why_here;
-  double seconds = 0;    ///< that all methods have had, as near as there are images
-  double heat_high = 1;  ///< relative error shown brightest
+  double seconds = 0;    ///< common time of all methods, as near as there are images
+  double heat_high = 1;  ///< the relative error of the brightest colour
   double exposure = 0;
   std::vector<std::uint8_t> reference_png, overview_png;
   int overview_width = 0, overview_height = 0;
@@ -118,12 +120,12 @@ struct Plot {
 };
 
 struct SceneReport {
-  std::string name;  ///< short, unique
+  std::string name;  ///< short and unique
   std::filesystem::path file;
   int width = 0, height = 0;
   ReferenceSummary reference;
   std::vector<Target> targets;
-  bool target_chosen = false;  ///< by the report: the smallest error that every curve reaches
+  bool target_chosen = false;  ///< chosen by the report: the smallest error that every curve reaches
   std::vector<Curve> curves;
   std::optional<CropSet> crops;
   std::vector<Plot> plots;
@@ -135,9 +137,9 @@ struct ReportData {
   std::vector<std::string> command_line;
   unsigned cores = 0;
   int workers = 1, threads = 0, repeats = 1, seeds = 0;
-  std::array<double, 3> load_start{}, load_end{};  ///< averages over 1, 5 and 15 minutes
+  std::array<double, 3> load_start{}, load_end{};  ///< load averages over 1, 5 and 15 minutes
   double epsilon = kRelativeEpsilon;
-  bool total_time = false;  ///< T is PhaseSeconds::total, else render
+  bool total_time = false;  ///< T is PhaseSeconds::total; false: render
   std::vector<SceneReport> scenes;
 
   [[nodiscard]] double seconds(const PhaseSeconds& phases) const {

@@ -8,11 +8,10 @@
 
 namespace penumbra {
 
-/// Fields and units are explained in the README of this folder. What is not known is null.
+/// The README of this folder explains the fields and units. Unknown values are null.
 nlohmann::ordered_json report_data_json(const ReportData& report);
 
-/// One line for each image, with a header line; RFC 4180: fields with commas, quotes or line ends in quotes.
-/// What is not known is empty.
+/// CSV (RFC 4180) with a header line and one line per image. Unknown values are empty.
 std::string report_csv(const ReportData& report);
 
 }  // namespace penumbra

@@ -37,7 +37,7 @@ std::optional<SlopeFit> fit_slope(std::span<const CostError> points, double conf
     xx += (log.x - mean_x) * (log.x - mean_x);
     xy += (log.x - mean_x) * (log.y - mean_y);
   }
-  constexpr double kSameCost = 1e-20;  // of the sum of squares: costs that are one but for rounding
+  constexpr double kSameCost = 1e-20;  // limit on the sum of squares for costs that are equal up to rounding
   if (!(xx > kSameCost)) return std::nullopt;
   SlopeFit fit;
   fit.slope = xy / xx;

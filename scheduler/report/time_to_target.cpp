@@ -15,7 +15,7 @@ std::optional<TimeToTarget> time_to_target(std::span<const CostError> points,
   }
   if (!(target > 0) || curve.empty()) return std::nullopt;
   std::ranges::sort(curve, {}, &CostError::cost);
-  // The last fall through the target: from there on the error stays below.
+  // Finds the last crossing of the target; after it the error stays below.
   const bool reached = curve.back().error <= target;
   for (std::size_t i = curve.size(); reached && i-- > 1;) {
     const CostError &above = curve[i - 1], &below = curve[i];
@@ -28,7 +28,7 @@ std::optional<TimeToTarget> time_to_target(std::span<const CostError> points,
   if (curve.front().error == target) return TimeToTarget{curve.front().cost, false};
   if (!fit || !(fit->slope < 0)) return std::nullopt;
   const double cost = fit->cost_of(target);
-  // The line may contradict the points near their ends; it only speaks for what lies beyond them.
+  // The fitted line may disagree with the measured points, so it is used only beyond them.
   return TimeToTarget{reached ? std::min(cost, curve.front().cost) : std::max(cost, curve.back().cost), true};
 }
 

@@ -15,11 +15,11 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kMostJobs = 100'000;
-constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;   // but for the names of its mattes
-constexpr std::size_t kLargestMatteNames = std::size_t(16) << 20;  // kept until the job is over
+constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;   // without the names of its mattes
+constexpr std::size_t kLargestMatteNames = std::size_t(16) << 20;  // in bytes; kept until the job is over
 constexpr std::size_t kMostMessages = 20;
-constexpr int kMostProblems = 20;                 // of a job, the last ones
-constexpr std::chrono::hours kSceneIsAwaited{1};  // from its arrival to the job that needs it
+constexpr int kMostProblems = 20;                 // per job; the most recent ones
+constexpr std::chrono::hours kSceneIsAwaited{1};  // how long a scene is kept until a job uses it
 
 double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -58,13 +58,13 @@ JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems) : spool_(sp
     wire::JobStatus& status = *entry.job.mutable_status();
     if (is_over(status)) {
       entry.stage = Stage::kOver;
-      spool.remove_checkpoint(number, entry.job.submission());  // which a killed service may have left
+      spool.remove_checkpoint(number, entry.job.submission());  // a killed service may have left it
     } else {
       status.set_state(wire::JOB_QUEUED);
     }
   }
   next_ = spool.next_number();
-  if (problems.empty()) remove_scenes();  // else somebody may need them after all
+  if (problems.empty()) remove_scenes();  // otherwise an unreadable job may need them
 }
 
 bool JobQueue::has_checkpoint(const Entry& entry) const {
@@ -73,7 +73,7 @@ bool JobQueue::has_checkpoint(const Entry& entry) const {
                                  ignored);
 }
 
-// --- Of clients
+// --- Requests of clients
 
 JobExpected<JobQueue::Entry*> JobQueue::find(JobId job) {
   const auto found = entries_.find(job);
@@ -85,7 +85,7 @@ JobExpected<JobQueue::Entry*> JobQueue::find(JobId job) {
 bool JobQueue::has_scene(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   if (!spool_.has_scene(hash)) return false;
-  scenes_that_came_[hash] = std::chrono::steady_clock::now();  // a job with it is about to come
+  scenes_that_came_[hash] = std::chrono::steady_clock::now();  // a job that uses it is expected soon
   return true;
 }
 
@@ -154,7 +154,8 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& jobs) 
   if (jobs.empty())
     for (const auto& [number, entry] : entries_) {
       *reply.add_jobs() = entry.job.status();
-      reply.mutable_jobs()->rbegin()->clear_problems();  // of many jobs they may be more than a message holds
+      // For many jobs they might exceed the size of a message.
+      reply.mutable_jobs()->rbegin()->clear_problems();
     }
   for (const JobId job : std::set<JobId>(jobs.begin(), jobs.end())) {
     const auto found = find(job);
@@ -176,7 +177,7 @@ JobExpected<void> JobQueue::cancel(JobId job) {
                                                                 : state_words(entry.job.status().state())));
   entry.job.set_cancelled(true);
   if (entry.stage == Stage::kOpen) changes_.emplace_back(CancelJob{job});
-  // What an earlier service has rendered of it is written when its turn comes.
+  // If an earlier service has rendered a part of it, its files are written when its turn comes.
   if (entry.stage == Stage::kWaiting && !has_checkpoint(entry))
     end(entry, wire::JOB_CANCELLED, "cancelled before it began");
   else
@@ -221,7 +222,7 @@ JobExpected<std::filesystem::path> JobQueue::file(JobId job, const std::string& 
                    fmt::format("job {} has no file '{}'", job, wire_text(name, kLongestName)));
 }
 
-// --- Of the service itself
+// --- For the service itself
 
 JobQueue::Entries::iterator JobQueue::best() {
   auto best = entries_.end();
@@ -253,7 +254,7 @@ std::optional<JobQueue::Taken> JobQueue::take(int at_once, int at_most) {
       continue;
     }
     auto submission = decode(found->second.job.submission());
-    if (!submission) {  // of another version of this program
+    if (!submission) {  // written by another version of this program
       end(found->second, wire::JOB_FAILED, submission.error().message);
       continue;
     }
@@ -267,7 +268,7 @@ bool JobQueue::open(JobId job) {
   Entry& entry = entries_.at(job);
   if (entry.job.cancelled()) return false;
   entry.stage = Stage::kOpen;
-  // Which may have been changed since the farm's copy was made.
+  // The priority may have changed since the farm got its copy.
   changes_.emplace_back(PriorityChanged{job, entry.job.status().priority()});
   return true;
 }
@@ -277,8 +278,7 @@ void JobQueue::progress(JobId job, const RenderProgress& progress) {
   const auto found = entries_.find(job);
   if (found == entries_.end()) return;
   wire::JobStatus& status = *found->second.job.mutable_status();
-  if (status.state() == wire::JOB_QUEUED &&
-      progress.elapsed_seconds > 0) {  // its first unit has been given out
+  if (status.state() == wire::JOB_QUEUED && progress.elapsed_seconds > 0) {  // its first unit has been issued
     status.set_state(wire::JOB_RENDERING);
     if (status.begun() == 0) status.set_begun(seconds_since_1970() - progress.elapsed_seconds);
   }

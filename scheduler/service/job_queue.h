@@ -1,4 +1,4 @@
-// All jobs of a service: what its clients ask of them, and what becomes of them.
+// The jobs of a service: requests of its clients, and the state of each job.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@
 
 namespace penumbra {
 
-/// Errors of what clients ask have one of these kinds.
+/// The kind of an error of a client's request.
 enum class JobErrorKind { kNonsense, kNotFound, kNotNow, kFull };
 struct JobError {
   JobErrorKind kind;
@@ -26,57 +26,59 @@ struct JobError {
 template <typename T>
 using JobExpected = std::expected<T, JobError>;
 
-/// Whether nothing more will become of it.
+/// Whether the job's state is final.
 [[nodiscard]] bool is_over(const wire::JobStatus& job);
 
-/// Thread-safe. A job that has been accepted is on disk; one that is being rendered when the process ends is
-/// queued again by the next one, which goes on with its checkpoint.
+/// The queue of jobs. Thread-safe. An accepted job is on disk. A job that is being rendered when the process
+/// ends is queued again by the next process, which resumes from its checkpoint.
 class JobQueue {
  public:
-  /// Takes up what is in the spool, and removes scenes that nobody needs. `problems`: what is wrong there.
+  /// Reads the jobs in the spool and removes scenes that no job needs. `problems` receives what is wrong with
+  /// the spool.
   JobQueue(Spool& spool, std::vector<std::string>& problems);
 
-  // --- Of clients
+  // --- Requests of clients
 
   [[nodiscard]] bool has_scene(const std::string& hash);
-  /// A scene has been put into the spool; it is kept for a while, until a job with it comes.
+  /// A scene was added to the spool. It is kept for a while, until a job that uses it arrives.
   void scene_came(const std::string& hash);
   JobExpected<JobId> submit(const wire::Submission& message);
-  /// Of these jobs, or of all. Error: there is no such job.
+  /// The status of these jobs, or of all if the list is empty. Error: there is no such job.
   JobExpected<wire::StatusReply> status(const std::vector<JobId>& jobs);
   JobExpected<void> cancel(JobId job);
   JobExpected<void> set_priority(JobId job, int priority);
-  /// With its files.
+  /// Removes a job and its files.
   JobExpected<void> remove(JobId job);
-  /// The path of one of its files.
+  /// The path of a job's file.
   JobExpected<std::filesystem::path> file(JobId job, const std::string& name);
 
-  // --- Of the service itself
+  // --- For the service itself
 
   struct Taken {
     JobId job = 0;
     Submission submission;
   };
-  /// The next one to be prepared: of the queued ones that with the highest priority, then the oldest. Waits
-  /// until there is one, and until no more than `at_once` are under way, or it is more urgent than those and
-  /// no more than `at_most`. Nothing once the queue is closed.
+  /// The next job to be prepared: the queued one with the highest priority, then the oldest. Waits until
+  /// there is one, and until at most `at_once` jobs are active, or, if it has a higher priority than those,
+  /// at most `at_most`. Nothing once the queue is closed.
   std::optional<Taken> take(int at_once, int at_most);
-  /// The farm has it. False if it was cancelled before: it is to end now, with what there is of it.
+  /// The farm has taken the job. Returns false if it was cancelled before; it must then end with what has
+  /// been rendered.
   bool open(JobId job);
   void progress(JobId job, const RenderProgress& progress);
   void workers(const std::vector<FarmWorker>& workers);
   void say(const std::string& message);
   void problem(JobId job, const std::string& text);
-  /// The farm is done with it; its files are being written, so that it cannot be cancelled any more. Whether
-  /// it was.
+  /// The farm is done with the job and its files are being written, so it cannot be cancelled any more.
+  /// Returns whether it was cancelled.
   bool begin_writing(JobId job);
-  /// It is over. The files are those of its folder.
+  /// The job is over. Its files are those in its folder.
   void end(JobId job, wire::JobState state, const std::string& error);
-  /// It goes back to those that wait.
+  /// Queues the job again.
   void put_back(JobId job);
-  /// What clients have asked of open jobs since the last call.
+  /// The changes that clients requested for open jobs since the last call.
   [[nodiscard]] std::vector<JobChange> take_changes();
-  /// take() returns nothing from here on.
+  /// From now on take() returns nothing.
   void close();
 
  private:

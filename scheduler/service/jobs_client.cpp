@@ -15,7 +15,7 @@
 namespace penumbra {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};  // with an answer
+constexpr std::chrono::seconds kPatience{20};  // for an answer
 constexpr std::chrono::milliseconds kTimeToConnect{200}, kTimeToAnswer{1000}, kTimeToExplain{2000};
 constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
 
@@ -122,8 +122,8 @@ Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceSce
 }
 
 Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
-  // Who asks again and again learns soon that the service is back: a call alone does not make the channel try
-  // again.
+  // Makes the channel reconnect, which a call alone does not. So a client that asks repeatedly notices soon
+  // that the service is back.
   if (is_away_) connection_->channel->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);

@@ -1,4 +1,4 @@
-// A client of a service: gives it jobs, asks after them, fetches what came of them.
+// A client of a service: submits jobs, asks for their status, fetches their files.
 #pragma once
 
 #include <filesystem>
@@ -20,26 +20,27 @@ class Status;
 
 namespace penumbra {
 
-/// Every call waits for the service at most for a while. Errors are texts for people that name the address;
-/// is_away() tells whether the service could not be reached at all, so that trying again later makes sense.
+/// Every call has a timeout. Errors are texts for users that contain the address. is_away() tells whether the
+/// service could not be reached at all, so that trying again later makes sense.
 class JobsClient {
  public:
-  /// "unix:/path" or "host:port", where the token is needed.
+  /// `address`: "unix:/path" or "host:port"; the latter needs a token.
   JobsClient(std::string address, ClientAccess access);
   ~JobsClient();
 
-  /// Waits for a connection that is on the way, for some seconds; calls `is_slow` if it takes more than one.
-  /// Whether there is one then, the next call says.
+  /// Waits some seconds for a connection; calls `is_slow` if it takes more than one. Whether there is a
+  /// connection then, the next call tells.
   void connect(const std::function<void()>& is_slow) const;
 
-  /// The scene first, if the service has it not; its hash is the submission's.
+  /// Submits a job, after the scene if the service does not have it yet. The scene's hash must be that of the
+  /// submission.
   Expected<JobId> submit(const Submission& submission, const DeviceScene& scene);
-  /// Of these, or of all.
+  /// The status of these jobs, or of all if the list is empty.
   Expected<wire::StatusReply> status(const std::vector<JobId>& jobs);
   Expected<void> cancel(const std::vector<JobId>& jobs);
   Expected<void> set_priority(const std::vector<JobId>& jobs, int priority);
   Expected<void> remove(const std::vector<JobId>& jobs);
-  /// Writes one of a job's files to `path`, whole or not at all.
+  /// Writes one of a job's files to `path` atomically.
   Expected<void> fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path);
   /// Whether the last error was that the service could not be reached.
   [[nodiscard]] bool is_away() const { return is_away_; }

@@ -44,7 +44,7 @@ class JobsService final : public wire::Jobs::Service {
                      grpc::ServerWriter<wire::FetchChunk>* writer) override;
 
  private:
-  /// What every call begins with; an error where the peer is of another version.
+  /// Common checks at the beginning of every call. Error: the peer has another version.
   template <typename Request>
   grpc::Status begin(const grpc::ServerContext& context, const Request& request) const;
 
@@ -80,7 +80,7 @@ grpc::Status JobsService::PutScene(grpc::ServerContext* context, grpc::ServerRea
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, added.error().message};
   } while (reader->Read(&chunk));
   if (context->IsCancelled()) return grpc::Status::CANCELLED;
-  queue_.scene_came(hash);  // before it is there, so that no job that ends takes it for a left one
+  queue_.scene_came(hash);  // before it is stored, so that a job that ends does not remove it as unused
   if (const auto finished = scene->finish(); !finished)
     return {grpc::StatusCode::INVALID_ARGUMENT, finished.error().message};
   return grpc::Status::OK;

@@ -1,4 +1,4 @@
-// The calls of jobs.proto, as a service answers them.
+// The service's implementation of the calls of jobs.proto.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@ class Service;
 
 namespace penumbra {
 
-/// Its answers; both must outlive it. `on_call` is called with the peer of each call, after the token has
-/// been checked where one is required.
+/// Makes the service. `queue` and `spool` must outlive it. `on_call` is called with the peer of each call,
+/// after its token (if one is required) has been checked.
 std::shared_ptr<grpc::Service> make_jobs_service(JobQueue& queue, Spool& spool,
                                                  std::function<void(const std::string& peer)> on_call = {});
 

@@ -40,7 +40,7 @@ Expected<std::string> read_whole(const fs::path& path) {
   return bytes;
 }
 
-/// Its name stays after a crash of the machine as well.
+/// Flushes the folder to disk, so that file names survive a crash of the machine.
 void flush_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -131,7 +131,7 @@ JobId Spool::next_number() const {
   JobId next = 1;
   if (const auto text = read_whole(folder_ / "next"))
     std::from_chars(text->data(), text->data() + text->size(), next);
-  std::error_code ignored;  // also where that file is lost
+  std::error_code ignored;  // also if that file is lost
   for (const auto& entry : fs::directory_iterator(folder_ / "jobs", ignored))
     if (const auto number = job_number(entry.path())) next = std::max(next, *number + 1);
   return next;
@@ -176,7 +176,7 @@ void Spool::remove_other_scenes(const std::set<std::string>& used) {
   for (const fs::path& path : unused) fs::remove(path, ignored);
 }
 
-// --- A scene that arrives
+// --- Receiving a scene
 
 struct Spool::IncomingScene::State {
   std::string hash;

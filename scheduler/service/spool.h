@@ -1,5 +1,4 @@
-// What a service keeps on disk: its jobs, their scenes, and what came of them. All of it is there again after
-// any end of the process.
+// The files of a service: jobs, scenes and results. They survive any end of the process.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +18,23 @@
 
 namespace penumbra {
 
-/// A scene as it was kept, and how it travels on.
+/// A scene as it is stored, with its manifest.
 struct StoredScene {
   DeviceScene scene;
   AssetManifest manifest;
 };
 
-/// A folder that one service at a time has to itself:
-///   lock
-///   next                the number of the next job: none is ever used again
-///   scenes/HASH         serialized device scenes, see AssetManifest
-///   jobs/NUMBER/job     wire::StoredJob
-///   jobs/NUMBER/…       its images and statistics, and a checkpoint while it is rendered
-/// Members may be called by several threads at once, those that change one job or scene by one.
+/// A folder that only one service at a time may use:
+///      lock
+///      next                the number of the next job; numbers are never reused
+///      scenes/HASH         serialised device scenes; see AssetManifest
+///      jobs/NUMBER/job     wire::StoredJob
+///      jobs/NUMBER/…       its images and statistics, and a checkpoint while it is rendered
+/// Several threads may call members at once, but only one at a time for the same job or scene.
 class Spool {
  public:
-  /// Makes the folder where it is missing, for its owner alone. Errors: another service has it; it cannot be
-  /// made.
+  /// Creates the folder if it is missing, accessible only to its owner. Errors: another service uses it; it
+  /// cannot be created.
   static Expected<std::unique_ptr<Spool>> open(const std::filesystem::path& folder);
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
@@ -44,25 +43,25 @@ class Spool {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::filesystem::path folder_of(JobId job) const;
 
-  /// All jobs, by number. What cannot be read is left as it is and told in `problems`.
+  /// All jobs by number. Files that cannot be read are left alone and reported in `problems`.
   [[nodiscard]] std::vector<wire::StoredJob> read_jobs(std::vector<std::string>& problems) const;
-  /// Makes the job's folder if it is new; whole or not at all.
+  /// Writes the job atomically. Creates its folder if it is new.
   Expected<void> keep(const wire::StoredJob& job);
   void remove(JobId job);
-  /// What a render of the job keeps while it is under way, beside its first file.
+  /// The path of the job's checkpoint during its render, beside its first file.
   [[nodiscard]] std::filesystem::path checkpoint_of(JobId job, const wire::Submission& submission) const;
   void remove_checkpoint(JobId job, const wire::Submission& submission);
-  /// Of the next job.
+  /// The number of the next job.
   [[nodiscard]] JobId next_number() const;
   Expected<void> use_number(JobId job);
 
   [[nodiscard]] bool has_scene(const std::string& hash) const;
-  /// Errors: it is not there, or damaged.
+  /// Errors: the scene is missing or damaged.
   [[nodiscard]] Expected<StoredScene> read_scene(const std::string& hash) const;
-  /// Scenes of which none is in `used`.
+  /// Removes all scenes that are not in `used`.
   void remove_other_scenes(const std::set<std::string>& used);
 
-  /// A scene that arrives in parts; without finish() nothing stays of it.
+  /// A scene that is received in parts. Without finish() it is discarded.
   class IncomingScene {
    public:
     IncomingScene(IncomingScene&& other) noexcept;
@@ -71,7 +70,7 @@ class Spool {
 
     /// Error: the disk is full.
     Expected<void> add(std::span<const std::uint8_t> bytes);
-    /// Checks the hash, and that it is a scene.
+    /// Checks the hash and that the data are a scene.
     Expected<void> finish();
 
    private:
@@ -80,7 +79,7 @@ class Spool {
     explicit IncomingScene(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
   };
-  /// Error: that is no hash; the file cannot be made.
+  /// Errors: not a valid hash; the file cannot be created.
   Expected<IncomingScene> receive_scene(const std::string& hash);
 
  private:

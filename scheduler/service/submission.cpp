@@ -14,7 +14,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kLongestFileName =
-    200;  // file systems have 255 bytes, of which a checkpoint needs some
+    200;  // file systems allow 255 bytes, of which a checkpoint needs some
 
 template <typename Field>
 void add_texts(const std::vector<std::string>& texts, Field* field) {

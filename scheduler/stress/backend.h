@@ -1,4 +1,4 @@
-// The backends that compute the cases' quantities: the native kernels of each instruction set, and OpenCL.
+// The backends on which cases are run: the native kernels for each instruction set, and OpenCL.
 #pragma once
 
 #include <memory>
@@ -15,24 +15,25 @@ namespace penumbra::stress {
 class KernelRunner {
  public:
   virtual ~KernelRunner() = default;
-  /// The outputs of each measurement, in order.
+  /// Returns the outputs of all measurements, in order.
   virtual Expected<std::vector<Numbers>> run(std::span<const KernelMeasurement* const> measurements) = 0;
 };
 
-/// A way to run kernels, or why there is none.
+/// A backend, or why it is not available.
 struct Backend {
   std::string name;         ///< "native avx512", "native one lane", "opencl"
-  std::string description;  ///< of the device
+  std::string description;  ///< description of the device
   std::unique_ptr<KernelRunner> kernels;
-  DeviceOptions render;  ///< of renders
-  bool renders = true;   ///< instruction sets between the widest and one lane answer kernel questions only
-  std::string skipped;   ///< why this machine has none; empty: it has
-  std::string broken;    ///< what went wrong with one that it has; every case fails
+  DeviceOptions render;  ///< device options for renders
+  /// False for instruction sets between the widest and one lane: they run only kernel measurements.
+  bool renders = true;
+  std::string skipped;  ///< why this machine does not have the backend; empty if it has
+  std::string broken;   ///< the error of a backend that exists but does not work; every case fails
 };
 
-/// The native kernels for all instruction sets of this machine, the widest first and one lane last.
+/// The native kernels for all instruction sets of this machine, the widest first and a single lane last.
 std::vector<Backend> native_backends(int threads);
-/// OpenCL, or why there is none.
+/// OpenCL, or why it is not available.
 Backend opencl_backend(int threads, const std::string& device);
 
 }  // namespace penumbra::stress

@@ -33,9 +33,9 @@ STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[4] = s.pdf;
 }
 
-/// In: closure, normal, wo, size N of a grid. Out: mean weight of the N x N samples at the middles of the
-/// cells of (u, v), each with either lobe as often as it is chosen: the albedo; largest weight; how many
-/// directions are not unit vectors.
+/// In: closure, normal, wo, size N of a grid. Out: the albedo (mean weight of N x N samples at the centres of
+/// the cells of (u, v), with both lobes chosen in proportion to their probability); the largest weight; the
+/// number of directions that are not unit vectors.
 STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const Closure c = closure_in(in);
   const double share = (double)phong_lobe_share(c);
@@ -58,8 +58,8 @@ STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[2] = bad;
 }
 
-/// In: family, variant, reflectances of base and lobe, refractive index, internal reflectance (of a conductor
-/// its absorption), roughness along and across, exponent.
+/// In: family, variant, reflectances of base and lobe, refractive index, internal reflectance (for a
+/// conductor its absorption), roughness along and across the tangent, exponent.
 FN Closure mixture_in(GLOBAL const double* in) {
   Closure c = black_closure();
   c.family = (int)in[0];
@@ -77,7 +77,7 @@ FN Closure mixture_in(GLOBAL const double* in) {
   return c;
 }
 
-/// In: closure, wo, wi about the z axis. Out: f cos, pdf.
+/// In: closure, wo, wi, in the frame of the normal. Out: f cos, pdf.
 STAGE void mixture_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
   const BsdfValue value = eval_bsdf(0, mixture_in(in), z, in_v(in, 9), in_v(in, 12));
@@ -85,8 +85,8 @@ STAGE void mixture_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[1] = value.pdf;
 }
 
-/// In: closure, wo about the z axis, size N of a grid. Out: largest weight of N x N samples by either lobe;
-/// how many have a weight or a direction that is none.
+/// In: closure, wo in the frame of the normal, size N of a grid. Out: the largest weight of N x N samples of
+/// either lobe; the number of samples with an invalid weight or direction.
 STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
   const Closure c = mixture_in(in);
@@ -108,8 +108,8 @@ STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out)
   out[1] = bad;
 }
 
-/// In: cosine, refractive index, absorption. Out: reflectance of a dielectric, cosine beyond; reflectance of
-/// a conductor.
+/// In: cosine, refractive index, absorption. Out: the reflectance of a dielectric, the cosine of the
+/// transmitted direction; the reflectance of a conductor.
 STAGE void fresnel_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const DielectricFresnel f = dielectric_fresnel(in_f(in, 0), in_f(in, 1));
   out[0] = f.reflectance;

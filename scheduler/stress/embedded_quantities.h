@@ -1,4 +1,4 @@
-// The quantities' source for an OpenCL compiler, compiled into the binary.
+// The source of the quantities for OpenCL compilers, embedded in the binary.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace penumbra::stress {
 
-/// quantities.cl and what it includes from this folder, as they are.
+/// quantities.cl and the files of this folder that it includes, unchanged.
 std::span<const EmbeddedFile> embedded_quantities();
 
 }  // namespace penumbra::stress

@@ -1,4 +1,4 @@
-// Quantities of rays: where they meet primitives, and where cameras send them. See quantities.h.
+// Quantities of rays: intersection with primitives, and generation by cameras. See quantities.h.
 #ifndef PENUMBRA_STRESS_GEOMETRY_QUANTITIES_H
 #define PENUMBRA_STRESS_GEOMETRY_QUANTITIES_H
 #include "kernels/camera/lens_camera.h"
@@ -8,8 +8,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// In: centre and half-width of an octahedron, origin of the rays, number of rays. Each goes through a random
-/// point of one of its edges, or through a vertex. Out: how many hit none of its faces in front.
+/// In: centre and half-width of an octahedron, origin of the rays, number of rays. Each ray goes through a
+/// random point of an edge, or through a vertex. Out: the number of rays that hit no front face (leaks).
 STAGE void watertight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 center = in_v(in, 0), origin = in_v(in, 4);
   const float size = in_f(in, 3);
@@ -41,9 +41,10 @@ STAGE void watertight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = misses;
 }
 
-/// In: triangle, origin of the rays, number of rays. Each goes through a random point of the triangle. Out:
-/// the largest distance of a position from the triangle's plane, and the least and the greatest height above
-/// it of an origin that leaves it on the ray's side; all three in units of the error that the surface states.
+/// In: triangle, origin of the rays, number of rays. Each ray goes through a random point of the triangle.
+/// Out: the largest distance of a hit point from the triangle's plane; the smallest and the largest height
+/// above it of the origin of a ray that leaves on the ray's side. All three are in units of the surface's
+/// stated error.
 STAGE void surface_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   const Scene scene = scratch_scene(scratch);
   GLOBAL Triangle* t = (GLOBAL Triangle*)scratch;
@@ -62,7 +63,7 @@ STAGE void surface_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL 
     const vec3 at = add(add(scale(p0, 1.0f - root), scale(p1, v * root)), scale(p2, root - v * root));
     const Surface s = surface_at(&scene, 0, origin, normalize3(sub(at, origin)));
     const vec3 leaving = leave_surface(s.p, s.geometric, s.error, s.geometric);
-    // The error may be 0: then the position has to be exact.
+    // If the error is 0, the position must be exact.
     const double unit = length * max_d((double)s.error, 1e-200);
     const double off = dot3_d(n, sub_d(widen3(s.p), widen3(p0))) / unit;
     const double height = side * dot3_d(n, sub_d(widen3(leaving), widen3(p0))) / unit;
@@ -96,7 +97,7 @@ STAGE void camera_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out_v(out, 0, ray.direction);
 }
 
-/// In: k1, k2, reach, distance from the axis on a distorted film. Out: the same without distortion.
+/// In: k1, k2, reach, distance from the axis on the distorted film. Out: the undistorted distance.
 STAGE void undistort_quantity(GLOBAL const double* in, GLOBAL double* out) {
   Camera camera;
   camera.x = make_vec3(1.0f, 0.0f, 0.0f);

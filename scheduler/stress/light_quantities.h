@@ -1,4 +1,4 @@
-// Quantities of lights: closed forms of polygons, samples and densities. See quantities.h.
+// Quantities of lights: closed forms of polygons, sampling and densities. See quantities.h.
 #ifndef PENUMBRA_STRESS_LIGHT_QUANTITIES_H
 #define PENUMBRA_STRESS_LIGHT_QUANTITIES_H
 #include "kernels/light/light.h"
@@ -10,8 +10,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// In: position, normal, mirror direction, exponent (negative: no lobe), two-sided; number of corners, then
-/// of each x, y, z and whether it starts a loop. Out: irradiance, lobe; then the largest difference of a
-/// lane's from those of lane 0, which had the same question.
+/// for each x, y, z and whether it starts a loop. Out: irradiance, lobe; then the largest difference of any
+/// lane from lane 0, which has the same inputs.
 STAGE void polygon_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   const Scene scene = scratch_scene(scratch);
   GLOBAL Polygon* polygon = (GLOBAL Polygon*)(scratch + 320);
@@ -46,7 +46,7 @@ STAGE void polygon_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL 
     out[2] = max_d(out[2], FABS_D(irradiance[j] - irradiance[0]) + FABS_D(lobe[j] - lobe[0]));
 }
 
-/// In: three vertices relative to the point, u, v. Out: direction, solid angle.
+/// In: three vertices relative to the shading point, u, v. Out: direction, solid angle.
 STAGE void spherical_triangle_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const SphericalTriangle t = spherical_triangle(in_v(in, 0), in_v(in, 3), in_v(in, 6));
   out_v(out, 0, sample_spherical_triangle(t, in_f(in, 9), in_f(in, 10)));
@@ -61,8 +61,8 @@ STAGE void spherical_rectangle_quantity(GLOBAL const double* in, GLOBAL double* 
 }
 
 /// In: three vertices in the receiver's frame, u, v; an axis w, size N of a grid. Out: direction, projected
-/// solid angle (0: not sampled); mean of w.u over the N x N samples at the middles of the cells of (u, v);
-/// how many of them are not unit vectors above the horizon.
+/// solid angle (0: not sampled); mean of w.u over N x N samples at the centres of the cells of (u, v); the
+/// number of samples that are not unit vectors above the horizon.
 STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const ProjectedPolygon p = project_triangle(in_v(in, 0), in_v(in, 3), in_v(in, 6));
   out_v(out, 0, sample_projected_polygon(p, in_f(in, 9), in_f(in, 10)));
@@ -82,13 +82,13 @@ STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* o
   out[5] = bad;
 }
 
-/// In: HEURISTIC_*, density of the strategy, of the other. Out: weight.
+/// In: HEURISTIC_*, density of the sampled strategy, density of the other. Out: MIS weight.
 STAGE void mis_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = mis_weight((int)in[0], in_f(in, 1), in_f(in, 2));
 }
 
-/// In: centre and radius of a sphere light, point, its normal, u, v. Out: direction, density,
-/// sphere_light_pdf of that direction, length of the shadow ray, or a negative number.
+/// In: centre and radius of a sphere light, shading point, its normal, u, v. Out: direction, density,
+/// sphere_light_pdf of that direction, length of the shadow ray or a negative number.
 STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   const Scene scene = scratch_scene(scratch);
   GLOBAL Light* light = (GLOBAL Light*)(scratch + 256);
@@ -113,7 +113,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   found.from = r.p;
   found.wi = sample.wi;
   found.distance = sample.tmax;
-  found.cosine = 1.0f;  // of no account for a cone
+  found.cosine = 1.0f;  // not used for a cone
   out[4] = sphere_light_pdf(&scene, light, found, 0u);
   out[5] = sample.tmax;
 }

@@ -1,4 +1,4 @@
-// penumbra-stress: stiff and extreme cases against truth of high precision.
+// penumbra-stress: tests numerically hard cases against high-precision results.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -82,7 +82,7 @@ std::string describe(const Backend& backend) {
   return backend.description;
 }
 
-/// On a terminal, the case at work.
+/// Shows the current case on a terminal.
 void show_progress(const Case& c) { redraw_line(c.name); }
 
 ExitCode run(const Options& options) {

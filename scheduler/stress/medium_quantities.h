@@ -8,9 +8,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// In: g, versine (see henyey_greenstein), u, size N of a grid. Out: density; sine and cosine of the angle
-/// that u chooses about the z axis; means of the cosine mu, and of (3 mu^2 - 1) / 2, over N samples at the
-/// middles of the cells of u.
+/// In: g, versine (see henyey_greenstein), u, size N of a grid. Out: density; sine and cosine of the angle to
+/// the z axis that is sampled with u; means of the cosine mu, and of (3 mu^2 - 1) / 2, over N samples at the
+/// centres of the cells of u.
 STAGE void phase_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
   const float g = in_f(in, 0);
@@ -29,13 +29,13 @@ STAGE void phase_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[4] = second / max_d((double)size, 1.0);
 }
 
-/// In: u, fine. Out: the optical depth of a flight.
+/// In: u, fine. Out: the sampled optical depth of a flight.
 STAGE void flight_depth_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = flight_depth(in_f(in, 0), in_f(in, 1));
 }
 
-/// In: extinction, albedo, length, whether it scatters there. Out: a path's throughput after that flight, of
-/// the channels; ratios of their densities; what the mean density was multiplied by.
+/// In: extinction, albedo, length, whether the path scatters there. Out: the path's throughput per channel
+/// after that flight; the ratios of the channels' densities; the factor of the mean density.
 STAGE void flight_weight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 one = make_vec3(1.0f, 1.0f, 1.0f);
   const FlightWeight before = {one, one, 1.0f};
@@ -45,7 +45,8 @@ STAGE void flight_weight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[6] = after.density;
 }
 
-/// In: origin, direction, place, length, size, u. Out: distance at a share u of the angle; the angle.
+/// In: origin, direction, place, length, size, u. Out: equiangular sample: the distance at the fraction u of
+/// the angle; the angle.
 STAGE void sight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const EquiangularSegment segment =
       equiangular_segment(in_v(in, 0), in_v(in, 3), in_f(in, 9), in_v(in, 6), in_f(in, 10));

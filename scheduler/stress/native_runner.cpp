@@ -35,7 +35,7 @@ class NativeRunner final : public KernelRunner {
 
 struct NativeSet {
   KernelTarget target;
-  Isa isa;  ///< of renders
+  Isa isa;  ///< instruction set of renders
   const char* name;
   AnswerFunction* answer;
 };

@@ -12,7 +12,7 @@
 namespace penumbra::stress {
 namespace {
 
-constexpr int kLanes = 16;  // as the worker's kernels on a CPU
+constexpr int kLanes = 16;  // the same as the worker's kernels on a CPU
 
 class OpenClRunner final : public KernelRunner {
  public:
@@ -26,7 +26,7 @@ class OpenClRunner final : public KernelRunner {
     if (status != CL_SUCCESS) return fail("cannot use " + info.name + ": " + opencl_error_text(status));
     queue_.reset(clCreateCommandQueue(context_.get(), info.id, 0, &status));
     if (status != CL_SUCCESS) return fail("cannot use " + info.name + ": " + opencl_error_text(status));
-    // As in worker/opencl_device.cpp: a thread of PoCL may use them a little longer.
+    // As in worker/opencl_device.cpp: a PoCL thread may use these a little longer.
     clRetainContext(context_.get());
     clRetainCommandQueue(queue_.get());
     Expected<ClProgram> program = compile_opencl(context_.get(), info, "scheduler/stress/quantities.cl",

@@ -1,6 +1,7 @@
-// What the cases of `penumbra stress` compute with the kernels: one function over all of them, in portable
-// source, so that each instruction set and each OpenCL device is asked the very same question. Numbers go in
-// and come out as doubles, which hold every float exactly. FEATURES and LANES come from the build.
+// The quantities that the cases of `penumbra stress` compute with the kernels. One function in portable
+// source evaluates all of them, so that every instruction set and every OpenCL device computes exactly the
+// same. Inputs and outputs are doubles, which represent every float exactly. The build defines FEATURES and
+// LANES.
 #ifndef PENUMBRA_STRESS_QUANTITIES_H
 #define PENUMBRA_STRESS_QUANTITIES_H
 #include "kernels/block/block_accumulate.h"
@@ -24,7 +25,7 @@ STAGE void direction_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out_v(out, 0, kind == 0 ? cosine : (kind == 1 ? uniform : sphere));
 }
 
-/// In: normal, vector. Out: the vector in the normal's frame; and how far taking it back misses it.
+/// In: normal, vector. Out: the vector in the normal's frame; the error of transforming it back.
 STAGE void frame_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const vec3 n = in_v(in, 0), v = in_v(in, 3);
   const vec3 inside = to_frame(n, v), again = from_frame(n, inside.x, inside.y, inside.z);
@@ -32,9 +33,10 @@ STAGE void frame_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[3] = length3(sub(again, v));
 }
 
-/// In: SAMPLER_*, samples per pixel, seed, pixel x and y, first sample, number of samples, pair. Out: least
-/// u, greatest u, least v, greatest v, mean u, mean v; how many cells of the grid with as many cells as
-/// samples hold one (for up to 65536 samples, columns by strata_columns).
+/// In: SAMPLER_*, samples per pixel, seed, pixel x and y, first sample, number of samples, pair of
+/// dimensions. Out: smallest u, largest u, smallest v, largest v, mean u, mean v; the number of cells that
+/// contain a sample, in a grid with as many cells as samples (for up to 65536 samples; its columns are given
+/// by strata_columns).
 STAGE void sampler_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   const int kind = (int)in[0];
   const uint spp = in_u(in, 1), pixel = pixel_hash(in_u(in, 2), in_u(in, 3), in_u(in, 4));
@@ -77,7 +79,7 @@ STAGE void radical_inverse_quantity(GLOBAL const double* in, GLOBAL double* out)
   out[0] = radical_inverse(in_u(in, 0), in_u(in, 1));
 }
 
-/// In: number of samples, base, step, period: sample i is base + step (i % period). Out: mean, sum of squared
+/// In: number of samples, base, step, period; sample i is base + step (i % period). Out: mean, sum of squared
 /// deviations.
 STAGE void accumulate_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   GLOBAL float* values = (GLOBAL float*)scratch;
@@ -110,7 +112,8 @@ STAGE void filter_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL u
   out[0] = sample_filter((int)in[0], scene.filter_table, in_f(in, 1)).x;
 }
 
-/// Answers one question: QUANTITY_INPUTS numbers in, QUANTITY_OUTPUTS out, with QUANTITY_SCRATCH words.
+/// Evaluates one quantity: QUANTITY_INPUTS numbers in, QUANTITY_OUTPUTS out, with QUANTITY_SCRATCH words of
+/// scratch memory.
 STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   for (int i = 0; i < QUANTITY_OUTPUTS; i++) out[i] = 0.0;
   if (id == QUANTITY_POLYGON) polygon_quantity(in, out, scratch);

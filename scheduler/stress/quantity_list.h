@@ -1,10 +1,10 @@
-// The numbers of the quantities, for kernels and host.
+// IDs of the quantities, for kernels and host.
 #ifndef PENUMBRA_STRESS_QUANTITY_LIST_H
 #define PENUMBRA_STRESS_QUANTITY_LIST_H
 
 #define QUANTITY_INPUTS 80
 #define QUANTITY_OUTPUTS 8
-#define QUANTITY_SCRATCH 4096  // words
+#define QUANTITY_SCRATCH 4096  // in words
 
 enum {
   QUANTITY_POLYGON,
@@ -37,7 +37,7 @@ enum {
   QUANTITY_SIGHT
 };
 
-// Of QUANTITY_MATH.
+// The functions of QUANTITY_MATH.
 enum { MATH_EXP, MATH_EXPM1, MATH_LOG, MATH_LOG1P, MATH_ATAN2, MATH_SIN_2PI, MATH_COS_2PI };
 
 #endif

@@ -1,4 +1,4 @@
-// Numbers of quantities: in and out as doubles, and what takes the place of a scene.
+// Reading inputs and writing outputs of quantities as doubles, and a dummy scene.
 #ifndef PENUMBRA_STRESS_QUANTITY_NUMBERS_H
 #define PENUMBRA_STRESS_QUANTITY_NUMBERS_H
 #include "kernels/light/light.h"
@@ -22,8 +22,7 @@ FN void set_v(GLOBAL vec3* to, vec3 v) {
   to->z = v.z;
 }
 
-/// One record of each table, in scratch memory: what a function that takes a scene may read. Nothing is in
-/// it.
+/// A dummy scene in scratch memory with one empty record in each table, for functions that take a scene.
 FN Scene scratch_scene(GLOBAL uint* scratch) {
   for (int i = 0; i < 2048; i++) scratch[i] = 0u;
   Scene s;

@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Values of the cases that ask the kernels, by backend: one launch for all of them.
+/// Runs all kernel cases on each backend, in one launch per backend.
 void run_kernel_cases(std::span<const Case> cases, std::span<Backend> backends,
                       std::vector<CaseResult>& results) {
   std::vector<std::size_t> which;
@@ -48,7 +48,7 @@ void run_kernel_cases(std::span<const Case> cases, std::span<Backend> backends,
   }
 }
 
-/// The film of all samples, passes merged in order.
+/// Renders all samples, merging passes in order.
 Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& options) {
   Expected<std::unique_ptr<Device>> device = make_device(scene, options);
   if (!device) return std::unexpected(device.error());

@@ -10,8 +10,8 @@
 
 namespace penumbra::stress {
 
-/// The results, in the order of the cases; these must outlive them. Backends that are not there leave
-/// skipped outcomes. `progress` is told each case before it is measured.
+/// Runs all cases on all backends. Results are in the order of the cases, which must outlive them.
+/// Unavailable backends give skipped outcomes. `progress` is called with each case before it is measured.
 std::vector<CaseResult> run_cases(std::span<const Case> cases, std::span<Backend> backends,
                                   const std::function<void(const Case&)>& progress);
 

@@ -8,7 +8,7 @@ namespace penumbra::stress {
 namespace {
 
 bool glob(std::string_view name, std::string_view pattern) {
-  // The last * is retried with one character more each time: no earlier one has to be.
+  // On a mismatch, only the last * is retried with one more character; earlier ones need no retry.
   std::size_t n = 0, p = 0, star = std::string_view::npos, retry = 0;
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {

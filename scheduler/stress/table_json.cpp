@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// JSON has no NaN and no infinities: they are strings.
+/// JSON has no NaN and no infinities, so they become strings.
 ordered_json number(double x) {
   if (std::isnan(x)) return "nan";
   if (std::isinf(x)) return x > 0 ? "inf" : "-inf";

@@ -14,7 +14,7 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Outcomes of one verdict and one value, under all their backends' names.
+/// Outcomes with the same verdict and value, with the names of all their backends.
 struct Row {
   const Outcome* outcome;
   std::vector<std::string> backends;

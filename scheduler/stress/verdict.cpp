@@ -43,7 +43,7 @@ void judge(const Quads& truth, const Allowed& allowed, Outcome& outcome) {
   }
   outcome.error = double(sqrt_q(squares));
   const double most = allowed_error(truth, allowed);
-  // Not `error > most`, which a NaN would pass.
+  // Written so that NaN fails.
   const bool close = std::isfinite(outcome.error) && std::isfinite(most) && outcome.error <= most;
   if (close && outcome.note.empty()) outcome.verdict = Verdict::kPass;
   if (!close && outcome.note.empty()) outcome.note = "off by more than allowed";

@@ -1,4 +1,4 @@
-// Whether a result is good enough.
+// Decides whether a result is accurate enough.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace penumbra::stress {
 enum class Verdict { kPass, kFail, kSkipped };
 const char* verdict_name(Verdict verdict);
 
-/// What one backend made of a case.
+/// The result of one backend for a case.
 struct Outcome {
   std::string backend;  ///< "native avx512", "opencl", "host"
   Verdict verdict = Verdict::kFail;
@@ -27,20 +27,20 @@ struct CaseResult {
   double allowed = 0;
   std::vector<Outcome> outcomes;
   Verdict verdict = Verdict::kFail;
-  bool same_bits = true;  ///< all outcomes have one value
+  bool same_bits = true;  ///< all outcomes have bitwise the same value
 };
 
-/// Compares a result with the truth. Anything that is not finite, in the result or the truth, fails, as does
-/// a wrong number of components, or a result that comes with a note of what went wrong.
+/// Compares a result with the truth. It fails if the result or the truth is not finite, has a wrong number of
+/// components, or if the outcome has a note about an error.
 void judge(const Quads& truth, const Allowed& allowed, Outcome& outcome);
 
-/// Largest distance from this truth that passes.
+/// The largest distance from this truth that passes.
 double allowed_error(const Quads& truth, const Allowed& allowed);
 
-/// Of a case: fails if any outcome does, is skipped if all are.
+/// The verdict of a case: fails if any outcome fails, is skipped if all are skipped.
 Verdict summarize(const std::vector<Outcome>& outcomes);
 
-/// Whether all that are not skipped have the same bits.
+/// Whether all outcomes that are not skipped have the same bits.
 bool have_same_bits(const std::vector<Outcome>& outcomes);
 
 }  // namespace penumbra::stress

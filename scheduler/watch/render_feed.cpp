@@ -9,7 +9,7 @@
 namespace penumbra {
 namespace {
 
-// A tile of 64 x 64 pixels takes some 50 microseconds.
+// A tile of 64 x 64 pixels takes about 50 microseconds.
 constexpr int kTilesAtOnce = 16;
 
 float standard_error(const PixelStatistics& pixel) {
@@ -47,7 +47,8 @@ TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bo
       const PixelStatistics& pixel = film.at(x, y);
       for (const double mean : pixel.mean) tile.radiance.push_back(float(mean));
       tile.standard_error.push_back(standard_error(pixel));
-      // The film's layer is the difference to the closed form itself, and stays to the bit what files hold.
+      // The film's layer is the difference to the closed form itself, and its values must remain exactly
+      // those written to files.
       for (int c = 0; hybrid && c < 3; ++c) {
         const double difference = film.layer(x, y, LAYER_DIFFERENCE, c);
         const double less =
@@ -84,7 +85,7 @@ void RenderFeed::publish(const FilmAccumulator& film, bool all) {
     const std::uint32_t tile = *changed_.begin();
     changed_.erase(changed_.begin());
     const RenderUnit area = grid_.unit(tile, 0);
-    if (film.at(area.x, area.y).count == 0) continue;  // its first pass is not there yet
+    if (film.at(area.x, area.y).count == 0) continue;  // its first pass is not merged yet
     TileSnapshot snapshot = snapshot_of(film, area, hybrid_, view_.view.adjustable.alpha);
     snapshot.view = view_.number;
     snapshot.worker = last_worker_[tile];

@@ -1,4 +1,4 @@
-// Publishes the film of a render to its watchers.
+// Publishes the film of a render to its viewers.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,27 @@
 
 namespace penumbra {
 
-/// Whether viewers can draw the closed form themselves, and tiles hold the difference to it: direct lighting
-/// from polygon lights only, seen by a pinhole, with feature layers and a given alpha.
+/// Whether viewers can draw the closed form of polygon lights themselves, and tiles contain the difference to
+/// it. This requires direct illumination only by polygon lights, a pinhole camera, feature layers and a fixed
+/// alpha.
 bool is_hybrid(const DeviceScene& scene);
 
-/// A tile's means over what is merged of it. With `hybrid` the difference to alpha times the closed form.
+/// The means of a tile over all merged samples. With `hybrid` including the difference to alpha times the
+/// closed form.
 TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha);
 
-/// Tracks which tiles have changed and shows a few of them at a time. So the render's own thread spends
-/// little time on it, however fast tiles change and however many viewers there are.
+/// Tracks which tiles have changed and publishes a few of them at a time. So it takes little time of the
+/// render's own thread, however fast tiles change and however many viewers there are.
 class RenderFeed {
  public:
   RenderFeed(WatchBoard& board, const TileGrid& grid, bool hybrid)
       : board_(board), grid_(grid), hybrid_(hybrid), last_worker_(grid.tiles()) {}
 
-  /// Forgets what has changed: another view begins.
+  /// Another view begins: forgets which tiles have changed.
   void begin_view(const WatchView& view);
-  /// A result of this worker went into the tile.
+  /// A result of this worker was merged into the tile.
   void tile_changed(std::uint32_t tile, WorkerId worker);
-  /// Shows changed tiles: all of them, or a few. Does nothing while there are no viewers.
+  /// Publishes all changed tiles, or a few of them. Does nothing while there are no viewers.
   void publish(const FilmAccumulator& film, bool all);
 
  private:

@@ -31,7 +31,7 @@ using Clock = std::chrono::steady_clock;
 
 enum class Operation : std::uint8_t { kCloseImage = 2, kCreateImage = 4, kUpdateImageV3 = 6 };
 
-/// Bytes of one packet; its length is filled in at the end.
+/// The bytes of one packet. The length is filled in at the end.
 class PacketWriter {
  public:
   explicit PacketWriter(Operation operation) : bytes_{0, 0, 0, 0, static_cast<std::uint8_t>(operation)} {}
@@ -85,10 +85,10 @@ std::optional<Error> problem_with(std::string_view name, std::int32_t width, std
   return std::nullopt;
 }
 
-// How often a thread that waits for tev checks for a stop.
+// How often a thread that waits for tev checks for a stop request.
 constexpr Milliseconds kStopInterval{20};
 
-/// 0, or ETIMEDOUT, or ECANCELED for a stop, or what poll had to say.
+/// Returns 0, ETIMEDOUT, ECANCELED after a stop request, or the error of poll.
 int wait_until_writable(int descriptor, Milliseconds timeout, const std::stop_token& stop) {
   const auto deadline = Clock::now() + timeout;
   while (true) {
@@ -103,7 +103,7 @@ int wait_until_writable(int descriptor, Milliseconds timeout, const std::stop_to
   }
 }
 
-/// A connected socket that does not block, or an errno.
+/// Returns a connected non-blocking socket, or an errno.
 std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout,
                                    const std::stop_token& stop) {
   OwnedDescriptor socket(
@@ -117,14 +117,14 @@ std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout
     if (::getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0) return std::unexpected(errno);
     if (error != 0) return std::unexpected(error);
   }
-  // A tile is one packet with no answer: nothing is gained by waiting for more of them. Not being able to say
-  // so is no error.
+  // A tile is one packet without an answer, so delaying packets brings nothing. Failing to set this is not an
+  // error.
   const int on = 1;
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   return socket.release();
 }
 
-/// What the name service says of a host.
+/// The result of a name lookup.
 struct LookUp {
   LookUp() = default;
   LookUp(const LookUp&) = delete;
@@ -140,8 +140,8 @@ struct LookUp {
   addrinfo* addresses = nullptr;
 };
 
-/// The name service has no time-out that we could set, and cannot be interrupted: it is asked by a
-/// detached thread. Nothing if there is no answer in time, or a stop comes first.
+/// Name lookup has no timeout and cannot be interrupted, so a detached thread does it. Returns null if there
+/// is no answer in time, or after a stop request.
 std::shared_ptr<const LookUp> look_up(const TevAddress& address, Milliseconds timeout,
                                       const std::stop_token& stop) {
   const auto shared = std::make_shared<LookUp>();
@@ -230,7 +230,7 @@ Expected<TevPacket> encode_update_tile(std::string_view name, TevTile tile,
     return fail(fmt::format("a tile at ({}, {}) is outside of '{}'", tile.x, tile.y, name));
   const auto pixels = std::int64_t{tile.width} * tile.height;
   const auto count = static_cast<std::int64_t>(channels.size());
-  // Two sizes of 31 bits leave no room for channels in 64: divided instead of multiplied.
+  // The product of two 31-bit sizes and the number of channels may overflow 64 bits, so divide instead.
   const auto given = static_cast<std::int64_t>(values.size());
   if (given % count != 0 || given / count != pixels) {
     return fail(fmt::format("a tile of {} x {} pixels of '{}' with {} channels has {} values", tile.width,
@@ -244,8 +244,10 @@ Expected<TevPacket> encode_update_tile(std::string_view name, TevTile tile,
   for (const std::string& channel : channels) packet.text(channel);
   for (const std::int32_t value : {tile.x, tile.y, tile.width, tile.height}) packet.integer(value);
   const bool planar = layout == TevLayout::kPlanar;
-  for (std::int64_t c = 0; c < count; ++c) packet.integer(planar ? c * pixels : c);  // offsets, in values
-  for (std::int64_t c = 0; c < count; ++c) packet.integer(planar ? std::int64_t{1} : count);  // strides
+  // Offsets, counted in values.
+  for (std::int64_t c = 0; c < count; ++c) packet.integer(planar ? c * pixels : c);
+  // Strides, counted in values.
+  for (std::int64_t c = 0; c < count; ++c) packet.integer(planar ? std::int64_t{1} : count);
   packet.floats(values);
   return packet.finish();
 }
@@ -326,7 +328,7 @@ Expected<void> TevClient::send(const Expected<TevPacket>& packet) {
   if (!packet) return std::unexpected(packet.error());
   if (socket_ < 0) return fail(fmt::format("the connection to tev at {} is closed", address_));
   auto sent = send_all(*packet);
-  // What follows half a packet would be read as the rest of it.
+  // After half a packet, tev would read what follows as the rest of it.
   if (!sent) close_socket();
   return sent;
 }
@@ -335,7 +337,7 @@ Expected<void> TevClient::send_all(std::span<const std::uint8_t> bytes) {
   const auto lost = [&](std::string_view why) {
     return fail(fmt::format("the connection to tev at {} is lost: {}", address_, why));
   };
-  // The first packet into a connection that the other side has closed would seem to arrive.
+  // The first write to a connection that the peer has closed would seem to succeed.
   if (closed_by_peer()) return lost("tev has closed it");
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -353,9 +355,9 @@ Expected<void> TevClient::send_all(std::span<const std::uint8_t> bytes) {
 }
 
 bool TevClient::closed_by_peer() const {
-  // tev never answers. Bytes that come all the same are dropped: closing with unread ones would cut off what
-  // is still on its way. The number of reads is bounded, so that a peer that sends without end cannot keep us
-  // here.
+  // tev never answers. Any bytes that come nevertheless are dropped, because closing a socket with unread
+  // bytes would discard data still to be sent. The number of reads is limited, so that a peer that sends
+  // endlessly cannot block us.
   char unread[4096];
   for (int reads = 0; reads < 16; ++reads) {
     const ssize_t count = ::recv(socket_, unread, sizeof unread, MSG_DONTWAIT);

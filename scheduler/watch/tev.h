@@ -1,7 +1,7 @@
-// A client of tev, the image viewer (https://github.com/Tom94/tev): shows an image in it, tile by tile. Its
-// protocol, as tev's README and IPC code have it: packets over TCP, each its length in bytes (that of the
-// length included), an operation and what belongs to it; integers little-endian, texts ended by a 0 byte, no
-// answers.
+// A client of the image viewer tev (https://github.com/Tom94/tev), which shows an image tile by tile. The
+// protocol is that of tev's README and IPC code: packets over TCP, each with its length in bytes (including
+// the length itself), an operation and its arguments. Integers are little-endian, texts end with a 0 byte,
+// and there are no answers.
 #pragma once
 
 #include <chrono>
@@ -25,42 +25,42 @@ struct TevAddress {
   std::uint16_t port = kTevDefaultPort;
 };
 
-/// "HOST", "HOST:PORT", "[IPV6]:PORT", "IPV6", ":PORT" or nothing; what is left out is tev's default.
+/// Parses "HOST", "HOST:PORT", "[IPV6]:PORT", "IPV6", ":PORT" or an empty text. Missing parts are tev's
+/// defaults.
 Expected<TevAddress> parse_tev_address(std::string_view host_and_port);
 
-/// How a tile's values lie: pixels row by row with all channels of each together, or one channel after the
-/// other.
+/// The memory layout of a tile: pixels row by row with all channels of a pixel adjacent, or one channel after
+/// the other.
 enum class TevLayout { kInterleaved, kPlanar };
 
-/// Pixels of the image, from its top left corner.
+/// A rectangle in pixels; its corner is relative to the image's top left corner.
 struct TevTile {
   std::int32_t x = 0, y = 0, width = 0, height = 0;
 };
 
 using TevPacket = std::vector<std::uint8_t>;
 
-/// A blank image; tev replaces one of the same name. Channels R, G, B, A are shown as a colour, a dot
-/// separates a layer from its channel ("difference.R"). Errors: no size, no channels, empty texts or ones
-/// with a 0 byte in them.
+/// A packet that creates a blank image; tev replaces one of the same name. Channels R, G, B, A are shown as a
+/// colour. A dot separates a layer from its channel ("difference.R"). Errors: an empty image, no channels,
+/// texts that are empty or contain a 0 byte.
 Expected<TevPacket> encode_create_image(std::string_view name, std::int32_t width, std::int32_t height,
                                         std::span<const std::string> channels, bool grab_focus = true);
 
-/// New values of a tile (the third version of the operation, with offset and stride for each channel).
-/// Errors: as above, a corner left or above of the image, not width * height * channels values, 4 GiB or
-/// more.
+/// A packet with new values of a tile (the third version of the operation, with offset and stride for each
+/// channel). Errors: those above; a negative corner; not width * height * channels values; 4 GiB or more.
 Expected<TevPacket> encode_update_tile(std::string_view name, TevTile tile,
                                        std::span<const std::string> channels, std::span<const float> values,
                                        TevLayout layout, bool grab_focus = false);
 
 Expected<TevPacket> encode_close_image(std::string_view name);
 
-/// A connection to tev. Errors name its address. A packet that fails on its way leaves the connection closed,
-/// and what is asked of it from then on fails at once; a packet that cannot be encoded does no harm. One
-/// thread at a time.
+/// A connection to tev. Errors contain its address. If sending a packet fails, the connection is closed, and
+/// all later calls fail at once. A packet that cannot be encoded has no effect. Not thread-safe.
 class TevClient {
  public:
-  /// `timeout`: for the name service, for each address of the host to answer, and later for tev to take any
-  /// further byte of a packet. A stop ends all waiting soon, with an error. Never raises SIGPIPE.
+  /// `timeout` applies to the name lookup, to the connection to each address of the host, and later to every
+  /// wait until tev accepts a further byte. A stop request ends all waiting soon, with an error. Never raises
+  /// SIGPIPE.
   static Expected<TevClient> connect(const std::string& host_and_port,
                                      std::chrono::milliseconds timeout = kTevTimeout,
                                      std::stop_token stop = {});
@@ -73,8 +73,8 @@ class TevClient {
 
   Expected<void> create_image(std::string_view name, int width, int height,
                               std::span<const std::string> channels, bool grab_focus = true);
-  /// `values`: width * height * channels. The image is one that was created with these channels and more or
-  /// none.
+  /// `values`: width * height * channels numbers. The image must have been created with at least these
+  /// channels.
   Expected<void> update_tile(std::string_view name, int x, int y, int width, int height,
                              std::span<const std::string> channels, std::span<const float> values,
                              TevLayout layout = TevLayout::kInterleaved);

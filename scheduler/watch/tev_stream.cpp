@@ -8,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-// How often a stream with nothing to do looks whether it should end.
+// How often an idle stream checks whether it should end.
 constexpr std::chrono::milliseconds kStopInterval{50};
 
 const std::vector<std::string> kRadiance{"R", "G", "B"};
@@ -27,7 +27,7 @@ class Picture {
       channels.insert(channels.end(), kDifference.begin(), kDifference.end());
       channels.insert(channels.end(), kStandardError.begin(), kStandardError.end());
     }
-    // The camera is turned in another window, which keeps the focus.
+    // After the first time, do not grab the focus: the user turns the camera in another window.
     return client_.create_image(name_, job_.film_width, job_.film_height, channels,
                                 !std::exchange(created_, true));
   }
@@ -80,7 +80,7 @@ void TevStream::run(const std::stop_token& stop) {
                    ? fmt::format("tev at {} was too slow to take the whole image", address_)
                    : "tev does not show this render any further: " + streamed.error().message;
   }
-  watcher_.reset();  // so that the render does not wait for it or keep tiles for it
+  watcher_.reset();  // so that the render neither waits for it nor stores tiles for it
 }
 
 Expected<void> TevStream::stream(const std::stop_token& stop) {

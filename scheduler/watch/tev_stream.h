@@ -1,4 +1,4 @@
-// Shows a render in tev while it converges.
+// Shows a render in tev while it progresses.
 #pragma once
 
 #include <chrono>
@@ -12,21 +12,22 @@
 
 namespace penumbra {
 
-/// A watcher with a thread of its own that passes on to tev what the board shows: an image of the whole film,
-/// named after the job, with the channels R, G, B and, for hybrid jobs, difference.R, .G, .B and
-/// standard_error.Y. Another view starts it over. A slow tev delays neither the render nor other
-/// watchers. A tev that is missing, hangs or goes away ends the stream with one problem to report.
+/// A viewer with a thread of its own that forwards what the board shows to tev. The image shows the whole
+/// film and has the job's name. Its channels are R, G, B and, for hybrid jobs, difference.R, .G, .B and
+/// standard_error.Y. Another view starts it again. A slow tev delays neither the render nor other viewers. If
+/// tev is missing, hangs or goes away, the stream ends with one problem to report.
 class TevStream {
  public:
-  /// `address`: see parse_tev_address. Ends by itself once the board is closed and tev has everything.
+  /// `address`: see parse_tev_address. The stream ends by itself once the board is closed and tev has
+  /// received everything.
   TevStream(WatchBoard& board, std::string address, std::chrono::milliseconds timeout = kTevTimeout);
   TevStream(const TevStream&) = delete;
   TevStream& operator=(const TevStream&) = delete;
   ~TevStream();
 
-  /// Ends the stream now, whatever tev has.
+  /// Ends the stream now, even if tev has not received everything.
   void stop();
-  /// What went wrong, for people; once.
+  /// The problem, for the user; returned once.
   [[nodiscard]] std::optional<std::string> take_problem();
 
  private:
@@ -35,7 +36,7 @@ class TevStream {
 
   const std::string address_;
   const std::chrono::milliseconds timeout_;
-  std::optional<WatchBoard::Watcher> watcher_;  // of the thread, once that is there
+  std::optional<WatchBoard::Watcher> watcher_;  // created by the thread
 
   std::mutex mutex_;
   std::optional<std::string> problem_;

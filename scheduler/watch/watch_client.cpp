@@ -23,7 +23,7 @@ constexpr auto kRetryInterval = 200ms;
 constexpr int kAttemptsToExplain = 10;
 constexpr auto kTimeToExplain = 1000ms;
 
-/// Whether trying again would end the same way.
+/// Whether trying again would fail in the same way.
 bool is_final(grpc::StatusCode code) {
   return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
          code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::UNIMPLEMENTED;
@@ -55,7 +55,8 @@ WatchClient::~WatchClient() {
 
 // --- Reading
 
-/// Says what is in the way, each reason once in a row. A local scheduler that starts up is none.
+/// Reports why there is no connection, each reason once in a row. A local scheduler that is still starting is
+/// not reported.
 void WatchClient::explain_absence() {
   const std::string why = why_unreachable(address_, keys_.get(), kTimeToExplain);
   if (why.empty() || why == said_absence_) return;
@@ -101,7 +102,7 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   if (!goes_on) context.TryCancel();
   const grpc::Status status = reader->Finish();
   if (!goes_on) return;
-  // A job that is not under way does not come; one that nobody asked for by its number may.
+  // A job requested by its number that does not exist will not come. Without a number, one may still start.
   const bool is_gone = wanted_job_ != 0 && status.error_code() == grpc::StatusCode::NOT_FOUND;
   if (is_final(status.error_code()) || is_gone) {
     put(watch_news::Refused{status_text(status)});
@@ -111,14 +112,14 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   }
 }
 
-/// False: nothing more is to be read.
+/// Returns false if nothing more is to be read.
 bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
                           std::optional<WatchedJob>& job, std::optional<Error>& scene_error) {
   const auto refuse = [this](std::string why) {
     put(watch_news::Refused{std::move(why)});
     return false;
   };
-  // The connection has outlived the scene's: it was not lost meanwhile.
+  // The connection was not lost during the transfer of the scene.
   if (scene_error) return refuse(scene_error->message);
   if (event.has_refused()) return refuse(event.refused().reason());
   if (event.has_job()) {
@@ -157,7 +158,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
   } else if (event.has_progress()) {
     const bool ended = event.progress().ended();
     put(decode(event.progress()), event.progress().view());
-    // Tiles may still come; the end of the stream says that it was not lost.
+    // Tiles may still follow. The end of the stream then means that the connection was not lost.
     if (ended) {
       const std::lock_guard lock(mutex_);
       over_ = true;
@@ -202,7 +203,7 @@ std::vector<WatchNews> WatchClient::take() {
     while (!items_.empty()) {
       Item& item = items_.front();
       const bool is_of_lost = item.connection != connection_;
-      // Whether it is of the view that was asked for shows when that has a number.
+      // Whether the news belong to the requested view is known only when that has a number.
       if (!is_of_lost && view_on_its_way_ && item.view && *item.view > newest_view_) break;
       const bool is_view = std::holds_alternative<WatchView>(item.news);
       const bool is_known = item.view && (is_of_lost || view_on_its_way_ || *item.view < newest_view_);
@@ -278,7 +279,7 @@ void WatchClient::send() {
       if (status.ok()) own_view_ = newest_view_ = reply.view();
       view_on_its_way_ = next_view_.has_value();
     }
-    // A connection that is lost is the reader's to tell.
+    // The reading thread reports a lost connection.
     if (!status.ok() && status.error_code() != grpc::StatusCode::UNAVAILABLE && !stopping_)
       items_.push_back({{}, connection_, watch_news::Said{"the scheduler refused: " + status_text(status)}});
   }

@@ -1,4 +1,4 @@
-// A client that watches a render from another process: keeps the connection up, receives the news, and sends
+// A client that watches a render from another process: keeps the connection up, receives updates, and sends
 // requests.
 #pragma once
 
@@ -23,53 +23,53 @@ namespace penumbra {
 
 namespace watch_news {
 
-struct Connected {  ///< the first of a connection
+struct Connected {  ///< the first news of a connection
   WatchedJob job;
-  std::shared_ptr<const DeviceScene> scene;  ///< of interactive and hybrid jobs; else nothing
+  std::shared_ptr<const DeviceScene> scene;  ///< only of interactive and hybrid jobs; else null
 };
 struct Said {
   std::string text;
 };
-struct Lost {  ///< the connection; another one is tried
+struct Lost {  ///< the connection was lost; the client tries to reconnect
   std::string why;
 };
-struct Refused {  ///< by the scheduler; nothing more will come
+struct Refused {  ///< by the scheduler; no more news will come
   std::string why;
 };
-struct Ended {};  ///< the render is over; nothing more will come
+struct Ended {};  ///< the render is over; no more news will come
 
 }  // namespace watch_news
 
 using WatchNews = std::variant<watch_news::Connected, watch_news::Said, watch_news::Lost, watch_news::Refused,
                                watch_news::Ended, WatchView, WatchProgress, TileSnapshot>;
 
-/// Two threads: one reads, one sends what was asked for, so that nothing here ever waits for the network.
-/// Members are called by one other thread.
+/// Uses two threads, one that reads and one that sends requests, so that no call waits for the network.
+/// Members must be called by one other thread.
 class WatchClient {
  public:
-  /// "unix:/path" or "host:port", where the token is needed, and with TLS the keys.
-  /// `job`: the one to watch; 0: the oldest that is not over.
+  /// `address`: "unix:/path" or "host:port". The latter needs the token, and with TLS the keys. `job`: the
+  /// one to watch; 0: the oldest that is not over.
   WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {}, JobId job = 0);
   WatchClient(const WatchClient&) = delete;
   WatchClient& operator=(const WatchClient&) = delete;
   ~WatchClient();
 
-  /// What has come since the last call, in order. Nothing of views older than the last that was asked for.
-  /// What follows a Connected waits for the next call: the answer to it may be another view.
+  /// The news since the last call, in order, except those of views older than the last one requested. News
+  /// after a Connected are left for the next call, because the caller may answer by requesting another view.
   std::vector<WatchNews> take();
-  /// Requests another view, without samples at first. The newest request replaces one that has not been sent
-  /// yet; from here on nothing of older views is taken.
+  /// Requests another view, initially without samples. The newest request replaces one that has not been sent
+  /// yet. From now on, news of older views are dropped.
   void change_view(const View& view);
   /// Whether this view, which `take` returned, is the last one that this client requested, and not another
   /// viewer's.
   [[nodiscard]] bool is_own(const WatchView& view) const;
-  /// Requests so many samples per pixel in all of the newest view.
+  /// Requests a total number of samples per pixel of the newest view.
   void want_samples(std::uint32_t spp);
 
  private:
   struct Item {
-    std::optional<std::uint32_t> view;  // the number that it is of
-    std::uint32_t connection = 0;       // likewise
+    std::optional<std::uint32_t> view;  // the number of the view that the request is for
+    std::uint32_t connection = 0;       // the connection that the request is for
     WatchNews news;
   };
 
@@ -95,15 +95,16 @@ class WatchClient {
   SceneFetch* fetching_ = nullptr;
   grpc::ClientContext* sending_ = nullptr;
   std::deque<Item> items_;
-  std::optional<View> next_view_;  // to be sent
-  bool view_on_its_way_ = false;   // its number is not known yet
-  std::uint32_t connection_ = 0;   // each may be to another scheduler, which numbers its views anew
-  std::uint32_t job_ = 0;          // of this connection
+  std::optional<View> next_view_;  // the next view to be sent
+  bool view_on_its_way_ = false;   // the view has been sent, but its number is not known yet
+  // Counts connections: each may be to another scheduler with its own view numbers.
+  std::uint32_t connection_ = 0;
+  std::uint32_t job_ = 0;  // the job on this connection
   std::uint32_t newest_view_ = 0;
-  std::optional<std::uint32_t> own_view_;  // the last that was asked for from here
+  std::optional<std::uint32_t> own_view_;  // the last view requested by this client
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;
 
-  std::string said_absence_;  // of the reading thread
+  std::string said_absence_;  // the last message about an absent scheduler; used by the reading thread
   std::thread reader_, sender_;
 };
 

@@ -13,7 +13,8 @@
 namespace penumbra {
 namespace {
 
-/// What a leaf holds. Until the numbers of leaves of each kind are known a child is the code of a leaf.
+/// The kinds of leaves. Until the number of leaves of each kind is known, a child is stored as the code of a
+/// leaf.
 enum LeafKind { kTriangleLeaf, kQuadricLeaf, kInstanceLeaf, kLeafKinds };
 constexpr int kCodeBits = 29;
 int leaf_code(LeafKind kind, std::size_t index) { return ~(int(kind) << kCodeBits | int(index)); }
@@ -39,13 +40,13 @@ Expected<WideTree> tree_over(std::span<const Triangle> triangles, std::span<cons
   return builder.wide_tree(boxes, BVH_WIDTH);
 }
 
-/// A part of the hierarchy: its primitives are consecutive ones of the tables.
+/// A part of the hierarchy, over consecutive primitives of the tables.
 struct Part {
-  const TreeNode* root = nullptr;  ///< null: none
+  const TreeNode* root = nullptr;  ///< null: no tree
   Box box;
   LeafKind kind = kTriangleLeaf;
-  std::span<const Triangle> triangles;  ///< of leaves of triangles
-  int first = 0;                        ///< number of the first primitive
+  std::span<const Triangle> triangles;  ///< for leaves of triangles
+  int first = 0;                        ///< index of the first primitive
 };
 
 struct NodeCount {
@@ -61,7 +62,7 @@ void add_count(const TreeNode* node, NodeCount& count) {
   for (int k = 0; k < inner->child_count; ++k) add_count(inner->children[k], count);
 }
 
-/// So that large tables are not moved as they grow, nor many small ones each by a little.
+/// Reserves memory so that a large table is not moved as it grows, while many small additions stay cheap.
 template <typename Record>
 void reserve_more(std::vector<Record>& records, std::size_t more) {
   const std::size_t wanted = records.size() + more;
@@ -72,7 +73,7 @@ class Flattener {
  public:
   explicit Flattener(Hierarchy& out) : out_(out) {}
 
-  /// Appends a tree over the parts that have a root; at least one has. Returns its root.
+  /// Appends a tree over the parts that have a root, of which there must be one. Returns its root.
   int flatten(std::span<const Part> parts) {
     const Part* only = nullptr;
     int count = 0;
@@ -94,7 +95,7 @@ class Flattener {
     return int(at);
   }
 
-  /// Replaces codes by numbers: those of triangle leaves come first, then those of quadric leaves.
+  /// Replaces codes by indices: first the triangle leaves, then the quadric leaves.
   void number_leaves() {
     const int first[kLeafKinds] = {0, int(out_.triangle_leaves.size()),
                                    int(out_.triangle_leaves.size() + out_.quadric_leaves.size())};
@@ -194,15 +195,16 @@ Box bounds_of(std::span<const Triangle> triangles, std::span<const Quadric> quad
   return box;
 }
 
-/// Of what is placed, and of the roundings of rays on their way into a group from anywhere in the scene: some
-/// 5 of either way's products, see from_group_extent.
+/// Bounds of the placed groups, enlarged by the rounding errors of rays that enter a group from anywhere in
+/// the scene: about 5 rounding errors of the products in either direction; see from_group_extent.
 std::vector<Box> instance_bounds(std::span<const Instance> instances, std::span<const Box> groups) {
   constexpr double kRoundings = 16 * HALF_EPSILON;
   const auto axes = [](const vec3& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
   std::vector<Box> boxes;
   boxes.reserve(instances.size());
-  std::vector<std::array<double, 3>> stretches;  // by which a transform's way there and back grows roundings
-  std::array<double, 3> reach{};                 // of the scene from its centre
+  // Factors by which transforming back and forth amplifies rounding errors.
+  std::vector<std::array<double, 3>> stretches;
+  std::array<double, 3> reach{};  // extent of the scene from its centre
   const Box& once = groups.front();
   for (std::size_t k = 0; k < 3 && once.low[0] <= once.high[0]; ++k)
     reach[k] = std::max(std::abs(once.low[k]), std::abs(once.high[k]));
@@ -287,8 +289,8 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
     hierarchy.roots[g] = flattener.flatten(parts);
     return {};
   };
-  // The scene's own root is node 0, so it comes first; its instances' bounds are known before their trees
-  // are.
+  // The scene's own root must be node 0, so it is built first. It needs the bounds of instances before the
+  // groups' trees are built.
   for (std::size_t g = 0; g < groups.size() && !instances.empty(); ++g)
     group_boxes[g] = bounds_of(triangles, quadrics, groups[g]);
   placed = instance_bounds(instances, group_boxes);

@@ -12,18 +12,18 @@
 namespace penumbra {
 
 struct Hierarchy {
-  std::vector<BvhNode> nodes;  ///< the root first; children after their parent
-  std::vector<int> roots;      ///< of each group, a node
+  std::vector<BvhNode> nodes;  ///< the root first; children come after their parent
+  std::vector<int> roots;      ///< for each group its root node
   std::vector<TriangleLeaf> triangle_leaves;
   std::vector<QuadricLeaf> quadric_leaves;
 };
 
-/// Over all triangles and quadrics; at least one of either. Built by Embree's builder with a
-/// fixed instruction set, on all cores: the same scene always gets the same hierarchy.
+/// Builds the hierarchy over all triangles and quadrics, of which there must be at least one. It uses
+/// Embree's builder with a fixed instruction set on all cores. The same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
 
-/// Over the primitives of group 0 and the instances, and for each other group over its primitives. Group 0
-/// may be empty where there are instances, the others have primitives.
+/// Builds one hierarchy over the primitives of group 0 and the instances, and one for every other group over
+/// its primitives. Group 0 may be empty if there are instances. Every other group must have primitives.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
                                     std::span<const PrimitiveGroup> groups,
                                     std::span<const Instance> instances, int threads = 0);

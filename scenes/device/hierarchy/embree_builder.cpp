@@ -13,7 +13,7 @@ namespace penumbra {
 namespace {
 
 constexpr double kRoomForParts = 1.5;
-/// Binary trees are deeper than what comes of them, which is checked then.
+/// Binary trees are deeper than the wide trees made from them, whose depth is checked later.
 constexpr unsigned kMaxBinaryDepth = 200;
 
 struct BvhRelease {
@@ -21,7 +21,7 @@ struct BvhRelease {
 };
 using BvhHandle = std::unique_ptr<RTCBVHTy, BvhRelease>;
 
-/// The builder's threads get memory from it without waiting for each other.
+/// Allocates a node from the builder thread's own memory, without locks.
 template <typename Node>
 Node* new_node(RTCThreadLocalAllocator allocator) {
   return new (rtcThreadLocalAlloc(allocator, sizeof(Node), 16)) Node{};
@@ -64,7 +64,7 @@ void* create_wide_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitiv
   return static_cast<TreeNode*>(leaf);
 }
 
-/// Of a binary tree, whose boxes are those about its parts.
+/// A node of a binary tree. Its boxes are those of its parts.
 struct PairNode : TreeNode {
   const TreeNode* children[2];
 };
@@ -82,7 +82,7 @@ void* create_parts_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimiti
   return static_cast<TreeNode*>(leaf);
 }
 
-/// What the builder's calls back work on.
+/// The data for the builder's callbacks.
 struct SplitTriangles {
   std::span<const Triangle> triangles;
 };
@@ -95,7 +95,7 @@ void split(const RTCBuildPrimitive* part, unsigned axis, float position, RTCBoun
   *above = to_bounds(high);
 }
 
-/// What the builder takes, each by its number.
+/// The builder's input, with each primitive's index.
 std::vector<RTCBuildPrimitive> build_primitives(std::span<const Box> boxes) {
   std::vector<RTCBuildPrimitive> all;
   all.reserve(boxes.size());
@@ -126,7 +126,7 @@ Expected<const TreeNode*> build(const RTCBuildArguments& arguments) {
               " primitives");
 }
 
-/// The margin for hits comes last: with it, triangles that only touch a plane would be split there.
+/// The margin for hits is added last. Otherwise triangles that only touch a plane would be split there.
 void add_tree(BinaryTree& to, const TreeNode* node, std::span<const Triangle> triangles, int parent) {
   if (node->child_count == 0) {
     PartsLeaf leaf = *static_cast<const PartsLeaf*>(node);

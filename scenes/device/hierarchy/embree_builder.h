@@ -1,4 +1,4 @@
-// Trees by Embree's builder, with a fixed instruction set: the same primitives always get the same tree,
+// Builds trees with Embree. The instruction set is fixed, so the same primitives always give the same tree,
 // whatever the number of threads.
 #pragma once
 
@@ -18,11 +18,11 @@ class EmbreeBuilder {
  public:
   static Expected<EmbreeBuilder> start(unsigned threads);
 
-  /// Over the boxes of primitives, at least one, with so many in a leaf.
+  /// A tree over the boxes of primitives (at least one), with up to `in_leaf` primitives per leaf.
   [[nodiscard]] Expected<WideTree> wide_tree(std::span<const Box> boxes, int in_leaf) const;
-  /// Over triangles, at least one, which are split where that pays, into up to half
-  /// as many parts again: that takes three times as long, but bounced rays are 8 % (classroom) and 34 %
-  /// (spaceship) faster.
+  /// A binary tree over triangles (at least one). Triangles are split where that pays, into up to half as
+  /// many additional parts. Splitting takes three times as long, but bounced rays become 8 % (classroom) and
+  /// 34 % (spaceship) faster.
   [[nodiscard]] Expected<BinaryTree> binary_tree(std::span<const Triangle> triangles) const;
 
  private:

@@ -8,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-/// Parents before their children.
+/// All nodes with parents before their children.
 std::vector<int> from_the_root(const BinaryTree& tree) {
   std::vector<int> order, left = {0};
   order.reserve(tree.nodes.size());
@@ -43,7 +43,7 @@ TreeCollapse::Forest TreeCollapse::forest_of(const BinaryTree::Node& node, float
     return forest;
   }
   const Forest &first = forests_[std::size_t(node.child[0])], &second = forests_[std::size_t(node.child[1])];
-  std::array<float, BVH_WIDTH + 1> apart;  // the cost of k trees of which both children have some
+  std::array<float, BVH_WIDTH + 1> apart;  // cost of k trees that are divided between both children
   for (int k = 2; k <= BVH_WIDTH; ++k) {
     apart[std::size_t(k)] = std::numeric_limits<float>::infinity();
     for (int j = 1; j < k; ++j) {
@@ -64,7 +64,7 @@ TreeCollapse::Forest TreeCollapse::forest_of(const BinaryTree::Node& node, float
   return forest;
 }
 
-/// Of the node's subtree.
+/// Lists the roots of the trees of the node's subtree.
 void TreeCollapse::list_trees(int node, int trees, std::vector<int>& roots) const {
   const Forest& forest = forests_[std::size_t(node)];
   while (trees > 1 && forest.to_first[std::size_t(trees)] == 0) --trees;

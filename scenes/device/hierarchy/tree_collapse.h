@@ -1,4 +1,4 @@
-// From a binary tree to one of up to BVH_WIDTH children a node and as many primitives a leaf.
+// Collapses a binary tree into one with up to BVH_WIDTH children per node and as many primitives per leaf.
 #pragma once
 
 #include <array>
@@ -10,24 +10,25 @@
 
 namespace penumbra {
 
-/// Which nodes of the binary tree are nodes and leaves of the wide one, so that the sum of their surfaces is
-/// the least there is: as many of them does a line visit that meets all, a leaf being as dear as a node. By
-/// dynamic programming over forests of up to BVH_WIDTH - 1 trees (after Ylitie, Karras and Laine 2017,
-/// Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs).
+/// Chooses which nodes of the binary tree become nodes and leaves of the wide tree, so that the total surface
+/// area is minimal. This minimises the expected number of nodes that a random line visits, with a leaf as
+/// expensive as a node. It uses dynamic programming over forests of up to BVH_WIDTH - 1 trees (after Ylitie,
+/// Karras and Laine 2017, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs).
 class TreeCollapse {
  public:
   explicit TreeCollapse(const BinaryTree& tree);
 
   /// The surfaces of the wide tree's boxes over that of the root; 0 if the root has none.
   [[nodiscard]] double cost() const { return forests_.front().cost[1]; }
-  /// Of children the last has the fewest parts, of which a leaf holds each primitive once.
+  /// The wide tree. Of a node's children, the last has the fewest parts. A leaf holds each primitive once.
   [[nodiscard]] WideTree wide_tree() const;
 
  private:
-  /// The subtree as up to k trees.
+  /// The costs of representing the subtree by up to k trees.
   struct Forest {
-    std::array<float, BVH_WIDTH> cost;                ///< for k up to BVH_WIDTH - 1
-    std::array<std::int8_t, BVH_WIDTH + 1> to_first;  ///< of them the first child's; 0: k - 1 are as good
+    std::array<float, BVH_WIDTH> cost;  ///< for k up to BVH_WIDTH - 1
+    /// The number of trees given to the first child; 0: k - 1 trees are as good.
+    std::array<std::int8_t, BVH_WIDTH + 1> to_first;
     int parts;
   };
   class Emitter;

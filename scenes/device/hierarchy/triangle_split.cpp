@@ -3,7 +3,7 @@
 namespace penumbra {
 namespace {
 
-// Of the coordinates of an edge's ends, between which its point on the plane lies: several roundings of it.
+// Relative margin of several rounding errors for the intersection of an edge with the plane.
 constexpr double kMargin = 3e-7;
 
 void clip(Box& box, const Box& by) {

@@ -7,9 +7,9 @@
 
 namespace penumbra {
 
-/// The triangle's part inside `bounds`, cut at `position` along `axis` (0, 1, 2): a box around what lies
-/// below it and one around what lies above, neither beyond `bounds`. A little more than the exact ones, so
-/// that no point of the triangle falls between them by rounding.
+/// Cuts the part of the triangle inside `bounds` at `position` along `axis` (0, 1, 2). Returns a box around
+/// the part below and one around the part above, both inside `bounds`. They are slightly larger than exact,
+/// so that rounding leaves no point of the triangle outside both.
 std::pair<Box, Box> split_bounds(const Triangle& triangle, const Box& bounds, int axis, float position);
 
 }  // namespace penumbra

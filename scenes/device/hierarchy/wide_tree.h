@@ -1,4 +1,4 @@
-// Trees of up to BVH_WIDTH children a node, before they are flattened.
+// Trees with up to BVH_WIDTH children per node, before they are flattened.
 #pragma once
 
 #include <memory>
@@ -8,15 +8,16 @@
 
 namespace penumbra {
 
-/// Levels of nodes over one kind of primitive: the root over all kinds is above them, and a margin.
+/// The largest depth of a tree over one kind of primitive. It leaves room for the common root above and a
+/// margin.
 constexpr int kMaxTreeDepth = BVH_MAX_DEPTH - 2;
 
-/// Either an inner node or a leaf.
+/// An inner node or a leaf.
 struct TreeNode {
-  int child_count;  ///< 0: it is a leaf
+  int child_count;  ///< 0 for a leaf
 };
 struct WideNode : TreeNode {
-  Box bounds[BVH_WIDTH];  ///< of the children
+  Box bounds[BVH_WIDTH];  ///< bounds of the children
   const TreeNode* children[BVH_WIDTH];
 };
 struct WideLeaf : TreeNode {
@@ -24,9 +25,9 @@ struct WideLeaf : TreeNode {
   int primitives[BVH_WIDTH];
 };
 
-/// A tree and what it is in.
+/// A tree and the memory that holds it.
 struct WideTree {
-  const TreeNode* root = nullptr;  ///< null: there is none
+  const TreeNode* root = nullptr;  ///< null if there is no tree
   std::shared_ptr<void> memory;
 };
 

@@ -33,7 +33,7 @@ std::vector<ControlKnot> control_knots(const DeviceScene& device_scene) {
       const double root = double(j) / (kControlKnots - 1), cosine = root * root;
       knots.push_back(knot_of(has ? control_of(&scene, closure, float(cosine)) : no_control_lobes(), cosine));
     }
-    // The quotient of two sines that vanish: its limit.
+    // The quotient of two sines that both vanish is replaced by its limit.
     knots.back().lean = knots[knots.size() - 2].lean;
   }
   return knots;

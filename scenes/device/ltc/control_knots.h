@@ -1,5 +1,5 @@
-// The control lobes of a scene's materials as curves over the viewer's cosine, for shaders, which have none
-// of the BSDFs.
+// The control lobes of a scene's materials as curves over the viewer's cosine. They are for shaders that
+// cannot evaluate the BSDFs.
 #pragma once
 
 #include <vector>
@@ -8,20 +8,23 @@
 
 namespace penumbra {
 
-/// At one cosine; what is between two is linear in the cosine's root, colours nearly so in the cosine.
+/// A control lobe at one cosine. Between two knots the lobe is linear in the square root of the cosine;
+/// colours are nearly linear in the cosine.
 struct ControlKnot {
   vec3 diffuse;
-  float lean;  ///< with the widths: arguments of make_ltc (kernels/bsdf/ltc.h) for a roughness of 1/2
+  /// Together with the widths: arguments of make_ltc (kernels/bsdf/ltc.h) for a roughness of 1/2.
+  float lean;
   vec3 specular;
   float width_x;  ///< 0 or less: there is no lobe
   float width_y;
 };
 
-/// As many for each material, at the cosines (j / (kControlKnots - 1))^2: those of the table's columns among
-/// them.
+/// The number of knots per material, at the cosines (j / (kControlKnots - 1))^2. They include the columns of
+/// the LTC table.
 constexpr int kControlKnots = 4 * (LTC_SIZE - 1) + 1;
 
-/// Of all materials, colours that have textures as if they had none. Empty without FEATURE_LTC.
+/// The knots of all materials. Textured colours are replaced by their constant values. Empty without
+/// FEATURE_LTC.
 std::vector<ControlKnot> control_knots(const DeviceScene& scene);
 
 }  // namespace penumbra

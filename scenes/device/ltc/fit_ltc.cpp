@@ -16,14 +16,15 @@ namespace {
 constexpr int kSize = LTC_SIZE;
 constexpr int kResidualSide = 60;
 
-using Table = std::vector<Cell>;  // rows of kSize
+using Table = std::vector<Cell>;  // rows of kSize cells
 
 Table fitted(Distribution distribution) {
   Table table(kSize * kSize);
   for (int column = kSize - 1; column >= 0; --column) {
     Cell cell{.lean = 0, .width_x = 1, .width_y = 1};
     for (int row = 0; row < kSize; ++row) {
-      // From the cell before, of less roughness, and from that of the steeper view: the better of two.
+      // Starts from the previous cell of smaller roughness and from that of the steeper view, and keeps the
+      // better fit.
       const Lobe lobe(distribution, knot_alpha(row, kSize), knot_cosine(column, kSize));
       cell = fit(lobe, cell);
       if (column + 1 < kSize) {
@@ -32,14 +33,14 @@ Table fitted(Distribution distribution) {
             residual(lobe, cell, kResidualSide).discrimination)
           cell = other;
       }
-      // A lobe about the normal leans nowhere, and has no direction in which it is wider.
+      // At normal incidence the lobe does not lean and is isotropic.
       if (column == kSize - 1) {
         cell.lean = 0;
         cell.width_x = cell.width_y;
       }
       table[std::size_t(row * kSize + column)] = cell;
     }
-    // The ratio of two sines that vanish.
+    // The quotient of two sines that both vanish is replaced by its limit.
     if (column == kSize - 2)
       for (int row = 0; row < kSize; ++row)
         table[std::size_t(row * kSize + kSize - 1)].lean = table[std::size_t(row * kSize + kSize - 2)].lean;

@@ -9,7 +9,7 @@
 namespace penumbra::ltc {
 namespace {
 
-// The first row is fitted here; below, shapes are taken to scale with alpha.
+// The roughness of the first row. Below it, shapes are assumed to scale with alpha.
 constexpr double kLeastAlpha = 1e-3;
 constexpr double kLeastCosine = 1e-3;
 constexpr int kFitSide = 40, kMeanSide = 300;
@@ -28,7 +28,7 @@ double beckmann_lambda(const glm::dvec3& w, double alpha) {
   return 0.5 * (std::exp(-a * a) / (a * std::sqrt(kPi)) - std::erfc(a));
 }
 
-/// G1.
+/// Smith's G1.
 double masking(Distribution distribution, const glm::dvec3& w, double alpha) {
   return 1 / (1 + (distribution == Distribution::kGgx ? ggx_lambda(w, alpha) : beckmann_lambda(w, alpha)));
 }
@@ -39,7 +39,7 @@ double density(Distribution distribution, const glm::dvec3& h, double alpha) {
   return std::exp(-tangent2 / a2) / (kPi * a2 * sqr(z2));
 }
 
-/// Least value by the simplex method of Nelder and Mead 1965.
+/// Minimisation by the simplex method of Nelder and Mead 1965.
 using Point = std::array<double, 3>;
 template <typename Function>
 Point minimum(const Function& f, const Point& start, double step) {

@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-/// LTC_SIZE^2 cells of GGX, then as many of Beckmann's distribution.
+/// LTC_SIZE^2 cells for the GGX distribution, then as many for Beckmann's.
 std::vector<LtcCell> ltc_table();
 
 }  // namespace penumbra

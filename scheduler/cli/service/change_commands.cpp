@@ -1,4 +1,4 @@
-// `penumbra cancel` and `penumbra prioritize`: what can be changed about the jobs of a service.
+// `penumbra cancel` and `penumbra prioritize`: change jobs of a service.
 #include <memory>
 
 #include "scheduler/cli/commands.h"
@@ -14,7 +14,7 @@ struct ChangeOptions {
   int priority = 0;
 };
 
-/// `change` for each job, so that one that is over does not stop the others.
+/// Calls `change` for each job; an error of one does not stop the others.
 template <typename Change>
 ExitCode change_all(const ChangeOptions& options, const Change& change) {
   const auto connected = connect_to_service(options.service);

@@ -1,4 +1,4 @@
-// `penumbra fetch JOB…`: results of a service.
+// `penumbra fetch JOB…`: downloads results from a service.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLooks = 10;  // at the stop signal, between two questions
+constexpr int kLooks = 10;  // checks of the stop signal between two status requests
 
 struct FetchOptions {
   ServiceAddress service;
@@ -29,8 +29,8 @@ struct FetchOptions {
   bool all = false, wait = false, remove = false, quiet = false;
 };
 
-/// The status of what was asked for once all of that is over, or at once. A service that is away is waited
-/// for as well.
+/// The status of the requested jobs, immediately or when all of them are over. Also waits for a service that
+/// is away.
 Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOptions& options,
                                           const std::atomic<bool>& stop) {
   bool was_reached = false, said = false;
@@ -50,7 +50,7 @@ Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOption
   }
 }
 
-/// Where the file goes: two jobs of one fetch that call theirs alike are told apart by the job's number.
+/// The path for a file. If two jobs have files of the same name, the job's number is added.
 fs::path place_of(const FetchOptions& options, JobId job, const std::string& name,
                   std::set<fs::path>& taken) {
   const fs::path path(name);
@@ -89,7 +89,7 @@ ExitCode fetch(const FetchOptions& options) {
     }
     bool fetched = true;
     for (const wire::StoredFile& file : job.files()) {
-      if (!is_result_name(file.name())) continue;  // no honest service has such
+      if (!is_result_name(file.name())) continue;  // a correct service has no such files
       const fs::path place = place_of(options, job.job(), file.name(), taken);
       const auto written = service.fetch(job.job(), file, place);
       if (!written) {

@@ -1,4 +1,4 @@
-// `penumbra serve`: a scheduler that others give jobs to.
+// `penumbra serve`: a scheduler to which clients submit jobs.
 #include <filesystem>
 #include <memory>
 

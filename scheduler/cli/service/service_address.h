@@ -1,4 +1,4 @@
-// Where a service is, and what proves that one may talk to it, as the commands that do are told.
+// Options for the address and the credentials of a service, shared by the commands that talk to one.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,20 +10,20 @@
 
 namespace penumbra {
 
-constexpr int kMostUrgent = 1'000'000;  ///< of priorities
+constexpr int kMostUrgent = 1'000'000;  ///< the largest priority
 
 struct ServiceAddress {
   std::string to, keys;
 };
 
-/// Adds --to; and --keys, where the command has none.
+/// Adds --to, and with `with_keys` also --keys.
 void add_service_address(CLI::App& command, ServiceAddress& address, bool with_keys = true);
 
-/// A client of the service there; `role` says which of the keys it needs. Errors: those of client_access.
+/// Makes a client for the service at this address. `role` selects the keys. Errors: those of client_access.
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address,
                                                          KeyRole role = KeyRole::kUser);
 
-/// "JOB…", numbers that a service gave out.
+/// Adds the positional argument "JOB…": numbers given out by a service.
 CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs);
 
 }  // namespace penumbra

@@ -28,8 +28,8 @@
 namespace penumbra {
 namespace {
 
-// Jobs whose scenes and films are in memory: the one that is rendered and the next, and for some that are
-// more urgent.
+// The number of jobs whose scenes and films are in memory: the current one and the next, and a few more with
+// higher priority.
 constexpr int kOpenJobs = 2, kMostOpenJobs = 4;
 
 wire::JobState state_of(RenderEndKind kind) {
@@ -44,7 +44,8 @@ wire::JobState state_of(RenderEndKind kind) {
   return wire::JOB_DONE;
 }
 
-/// Of a job that was cancelled before it was begun here: what an earlier service has rendered.
+/// The outcome of a job that was cancelled before this service began it: what an earlier service has
+/// rendered.
 RenderOutcome outcome_of_checkpoint(const RenderJob& job) {
   RenderOutcome outcome;
   Merge merge = job.before ? std::move(job.before->merge) : merge_of_job(job);
@@ -79,7 +80,7 @@ class ServiceRun final : public JobSource {
 
   ExitCode run(const std::string& worker_executable, std::shared_ptr<const Keys> keys);
 
-  // --- Of the farm's thread
+  // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override { return false; }
   void took(JobId id) override { open_[id] = *std::exchange(taken_, {}); }
@@ -102,16 +103,17 @@ class ServiceRun final : public JobSource {
   const ServiceOptions& options_;
   Spool& spool_;
   JobQueue& queue_;
-  const std::string worker_;  // hash of that program
+  const std::string worker_;  // hash of the worker's executable
   const std::atomic<bool>& stop_;
-  bool tells_tokens_ = true;  // the first notices: not for everybody who may ask for the state
+  // The first notices contain tokens, which must not be shown to everyone who may ask for the status.
+  bool tells_tokens_ = true;
 
   Mailbox<OpenJob> ready_;
   Mailbox<FinishedJob> finished_;
   std::optional<OpenJob> taken_;
   std::map<JobId, OpenJob> open_;
-  std::vector<OpenJob> again_;  // what the machine's own choice of a device could not render
-  // Of jobs that are not complete: whether it was they or the farm that ended is known when the farm goes on.
+  std::vector<OpenJob> again_;  // jobs to be rendered again because the automatically chosen device failed
+  // Incomplete jobs. Whether the job or the whole farm has ended is known only when the farm goes on.
   std::vector<FinishedJob> unfinished_;
 };
 
@@ -122,7 +124,7 @@ void ServiceRun::read_scenes() {
     Expected<OpenJob> job = fail("");
     try {
       job = read_scene(*taken);
-    } catch (const std::exception& error) {  // memory above all: others may need less
+    } catch (const std::exception& error) {  // usually out of memory; other jobs may need less
       job = fail(error.what());
     }
     if (job) {
@@ -206,7 +208,7 @@ void ServiceRun::write(FinishedJob finished) {
   const OpenJob& job = finished.job;
   const bool was_cancelled = queue_.begin_writing(job.id);
   RenderEnd end{RenderEndKind::kFailed, finished.outcome ? "" : finished.outcome.error().message};
-  // One that was cancelled before its first sample leaves nothing, which is no failure.
+  // A job that was cancelled before its first sample leaves no files; that is not a failure.
   const bool has_samples = finished.outcome && sample_range(finished.outcome->film).total > 0;
   try {
     if (has_samples || (finished.outcome && !was_cancelled)) {
@@ -218,7 +220,7 @@ void ServiceRun::write(FinishedJob finished) {
     end = {RenderEndKind::kFailed, error.what()};
   }
   wire::JobState state = state_of(end.kind);
-  const bool is_lost = has_samples && end.kind == RenderEndKind::kFailed;  // it could not be written
+  const bool is_lost = has_samples && end.kind == RenderEndKind::kFailed;  // its files could not be written
   if (was_cancelled && state != wire::JOB_DONE && !is_lost) {
     state = wire::JOB_CANCELLED;
     end.error = has_samples ? "what was rendered before is kept" : "nothing was rendered before";
@@ -226,11 +228,11 @@ void ServiceRun::write(FinishedJob finished) {
   print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
                             end.error.empty() ? "" : ": ", end.error));
   queue_.end(job.id, state, end.error);
-  // After its end is on disk: until then it could be needed again.
+  // Only after the job's end is on disk; until then the checkpoint could be needed.
   if (finished.outcome && !is_lost) remove_checkpoint(*job.prepared);
 }
 
-// --- All of it
+// --- Running all threads
 
 ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<const Keys> keys) {
   FarmOptions farm{.workers = options_.workers,

@@ -1,4 +1,4 @@
-// What a service does all day: takes jobs from its queue, has them rendered, and keeps what comes of them.
+// The main loop of a service: takes jobs from the queue, renders them, and stores the results.
 #pragma once
 
 #include <atomic>
@@ -10,16 +10,16 @@
 namespace penumbra {
 
 struct ServiceOptions {
-  std::string listen;           ///< where clients, viewers and foreign workers reach it
-  std::string keys;             ///< folder of keys for that, see listening_keys; empty: none
+  std::string listen;           ///< address for clients, viewers and workers on other hosts
+  std::string keys;             ///< folder of keys for `listen`; see listening_keys; empty: none
   std::filesystem::path spool;  ///< see Spool
-  int workers = 1;              ///< processes here; 0: others join
-  int threads = 0;              ///< of each worker; 0: all cores of this machine shared out among the workers
+  int workers = 1;              ///< local worker processes; 0: other workers join
+  int threads = 0;              ///< per worker; 0: all cores of this machine, divided among the workers
   double checkpoint_interval = 0;
 };
 
-/// Until `stop`, or until no worker is left. What is not done then is queued, and goes on where it was when
-/// the next service has the same spool.
+/// Runs until `stop` becomes true or no worker is left. Unfinished jobs stay in the queue, and the next
+/// service with the same spool resumes them.
 ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& stop);
 
 }  // namespace penumbra

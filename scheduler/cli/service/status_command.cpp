@@ -1,4 +1,4 @@
-// `penumbra status`: what a service does.
+// `penumbra status`: shows the state of a service.
 #include <fmt/format.h>
 
 #include <limits>
@@ -15,8 +15,8 @@
 namespace penumbra {
 namespace {
 
-constexpr int kBetweenScreens = 500;  // milliseconds
-constexpr int kLongestLine = 1000;    // where nobody looks at it as it is
+constexpr int kBetweenScreens = 500;  // in milliseconds
+constexpr int kLongestLine = 1000;    // if the output is not a terminal
 
 struct StatusOptions {
   ServiceAddress service;
@@ -24,7 +24,7 @@ struct StatusOptions {
   bool watch = false, json = false;
 };
 
-/// Until q or Ctrl-C. A service that is away is waited for; what was known last stays on the screen.
+/// Runs until q or Ctrl-C. If the service is away, it waits for it and keeps showing the last state.
 ExitCode watch(JobsClient& service, const StatusOptions& options) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto screen = TerminalScreen::open();

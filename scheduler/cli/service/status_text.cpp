@@ -28,7 +28,7 @@ RenderProgress progress_of(const wire::JobStatus& job) {
           .workers = int(job.workers())};
 }
 
-/// What is to be said of a job beside its name.
+/// The description of a job beside its name.
 std::string detail(const wire::JobStatus& job, double now) {
   switch (job.state()) {
     case wire::JOB_QUEUED:
@@ -47,7 +47,8 @@ std::string detail(const wire::JobStatus& job, double now) {
   }
 }
 
-/// Those in work, those that wait in the order in which they will be rendered, those that ended last.
+/// The jobs being rendered, then those waiting in the order in which they will be rendered, then those that
+/// ended last.
 std::vector<const wire::JobStatus*> by_interest(const wire::StatusReply& status) {
   std::vector<const wire::JobStatus*> jobs;
   for (const wire::JobStatus& job : status.jobs()) jobs.push_back(&job);
@@ -141,7 +142,7 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
                               counted(status.workers_size(), "worker")));
   std::vector<std::string> workers;
   for (const wire::FarmWorker& worker : status.workers()) workers.push_back(worker_line(worker));
-  // Half of the room at most is the workers'.
+  // Workers get at most half of the room.
   const int room = std::max(0, rows - 4), for_workers = std::min(int(workers.size()), std::max(1, room / 2));
   const std::vector<const wire::JobStatus*> jobs = by_interest(status);
   const int for_jobs = std::clamp(room - for_workers, 0, int(jobs.size()));

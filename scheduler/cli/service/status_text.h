@@ -1,4 +1,4 @@
-// The state of a service in words, as a table and as JSON.
+// Formats the state of a service as a table and as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,15 +14,15 @@ namespace penumbra {
 /// "queued", "rendering", "done", "incomplete", "failed", "cancelled".
 std::string_view job_state_name(wire::JobState state);
 
-/// A line of at most so many characters of UTF-8; nothing that a terminal would obey.
+/// Shortens a text to one line of at most `columns` characters (UTF-8), without control characters.
 std::string fitted_line(std::string_view text, int columns);
 
-/// Jobs and workers, lines of at most `columns` characters and at most `rows` of them, each without its
-/// newline. Where there is no room for all jobs, those that are rendered, those that wait and those that
-/// ended last come first.
+/// A table of jobs and workers: at most `rows` lines of at most `columns` characters, without newlines. If
+/// there is not enough room for all jobs, those being rendered, those waiting and those that ended last come
+/// first.
 std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows);
 
-/// Documented in scheduler/service/README.md.
+/// The format is documented in scheduler/service/README.md.
 nlohmann::ordered_json status_json(const wire::StatusReply& status);
 
 }  // namespace penumbra

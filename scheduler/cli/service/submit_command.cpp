@@ -1,4 +1,4 @@
-// `penumbra submit SCENE|JOBFILE…`: gives renders to a service.
+// `penumbra submit SCENE|JOBFILE…`: submits renders to a service.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct SubmitOptions {
   std::optional<int> priority;
 };
 
-/// What the service or `penumbra fetch` decides.
+/// Rejects options that the service or `penumbra fetch` determines.
 Expected<void> check_options(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;

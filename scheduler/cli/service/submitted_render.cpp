@@ -9,7 +9,7 @@
 namespace penumbra {
 namespace {
 
-/// In the service's folder each kind of file has one spelling of its extension.
+/// In the service's folder each kind of file has one fixed extension.
 std::string stored_name(const std::filesystem::path& path, const char* extension) {
   return std::filesystem::path(path.filename()).replace_extension(extension).string();
 }

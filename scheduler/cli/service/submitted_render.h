@@ -1,5 +1,4 @@
-// A render on its way to a service and back: what is sent of a prepared render, and a prepared render made of
-// that.
+// Converts a prepared render to a submission for a service, and back.
 #pragma once
 
 #include <filesystem>
@@ -13,12 +12,12 @@
 
 namespace penumbra {
 
-/// All but the scene's data.
+/// Everything except the scene's data.
 Submission submission_of(const PreparedRender& prepared, const SetMember& member,
                          const std::vector<std::string>& command_line);
 
-/// Its files are in `folder`; `threads` and `workers` are the service's. Errors: a scene and a record that do
-/// not belong together, more pixels than memory.
+/// The prepared render of a submission, with its files in `folder`. `threads` and `workers` are the
+/// service's. Errors: scene and record do not match; more pixels than fit into memory.
 Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene stored,
                                      const std::filesystem::path& folder, int threads, int workers);
 

@@ -12,12 +12,12 @@
 namespace penumbra {
 namespace {
 
-// ECMA-48 and xterm: the other screen, cursor off, to the top, clear to the end of the line and of the
-// screen.
+// ECMA-48 and xterm control sequences: alternate screen, hide cursor, cursor to the top, clear to the end of
+// the line and of the screen.
 constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l", kLeave = "\x1b[?25h\x1b[?1049l", kHome = "\x1b[H",
                            kEndOfLine = "\x1b[K\r\n", kEndOfScreen = "\x1b[J";
 
-termios before;  // of the one terminal that there is
+termios before;  // settings of the terminal before it was changed
 
 void put(std::string_view text) {
   while (!text.empty()) {
@@ -35,7 +35,7 @@ Expected<TerminalScreen> TerminalScreen::open() {
       std::string_view(kind) == "dumb" || tcgetattr(STDIN_FILENO, &before) != 0)
     return fail("--watch needs a terminal; without it the state is printed once, with --json for programs");
   termios raw = before;
-  raw.c_lflag &= ~tcflag_t(ICANON | ECHO);  // signals stay: Ctrl-C ends as ever
+  raw.c_lflag &= ~tcflag_t(ICANON | ECHO);  // signals stay enabled, so Ctrl-C works as usual
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);
@@ -64,7 +64,7 @@ void TerminalScreen::show(const std::vector<std::string>& lines) {
   std::string text(kHome);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     text += lines[i];
-    // No newline after the last row, which would scroll.
+    // No newline after the last row, because it would scroll.
     text += i + 1 < lines.size() ? kEndOfLine : kEndOfLine.substr(0, kEndOfLine.size() - 2);
   }
   text += kEndOfScreen;

@@ -1,4 +1,4 @@
-// A terminal that one program has to itself for a while.
+// Full-screen use of the terminal.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace penumbra {
 
-/// Whole screens of lines; what was on the terminal before is there again afterwards. Keys come at once,
-/// unechoed.
+/// Shows whole screens of lines; the previous contents of the terminal are restored afterwards. Keys are read
+/// immediately and not echoed.
 class TerminalScreen {
  public:
-  /// Error: stdin and stdout are no terminal.
+  /// Error: stdin or stdout is not a terminal.
   static Expected<TerminalScreen> open();
   TerminalScreen(TerminalScreen&& other) noexcept;
   TerminalScreen& operator=(TerminalScreen&&) = delete;
@@ -21,10 +21,10 @@ class TerminalScreen {
   struct Size {
     int columns = 80, rows = 24;
   };
-  /// At the moment.
+  /// The current size.
   [[nodiscard]] Size size() const;
   void show(const std::vector<std::string>& lines);
-  /// The next key, waiting for it at most so long; 0: none, -1: the terminal is gone.
+  /// The next key, waiting at most `milliseconds`; 0: none; -1: the terminal is gone.
   [[nodiscard]] int key(int milliseconds);
 
  private:

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kHighestPriority = 1'000'000;
 constexpr std::int64_t kLastFrame = 999'999'999;
 
-/// A value as the command line would have it; nothing for tables, lists and dates.
+/// A value as text of the command line. Nothing for tables, lists and dates.
 std::optional<std::string> text_of(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* integer = node.as_integer()) return fmt::to_string(integer->get());
@@ -54,7 +54,7 @@ class JobFileReader {
       RenderPattern pattern = defaults;
       pattern.location = toml_location(file_, node.source().begin);
       read_table(*node.as_table(), pattern);
-      // Scenes one after the other, whatever is varied of each.
+      // The scene is always the first axis.
       const auto scene = std::ranges::find(pattern.axes, AxisKind::kScene, &RenderAxis::kind);
       if (scene != pattern.axes.end())
         std::rotate(pattern.axes.begin(), scene, scene + 1);
@@ -103,7 +103,7 @@ class JobFileReader {
     error(key, fmt::format("a render has no '{}'{}", key.str(), known_names(key.str(), known, "It has")));
   }
 
-  /// A list is several values, one after the other.
+  /// The values of a list, or a single value.
   std::vector<const toml::node*> values_of(const toml::node& node) {
     const toml::array* array = node.as_array();
     if (array == nullptr) return {&node};
@@ -131,7 +131,7 @@ class JobFileReader {
       if (kind == AxisKind::kFrame && !parse_integer(values.front(), 0, kLastFrame))
         error(*each, fmt::format("frame: a whole number from 0, or as in \"1..24\" or \"1..24x4\", not '{}'",
                                  *text));
-      // Of a range all are alike but for their size.
+      // The values of a range differ only in size, so checking both ends suffices.
       for (const std::string& value : {values.front(), values.back()})
         if (const auto checked = check_value(kind, name, value); !checked) {
           error(*each, checked.error().message);
@@ -146,7 +146,7 @@ class JobFileReader {
     if (!axis.values.empty()) set_axis(pattern.axes, std::move(axis));
   }
 
-  /// name = value each; tables within are names with a dot.
+  /// Reads name = value pairs; nested tables give names with dots.
   void read_assignments(AxisKind kind, std::string_view what, const std::string& before,
                         const toml::node& node, RenderPattern& pattern) {
     const toml::table* table = node.as_table();
@@ -200,7 +200,7 @@ class JobFileReader {
     const auto* text = node.as_string();
     if (text == nullptr || text->get().empty())
       return error(node, "out: a folder, or a name as in \"out/{scene}-{seed:03}.exr\"");
-    // A folder stays one.
+    // A trailing slash, which marks a folder, is kept.
     pattern.out = (pattern.folder / text->get()).string();
   }
 

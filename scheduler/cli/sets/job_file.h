@@ -1,4 +1,4 @@
-// Job files: TOML that says which renders there are to be.
+// Job files: TOML files that describe sets of renders.
 #pragma once
 
 #include <filesystem>
@@ -10,16 +10,17 @@
 namespace penumbra {
 
 struct JobFile {
-  std::unique_ptr<SourceFile> source;  ///< patterns refer to it
+  std::unique_ptr<SourceFile> source;  ///< the patterns' locations refer to it
   std::vector<RenderPattern> patterns;
 };
 
-/// Whether it looks like one: TinyRender's scenes are TOML too, but have no [[render]].
+/// Whether a file is a job file: TOML with [[render]] tables. TinyRender's scenes are TOML too, but have
+/// none.
 bool is_job_file(const std::filesystem::path& file);
 
-/// Reads the [[render]] tables with what [defaults] gives them. Errors, each at its place: what is not TOML,
-/// a key that no render has, a value that its option does not take, an empty list, a pattern that no file
-/// matches, a setting that does not exist.
+/// Reads the [[render]] tables, with the values of [defaults]. Errors, each with its location: not TOML, an
+/// unknown key, a value that the option does not accept, an empty list, a pattern that matches no file, a
+/// setting that does not exist.
 Expected<JobFile> read_job_file(const std::filesystem::path& file);
 
 }  // namespace penumbra

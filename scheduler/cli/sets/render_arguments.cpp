@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-/// Of the command, not of one of its renders.
+/// Options of the whole command, not of single renders.
 constexpr std::array<std::string_view, 17> kShared{"workers",
                                                    "keys",
                                                    "launch",
@@ -36,7 +36,7 @@ std::string name_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? "" : option.get_lnames().front();
 }
 
-/// The parser of a command line of `penumbra render`.
+/// A parser for the command line of `penumbra render`.
 struct Parser {
   RenderOptions options;
   CLI::App app{"render", "render"};
@@ -44,7 +44,7 @@ struct Parser {
   Parser() { add_render_options(app, options); }
 
   Expected<void> parse(std::vector<std::string> arguments) {
-    std::ranges::reverse(arguments);  // the library's order
+    std::ranges::reverse(arguments);  // the order that the library expects
     try {
       app.parse(std::move(arguments));
     } catch (const CLI::ParseError& error) {
@@ -54,7 +54,7 @@ struct Parser {
   }
 };
 
-/// By each of their long names.
+/// Keyed by each of their long names.
 const std::map<std::string, RenderOption, std::less<>>& render_options() {
   static const auto all = [] {
     std::map<std::string, RenderOption, std::less<>> options;
@@ -74,7 +74,7 @@ void add_argument(std::vector<std::string>& arguments, const RenderAxis& axis, c
                   bool with_frame) {
   switch (axis.kind) {
     case AxisKind::kScene:
-      break;  // behind all options
+      break;  // after all options
     case AxisKind::kFrame:
       if (with_frame) arguments.insert(arguments.end(), {kDefine, "frame=" + value});
       break;
@@ -93,7 +93,7 @@ void add_argument(std::vector<std::string>& arguments, const RenderAxis& axis, c
   }
 }
 
-/// name=value each, the last of a name.
+/// Adds name=value pairs; of equal names the last is used.
 void add_assignments(std::vector<RenderAxis>& axes, AxisKind kind,
                      const std::vector<std::string>& assignments) {
   for (const std::string& text : assignments) {
@@ -126,7 +126,7 @@ Expected<void> check_value(AxisKind kind, const std::string& name, const std::st
     return fail(fmt::format("{} is true or false, not '{}'", name, value));
   if (kind == AxisKind::kSetting && find_setting(to_snake_case(name)) == nullptr) {
     RenderSettings none;
-    return apply_setting(none, name, value);  // whose error has the known ones
+    return apply_setting(none, name, value);  // its error lists the known names
   }
   std::vector<std::string> arguments;
   add_argument(arguments, {kind, name, {}}, value, true);

@@ -1,5 +1,5 @@
-// Renders of a set and the options of `penumbra render`: a set has each render's options parsed as if they
-// stood on a command line, so that both take the same.
+// Connects the renders of a set with the options of `penumbra render`. The options of each render are parsed
+// as if they were on a command line, so both accept the same values.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,29 +12,29 @@
 
 namespace penumbra {
 
-/// An option that each render of a set may have as it likes.
+/// An option that may differ between the renders of a set.
 struct RenderOption {
-  std::string name;  ///< the long one, without its dashes; of several the first
+  std::string name;  ///< the long name without dashes; if there are several, the first
   AxisKind kind;     ///< kOption or kFlag
 };
 
-/// The option of this long name; null for what is none, and for options that all renders of a command share.
+/// The option with this long name. Null if it does not exist, or if all renders of a command share it.
 const RenderOption* find_render_option(std::string_view long_name);
 
-/// The names of all that there are.
+/// The names of all such options.
 const std::vector<std::string>& render_option_names();
 
-/// Whether it is an option of the command that all renders share, such as `workers`.
+/// Whether all renders of a command share this option, for example `workers`.
 bool is_shared_option(std::string_view name);
 
-/// What is wrong with the value of an axis, alone; nothing is.
+/// Checks a value of an axis by itself.
 Expected<void> check_value(AxisKind kind, const std::string& name, const std::string& value);
 
-/// What a command line says of each of its renders.
+/// The axes that the command line gives to each of its renders.
 std::vector<RenderAxis> axes_of_command(const CLI::App& command);
 
-/// The options of one render: what is chosen for the axes, and of `shared` what all have in common.
-/// `with_frame`: a frame is a variable of the scene as well.
+/// The options of one render: the chosen values of the axes, and otherwise those of `shared`. `with_frame`:
+/// the frame is also a variable of the scene.
 Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const RenderChoice& choice,
                                    const RenderOptions& shared, bool with_frame);
 

@@ -15,10 +15,10 @@ constexpr std::int64_t kLongestRange = 1'000'000;
 struct Field {
   std::string_view name;
   std::string_view width;  // empty: none
-  std::size_t end = 0;     // past its brace
+  std::size_t end = 0;     // after the closing brace
 };
 
-/// The field that begins at `at`; nothing without its end.
+/// The field that begins at `at`. Nothing if its end is missing.
 std::optional<Field> field_at(std::string_view text, std::size_t at) {
   const std::size_t end = text.find('}', at);
   if (end == text.npos) return std::nullopt;

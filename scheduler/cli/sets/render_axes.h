@@ -1,4 +1,4 @@
-// What the renders of a set are given: each thing with the values that it takes in turn.
+// The parameters that vary within a set of renders, each with its list of values.
 #pragma once
 
 #include <filesystem>
@@ -15,53 +15,56 @@ namespace penumbra {
 
 enum class AxisKind {
   kScene,    ///< the scene file
-  kFrame,    ///< number of a picture of a sequence
-  kDefine,   ///< $NAME of the scene file, as by -D
+  kFrame,    ///< frame number of an image sequence
+  kDefine,   ///< $NAME in the scene file, as by -D
   kSetting,  ///< as by --set
-  kOption,   ///< of `penumbra render`, with a value
-  kFlag,     ///< of `penumbra render`, "true" or "false"
+  kOption,   ///< option of `penumbra render` with a value
+  kFlag,     ///< option of `penumbra render` that is "true" or "false"
 };
 
-/// One thing, and the values that it takes in turn.
+/// A parameter and its list of values.
 struct RenderAxis {
   AxisKind kind = AxisKind::kOption;
-  std::string name;  ///< "scene", "frame", or the variable's, setting's or option's: "integrator.max_depth"
+  /// "scene", "frame", or the name of the variable, setting or option: "integrator.max_depth"
+  std::string name;
   std::vector<std::string> values;
 };
 
-/// The renders of one [[render]] of a job file, or of the scenes of a command line: all combinations of the
-/// axes' values, the last axis changing fastest.
+/// The renders of one [[render]] table of a job file, or of the scenes of a command line: all combinations of
+/// the axes' values, with the last axis varying fastest.
 struct RenderPattern {
-  std::vector<RenderAxis> axes = {};    ///< one of each kind and name; the first is kScene
-  std::optional<std::string> out = {};  ///< name of the images before its fields are filled in
+  std::vector<RenderAxis> axes = {};    ///< at most one for each kind and name; the first is kScene
+  std::optional<std::string> out = {};  ///< pattern for the image's name, with fields
   int priority = 0;
-  std::filesystem::path folder = {};  ///< relative names are in it
-  SourceLocation location = {};       ///< of its description, for errors
+  std::filesystem::path folder = {};  ///< relative names are relative to this folder
+  SourceLocation location = {};       ///< where the pattern is defined, for errors
 };
 
-/// Replaces or adds.
+/// Replaces the axis of the same kind and name, or adds it.
 void set_axis(std::vector<RenderAxis>& axes, RenderAxis axis);
 
-/// How many renders these come to; 0 if they are more than `most`.
+/// The number of combinations; 0 if it exceeds `most`.
 std::size_t count_combinations(const std::vector<RenderAxis>& axes, std::size_t most);
 
-/// One value of each axis.
+/// One value for each axis.
 using RenderChoice = std::vector<std::string>;
 
-/// All of them, the last axis changing fastest.
+/// All combinations, with the last axis varying fastest.
 std::vector<RenderChoice> all_choices(const std::vector<RenderAxis>& axes);
 
-/// What the fields of a name stand for, by axis.
+/// The values of fields in a name, keyed by the axes' names.
 using NameFields = std::map<std::string, std::string, std::less<>>;
 
-/// The text with its fields filled in: {name}, or for a whole number {name:N} and {name:0N}, at least N wide,
-/// with zeros before it. Errors: no such field, a brace without the other, a width for what is no number.
+/// Substitutes the fields of a text: {name}, or for an integer {name:N} and {name:0N}, at least N wide, the
+/// latter with leading zeros. Errors: an unknown field, an unbalanced brace, a width for something that is
+/// not a number.
 Expected<std::string> fill_in(std::string_view text, const NameFields& fields);
 
-/// Whether the text has this field.
+/// Whether the text contains the field {name}.
 bool has_field(std::string_view text, std::string_view name);
 
-/// The numbers of "FIRST..LAST" or "FIRST..LASTxSTEP", at most a million; nothing if the text is not that.
+/// The numbers of a range "FIRST..LAST" or "FIRST..LASTxSTEP", at most a million. Nothing if the text is not
+/// a range.
 std::optional<std::vector<std::string>> range_of(std::string_view text);
 
 }  // namespace penumbra

@@ -33,9 +33,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kPreparedAhead = 1;  // scenes that wait beside those that the farm has taken
-constexpr std::size_t kMostUnwritten = 2;  // images that wait for the disk
-constexpr int kSummaryPause = 20;  // times as long as writing it took, which is nothing for few renders
+constexpr std::size_t kPreparedAhead = 1;  // prepared scenes beside those that the farm has taken
+constexpr std::size_t kMostUnwritten = 2;  // images waiting to be written
+// The pause after writing the summary, as a multiple of the time that it took.
+constexpr int kSummaryPause = 20;
 
 std::vector<std::string> absolute_names(const OutputFiles& files) {
   std::vector<std::string> names;
@@ -50,7 +51,7 @@ int largest_tile(const SetPlan& plan) {
   return largest;
 }
 
-/// Everything that the images depend on.
+/// The hash of everything on which the images depend.
 std::string key_of(const PreparedRender& prepared, const std::string& worker, bool strict_numerics) {
   const RenderIdentity identity = identity_of(prepared, worker);
   std::string text = identity_text(identity) + fmt::format("strict={}", strict_numerics);
@@ -98,13 +99,13 @@ class SceneSet final : public JobSource {
 
   ExitCode run();
 
-  // --- Of the farm's thread
+  // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override;
   void took(JobId id) override { open_[id] = std::move(taken_); }
   void progress(JobId id, const RenderProgress& progress) override;
   void notice(const std::string& text) override {
-    // An address and its token were asked for.
+    // The user asked for an address, so its token must be shown.
     if (!options_.quiet || !options_.listen.empty()) print_message(text);
   }
   void done(JobId id, Expected<RenderOutcome> outcome) override;
@@ -125,20 +126,21 @@ class SceneSet final : public JobSource {
   const std::vector<std::string>& command_line_;
   const std::atomic<bool>& stop_;
   ProgressPrinter printer_;
-  std::string worker_;   ///< hash of that program
-  SharedScenes scenes_;  // of the thread that reads scenes
+  std::string worker_;   ///< hash of the worker's executable
+  SharedScenes scenes_;  // used by the thread that reads scenes
 
-  std::mutex mutex_;  // of entries_
+  std::mutex mutex_;  // protects entries_
   std::vector<SetEntry> entries_;
   Clock::time_point next_summary_{};
-  std::vector<SetEntry> earlier_;  // of other sets that have the same summary
-  std::vector<std::string> keys_;  // of what is asked for; each is written before its render is passed on
+  std::vector<SetEntry> earlier_;  // of other sets with the same summary file
+  // Hashes of the requested renders; each is written before its render is passed on.
+  std::vector<std::string> keys_;
   Mailbox<ReadyRender> ready_{kPreparedAhead};
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   std::optional<ReadyRender> next_, taken_;
-  std::vector<ReadyRender> again_;  // what the machine's own choice of a device could not render
+  std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
   std::map<JobId, std::optional<ReadyRender>> open_;
 };
 
@@ -148,7 +150,7 @@ void SceneSet::read_scenes() {
   for (std::size_t i = 0; i < plan_.members.size() && !stop_ && !farm_is_over_; ++i) {
     try {
       if (const auto read = read_scene(i); !read) fail_member(i, read.error());
-    } catch (const std::exception& error) {  // memory above all: others may need less
+    } catch (const std::exception& error) {  // usually out of memory; other renders may need less
       fail_member(i, {error.what()});
     }
     job_signal().notify();
@@ -189,7 +191,7 @@ std::shared_ptr<const RenderJob> SceneSet::next() {
 }
 
 bool SceneSet::is_exhausted() {
-  const bool is_last = all_read_;  // before: what is put before that is found
+  const bool is_last = all_read_;  // read this first, so that everything queued before is found
   if (!next_ && !again_.empty()) {
     next_ = std::move(again_.back());
     again_.pop_back();
@@ -199,7 +201,7 @@ bool SceneSet::is_exhausted() {
 }
 
 void SceneSet::progress(JobId id, const RenderProgress& progress) {
-  if (open_.begin()->first != id) return;  // the one that is furthest
+  if (open_.begin()->first != id) return;  // show only the most advanced render
   const std::size_t index = open_.begin()->second->index;
   printer_.update(progress,
                   fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].name));
@@ -228,7 +230,7 @@ void SceneSet::write_images() {
     const std::size_t index = finished->index;
     try {
       write(std::move(*finished));
-    } catch (const std::exception& error) {  // memory above all: it is this image's loss alone
+    } catch (const std::exception& error) {  // usually out of memory; only this image is lost
       fail_member(index, {error.what()});
     }
     --unwritten_count_;
@@ -256,7 +258,7 @@ void SceneSet::write(FinishedRender finished) {
       : ended.kind == RenderEndKind::kFailed ? SetState::kFailed
                                              : SetState::kIncomplete,
       ended.error);
-  // After its end is on disk: until then it could be needed again.
+  // Only after the render's end is on disk; until then the checkpoint could be needed.
   if (outcome.complete && ended.kind != RenderEndKind::kFailed) remove_checkpoint(*finished.prepared);
 }
 
@@ -265,7 +267,8 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
   entries_[index].state = state;
   entries_[index].error = error;
   if (state == SetState::kDone) entries_[index].key = keys_[index];
-  // As it stands, so that what is done counts as done after any end of this process; but not all of the time.
+  // Writes the current state of the summary, so that finished renders count as such if this process ends.
+  // Limits the time spent on it.
   const Clock::time_point begin = Clock::now();
   if (begin < next_summary_) return;
   if (const auto written = write_summary(); !written) print_error(written.error());
@@ -282,7 +285,7 @@ std::size_t SceneSet::ended() {
       entries_, [](const SetEntry& entry) { return entry.state != SetState::kWaiting; }));
 }
 
-// --- All of it
+// --- Running all threads
 
 ExitCode SceneSet::run() {
   const auto worker = find_program("penumbra-worker");

@@ -10,9 +10,9 @@
 
 namespace penumbra {
 
-/// Renders what plan_set makes of the command one after the other on one farm: the next ones are read while
-/// others render, and images are written meanwhile. A scene that fails does not stop the others; a table and
-/// a summary file say what became of each.
+/// Renders the set of plan_set on one farm, one render after the other. The next scenes are read and finished
+/// images are written while others render. A scene that fails does not stop the others. A table and a summary
+/// file list the result of each.
 ExitCode render_set(const RenderOptions& options, const CLI::App& command,
                     const std::vector<std::string>& command_line);
 

@@ -19,12 +19,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostRenders = 100'000;
 
-/// The error with its place, if it has one.
+/// The error with its location, if it has one.
 std::unexpected<Error> fail_at(SourceLocation location, const std::string& text) {
   return fail(location.file != nullptr ? describe(location) + ": " + text : text);
 }
 
-/// What tells this pattern's images apart: what is varied, frames with leading zeros.
+/// A name that distinguishes this pattern's images: the varied parameters, with frames padded by zeros.
 std::string default_name(const RenderPattern& pattern) {
   std::string name = "{scene}";
   for (const RenderAxis& axis : pattern.axes)
@@ -33,7 +33,7 @@ std::string default_name(const RenderPattern& pattern) {
   return name + ".exr";
 }
 
-/// Where the images go, as the name of each before its fields are filled in.
+/// The name pattern for the images, before its fields are substituted.
 Expected<std::string> name_of_images(const std::string& out, const RenderPattern& pattern) {
   if (out.empty()) return default_name(pattern);
   if (out.contains('{')) return out;
@@ -48,7 +48,7 @@ Expected<std::string> name_of_images(const std::string& out, const RenderPattern
   return (path / default_name(pattern)).string();
 }
 
-/// The longest path that both begin with.
+/// The longest common parent folder.
 fs::path common_folder(const fs::path& a, const fs::path& b) {
   fs::path common;
   const auto differ = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
@@ -105,7 +105,7 @@ class SetPlanner {
     const std::vector<RenderAxis>& axes = pattern.axes;
     NameFields fields;
     const bool has_fields =
-        pattern.location.file != nullptr;  // a command's files have the names that they have
+        pattern.location.file != nullptr;  // file names of a command line are taken as given
     bool with_frame = true;
     for (std::size_t i = 0; i < axes.size(); ++i) {
       if (axes[i].kind == AxisKind::kScene) with_frame = !has_fields || !has_field(choice[i], "frame");
@@ -141,8 +141,9 @@ class SetPlanner {
     return {};
   }
 
-  /// Beside the first job file, so that it does not matter which of its renders there are; but of a command
-  /// that says where the images go, and of one without job files, the folder that all images are in.
+  /// The summary is beside the first job file, so that its place does not depend on which renders there are.
+  /// If the command says where the images go, or if there are no job files, it is in the common folder of all
+  /// images.
   [[nodiscard]] fs::path summary_folder() const {
     if (!files_.empty() && options_.out.empty()) {
       fs::path folder = files_.front().source->path.parent_path();
@@ -154,7 +155,7 @@ class SetPlanner {
     return common;
   }
 
-  /// No two renders write one file.
+  /// Error if two renders write the same file.
   Expected<void> take_files(const SetMember& member) {
     for (const fs::path& file : member.files.all()) {
       const auto [taken, is_new] = taken_by_.emplace(fs::absolute(file).lexically_normal(), member.name);
@@ -171,7 +172,7 @@ class SetPlanner {
   const std::vector<RenderAxis> given_;
   std::vector<JobFile> files_;
   std::map<int, std::vector<SetMember>, std::greater<>> by_priority_;
-  std::size_t count_ = 0;  // of members
+  std::size_t count_ = 0;  // number of members
   SetPlan plan_;
   std::map<fs::path, std::string> taken_by_;
 };

@@ -1,4 +1,4 @@
-// Which renders a command with several scenes, or with job files, comes to, and where their files go.
+// Expands a command with several scenes or with job files to a list of renders and their output files.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,28 +13,28 @@
 
 namespace penumbra {
 
-/// One render of a set: its options are those of a command with this scene alone.
+/// One render of a set. Its options are those of a command with only this scene.
 struct SetMember {
   RenderOptions options;
   OutputFiles files = {};
   int priority = 0;
-  std::string name;  ///< for people: the scene, and what is varied
-  std::vector<std::pair<std::string, std::string>> choices = {};  ///< all that it was given but the scene
+  std::string name;  ///< for display: the scene, and the varied parameters
+  std::vector<std::pair<std::string, std::string>> choices = {};  ///< all its parameters except the scene
 };
 
 struct SetPlan {
-  std::vector<SetMember> members;  ///< those of the highest priority first, else in the order given
+  std::vector<SetMember> members;  ///< by descending priority, else in the given order
   std::filesystem::path summary;
 };
 
-/// Of each render.
+/// The scene options of each render.
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan);
 
-/// All renders of the command's scenes and job files; what the command says counts for each, also where a job
-/// file says otherwise. `-o`, or a file's `out`, is a folder, made if it is missing, or a name with fields:
-/// {scene} (the scene's name without its extension), {folder} (that of the folder it is in), and whatever the
-/// render is given: {seed:03}, {integrator}. Errors: a wrong job file, another field, two renders with one
-/// output, options that mean one image.
+/// Lists all renders of the command's scenes and job files. Options of the command line apply to every render
+/// and override those of job files. `-o`, or `out` in a job file, is either a folder, which is created if
+/// missing, or a name with fields: {scene} (the scene's name without its extension), {folder} (the name of
+/// its folder), and the parameters of the render, such as {seed:03} or {integrator}. Errors: an invalid job
+/// file, an unknown field, two renders with the same output, options that only make sense for a single image.
 Expected<SetPlan> plan_set(const RenderOptions& options, const CLI::App& command);
 
 }  // namespace penumbra

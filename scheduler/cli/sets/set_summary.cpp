@@ -35,7 +35,7 @@ Json json_of(const SetEntry& entry) {
   return json;
 }
 
-/// Throws what the library throws if it is none.
+/// Throws the library's exceptions if the JSON is not valid.
 SetEntry entry_of(const nlohmann::json& json) {
   SetEntry entry;
   entry.name = json.value("name", "");
@@ -85,7 +85,7 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
       }
     }
   } catch (const nlohmann::json::exception&) {
-    finished.entries_.clear();  // not written by this program: everything is rendered
+    finished.entries_.clear();  // not written by this program, so everything is rendered
   }
   return finished;
 }

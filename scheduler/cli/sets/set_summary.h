@@ -1,4 +1,4 @@
-// What became of each render of a set, on disk and on the terminal.
+// The results of the renders of a set, in a file and on the terminal.
 #pragma once
 
 #include <filesystem>
@@ -15,41 +15,41 @@ namespace penumbra {
 enum class SetState { kWaiting, kDone, kUnchanged, kIncomplete, kFailed };
 
 struct SetEntry {
-  std::string name;                                          ///< for people
-  std::string scene;                                         ///< its file
-  std::vector<std::pair<std::string, std::string>> choices;  ///< what else it was given
+  std::string name;                                          ///< for display
+  std::string scene;                                         ///< scene file
+  std::vector<std::pair<std::string, std::string>> choices;  ///< its parameters except the scene
   SetState state = SetState::kWaiting;
-  std::vector<std::string> files;  ///< written or there, absolute
-  std::string key;                 ///< hash of all that the images in the files depend on; empty: not known
+  std::vector<std::string> files;  ///< absolute paths of files that were written or already present
+  std::string key;                 ///< hash of everything on which the images depend; empty: unknown
   std::string error;               ///< why it failed or is incomplete
-  double seconds = 0;              ///< of rendering
-  std::uint64_t samples = 0;       ///< of a pixel
-  double relative_error = 0;       ///< of the image, see FilmAccumulator; NaN: not known
+  double seconds = 0;              ///< render time
+  std::uint64_t samples = 0;       ///< samples per pixel
+  double relative_error = 0;       ///< of the image; see FilmAccumulator; NaN: unknown
 };
 
 /// "done", "unchanged", ...
 std::string_view set_state_name(SetState state);
 
-/// Writes all entries, whole or not at all; and those of `earlier` sets that are no part of this one.
+/// Writes all entries atomically, and those of `earlier` that are not part of this set.
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
                                  const std::vector<SetEntry>& earlier = {});
 
-/// Renders that an earlier summary knows the keys of, and whose files are all there; none if there is no
-/// summary, or none that can be read.
+/// Renders that an earlier summary lists with a key and whose files all exist. Empty if there is no readable
+/// summary.
 class FinishedRenders {
  public:
   static FinishedRenders read(const std::filesystem::path& path);
 
-  /// What is in these files, which is taken out; nothing if that is not known.
+  /// Removes and returns the entry with these files. Nothing if there is none.
   std::optional<SetEntry> take(const std::vector<std::string>& files);
-  /// What has not been taken.
+  /// The entries that were not taken.
   [[nodiscard]] std::vector<SetEntry> rest() &&;
 
  private:
-  std::map<std::vector<std::string>, SetEntry> entries_;  ///< by their files
+  std::map<std::vector<std::string>, SetEntry> entries_;  ///< keyed by files
 };
 
-/// One line for each.
+/// One line per entry.
 std::string set_table(const std::vector<SetEntry>& entries);
 
 }  // namespace penumbra

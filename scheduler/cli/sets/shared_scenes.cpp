@@ -9,14 +9,14 @@
 namespace penumbra {
 namespace {
 
-/// What the scene depends on: everything but the values of --spp and --seed.
+/// Everything on which the scene depends: all options except the values of --spp and --seed.
 SceneOptions key_of(SceneOptions options) {
   for (std::optional<std::uint32_t>* number : {&options.spp, &options.seed})
     if (*number) *number = 0;
   return options;
 }
 
-/// Of what is large in it.
+/// The size of the scene's large parts.
 std::uint64_t bytes_of_scene(const LoadedScene& scene) {
   std::uint64_t bytes = scene.device.words.size() * sizeof(std::uint32_t);
   for (const auto* names : {&scene.mattes.objects, &scene.mattes.materials})
@@ -24,7 +24,7 @@ std::uint64_t bytes_of_scene(const LoadedScene& scene) {
   return bytes + scene.mattes.mattes.size() * sizeof(MatteNames::Matte);
 }
 
-/// The scene with another number of samples and another seed, where the options say so.
+/// Sets the number of samples and the seed of the shared scene according to the options.
 Expected<void> take_samples(LoadedScene& scene, const SceneOptions& options) {
   SamplerSettings& sampler = scene.description.sampler;
   if (options.spp) sampler.spp = *options.spp;

@@ -1,4 +1,4 @@
-// Scenes of a set that several renders share: read once.
+// Lets several renders of a set share a scene, so that it is read once.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace penumbra {
 
-/// Bytes of device scenes that wait for later renders, at most. What does not fit is read again.
+/// The largest total size of device scenes that are kept for later renders. Others are read again.
 constexpr std::uint64_t kMostSharedBytes = std::uint64_t(2) << 30;
 
-/// Renders that differ in their samples or their seed alone have one scene: as the kernels read it, nothing
-/// but two numbers of its header depends on them. It is kept from the first of them to the last.
+/// Renders that differ only in their samples or seed share a scene: the device scene depends on these only in
+/// two numbers of its header. It is kept from the first of them to the last.
 class SharedScenes {
  public:
-  /// Of all renders that will come.
+  /// `renders`: the options of all renders of the set.
   explicit SharedScenes(const std::vector<const SceneOptions*>& renders,
                         std::uint64_t most_bytes = kMostSharedBytes);
 
-  /// What `load_scene` and `reduce` make of the options, byte for byte, but for the time. Once for each of
-  /// the renders. A scene that cannot be read is tried again by the next one.
+  /// The result of `load_scene` and `reduce`, identical except for the time. To be called once for each
+  /// render. If reading fails, the next render tries again.
   Expected<LoadedScene> load(const SceneOptions& options);
 
   [[nodiscard]] int reads() const { return reads_; }
@@ -35,7 +35,7 @@ class SharedScenes {
     std::uint64_t bytes = 0;
   };
 
-  std::map<SceneOptions, Scene> scenes_;  // by all that they depend on
+  std::map<SceneOptions, Scene> scenes_;  // keyed by everything on which they depend
   std::uint64_t most_bytes_, kept_bytes_ = 0;
   int reads_ = 0;
 };

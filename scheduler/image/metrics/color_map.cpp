@@ -12,7 +12,7 @@ std::array<float, 3> heat_color(double t) {
   t = t > 0 ? std::min(t, 1.0) : 0.0;
   const double lightness = 12 + 80 * t;
   const double hue = (310 - 210 * t) * std::numbers::pi / 180;
-  // sRGB has little colour between blue and green; so much of it fits everywhere on the path.
+  // sRGB has little chroma between blue and green; this amount is inside the gamut on the whole path.
   const double side = 2 * t - 1, square = side * side;
   const double chroma = 24 + (side < 0 ? 28 * square * square : 56 * square);
   const Color rgb = rgb_from_relative_xyz(

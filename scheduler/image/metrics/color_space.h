@@ -6,11 +6,12 @@
 
 namespace penumbra {
 
-/// Linear RGB to XYZ / XYZ of white: (1, 1, 1) to (1, 1, 1). From the chromaticities of Rec. 709.
+/// Converts linear RGB to XYZ / XYZ of white: (1, 1, 1) becomes (1, 1, 1). Derived from the chromaticities of
+/// Rec. 709.
 Color relative_xyz_from_rgb(const Color& rgb);
 Color rgb_from_relative_xyz(const Color& xyz);
 
-/// Relative luminance: the Y of the above.
+/// The relative luminance: Y of relative_xyz_from_rgb.
 double luminance(const Color& rgb);
 
 /// CIELAB (CIE 15:2004, 8.2.1): L* from 0 to 100, a*, b*.

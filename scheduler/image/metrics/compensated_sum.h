@@ -5,9 +5,9 @@
 
 namespace penumbra {
 
-/// Neumaier's sum (ZAMM 54, 1974): the error is about 2 units in the last place of the sum plus n^2 eps^2
-/// times the sum of magnitudes, whatever the order. Products of two floats, from 1e-90 to 1e77, neither
-/// overflow nor underflow in it. An infinite or NaN term makes the sum infinite or NaN.
+/// Neumaier's sum (ZAMM 54, 1974). The error is about 2 units in the last place of the sum plus n^2 eps^2
+/// times the sum of magnitudes, in any order. Products of two floats from 1e-90 to 1e77 neither overflow nor
+/// underflow. An infinite or NaN term makes the sum infinite or NaN.
 class CompensatedSum {
  public:
   void add(double term) {

@@ -12,7 +12,7 @@ namespace {
 constexpr double kPercentile = 0.99;
 constexpr double kLargestZ = 5;
 
-/// combine(values of a pixel's channels, first index) for each finite pixel.
+/// Calls combine(values of a pixel's channels, first index) for each finite pixel.
 template <typename Error>
 ErrorMap map_of(const ImagePair& pair, std::string name, Error error) {
   ErrorMap map{std::move(name), pair.window,

@@ -1,4 +1,4 @@
-// Where images differ: an error for each pixel, and a picture of it.
+// The error of each pixel, and an image of it.
 #pragma once
 
 #include <string>
@@ -8,28 +8,28 @@
 
 namespace penumbra {
 
-/// One number for each pixel of `window`, row by row; NaN where the images are not finite.
+/// One number per pixel of `window`, row by row; NaN where an image is not finite.
 struct ErrorMap {
   std::string name;  ///< relmse, abs, flip, z
   PixelWindow window;
   std::vector<float> values;
 };
 
-/// Mean over channels of d^2 / (B^2 + epsilon); of |d|.
+/// The mean over channels of d^2 / (B^2 + epsilon), and of |d|.
 ErrorMap relative_error_map(const ImagePair& pair, double epsilon);
 ErrorMap absolute_error_map(const ImagePair& pair);
-/// The largest |z| of the channels, from z_values(); 0 where there is none.
+/// The largest |z| over the channels, from z_values(); 0 if a pixel has none.
 ErrorMap z_map(const ImagePair& pair, const std::vector<float>& z);
 
 struct MapRange {
   double low = 0, high = 1;
 };
-/// What the colours show unless told otherwise: 0 to 1 for flip, 0 to 5 for z, and 0 to the 99th percentile
-/// (so that a few fireflies do not turn the rest black; the largest value if that is 0) of the others.
+/// The default range of the colours: 0 to 1 for flip, 0 to 5 for z. For others 0 to the 99th percentile (or
+/// to the largest value if that is 0), so that a few fireflies do not make the rest black.
 MapRange default_range(const ErrorMap& map);
 
-/// heat_color of (value - low) / (high - low) as channels R, G, B, linear, and the values themselves as
-/// NAME.Y. What is NaN has kNoValueColor.
+/// The image of a map: heat_color of (value - low) / (high - low) as linear R, G, B, and the values
+/// themselves as NAME.Y. NaN gets kNoValueColor.
 Image heat_map_image(const ErrorMap& map, const MapRange& range);
 
 }  // namespace penumbra

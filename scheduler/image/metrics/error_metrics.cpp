@@ -8,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-/// Mean over the finite pixels of term(i), i the index of a value.
+/// The mean of term(i) over the finite pixels, where i is the index of a value.
 template <typename Term>
 ChannelValues mean_of(const ImagePair& pair, Term term) {
   const std::size_t channels = pair.channels.size();
@@ -27,7 +27,7 @@ ChannelValues mean_of(const ImagePair& pair, Term term) {
   return result;
 }
 
-/// 0 / 0 is no error.
+/// 0 / 0 counts as no error.
 double ratio(double error, double scale) { return error == 0 ? 0 : error / scale; }
 
 double relative_square(const ImagePair& pair, std::size_t i, double epsilon) {
@@ -35,7 +35,7 @@ double relative_square(const ImagePair& pair, std::size_t i, double epsilon) {
   return ratio(pair.squared_difference(i), truth * truth + epsilon);
 }
 
-/// Mean of all but the `left_out` largest, of which ties are alike. Sums in the order of the pixels.
+/// The mean of all terms except the `left_out` largest. The sum is in the order of pixels.
 double trimmed_mean(const std::vector<double>& terms, std::size_t left_out) {
   const std::size_t kept = terms.size() - left_out;
   double largest_kept = INFINITY;
@@ -95,7 +95,7 @@ std::uint64_t trimmed_pixels(const ImagePair& pair, double share) {
 
 ChannelValues trimmed_relative_mse(const ImagePair& pair, double epsilon, double share) {
   const std::size_t channels = pair.channels.size(), left_out = trimmed_pixels(pair, share);
-  std::vector<std::vector<double>> terms(channels + 1);  // the last: means over channels
+  std::vector<std::vector<double>> terms(channels + 1);  // the last one: means over channels
   for (auto& list : terms) list.reserve(pair.compared_pixels);
   for (std::size_t pixel = 0; pixel < pair.pixels(); ++pixel) {
     if (!pair.finite[pixel]) continue;

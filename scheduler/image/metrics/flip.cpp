@@ -17,7 +17,8 @@ namespace {
 constexpr double kColorExponent = 0.7, kKneeIn = 0.4, kKneeOut = 0.95;
 constexpr double kFeatureExponent = 0.5;
 
-/// YCxCz, the linearised CIELAB of Flohr et al. 1993: the opponent space in which sensitivities are known.
+/// YCxCz, the linearised CIELAB of Flohr et al. 1993, an opponent space in which contrast sensitivities are
+/// known.
 std::array<Plane, 3> opponent_planes(const LinearPlanes& rgb) {
   std::array<Plane, 3> result;
   result.fill(Plane(rgb[0].width, rgb[0].height));
@@ -35,19 +36,21 @@ Color rgb_from_opponent(const Color& opponent) {
   return rgb_from_relative_xyz({y + opponent[1] / 500, y, y - opponent[2] / 200});
 }
 
-/// CIELAB with less colour where it is dark (Hunt effect).
+/// CIELAB with reduced chroma in dark regions (Hunt effect).
 Color hunt_lab(const Color& rgb) {
   const Color lab = lab_from_relative_xyz(relative_xyz_from_rgb(rgb));
   return {lab[0], 0.01 * lab[0] * lab[1], 0.01 * lab[0] * lab[2]};
 }
 
-/// Abasi et al. 2020: city block in lightness, Euclidean in the rest; for large differences.
+/// The HyAB distance for large differences (Abasi et al. 2020): city block in lightness, Euclidean in the
+/// other coordinates.
 double hyab(const Color& a, const Color& b) {
   const double da = a[1] - b[1], db = a[2] - b[2];
   return std::abs(a[0] - b[0]) + std::sqrt(da * da + db * db);
 }
 
-/// Differences from 0 to that of green and blue to [0, 1], the most of it for the smaller ones.
+/// Maps differences from 0 up to that of green and blue to [0, 1], with most of the range for small
+/// differences.
 double remapped_color_error(double difference) {
   static const double largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kColorExponent);
   const double power = std::pow(difference, kColorExponent), knee = kKneeIn * largest;
@@ -56,9 +59,9 @@ double remapped_color_error(double difference) {
   return std::min(error, 1.0);
 }
 
-/// Of one image: what is filtered, before the images meet.
+/// One filtered image, before the images are compared.
 struct Seen {
-  std::array<Plane, 3> filtered;  // opponent
+  std::array<Plane, 3> filtered;  // opponent channels
   Plane edges, points;
 };
 

@@ -12,43 +12,47 @@
 
 namespace penumbra {
 
-/// The papers' observer: 0.7 m from a screen 0.7 m and 3840 pixels wide; 67.02 pixels per degree.
+/// The papers' viewing conditions: 0.7 m from a screen that is 0.7 m and 3840 pixels wide; 67.02 pixels per
+/// degree.
 constexpr double kFlipPixelsPerDegree = 3840 * std::numbers::pi / 180;
 
-/// Exposures in stops (factors of two).
+/// Exposures in stops (powers of two).
 struct FlipExposures {
-  double start = 0, stop = 0;  ///< start darkens the brightest pixel, stop brightens the median
-  int count = 1;               ///< evenly spaced, both ends included
+  /// With `start` the brightest pixel is darkened, with `stop` the median is brightened.
+  double start = 0, stop = 0;
+  int count = 1;  ///< number of evenly spaced exposures, including both ends
   bool operator==(const FlipExposures&) const = default;
 };
 
 struct FlipResult {
-  double mean = 0;            ///< over the pixels that are finite in all images, in [0, 1]
-  double largest = 0;         ///< of a pixel ...
-  int x = 0, y = 0;           ///< ... here, in film coordinates
-  std::vector<float> pixels;  ///< error in [0, 1] of each pixel of the window; NaN where not finite
+  double mean = 0;     ///< over the pixels that are finite in all images; in [0, 1]
+  double largest = 0;  ///< the largest error of a pixel
+  int x = 0, y = 0;    ///< that pixel, in film coordinates
+  /// The error in [0, 1] of each pixel of the window; NaN where an image is not finite.
+  std::vector<float> pixels;
   double pixels_per_degree = kFlipPixelsPerDegree;
   bool hdr = false;
-  FlipExposures exposures;  ///< of HDR-FLIP
+  FlipExposures exposures;  ///< only for HDR-FLIP
 };
 
-/// LDR-FLIP of images for a display: sRGB signals, clamped to [0, 1]. Three channels R, G, B, or one as grey.
-/// Not finite pixels count as black for their neighbours. Symmetric, 0 for equal images. `pixels_per_degree`
-/// > 0. Errors: not 1 or 3 channels, `pixels_per_degree` outside [1, 10000].
+/// LDR-FLIP of display images: sRGB signals, clamped to [0, 1], with three channels R, G, B or one grey
+/// channel. For their neighbours, pixels that are not finite are black. It is symmetric, and 0 for equal
+/// images. Errors: not 1 or 3 channels; `pixels_per_degree` outside [1, 10000].
 Expected<FlipResult> flip_of_display_images(const ImagePair& pair,
                                             double pixels_per_degree = kFlipPixelsPerDegree);
 
-/// HDR-FLIP of linear radiance: of each pixel the largest LDR-FLIP over exposures that the reference
-/// determines, see flip_exposures, under the ACES tone map. Negative radiance counts as 0. Errors: as above.
+/// HDR-FLIP of linear radiance: for each pixel the largest LDR-FLIP over several exposures, which the
+/// reference determines (see flip_exposures), with the ACES tone map. Negative radiance is treated as 0.
+/// Errors: as above.
 Expected<FlipResult> flip_of_radiance(const ImagePair& pair, double pixels_per_degree = kFlipPixelsPerDegree);
 
-/// The papers' rule: with x the radiance that the tone map takes to 0.85, start = log2(x / largest luminance
-/// of the reference), stop = log2(x / median luminance), count = max(2, ceil(stop - start)). Where the median
-/// is 0, that of the luminances above 0; a black reference: exposure 0 alone.
+/// The papers' rule. Let x be the radiance that the tone map maps to 0.85. Then start = log2(x / largest
+/// luminance of the reference), stop = log2(x / median luminance), count = max(2, ceil(stop - start)). If the
+/// median is 0, the median of the positive luminances is used. A black reference gets only exposure 0.
 FlipExposures flip_exposures(const ImagePair& pair);
 
-/// Narkowicz' fit of the ACES tone map, without its exposure of 0.6: linear radiance x >= 0 to linear light
-/// for the display, clamped to [0, 1].
+/// Narkowicz' fit of the ACES tone map without its exposure of 0.6: from linear radiance x >= 0 to linear
+/// light for a display, clamped to [0, 1].
 double aces_tone_map(double radiance);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// LDR-FLIP on linear light, which both forms of FLIP end in.
+// LDR-FLIP on linear light, the last step of both forms of FLIP.
 #pragma once
 
 #include <array>

@@ -9,11 +9,11 @@ namespace penumbra {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFeatureWidth = 0.082;  // degrees
-constexpr int kFewRows = 64;             // fewer are not worth a thread
+constexpr double kFeatureWidth = 0.082;  // in degrees
+constexpr int kFewRows = 64;             // not worth a thread
 constexpr int kMostThreads = 16;
 
-/// f at -radius … radius.
+/// Samples f at -radius … radius.
 template <typename Function>
 Kernel sampled(int radius, Function f) {
   Kernel kernel;
@@ -62,7 +62,7 @@ const float* row_of(const Plane& plane, int y) {
 }
 float* row_of(Plane& plane, int y) { return plane.values.data() + std::size_t(y) * std::size_t(plane.width); }
 
-/// One weight of a kernel for a whole row.
+/// Adds the contribution of one kernel weight to a whole row.
 void add_tap(const Kernel& kernel, std::size_t tap, const float* shifted, const float* middle, int width,
              float* out) {
   const float weight = float(kernel.weights[tap]);
@@ -111,7 +111,7 @@ Plane convolve(const Plane& source, const Kernel& across, const Kernel& down) {
 }
 
 Plane filter_by_sensitivity(const Plane& source, const Sensitivity& s, double pixels_per_degree) {
-  // One radius for all three channels: three standard deviations of the widest Gaussian of all.
+  // The same radius for all three channels: three standard deviations of the widest Gaussian.
   const double widest = std::sqrt(kBlueYellowSensitivity.b1 / (2 * kPi * kPi));
   const int radius = int(std::ceil(3 * widest * pixels_per_degree));
   const auto gaussian = [&](double b) {
@@ -121,7 +121,8 @@ Plane filter_by_sensitivity(const Plane& source, const Sensitivity& s, double pi
     });
   };
   const Kernel first = gaussian(s.b1), second = gaussian(s.b2);
-  // A Gaussian of the distance is the product of one across and one down; the weights stand with the first.
+  // A Gaussian of the distance is the product of a horizontal and a vertical one; the amplitude is in the
+  // first.
   const double c1 = s.a1 * std::sqrt(kPi / s.b1), c2 = s.a2 * std::sqrt(kPi / s.b2);
   const double sum1 = sum_of(first), sum2 = sum_of(second);
   const double total = c1 * sum1 * sum1 + c2 * sum2 * sum2;

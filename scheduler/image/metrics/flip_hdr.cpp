@@ -1,4 +1,4 @@
-// HDR-FLIP: LDR-FLIP over exposures.
+// HDR-FLIP: LDR-FLIP over several exposures.
 #include <algorithm>
 #include <cmath>
 
@@ -13,9 +13,9 @@ constexpr double kScale = 0.6;
 constexpr double k0 = 2.51 * kScale * kScale, k1 = 0.03 * kScale;
 constexpr double k3 = 2.43 * kScale * kScale, k4 = 0.59 * kScale, k5 = 0.14;
 
-constexpr double kBright = 0.85;  // of the display: where the brightest and the median pixel go
+constexpr double kBright = 0.85;  // display value to which the brightest and the median pixel are mapped
 
-/// The x that the tone map takes to t: the positive root of (k0 - t k3) x^2 + (k1 - t k4) x - t k5 = 0.
+/// The x that the tone map maps to t: the positive root of (k0 - t k3) x^2 + (k1 - t k4) x - t k5 = 0.
 double inverse_tone_map(double t) {
   const double a = k0 - t * k3, b = k1 - t * k4, c = -t * k5;
   return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
@@ -74,7 +74,7 @@ Expected<FlipResult> flip_of_radiance(const ImagePair& pair, double pixels_per_d
     const Plane error = flip_of_linear_light(reference, image, pixels_per_degree);
     for (std::size_t pixel = 0; pixel < error.values.size(); ++pixel)
       largest.values[pixel] = std::max(largest.values[pixel], error.values[pixel]);
-    if (exposures.start == exposures.stop) break;  // all of them are the same
+    if (exposures.start == exposures.stop) break;  // all exposures are equal
   }
   FlipResult result = flip_summary(pair, std::move(largest), pixels_per_degree);
   result.hdr = true;

@@ -1,4 +1,4 @@
-// What both forms of FLIP share around flip_core.h: from a pair of images to planes, from errors to a result.
+// Steps that both forms of FLIP share: converting a pair of images to planes, and summarising errors.
 #pragma once
 
 #include "scheduler/image/metrics/flip.h"
@@ -8,7 +8,8 @@ namespace penumbra {
 
 Expected<void> check_flip_input(const ImagePair& pair, double pixels_per_degree);
 
-/// light(i) of each value, as three planes; grey thrice, what is not finite black.
+/// Three planes of light(i) for each value. A grey channel is used three times; values that are not finite
+/// become black.
 template <typename Light>
 LinearPlanes planes_of(const ImagePair& pair, Light light) {
   const std::size_t channels = pair.channels.size();
@@ -22,7 +23,7 @@ LinearPlanes planes_of(const ImagePair& pair, Light light) {
   return planes;
 }
 
-/// Mean and largest over the finite pixels.
+/// The mean and the largest error over the finite pixels.
 FlipResult flip_summary(const ImagePair& pair, Plane error, double pixels_per_degree);
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@ namespace {
 
 bool is_beauty(std::string_view layer) { return layer.empty() || layer == "beauty"; }
 
-/// "beauty, albedo, depth, …": what --layer can be.
+/// "beauty, albedo, depth, …": the accepted values of --layer.
 std::string layers_of(const Image& image) {
   std::vector<std::string> names;
   if (image.beauty_channels()) names.emplace_back("beauty");
@@ -38,7 +38,7 @@ Expected<void> same_window(const Image& image, const Image& reference) {
   return fail(fmt::format("the data windows (crops) differ: {} against {}", window_text(a), window_text(b)));
 }
 
-/// What follows the layer's name: R of albedo.R; the whole name of a channel without a layer.
+/// The part after the layer's name: R for albedo.R. The whole name for a channel without a layer.
 std::string_view suffix(std::string_view channel) { return channel.substr(channel.rfind('.') + 1); }
 
 bool same_suffixes(const LayerChannels& a, const LayerChannels& b) {
@@ -46,7 +46,7 @@ bool same_suffixes(const LayerChannels& a, const LayerChannels& b) {
                             [](const auto& x, const auto& y) { return suffix(x) == suffix(y); });
 }
 
-/// Channels of both sides; a grey side is repeated for a coloured one.
+/// Matches the channels of both sides. A grey side is repeated for a coloured one.
 Expected<void> match(LayerChannels& a, LayerChannels& b, bool beauty) {
   if (beauty) {
     if (a.indices.size() == b.indices.size()) return {};
@@ -110,7 +110,7 @@ Expected<LayerChannels> layer_channels(const Image& image, std::string_view laye
     }
     if (found.indices.empty())
       return fail(fmt::format("has no layer '{}'; it has {}", layer, layers_of(image)));
-    // Files keep channels in any order: colours as R, G, B, all others by name.
+    // Files may store channels in any order. Here colours are R, G, B, and all others are sorted by name.
     const auto place = [&](std::size_t i) {
       const std::string_view last = suffix(image.channels[i]);
       const auto colour = std::string_view("RGB").find(last);
@@ -140,7 +140,7 @@ Expected<ImagePair> pair_images(const Image& image, const Image& reference, cons
     if (const auto matched = match(*a, *b, is_beauty(layer)); !matched) {
       return std::unexpected(matched.error());
     }
-    // The second reference is the first that has colours: the first follows.
+    // If only the second reference has colours, the first is expanded to match.
     if (second && was_grey && a->indices.size() == 3) {
       auto first = layer_channels(reference, layer);
       first->indices.assign(3, first->indices[0]);
@@ -161,7 +161,7 @@ Expected<ImagePair> pair_images(const Image& image, const Image& reference, cons
 }
 
 ImagePair block_means(const ImagePair& pair, int side) {
-  // Of coordinates below 0 too.
+  // Rounds down for negative coordinates too.
   const auto block_of = [side](int at) { return at >= 0 ? at / side : -((-at - 1) / side) - 1; };
   const PixelWindow& w = pair.window;
   ImagePair blocks;

@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kParts = 4;  // of the verdict, see z_test.h
+constexpr int kParts = 4;  // number of tests; see z_test.h
 constexpr double kRounding = 0x1p-18;
 
 struct Deviate {
@@ -40,7 +40,7 @@ struct Input {
   }
 };
 
-/// Of the values of one channel in one block, or in the image.
+/// Sums over the values of one channel in a block or in the image.
 struct Moments {
   CompensatedSum squares, differences, variances;
   std::uint64_t values = 0;
@@ -55,7 +55,7 @@ struct Moments {
   [[nodiscard]] double mean_z() const { return differences.value() / std::sqrt(variances.value()); }
 };
 
-/// Bonferroni.
+/// Bonferroni's correction.
 double corrected(double p, std::uint64_t tests) {
   return std::min(1.0, p * double(std::max<std::uint64_t>(tests, 1)));
 }
@@ -64,7 +64,7 @@ void keep_larger(ZExtreme& extreme, const ZExtreme& other) {
   if (std::abs(other.z) > std::abs(extreme.z)) extreme = other;
 }
 
-/// Counts, shares and the largest z of single values; moments of whole channels.
+/// Computes counts, fractions and the largest z of single values, and the moments of whole channels.
 std::vector<Moments> look_at_values(const Input& input, ZTest& test) {
   const ImagePair& pair = input.pair;
   const std::size_t channels = pair.channels.size(), width = std::size_t(pair.window.width);
@@ -121,7 +121,7 @@ void look_at_block(const Input& input, int x0, int y0, ZTest& test) {
     block.p = chi_square_p(block.z, block.dof);
     const ZExtreme& worst = test.block_chi_square;
     const bool first = worst.dof == 0;
-    // Of two that are impossible, the one farther out.
+    // If both have p = 0, the more extreme one is chosen.
     if (first || block.p < worst.p || (block.p == worst.p && block.z / block.dof > worst.z / worst.dof)) {
       test.block_chi_square = block;
     }
@@ -199,7 +199,7 @@ Expected<ZTest> z_test(const ImagePair& pair, std::span<const float> image_varia
   const Input input{pair, image_variance, reference_variance};
   const std::vector<Moments> moments = look_at_values(input, test);
   if (test.values == 0) {
-    // Nothing is noisy: equal or not.
+    // No value has noise: images are equal or not.
     test.share_above_1_96 = test.share_above_2_58 = test.mean_square = 0;
   }
   for (int y = 0; y < pair.window.height; y += options.block) {

@@ -1,20 +1,21 @@
-// Are two images the same up to their noise?
+// A statistical test whether two images differ only by their noise.
 //
-// z = (A - B) / sqrt(Var A + Var B + r^2) of each value, where the variances are those of the means (the
-// layer `variance` of Penumbra's images; 0 for an exact reference) and r = 2^-18 max(|A|, |B|) stands for the
-// rounding of float arithmetic. If only noise differs and the variances are right, z is standard normal. Four
-// things are looked at, each at a fourth of the significance and corrected after Bonferroni for its number of
+// For each value z = (A - B) / sqrt(Var A + Var B + r^2). The variances are those of the means (the layer
+// `variance` of Penumbra's images; 0 for an exact reference). r = 2^-18 max(|A|, |B|) allows for the rounding
+// of float arithmetic. If the images differ only by noise and the variances are right, z is standard normal.
+// There are four tests, each at a fourth of the significance, with Bonferroni's correction for its number of
 // values:
-//   - the largest |z| (a pixel that is wrong),
-//   - the chi-square of z^2 over blocks of pixels, channel by channel, as the channels of a pixel share their
-//     paths and are not independent (regions noisier than they say, or slightly wrong everywhere),
-//   - sum d / sqrt(sum Var) over those blocks (regions that are too bright or dark: far more power than the
-//   single
-//     values, and close to normal where they are not),
+//   - the largest |z| (it finds a wrong pixel),
+//   - the chi-square statistic of z^2 over blocks of pixels, for each channel separately, because the
+//     channels of a pixel share their paths and are not independent (it finds regions noisier than their
+//     variance, or slightly wrong everywhere),
+//   - sum d / sqrt(sum Var) over those blocks (it finds regions that are too bright or dark, with far more
+//     power than single values, and is close to normal even if single values are not),
 //   - the same over the whole image.
-// Few samples of skewed distributions are not normal and the variance is itself estimated: with less than
-// some hundred samples per pixel the first two see more than there is. Low-discrepancy samplers are better
-// than the variance of their samples says: z is then too small, and the test asks for less than it could.
+// A mean of few samples from a skewed distribution is not normal, and the variance is itself an estimate. So
+// with less than some hundred samples per pixel the first two tests report too many differences.
+// Low-discrepancy samplers have less error than the variance of their samples suggests. Then z is too small,
+// and the test is less strict than it could be.
 #pragma once
 
 #include <cstdint>
@@ -27,12 +28,12 @@
 namespace penumbra {
 
 struct ZTestOptions {
-  double significance = 0.01;  ///< chance that images which differ by noise alone are found inconsistent
-  int block = 16;              ///< side of a block in pixels, at least 1
+  /// Probability that images which differ only by noise are reported as inconsistent.
+  double significance = 0.01;
+  int block = 16;  ///< side of a block in pixels, at least 1
 };
 
-/// A value, block or image that stands out most, in film coordinates, and the chance that any stands out so
-/// much.
+/// The most extreme value, block or image, in film coordinates, and the probability that any is so extreme.
 struct ZExtreme {
   double z = 0;  ///< or the chi-square statistic
   double dof = 0;
@@ -42,43 +43,43 @@ struct ZExtreme {
 };
 
 struct ZTest {
-  std::uint64_t values = 0;           ///< with a variance: pixels times channels, the z below
-  std::uint64_t exact_equal = 0;      ///< no variance on either side, equal up to rounding; left out
-  std::uint64_t exact_different = 0;  ///< no variance on either side, yet different; each is an inconsistency
-  std::uint64_t invalid_variances = 0;       ///< negative or not finite; each is an inconsistency
-  double share_above_1_96 = 0;               ///< of |z|; 0.05 expected
-  double share_above_2_58 = 0;               ///< 0.0099 expected
-  double mean_square = 0;                    ///< of z; 1 expected
-  ZExtreme largest;                          ///< the largest |z|
-  std::uint64_t blocks = 0;                  ///< blocks times channels
-  ZExtreme block_chi_square;                 ///< the block and channel of the least likely chi-square
-  ZExtreme block_mean;                       ///< ... and of the largest sum d / sqrt(sum Var)
-  std::vector<double> channel_mean_z;        ///< that of the whole image
-  ZExtreme image_mean;                       ///< the largest of those
-  std::vector<double> channel_chi_square_p;  ///< of all z of a channel; not part of the verdict
+  /// Number of values with a variance (pixels times channels), to which z refers below.
+  std::uint64_t values = 0;
+  std::uint64_t exact_equal = 0;      ///< no variance in either image and equal up to rounding; left out
+  std::uint64_t exact_different = 0;  ///< no variance in either image but different; each is an inconsistency
+  std::uint64_t invalid_variances = 0;  ///< negative or not finite; each is an inconsistency
+  double share_above_1_96 = 0;          ///< fraction of |z| above 1.96; 0.05 expected
+  double share_above_2_58 = 0;          ///< fraction above 2.58; 0.0099 expected
+  double mean_square = 0;               ///< mean of z^2; 1 expected
+  ZExtreme largest;                     ///< the largest |z|
+  std::uint64_t blocks = 0;             ///< blocks times channels
+  ZExtreme block_chi_square;            ///< the block and channel with the least likely chi-square statistic
+  ZExtreme block_mean;                  ///< the block and channel with the largest |sum d / sqrt(sum Var)|
+  std::vector<double> channel_mean_z;   ///< the statistic of the whole image
+  ZExtreme image_mean;                  ///< the largest of those
+  std::vector<double> channel_chi_square_p;  ///< chi-square over all z of a channel; not part of the verdict
   ZTestOptions options;
   bool consistent = false;
 };
 
-/// The variance of the values that `layer` of the image has, in the order of `pair`: the layer `variance`, as
-/// variance.R and so on, for the beauty, `variance.NAME` for others. Errors: there is none, or the wrong
-/// size.
+/// The variance of the values in the image's layer `layer`, in the order of `pair`. For the beauty layer it
+/// is the layer `variance` (variance.R and so on), for others `variance.NAME`. Errors: there is no such
+/// layer, or its size is wrong.
 Expected<std::vector<float>> variance_layer(const Image& image, const ImagePair& pair,
                                             std::string_view layer = {});
 
-/// The same from an image that holds nothing else: its variance layer if it has one, else its R, G, B or
-/// grey.
+/// The same from a separate image: its variance layer if it has one, else its R, G, B or grey channels.
 Expected<std::vector<float>> variance_image(const Image& image, const ImagePair& pair,
                                             std::string_view layer = {});
 
-/// `image_variance` and `reference_variance` have the layout of `pair.image`; an empty one means 0. The
-/// reference's is that of the mean of both where there are two. Errors: a wrong length, both empty, a block
-/// below 1, no value has a variance or differs.
+/// Performs the test. `image_variance` and `reference_variance` have the layout of `pair.image`; an empty one
+/// means 0. With two references the latter is the variance of their mean. Errors: a wrong length, both empty,
+/// a block size below 1, no value that has a variance or differs.
 Expected<ZTest> z_test(const ImagePair& pair, std::span<const float> image_variance,
                        std::span<const float> reference_variance, const ZTestOptions& options = {});
 
-/// z of each value, in the layout of `pair.image`; NaN where there is none: not finite, or without variance
-/// and equal. Infinite where there is no variance and a difference.
+/// z of each value, in the layout of `pair.image`. NaN if there is none: not finite, or equal without
+/// variance. Infinite if different without variance.
 std::vector<float> z_values(const ImagePair& pair, std::span<const float> image_variance,
                             std::span<const float> reference_variance);
 

@@ -1,4 +1,4 @@
-// The files of this folder: each adds the cases of its topics. A new case is one entry in one of them.
+// The functions of this folder that add cases, one file per topic. A new case is one entry in one of them.
 #pragma once
 
 #include "scheduler/stress/case.h"

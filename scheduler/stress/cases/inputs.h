@@ -1,4 +1,4 @@
-// Input numbers of cases.
+// Helpers for the inputs of cases.
 #pragma once
 
 #include <algorithm>
@@ -15,10 +15,10 @@ struct Point {
 };
 using Points = std::vector<Point>;
 
-/// As the kernels' floats hold it.
+/// Rounded to float, as the kernels see it.
 inline double rounded(double v) { return double(float(v)); }
 inline Point rounded(const Point& p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
-/// The unit vector, in double.
+/// The unit vector in double precision.
 inline Point unit(double x, double y, double z) {
   const double length = std::sqrt(x * x + y * y + z * z);
   return {x / length, y / length, z / length};
@@ -30,7 +30,7 @@ inline Quads quads(const Quad3& v) { return {v.x, v.y, v.z}; }
 
 inline constexpr double kBelow1 = 1 - kUlp;  ///< the largest float below 1
 
-/// Floats: vectors, one after the other, then numbers.
+/// Concatenates vectors, then numbers, rounded to float.
 inline Numbers floats(const Points& vectors, const Numbers& numbers = {}) {
   Numbers all;
   for (const Point& p : vectors) all.insert(all.end(), {rounded(p.x), rounded(p.y), rounded(p.z)});
@@ -38,12 +38,12 @@ inline Numbers floats(const Points& vectors, const Numbers& numbers = {}) {
   return all;
 }
 
-/// The quad about (x, y) at height z, facing down.
+/// The square around (x, y) at height z, facing down.
 inline Points square(double half, double z, double x = 0, double y = 0) {
   return {{x - half, y - half, z}, {x - half, y + half, z}, {x + half, y + half, z}, {x + half, y - half, z}};
 }
 
-/// The largest, or NaN if any is: std::max may hide one.
+/// The largest number, or NaN if any is NaN; std::max may ignore a NaN.
 inline double worst(std::initializer_list<double> numbers) {
   double most = -INFINITY;
   for (const double x : numbers) most = std::max(most, x);
@@ -51,7 +51,7 @@ inline double worst(std::initializer_list<double> numbers) {
   return most;
 }
 
-/// Components of the outputs.
+/// Selects components of the outputs.
 inline std::function<Numbers(const Numbers&)> outputs(std::size_t first, std::size_t count) {
   return [first, count](const Numbers& out) {
     const auto at = out.begin() + std::ptrdiff_t(first);
@@ -59,7 +59,8 @@ inline std::function<Numbers(const Numbers&)> outputs(std::size_t first, std::si
   };
 }
 
-/// What inputs off by `input_error` cost (vectors first, see rounding()), and what the functions add.
+/// The allowed error for inputs that are off by `input_error` (vectors first, see rounding()), plus that of
+/// the functions.
 inline Allowed conditioned(const QuadFunction& f, const Numbers& inputs, std::size_t vectors,
                            double input_error, Allowed functions) {
   functions.computed = [f, at = quads(inputs), vectors, input_error] {
@@ -68,7 +69,7 @@ inline Allowed conditioned(const QuadFunction& f, const Numbers& inputs, std::si
   return functions;
 }
 
-/// A truth that is a function of the inputs.
+/// The truth as a function of the inputs.
 inline Truth truth_of(const QuadFunction& f, const Numbers& inputs, std::string how) {
   return {[f, inputs] { return f(quads(inputs)); }, std::move(how)};
 }

@@ -1,4 +1,4 @@
-// A polygon light and a surface that it lights.
+// A polygon light and a surface point that it illuminates.
 #pragma once
 
 #include "scheduler/stress/cases/inputs.h"
@@ -7,9 +7,9 @@
 
 namespace penumbra::stress {
 
-/// Corners are floats; position and directions doubles.
+/// Corners are floats; position and directions are doubles.
 struct PolygonSetting {
-  std::vector<Points> loops;  ///< outer ones counter-clockwise seen from the front
+  std::vector<Points> loops;  ///< outer loops are counter-clockwise seen from the front
   Point x{0, 0, 0}, n{0, 0, 1}, w{0, 0, 1};
   double exponent = -1;  ///< negative: no lobe
   bool two_sided = false;
@@ -24,7 +24,7 @@ inline std::vector<Loop> quad_loops(const PolygonSetting& s) {
   return loops;
 }
 
-/// Irradiance or lobe. Lanes with the same question must have the same answer: what they differ by is added.
+/// Irradiance or lobe. All lanes get the same inputs, so their differences are added to the error.
 inline KernelMeasurement measurement(const PolygonSetting& s, bool of_lobe) {
   KernelMeasurement m;
   m.quantity = QUANTITY_POLYGON;

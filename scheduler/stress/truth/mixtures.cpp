@@ -5,10 +5,10 @@
 namespace penumbra::stress {
 namespace {
 
-/// The half vector's slopes and what samplers need of it.
+/// The slopes of the half vector, and terms used by sampling densities.
 struct HalfVector {
   Quad3 h;
-  Quad cosine;  ///< to either direction
+  Quad cosine;  ///< with either direction
 };
 HalfVector half_vector(const MixtureDirections& d) {
   const Quad3 h = normalize(normalize(d.wo) + normalize(d.wi));
@@ -73,7 +73,7 @@ MixtureValue ggx_dielectric(Quad specular, Quad ior, Quad alpha_u, Quad alpha_v,
   const Quad out = dot(wo, h), in = dot(wi, h), reflected = boundary_fresnel(out, ior).reflectance;
   if (out <= 0 || (!reflects && in >= 0)) return {};
   const Ggx ggx{alpha_u, alpha_v};
-  // Of normals, then per solid angle of wi.
+  // Converts the density of normals to a density per solid angle of wi.
   const Quad jacobian = reflects ? 1 / (4 * out) : n * n * -in / dot(sum, sum);
   const Quad pdf =
       (reflects ? reflected : 1 - reflected) * ggx.density(h) * ggx.masking(wo) * out / wo.z * jacobian;

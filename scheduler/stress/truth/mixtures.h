@@ -1,4 +1,5 @@
-// BSDFs of a lobe, some beside a diffuse base, in 113 bits, about the z axis.
+// Reference BSDFs in 113-bit arithmetic: a lobe, possibly with a diffuse base, in the frame of the normal
+// (the z axis).
 #pragma once
 
 #include "scheduler/stress/truth/quad.h"
@@ -9,40 +10,40 @@ struct MixtureValue {
   Quad f_cos = 0, pdf = 0;
 };
 
-/// Directions need not be unit vectors. wo is above the horizon, wi too, or beneath it where light is
-/// transmitted.
+/// Directions need not be unit vectors. wo is above the horizon; wi is too, unless light is transmitted.
 struct MixtureDirections {
   Quad3 wo, wi;
 };
 
-/// Ward's lobes: `variant` as WARD_* of the kernels.
+/// Ward's lobe; `variant` is one of the kernels' WARD_*.
 MixtureValue ward_mixture(int variant, Quad diffuse, Quad specular, Quad alpha_u, Quad alpha_v,
                           const MixtureDirections& directions);
 
-/// Blinn and Phong's.
+/// The Blinn-Phong lobe.
 MixtureValue blinnphong_mixture(Quad diffuse, Quad specular, Quad exponent,
                                 const MixtureDirections& directions);
 
-/// The diffuse base of plastic, whose boundary is a mirror.
+/// The diffuse base of plastic under a smooth boundary.
 MixtureValue plastic_base(Quad diffuse, Quad specular, Quad ior, Quad internal,
                           const MixtureDirections& directions);
 
-/// A conductor's reflectance, of refractive index eta and absorption k (Born and Wolf 1999, section 14.2).
+/// The reflectance of a conductor with refractive index eta and absorption k (Born and Wolf 1999, section
+/// 14.2).
 Quad conductor_fresnel(Quad cosine, Quad eta, Quad k);
 
-/// A boundary between dielectrics: what it reflects, and the cosine beyond it, 0 if it reflects everything
-/// (Fresnel's amplitudes and Snell's law).
+/// A dielectric boundary: its reflectance, and the cosine of the transmitted direction, 0 for total
+/// reflection (Fresnel's amplitudes and Snell's law).
 struct BoundaryFresnel {
   Quad reflectance, cosine;
 };
 BoundaryFresnel boundary_fresnel(Quad cosine, Quad ior);
 
-/// GGX microfacets of a conductor (Walter et al. 2007, Heitz 2014; visible normals for the density).
+/// A conductor with GGX microfacets (Walter et al. 2007, Heitz 2014; the density is that of visible normals).
 MixtureValue ggx_conductor(Quad specular, Quad eta, Quad k, Quad alpha_u, Quad alpha_v,
                            const MixtureDirections& directions);
 
-/// GGX microfacets between dielectrics, either way (Walter et al. 2007, equations 20 and 21; radiance, so
-/// without the factor ior^2 of what crosses).
+/// A dielectric boundary with GGX microfacets, in either direction (Walter et al. 2007, equations 20 and 21,
+/// without the factor ior^2 of transmitted radiance).
 MixtureValue ggx_dielectric(Quad specular, Quad ior, Quad alpha_u, Quad alpha_v,
                             const MixtureDirections& directions);
 

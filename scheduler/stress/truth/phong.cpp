@@ -25,7 +25,7 @@ Quad phong_albedo(Quad exponent, Quad angle) {
     const Quad root = sqrt_q((swing - up) * (swing + up));
     return 2 * (up * atan2_q(root, -up) + root) * power * sine;
   };
-  // The lobe's width, and where its rings reach the horizon.
+  // Bounds at the lobe's width, and where its rings reach the horizon.
   std::vector<Quad> bounds{0, half_pi, half_pi - angle};
   for (const int k : {1, 2, 4, 8, 16}) bounds.push_back(min_q(k / sqrt_q(exponent + 1), half_pi));
   return (exponent + 2) / (2 * kQuadPi) * tanh_sinh(ring, bounds);

@@ -5,8 +5,8 @@
 namespace penumbra::stress {
 namespace {
 
-/// Double-axis moment: the integral of (w.u)^e (n.u) over a convex loop inside both hemispheres, positive
-/// where it is counter-clockwise about its directions.
+/// The double-axis moment: the integral of (w.u)^e (n.u) over a convex loop inside both hemispheres; positive
+/// if the loop is counter-clockwise seen along its directions.
 Quad double_axis_moment(const Loop& loop, const Quad3& n, const Quad3& w, int exponent) {
   Quad axial = 0, boundary = 0;
   if (exponent % 2 == 1) {
@@ -21,7 +21,8 @@ Quad double_axis_moment(const Loop& loop, const Quad3& n, const Quad3& w, int ex
     const Quad wa = dot(w, a), wt = dot(w, across);
     const Quad c = sqrt_q(wa * wa + wt * wt), phi = atan2_q(wt, wa);
     const Quad low = -phi, high = atan2_q(sine, dot(a, b)) - phi;
-    // F_k = integral of cos^k over [low, high], from k = e mod 2 up; c^k and the powers of the ends' cosines.
+    // The recurrence for F_k = integral of cos^k over [low, high], from k = e mod 2 up. It keeps c^k and the
+    // powers of the ends' cosines.
     const bool odd = exponent % 2 == 1;
     const Quad cl = cos_q(low), sl = sin_q(low), ch = cos_q(high), sh = sin_q(high);
     Quad f = odd ? sh - sl : high - low, power = odd ? c : Quad(1);
@@ -39,8 +40,9 @@ Quad double_axis_moment(const Loop& loop, const Quad3& n, const Quad3& w, int ex
   return (dot(w, n) * axial + boundary) / (exponent + 2);
 }
 
-/// Calls visit(triangle, sign) for the triangles of a fan of each loop, as seen from x: of positive volume,
-/// which is counter-clockwise about their directions; the sign is that of the loop's front.
+/// Calls visit(triangle, sign) for the triangles of a fan of each loop, as seen from x. The triangles are
+/// oriented to have positive volume, which is counter-clockwise along their directions; sign is that of the
+/// loop's front.
 template <typename Visit>
 void for_fan(const std::vector<Loop>& loops, const Quad3& x, const Visit& visit) {
   for (const Loop& loop : loops) {

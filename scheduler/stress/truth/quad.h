@@ -1,4 +1,4 @@
-// Numbers and vectors of 113 bits: what the truth of a case is computed in.
+// Numbers and vectors with 113 bits of precision, in which the truth of a case is computed.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@ namespace penumbra::stress {
 /// IEEE binary128.
 using Quad = __float128;
 
-// The C library has its elementary functions, which not every compiler's headers declare.
+// The C library has these elementary functions, but not every compiler's headers declare them.
 Quad sqrt_q(Quad x) __asm__("sqrtf128");
 Quad sin_q(Quad x) __asm__("sinf128");
 Quad cos_q(Quad x) __asm__("cosf128");

@@ -5,7 +5,7 @@
 namespace penumbra::stress {
 
 Quad tanh_sinh(const std::function<Quad(Quad)>& f, Quad a, Quad b) {
-  // Steps of 1/32 up to t = 4.5, where the weights are below 1e-60.
+  // Steps of 1/32 up to t = 4.5, beyond which the weights are below 1e-60.
   constexpr int kSteps = 144;
   const Quad step = Quad(1) / 32, half = (b - a) / 2;
   Quad sum = 0;

@@ -1,4 +1,4 @@
-// Numerical integration in 113 bits.
+// Numerical integration in 113-bit arithmetic.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,12 @@
 
 namespace penumbra::stress {
 
-/// Integral of f over [a, b] by the tanh-sinh rule (Takahasi and Mori 1974), which stands singular
-/// derivatives at the ends.
+/// The integral of f over [a, b] by the tanh-sinh rule (Takahasi and Mori 1974), which tolerates
+/// singularities of derivatives at the ends.
 Quad tanh_sinh(const std::function<Quad(Quad)>& f, Quad a, Quad b);
 
-/// The same over consecutive intervals, `bounds` in any order: put one wherever f has a kink or a peak.
+/// The same over consecutive intervals between `bounds`, given in any order. Put a bound at every kink or
+/// peak of f.
 Quad tanh_sinh(const std::function<Quad(Quad)>& f, std::vector<Quad> bounds);
 
 }  // namespace penumbra::stress

@@ -1,4 +1,4 @@
-// Condition numbers by experiment: how far a result moves when its inputs are rounded.
+// Numerical condition numbers: how much a result changes when its inputs are rounded.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,16 @@ namespace penumbra::stress {
 
 using QuadFunction = std::function<std::vector<Quad>(const std::vector<Quad>& inputs)>;
 
-inline constexpr double kUlp = 1.0 / (1 << 24);  ///< 2^-24: relative rounding error of one operation in float
+/// 2^-24: the relative rounding error of one operation in float.
+inline constexpr double kUlp = 1.0 / (1 << 24);
 
-/// The sum over all inputs of how far f moves when that input alone moves by its delta either way: a bound,
-/// to first order, for inputs off by up to their deltas together. It is what the inputs' rounding costs any
-/// algorithm. Where f has no value the move does not count.
+/// The sum over all inputs of the change of f when that input alone changes by its delta in either direction.
+/// It bounds, to first order, the error for inputs that are all off by up to their deltas, which is
+/// inevitable for any algorithm. Changes to where f is undefined are ignored.
 double sensitivity(const QuadFunction& f, const std::vector<Quad>& inputs, const std::vector<double>& deltas);
 
-/// For inputs that are vectors of three, one after the other, then numbers of [0, 1]: `relative` times the
-/// length of a vector for each of its components, times 1 for the numbers.
+/// Deltas for inputs that are vectors of three components, one after the other, followed by numbers in [0,
+/// 1]. They are `relative` times the vector's length for each component, and `relative` for the numbers.
 std::vector<double> rounding(const std::vector<Quad>& inputs, std::size_t vectors, double relative);
 
 }  // namespace penumbra::stress

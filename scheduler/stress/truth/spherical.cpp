@@ -5,7 +5,7 @@
 namespace penumbra::stress {
 namespace {
 
-/// Where the increasing function f of [0, 1] reaches `target`.
+/// Finds where the increasing function f on [0, 1] reaches `target`.
 template <typename F>
 Quad bisect(const F& f, Quad target) {
   Quad low = 0, high = 1;
@@ -16,7 +16,7 @@ Quad bisect(const F& f, Quad target) {
   return (low + high) / 2;
 }
 
-/// The part t of the arc from unit vector a to unit vector b.
+/// The point on the arc from unit vector a to unit vector b, at `angle` from a.
 Quad3 along_arc(const Quad3& a, const Quad3& b, Quad angle) {
   const Quad3 across = normalize(b - dot(a, b) * a);
   return cos_q(angle) * a + sin_q(angle) * across;
