@@ -66,7 +66,7 @@ ENUM_OF_ULONG{PENUMBRA_FEATURES(FEATURE_BIT) FEATURE_ALL = ((ulong)1 << FEATURE_
 #define HAS(name) ((COMPILED_FEATURES & FEATURE_##name) != 0)
 /// Whether the kernels contain the brute-force search. Small scenes test every primitive, large ones traverse
 /// the BVH. Kernels for one scene contain only the search that it needs; kernels for all scenes contain both.
-#define HAS_WHOLE (!HAS(BVH) || FOR_EVERY_SCENE)
+#define HAS_BRUTE_FORCE (!HAS(BVH) || FOR_EVERY_SCENE)
 /// Whether the kernels have the feature and the scene needs it. Native kernels have all features and must
 /// skip those that the scene does not need.
 #define NEEDS(scene, name) (HAS(name) && (SCENE_FEATURES(&(scene)->header) & FEATURE_##name) != 0)

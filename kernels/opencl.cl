@@ -1,19 +1,13 @@
 // The OpenCL entry points. The build defines FEATURES and LANES.
 #include "kernels/block/block.h"
 
-FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count, uint sequence,
-                  uint spp) {
-  Unit unit;
-  unit.x = x;
-  unit.y = y;
-  unit.width = width;
-  unit.height = height;
-  unit.first_sample = first_sample;
-  unit.sample_count = sample_count;
-  unit.sequence = sequence;
-  unit.spp = spp;
-  return unit;
-}
+// A kernel gets a unit as an argument for each of its fields.
+#define UNIT_PARAMETER(type, name) type name,
+#define UNIT_PARAMETERS UNIT_FIELDS(UNIT_PARAMETER)
+#define TAKE_ARGUMENT(type, name) unit.name = name;
+#define UNIT_OF_ARGUMENTS \
+  Unit unit;              \
+  UNIT_FIELDS(TAKE_ARGUMENT)
 
 #if LANES > 1
 /// The work of one work item of render_blocks. It is not in the kernel itself, of which PoCL makes three
@@ -37,13 +31,12 @@ STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL
 /// For CPUs: renders pixels [first_pixel, end_pixel) of the unit in blocks of `block_pixels`; each free work
 /// item takes the next block. `next_block` counts from 0. `states` and `slots` have the memory of each work
 /// item's block, one after the other; `bad` has BAD_KINDS entries per work item.
-__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                            int width, int height, uint first_sample, int sample_count, uint sequence,
-                            uint spp, int first_pixel, int end_pixel, int block_pixels, int capacity,
+__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words,
+                            UNIT_PARAMETERS int first_pixel, int end_pixel, int block_pixels, int capacity,
                             int slot_capacity, __global uint* states, __global uint* slots,
                             __global float* out, __global BadSamples* bad,
                             volatile __global int* next_block) {
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  UNIT_OF_ARGUMENTS
   render_free_blocks((int)get_global_id(0), header, words, unit, first_pixel, end_pixel, block_pixels,
                      capacity, slot_capacity, states, slots, out, bad, next_block);
 }
@@ -53,13 +46,12 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
 // adjacent in memory.
 
 /// Traces paths [first_path, first_path + path_count) of the pixels, at most `capacity`.
-__kernel void trace_paths(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                          int width, int height, uint first_sample, int sample_count, uint sequence, uint spp,
-                          int first_pixel, int first_path, int path_count, int capacity, int slot_capacity,
-                          __global uint* states, __global uint* slots) {
+__kernel void trace_paths(__global const SceneHeader* header, __global const uint* words,
+                          UNIT_PARAMETERS int first_pixel, int first_path, int path_count, int capacity,
+                          int slot_capacity, __global uint* states, __global uint* slots) {
   const int item = (int)get_global_id(0);
   if (item >= path_count) return;
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  UNIT_OF_ARGUMENTS
   const Scene scene = scene_of_unit(*header, words, &unit);
   const Block block = make_block(COMPILED_FEATURES, states + item, capacity, slots, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
@@ -67,13 +59,12 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
 
 /// Finishes pixels [first_pixel + from, first_pixel + from + count); `bad` has BAD_KINDS entries per work
 /// item.
-__kernel void finish_samples(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                             int width, int height, uint first_sample, int sample_count, uint sequence,
-                             uint spp, int first_pixel, int from, int count, int slot_capacity,
+__kernel void finish_samples(__global const SceneHeader* header, __global const uint* words,
+                             UNIT_PARAMETERS int first_pixel, int from, int count, int slot_capacity,
                              __global uint* slots, __global float* out, __global BadSamples* bad) {
   const int item = (int)get_global_id(0);
   if (item >= count) return;
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  UNIT_OF_ARGUMENTS
   const Scene scene = scene_of_unit(*header, words, &unit);
   const Block block = make_block(COMPILED_FEATURES, 0, 1, slots + from + item, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);

@@ -86,16 +86,17 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PHASE_RAYLEIGH 1
 #define PHASE_LOBES 4  // in every mixture of phase functions; unused ones have weight 0
 
-#define BEND_NOT 0
+#define BEND_NONE 0
 #define BEND_NORMAL_MAP 1
 #define BEND_BUMP_MAP 2
 
 #define NO_MATTE 0           // matte number of rays that hit nothing
 #define MAX_MATTES 16777215  // floats hold numbers up to here exactly
 
-#define BVH_WIDTH 8                // children of a node, or primitives of a leaf
-#define MAX_DIRECT_SAMPLES 65536   // emitter or BSDF samples per camera ray
-#define LIGHT_NUMBERS 16777216.0f  // 2^24: probabilities in the light hierarchy are multiples of its inverse
+#define BVH_WIDTH 8               // children of a node, or primitives of a leaf
+#define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples per camera ray
+#define LIGHT_PROBABILITY_STEPS \
+  16777216.0f               // 2^24: probabilities in the light hierarchy are multiples of its inverse
 #define LIGHT_CUT 16        // largest number of nodes where descents through the light hierarchy may start
 #define MAX_BRANCH_DEPTH 8  // largest number of surfaces in a row at which a path may branch
 #define FILTER_CELLS 256
@@ -241,7 +242,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, two_sided) /* 1: also emits from the back */                                                     \
   F(int, polygon)   /* index of the polygon light that it is part of, or -1 */                            \
   F(float, pmf)     /* probability of choosing this light */                                              \
-  F(int, start)     /* choice by power: the first of its LIGHT_NUMBERS */                                 \
+  F(int, start)     /* choice by power: the first of its LIGHT_PROBABILITY_STEPS */                       \
   F(int, kind)      /* LIGHT_* */                                                                         \
   F(int, texture)   /* index of the texture that scales its radiance, or -1 */                            \
   F(int, grid)      /* start of its sampling distribution in the light grids, or -1 */                    \
@@ -271,7 +272,7 @@ PENUMBRA_NAMESPACE_BEGIN
 // One of the lights of a leaf that has several.
 #define LIGHT_MEMBER_FIELDS(F) \
   F(int, light)                \
-  F(int, start) /* sum of the LIGHT_NUMBERS of the members before it in the leaf */
+  F(int, start) /* sum of the LIGHT_PROBABILITY_STEPS of the members before it in the leaf */
 
 // An environment map, see envmap_light.h.
 #define ENVIRONMENT_MAP_FIELDS(F) \
@@ -553,7 +554,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, light_kinds)      /* bits 1 << LIGHT_* of its lights */                                 \
   F(int, light_cut)         /* number of light hierarchy nodes without a parent */                \
   F(int, light_tree_depth)  /* steps from there to the deepest leaf */                            \
-  F(int, light_leaf_turns)  /* steps to find a light in a leaf; 0: one light per leaf */          \
+  F(int, light_leaf_steps)  /* steps to find a light in a leaf; 0: one light per leaf */          \
   F(int, matte_count)       /* FEATURE_MATTES: the largest matte number */                        \
   F(int, camera_medium)     /* index of the medium that the camera is in */                       \
   F(int, dropped_triangles) /* degenerate in single precision: left out, and reported */          \

@@ -6,14 +6,22 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+// F(type, name). The scheduler's RenderUnit, the message PixelUnit and the arguments of OpenCL kernels have
+// the same fields.
+#define UNIT_FIELDS(F)                                                                                     \
+  F(int, x) /* film coordinates of the unit's first pixel */                                               \
+  F(int, y)                                                                                                \
+  F(int, width)                                                                                            \
+  F(int, height)                                                                                           \
+  F(uint, first_sample)                                                                                    \
+  F(uint, sample_count) /* in [1, kMaxSamplesPerUnit] */                                                   \
+  F(uint, sequence)     /* random sequence: 0 is that of the scene's seed, others are independent of it */ \
+  F(uint, spp)          /* samples per pixel that the sequence is made for; 0: those of the scene */
+#define UNIT_FIELD(type, name) type name;
 typedef struct {
-  int x, y;  ///< film coordinates of the unit's first pixel
-  int width, height;
-  uint first_sample;
-  int sample_count;
-  uint sequence;  ///< random sequence: 0 is that of the scene's seed, others are independent of it
-  uint spp;       ///< samples per pixel that the sequence is made for; 0: those of the scene
+  UNIT_FIELDS(UNIT_FIELD)
 } Unit;
+#undef UNIT_FIELD
 
 /// The number of pixels for whose samples a block has slots. Sample s of the block's pixel p lies in slot s *
 /// slot_pixels + p, so that lanes of pixels read neighbouring slots. Lanes beyond the last pixel may read

@@ -39,7 +39,7 @@ struct AreaLightParameters {
   static void parameters(const Row& row) {
     row("radiance", &AreaLightParameters::radiance, kEmission, "radiance");
     row("two_sided", &AreaLightParameters::two_sided, TrueOrFalse{},
-        "whether its back shines too; no sphere's does");
+        "whether it also emits from its back (not for spheres)");
     row("sampling", &AreaLightParameters::sampling, emitter_samplings(), "density of points on it");
   }
 };

@@ -93,7 +93,7 @@ Setting shading_samples_row() {
 }
 
 /// Marks settings that have an effect only with certain values of others.
-void say_when_they_matter(std::vector<Setting>& table) {
+void set_dependencies(std::vector<Setting>& table) {
   for (Setting& setting : table) {
     if (setting.key == "integrator.alpha")
       setting.matters = [](const RenderSettings& s) { return control_variate(s.integrator).has_value(); };
@@ -111,7 +111,7 @@ void add_integrator_rows(std::vector<Setting>& table) {
       [&](const char* name, const auto& parameter, const auto& values, const char* description, auto...) {
         table.push_back(parameter_row(name, parameter, values, description));
       });
-  say_when_they_matter(table);
+  set_dependencies(table);
 }
 
 }  // namespace penumbra

@@ -81,7 +81,7 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
   static void parameters(const Row& row) {
     MediumCoefficients::parameters(row);
     row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
-        "what is scattered, instead of both");
+        "scattering coefficient, instead of sigma_t and albedo");
     row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
   }
   /// In Mitsuba 0.x a medium without coefficients has those of skin, which are not supported.

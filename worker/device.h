@@ -19,16 +19,12 @@
 
 namespace penumbra {
 
-/// The work of one unit: a rectangle of pixels and a range of sample indices.
+/// The work of one unit: a rectangle of pixels and a range of sample indices (kernels/unit.h).
+#define UNIT_FIELD(type, name) type name = 0;
 struct RenderUnit {
-  int x = 0, y = 0;  ///< film coordinates of the rectangle's first pixel
-  int width = 0, height = 0;
-  std::uint32_t first_sample = 0;
-  std::uint32_t sample_count = 0;  ///< in [1, kMaxSamplesPerUnit]
-  /// Random sequence: 0 is that of the scene's seed, others are independent of it.
-  std::uint32_t sequence = 0;
-  std::uint32_t spp = 0;  ///< samples per pixel that the sequence is made for; 0: those of the scene
+  UNIT_FIELDS(UNIT_FIELD)
 };
+#undef UNIT_FIELD
 
 /// kAuto: OpenCL on a device that is not a CPU, if there is one that renders the same bits; else native code.
 enum class Backend { kNative, kOpenCl, kAuto };

@@ -108,7 +108,7 @@ struct Starts {
 };
 
 /// Filter function: rejects hits of the triangle that the ray starts on.
-void leave_start_out(const RTCFilterFunctionNArguments* arguments) {
+void reject_start_triangle(const RTCFilterFunctionNArguments* arguments) {
   const unsigned n = arguments->N;
   const auto* starts = reinterpret_cast<const Starts*>(arguments->context);
   for (unsigned i = 0; i < n; ++i) {
@@ -204,7 +204,7 @@ struct EmbreeTracer::Impl {
           rays.ray.tfar[j] = get_ray_tmax(paths, first + j);
           rays.hit.geomID[j] = rays.hit.instID[0][j] = RTC_INVALID_GEOMETRY_ID;
         }
-        starts.context.filter = leave_start_out;
+        starts.context.filter = reject_start_triangle;
         if (again) rtcIntersect16(valid, self.scene.get(), &starts.context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j) {
@@ -251,7 +251,7 @@ struct EmbreeTracer::Impl {
           again = true;
           rays.tfar[j] = get_shadow_tmax(paths, first + j);
         }
-        starts.context.filter = leave_start_out;
+        starts.context.filter = reject_start_triangle;
         if (again) rtcOccluded16(valid, self.scene.get(), &starts.context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j)

@@ -7,14 +7,9 @@
 namespace penumbra {
 
 inline Unit kernel_unit(const RenderUnit& unit) {
-  return {.x = unit.x,
-          .y = unit.y,
-          .width = unit.width,
-          .height = unit.height,
-          .first_sample = unit.first_sample,
-          .sample_count = int(unit.sample_count),
-          .sequence = unit.sequence,
-          .spp = unit.spp};
+#define SAME_FIELD(type, name) .name = unit.name,
+  return {UNIT_FIELDS(SAME_FIELD)};
+#undef SAME_FIELD
 }
 
 }  // namespace penumbra

@@ -27,8 +27,10 @@ class ClArguments {
   }
   ClArguments& operator<<(const ClReserve& reserve) { return *this << reserve.buffer; }
   ClArguments& operator<<(const Unit& unit) {
-    return *this << unit.x << unit.y << unit.width << unit.height << int(unit.first_sample)
-                 << unit.sample_count << int(unit.sequence) << int(unit.spp);
+#define ADD_FIELD(type, name) *this << int(unit.name);
+    UNIT_FIELDS(ADD_FIELD)
+#undef ADD_FIELD
+    return *this;
   }
   [[nodiscard]] cl_kernel kernel() const { return kernel_; }
   [[nodiscard]] cl_int status() const { return status_; }

@@ -221,7 +221,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   const int channels = HAS(CAMERA) ? camera_channels(h) : 1;
   const int turns = channels * ((path_count + batch - 1) / batch);
   for (int turn = 0; turn < turns; turn++) {
-    const int done = turn / channels * batch, channel = (turn + 2) % channels;  // green comes last
+    const int done = turn / channels * batch, channel = (turn + FIRST_CHANNEL) % channels;
     int count = min_i(batch, path_count - done);
     generate(scene, unit, first_pixel, first_path + done, count, channel, paths, slots);
     if (block->probe != 0) probe_camera(block);
@@ -243,7 +243,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       occlude_block(scene, paths, count);
       if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
-      if (HAS(POLYGONS) && control) add_light_with_control(scene, has_other_control(scene), paths, count);
+      if (HAS(POLYGONS) && control) add_light_with_control(scene, has_lobe_control(scene), paths, count);
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);
       count = compact(scene, paths, count, channels == 1 ? EVERY_CHANNEL : channel, slots);

@@ -71,6 +71,8 @@ FN void copy_lane(ulong features, const PRIVATE PathState* paths, int to, int fr
 
 // The channel of a path that is traced for all channels at once.
 #define EVERY_CHANNEL -1
+// Of channels that are traced one after the other the first: green, whose layers are kept, comes last.
+#define FIRST_CHANNEL 2
 
 /// `known` with component `channel` taken from `found`.
 FN vec3 with_channel(vec3 known, vec3 found, int channel) {
@@ -97,7 +99,8 @@ FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool 
 /// channel.
 FN void finish_crossings(const PRIVATE PathState* paths, int i, int channel, const PRIVATE SlotState* slots) {
   const int slot = get_slot(paths, i), found = get_contradiction(paths, i);
-  const int known = channel > 0 ? get_slot_contradiction(slots, slot) : 0;
+  const bool is_first = (channel == EVERY_CHANNEL) | (channel == FIRST_CHANNEL);
+  const int known = is_first ? 0 : get_slot_contradiction(slots, slot);
   set_slot_contradiction(slots, slot, known != 0 ? known : found);
 }
 

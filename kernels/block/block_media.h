@@ -96,8 +96,8 @@ FN float ray_number(const PRIVATE PathState* paths, int i, uint salt) {
 }
 
 /// For LANES rays, the light cluster about which each may sample its distance.
-STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                          PRIVATE int* RESTRICT chosen) {
+STAGE void choose_equiangular_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                     PRIVATE int* RESTRICT chosen) {
   const int centres = scene->header.tables.flight_centres.count;
   float numbers[LANES];
   LANE_LOOP
@@ -114,9 +114,10 @@ STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* p
 
 /// The equiangular segments of the rays about these clusters. Returns whether any ray is in a homogeneous
 /// medium for which the cluster matters.
-STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                       const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT chosen,
-                       PRIVATE EquiangularSegments* RESTRICT segments) {
+STAGE bool find_equiangular_segments(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                     const PRIVATE float* RESTRICT lengths,
+                                     const PRIVATE int* RESTRICT chosen,
+                                     PRIVATE EquiangularSegments* RESTRICT segments) {
   int any = 0;
   const PathState fields = *paths;
   LANE_LOOP
@@ -177,8 +178,8 @@ FN void sample_equiangular(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (scene->header.tables.flight_centres.count == 0) return;
   int chosen[LANES];
   EquiangularSegments segments;
-  choose_centres(scene, paths, i, chosen);
-  if (see_centres(scene, paths, i, lengths, chosen, &segments))
+  choose_equiangular_lights(scene, paths, i, chosen);
+  if (find_equiangular_segments(scene, paths, i, lengths, chosen, &segments))
     aim_flights(scene, paths, i, lengths, &segments, reaches, decided);
 }
 

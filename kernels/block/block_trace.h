@@ -6,7 +6,7 @@
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/bvh_packet.h"
-#include "kernels/intersect/intersect_whole.h"
+#include "kernels/intersect/intersect_brute_force.h"
 #include "kernels/intersect/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -114,7 +114,7 @@ FN void intersect_block_whole(const PRIVATE Scene* scene, const PRIVATE PathStat
     }
     RayLanes rays;
     load_rays(&rays, paths, i);
-    intersect_whole(scene, &rays);
+    intersect_brute_force(scene, &rays);
     store_hits(&rays, paths, i);
   }
 }
@@ -126,7 +126,7 @@ FN void occlude_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState*
   for (int i = 0; i < rays; i += LANES) {
     RayLanes lanes;
     gather_shadow_rays(&lanes, paths, wanted + i);
-    intersect_whole(scene, &lanes);
+    intersect_brute_force(scene, &lanes);
     scatter_transmittances(&lanes, paths, wanted + i);
     if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
   }

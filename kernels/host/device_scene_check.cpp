@@ -151,7 +151,8 @@ class Checker {
       require(h_.tables.lights.count == 0 || holds(h_.light_kinds, l.kind),
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
-      require(in(l.start, 0, int(LIGHT_NUMBERS)), "a light begins at no number that a sampler can give");
+      require(in(l.start, 0, int(LIGHT_PROBABILITY_STEPS)),
+              "a light begins at no number that a sampler can give");
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
@@ -188,13 +189,13 @@ class Checker {
                     : "the first material, where walks end, holds others");
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
-      require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(in(m.bend, BEND_NONE, BEND_BUMP_MAP), "a normal is bent in an unknown way");
       require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_MEDIA) &&
                                  m.branches == 0 && m.passes == PASSES_SOME),
               "a thin pane that is none");
       require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
               "materials that hold others without their feature bit");
-      require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
+      require(m.bend == BEND_NONE || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
               "bent normals without their feature bits");
     }
   }
@@ -426,7 +427,7 @@ class Checker {
   /// Checks that every number of a sampler selects a cell.
   void check_light_cells() {
     const int count = h_.tables.light_cells.count;
-    require(count == 0 || (count <= int(LIGHT_NUMBERS) && (count & (count - 1)) == 0),
+    require(count == 0 || (count <= int(LIGHT_PROBABILITY_STEPS) && (count & (count - 1)) == 0),
             "cells of the choice of lights that are no power of two");
     require(count > 0 || h_.tables.lights.count <= 1, "no cells to choose lights by");
     for (const int light : table<int>(scene_, at_least_one(h_.tables.light_cells)))
@@ -454,9 +455,9 @@ class Checker {
             "a hierarchy of lights without a root");
     require(h_.tables.light_trails.count == h_.tables.lights.count, "ways to lights do not match the lights");
     require(in(h_.light_tree_depth, 0, 28), "the hierarchy of lights is too deep");
-    require(h_.light_leaf_turns == 0 || (in(h_.light_leaf_turns, 1, 20) && h_.tables.light_members.count > 0),
+    require(h_.light_leaf_steps == 0 || (in(h_.light_leaf_steps, 1, 20) && h_.tables.light_members.count > 0),
             "lights of leaves that no search finds");
-    require(h_.light_leaf_turns == 0 || h_.tables.light_numbers.count == h_.tables.lights.count,
+    require(h_.light_leaf_steps == 0 || h_.tables.light_numbers.count == h_.tables.lights.count,
             "shares of lights do not match the lights");
     const auto nodes = table<LightNode>(scene_, h_.tables.light_nodes);
     std::vector<int> depth(nodes.size(), -1);
@@ -489,15 +490,16 @@ class Checker {
   void check_light_leaf(int first, int count) {
     const auto members = table<LightMember>(scene_, h_.tables.light_members);
     const auto numbers = table<int>(scene_, h_.tables.light_numbers);
-    require(h_.light_leaf_turns > 0, "lights of leaves that no search finds");
+    require(h_.light_leaf_steps > 0, "lights of leaves that no search finds");
     require(first <= int(members.size()) - count, "a leaf of lights names lights that are not there");
     if (!problem_.empty()) return;
-    require(count <= 1 << h_.light_leaf_turns, "a leaf of lights has more than a search finds");
+    require(count <= 1 << h_.light_leaf_steps, "a leaf of lights has more than a search finds");
     for (int k = 0; k < count && problem_.empty(); ++k) {
       const LightMember& member = members[std::size_t(first + k)];
-      const int next = k + 1 < count ? members[std::size_t(first + k) + 1].start : int(LIGHT_NUMBERS);
+      const int next =
+          k + 1 < count ? members[std::size_t(first + k) + 1].start : int(LIGHT_PROBABILITY_STEPS);
       require(in(member.light, 0, h_.tables.lights.count - 1), "a node names a light that is not there");
-      require(member.start >= 0 && (k > 0 || member.start == 0) && next <= int(LIGHT_NUMBERS),
+      require(member.start >= 0 && (k > 0 || member.start == 0) && next <= int(LIGHT_PROBABILITY_STEPS),
               "shares of lights in a leaf are not those of all numbers");
       if (!problem_.empty()) return;
       require(next > member.start && numbers[std::size_t(member.light)] == next - member.start,

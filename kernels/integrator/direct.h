@@ -164,9 +164,9 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-      if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
+      if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
       request_emitter_samples(scene, paths, i, &step);
-      if (HAS(LTC) && has_other_control(scene))
+      if (HAS(LTC) && has_lobe_control(scene))
         request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
     }
     if (scatters) {

@@ -144,8 +144,8 @@ STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
     }
 }
 /// The same, as sampled at the surfaces that the paths left.
-STAGE void project_found_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                  PRIVATE FoundLights* RESTRICT found) {
+STAGE void projected_pdfs_of_hit_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                        PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
       found->projected_pdf[j] =
@@ -231,7 +231,7 @@ FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* p
     project_found_lobes_of_paths(scene, paths, i, found);
     return;
   }
-  project_found_of_paths(scene, paths, i, found);
+  projected_pdfs_of_hit_lights(scene, paths, i, found);
 }
 FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
                               const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
@@ -352,7 +352,7 @@ CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, 
                           &step->samplings);
     return;
   }
-  if (request.found & finds & request.path) project_found_of_paths(scene, paths, i, &step->found);
+  if (request.found & finds & request.path) projected_pdfs_of_hit_lights(scene, paths, i, &step->found);
   if (request.found & finds & !request.path)
     project_found(scene, &step->surfaces, &step->closures, &step->found);
   if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, &step->closures);

@@ -45,9 +45,9 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     sample_step_lights(scene, &step);
     if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-    if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
+    if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
     request_light(scene, paths, i, &step);
-    if (HAS(LTC) && has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+    if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
     if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
 
     // The next direction, by BSDF sampling, and Russian roulette.

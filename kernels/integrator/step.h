@@ -64,7 +64,7 @@ FN bool has_control(const PRIVATE Scene* scene) {
 }
 
 /// Whether the control variate of some BSDFs differs from the BSDF (linearly transformed cosines).
-FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS_LTC(scene) && has_control(scene); }
+FN bool has_lobe_control(const PRIVATE Scene* scene) { return NEEDS_LTC(scene) && has_control(scene); }
 
 /// Whether light samples of polygons at a surface with this closure use the closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {

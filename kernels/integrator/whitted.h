@@ -262,10 +262,10 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (scatters) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-      if (HAS(LTC) && has_other_control(scene)) admit_controls(scene, &step);
+      if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
       balance_values(scene, paths, i, &step);
       request_light(scene, paths, i, &step);
-      if (HAS(LTC) && has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+      if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
       sample_branches(scene, paths, i, count, &step);
       if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
       continue_paths(scene, paths, i, &step);

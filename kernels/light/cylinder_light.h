@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-LIGHT_SHINES_ALIKE(cylinder)
+LIGHT_EMITS_UNIFORMLY(cylinder)
 
 FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                       float v, ulong strategies) {

@@ -6,7 +6,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// Irradiance on a surface perpendicular to the direction.
-LIGHT_SHINES_ALIKE(directional)
+LIGHT_EMITS_UNIFORMLY(directional)
 
 FN LightSample sample_directional_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                         float v, LightSampling sampling, ulong strategies) {

@@ -7,7 +7,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-LIGHT_SHINES_ALIKE(disk)
+LIGHT_EMITS_UNIFORMLY(disk)
 
 FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                   ulong strategies) {

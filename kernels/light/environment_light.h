@@ -6,7 +6,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-LIGHT_SHINES_ALIKE(environment)
+LIGHT_EMITS_UNIFORMLY(environment)
 
 FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                         float v, LightSampling sampling, ulong strategies) {

@@ -7,7 +7,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Defines <name>_light_radiance for a light that emits the same from all points into all directions, except
 // for its texture: radiance; radiant intensity of a point light; irradiance of a directional light.
-#define LIGHT_SHINES_ALIKE(name)                                                                      \
+#define LIGHT_EMITS_UNIFORMLY(name)                                                                   \
   FN vec3 name##_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, \
                                 vec3 wi) {                                                            \
     return load3(&light->radiance);                                                                   \

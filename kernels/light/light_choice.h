@@ -17,8 +17,9 @@ FN ChosenLight take_light(const PRIVATE Scene* scene, int light, float u, float 
   ChosenLight choice;
   choice.light = light;
   choice.pmf = scene->lights[light].pmf;
-  const int number = (int)(u * LIGHT_NUMBERS) - scene->lights[light].start;
-  const float left = ((float)number + fine) / (choice.pmf > 0.0f ? choice.pmf * LIGHT_NUMBERS : 1.0f);
+  const int number = (int)(u * LIGHT_PROBABILITY_STEPS) - scene->lights[light].start;
+  const float left =
+      ((float)number + fine) / (choice.pmf > 0.0f ? choice.pmf * LIGHT_PROBABILITY_STEPS : 1.0f);
   choice.u = clamp_f(left, 0.0f, ONE_MINUS_EPSILON);
   return choice;
 }

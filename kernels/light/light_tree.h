@@ -22,20 +22,20 @@ PENUMBRA_NAMESPACE_BEGIN
 // that compare them are averages over the whole scene.
 #define LEAST_LIGHT_SHARE 0.05f
 
-/// How many of the LIGHT_NUMBERS numbers choose the first node of a pair. `any`: whether either node has any
-/// importance.
+/// How many of the LIGHT_PROBABILITY_STEPS numbers choose the first node of a pair. `any`: whether either
+/// node has any importance.
 FN int numbers_of_first(GLOBAL const LightNode* pair, LitPlace place, PRIVATE bool* any) {
   const float first = light_importance(pair, place), second = light_importance(pair + 1, place);
   const float sum = first + second;
-  const int numbers = (int)(first / (sum > 0.0f ? sum : 1.0f) * LIGHT_NUMBERS);
-  const int all = (int)LIGHT_NUMBERS;
+  const int numbers = (int)(first / (sum > 0.0f ? sum : 1.0f) * LIGHT_PROBABILITY_STEPS);
+  const int all = (int)LIGHT_PROBABILITY_STEPS;
   const int inside = numbers < 1 ? 1 : (numbers > all - 1 ? all - 1 : numbers);
   *any = sum > 0.0f;
   return first > 0.0f ? (second > 0.0f ? inside : all) : 0;
 }
 
-/// A number in [0, 1) with twice the digits of a float: (high + low) / LIGHT_NUMBERS, where high is an
-/// integer.
+/// A number in [0, 1) with twice the digits of a float: (high + low) / LIGHT_PROBABILITY_STEPS, where high is
+/// an integer.
 typedef struct {
   int high;
   float low;
@@ -43,23 +43,25 @@ typedef struct {
 
 FN LongNumber long_number(float u, float fine) {
   LongNumber x;
-  x.high = (int)(u * LIGHT_NUMBERS);
+  x.high = (int)(u * LIGHT_PROBABILITY_STEPS);
   x.low = fine;
   return x;
 }
 
-/// The remainder of a number below `width` / LIGHT_NUMBERS, stretched to [0, 1): stratified numbers stay
-/// stratified, digit by digit. The quotient is corrected by its remainder, which is small and therefore exact
-/// modulo 2^32. Lanes without such a number get an arbitrary one; clamping keeps conversions to int valid.
+/// The remainder of a number below `width` / LIGHT_PROBABILITY_STEPS, stretched to [0, 1): stratified numbers
+/// stay stratified, digit by digit. The quotient is corrected by its remainder, which is small and therefore
+/// exact modulo 2^32. Lanes without such a number get an arbitrary one; clamping keeps conversions to int
+/// valid.
 FN LongNumber stretched(LongNumber x, int width) {
   const float w = (float)width;
-  const int quotient = (int)clamp_f((float)x.high / w * LIGHT_NUMBERS, 0.0f, LIGHT_NUMBERS);
+  const int quotient =
+      (int)clamp_f((float)x.high / w * LIGHT_PROBABILITY_STEPS, 0.0f, LIGHT_PROBABILITY_STEPS);
   const int remainder = (int)(((uint)x.high << 24) - (uint)quotient * (uint)width);
-  const float rest = ((float)remainder + x.low * LIGHT_NUMBERS) / w;
-  const float more = clamp_f(rest, -LIGHT_NUMBERS, LIGHT_NUMBERS);
+  const float rest = ((float)remainder + x.low * LIGHT_PROBABILITY_STEPS) / w;
+  const float more = clamp_f(rest, -LIGHT_PROBABILITY_STEPS, LIGHT_PROBABILITY_STEPS);
   const float whole = floor_f(more);
   const int high = quotient + (int)whole;
-  const int last = (int)LIGHT_NUMBERS - 1;
+  const int last = (int)LIGHT_PROBABILITY_STEPS - 1;
   LongNumber left;
   left.high = high < 0 ? 0 : (high > last ? last : high);
   left.low = clamp_f(more - whole, 0.0f, ONE_MINUS_EPSILON);
@@ -75,7 +77,7 @@ FN LongNumber stretched(LongNumber x, int width) {
   F(a, float, pmf) /* probability of the descent so far */
 LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
 
-/// The factors from importances of the cut's nodes to counts of LIGHT_NUMBERS.
+/// The factors from importances of the cut's nodes to counts of LIGHT_PROBABILITY_STEPS.
 #define LIGHT_SCALES_FIELDS(F, a) \
   F(a, float, finite)             \
   F(a, float, infinite)
@@ -99,7 +101,7 @@ WEIGH_CUT_NODE(weigh_all_around_node, NODE_ISOTROPIC)
 
 /// Converts sums to scales. Rounding leaves a few numbers (5e-6 of all) that choose no light.
 STAGE void scale_cut(PRIVATE LightScales* RESTRICT scales) {
-  const float numbers = LIGHT_NUMBERS - 4.0f * (float)LIGHT_CUT;
+  const float numbers = LIGHT_PROBABILITY_STEPS - 4.0f * (float)LIGHT_CUT;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const float finite = scales->finite[j], infinite = scales->infinite[j];
@@ -139,7 +141,7 @@ FN void find_light_scales(const PRIVATE Scene* scene, const PRIVATE LitPlaces* p
 
 /// How many numbers choose a node of the cut: at least one if any light may arrive.
 FN int numbers_of_node(float importance, float scale) {
-  const int some = (int)clamp_f(importance * scale, 0.0f, LIGHT_NUMBERS);
+  const int some = (int)clamp_f(importance * scale, 0.0f, LIGHT_PROBABILITY_STEPS);
   return importance > 0.0f ? (some < 1 ? 1 : some) : 0;
 }
 
@@ -179,7 +181,7 @@ STAGE void enter_cut(const PRIVATE CutNumbers* RESTRICT dealt, PRIVATE LightWalk
       walk.node = node >= 0 ? node : 0;
       walk.high = left.high;
       walk.low = left.low;
-      walk.pmf = node >= 0 ? (float)width * (1.0f / LIGHT_NUMBERS) : 0.0f;
+      walk.pmf = node >= 0 ? (float)width * (1.0f / LIGHT_PROBABILITY_STEPS) : 0.0f;
       store_light_walk(walks, j, walk);
     }
 }
@@ -200,7 +202,7 @@ FN bool step_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitP
       x.high = before.high;
       x.low = before.low;
       const bool first = by_trail ? (before.high & 1) == 0 : x.high < numbers;
-      const int width = first ? numbers : (int)LIGHT_NUMBERS - numbers;
+      const int width = first ? numbers : (int)LIGHT_PROBABILITY_STEPS - numbers;
       x.high = first ? x.high : x.high - numbers;
       LongNumber left;
       if (by_trail) {
@@ -209,7 +211,7 @@ FN bool step_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitP
       } else {
         left = stretched(x, width > 0 ? width : 1);
       }
-      const float pmf = any ? before.pmf * ((float)width * (1.0f / LIGHT_NUMBERS)) : 0.0f;
+      const float pmf = any ? before.pmf * ((float)width * (1.0f / LIGHT_PROBABILITY_STEPS)) : 0.0f;
       LightWalk after;
       after.node = inner ? child + (first ? 0 : 1) : before.node;
       after.high = inner ? left.high : before.high;
@@ -220,8 +222,8 @@ FN bool step_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitP
     }
   return any_left != 0;
 }
-STAGE bool turn_by_numbers(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
-                           PRIVATE LightWalks* RESTRICT walks) {
+STAGE bool descend_by_numbers(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
+                              PRIVATE LightWalks* RESTRICT walks) {
   return step_walks(scene, false, places, walks);
 }
 STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
@@ -299,8 +301,8 @@ STAGE void take_members(const PRIVATE Scene* scene, const PRIVATE LeafSearch* RE
       x.low = walk.low;
       const LongNumber left = stretched(x, numbers > 0 ? numbers : 1);
       const float own =
-          clamp_f(((float)left.high + left.low) * (1.0f / LIGHT_NUMBERS), 0.0f, ONE_MINUS_EPSILON);
-      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+          clamp_f(((float)left.high + left.low) * (1.0f / LIGHT_PROBABILITY_STEPS), 0.0f, ONE_MINUS_EPSILON);
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_PROBABILITY_STEPS));
       const int only_light = samplings->light[j];
       const float only_u = u[j], only_pmf = samplings->pmf[j];
       u[j] = several ? own : only_u;
@@ -317,7 +319,8 @@ STAGE void end_by_numbers(const PRIVATE Scene* scene, const PRIVATE LightWalks* 
       const LightWalk walk = load_light_walk(walks, j);
       const int child = scene->light_nodes[walk.node].child;
       const bool at_light = (child < 0) & (walk.pmf > 0.0f);
-      u[j] = clamp_f(((float)walk.high + walk.low) * (1.0f / LIGHT_NUMBERS), 0.0f, ONE_MINUS_EPSILON);
+      u[j] =
+          clamp_f(((float)walk.high + walk.low) * (1.0f / LIGHT_PROBABILITY_STEPS), 0.0f, ONE_MINUS_EPSILON);
       samplings->light[j] = at_light ? ~child : 0;
       samplings->pmf[j] = at_light ? walk.pmf : 0.0f;
     }
@@ -344,9 +347,9 @@ FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
   enter_cut(&dealt, &walks);
   if (any_turns_left(scene, &walks))
     for (int level = 0; level < scene->header.light_tree_depth; level++)
-      if (!turn_by_numbers(scene, places, &walks)) break;
+      if (!descend_by_numbers(scene, places, &walks)) break;
   end_by_numbers(scene, &walks, u, samplings);
-  const int turns = scene->header.light_leaf_turns;
+  const int turns = scene->header.light_leaf_steps;
   if (turns == 0) return;
   LeafSearch search;
   start_search(scene, &walks, &search);
@@ -376,7 +379,7 @@ STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* 
       walk.node = node;
       walk.high = (int)(trail / LIGHT_CUT);
       walk.low = 0.0f;
-      walk.pmf = light >= 0 ? (float)numbers * (1.0f / LIGHT_NUMBERS) : 0.0f;
+      walk.pmf = light >= 0 ? (float)numbers * (1.0f / LIGHT_PROBABILITY_STEPS) : 0.0f;
       store_light_walk(walks, j, walk);
     }
 }
@@ -401,7 +404,7 @@ STAGE void end_at_members(const PRIVATE Scene* scene, const PRIVATE LightWalks* 
       GLOBAL const LightNode* node = scene->light_nodes + walk.node;
       const int child = node->child, count = node->lights;
       const int numbers = scene->light_numbers[light >= 0 ? light : 0];
-      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_PROBABILITY_STEPS));
       const float only_pmf = found->pmf[j];
       found->pmf[j] = ((child < 0) & (count > 1) & (light >= 0)) ? pmf : only_pmf;
     }
@@ -417,7 +420,7 @@ FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
     for (int level = 0; level < scene->header.light_tree_depth; level++)
       if (!turn_by_trails(scene, places, &walks)) break;
   end_by_trails(scene, &walks, found);
-  if (scene->header.light_leaf_turns > 0) end_at_members(scene, &walks, found);
+  if (scene->header.light_leaf_steps > 0) end_at_members(scene, &walks, found);
 }
 
 PENUMBRA_NAMESPACE_END

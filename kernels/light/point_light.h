@@ -6,7 +6,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// Radiant intensity.
-LIGHT_SHINES_ALIKE(point)
+LIGHT_EMITS_UNIFORMLY(point)
 
 FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                   LightSampling sampling, ulong strategies) {

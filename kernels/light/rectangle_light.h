@@ -17,7 +17,7 @@ FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
   return s;
 }
 
-LIGHT_SHINES_ALIKE(rectangle)
+LIGHT_EMITS_UNIFORMLY(rectangle)
 
 FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                        float v, ulong strategies) {

@@ -19,7 +19,7 @@ FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
   return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
 }
 
-LIGHT_SHINES_ALIKE(sphere)
+LIGHT_EMITS_UNIFORMLY(sphere)
 
 FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                     ulong strategies) {

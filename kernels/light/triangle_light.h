@@ -20,7 +20,7 @@ FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
   return t;
 }
 
-LIGHT_SHINES_ALIKE(triangle)
+LIGHT_EMITS_UNIFORMLY(triangle)
 
 FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                       float v, LightSampling sampling, ulong strategies) {

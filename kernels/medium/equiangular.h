@@ -49,7 +49,7 @@ FN float equiangular_pdf(EquiangularSegment s, float distance) {
 }
 
 // Smaller shares are not worth the cost.
-#define LEAST_SIGHT_SHARE 0.05f
+#define LEAST_EQUIANGULAR_SHARE 0.05f
 
 /// The fraction of scattering flights that are sampled equiangularly, for one channel. It is nearly all if
 /// the place and the ray's nearest point are close, in mean free paths, so that the light falls off faster
@@ -57,7 +57,7 @@ FN float equiangular_pdf(EquiangularSegment s, float distance) {
 FN float equiangular_share(EquiangularSegment s, float length, float extinction) {
   const float at = clamp_f(s.along, 0.0f, length);
   const float share = 0.9f / (1.0f + extinction * extinction * (s.away * s.away + at * at));
-  return share < LEAST_SIGHT_SHARE ? 0.0f : share;
+  return share < LEAST_EQUIANGULAR_SHARE ? 0.0f : share;
 }
 FN vec3 equiangular_shares(EquiangularSegment s, float length, vec3 extinction) {
   return make_vec3(equiangular_share(s, length, extinction.x), equiangular_share(s, length, extinction.y),

@@ -56,7 +56,7 @@ constexpr float kBendStep = 1.0f / 4096.0f;
 
 inline void set_bend(Material& m, const SurfaceBend& bend) {
   const bool bends = bend.kind != BendKind::kNone && bend.texture != kNoTexture;
-  m.bend = bends ? int(bend.kind) : BEND_NOT;
+  m.bend = bends ? int(bend.kind) : BEND_NONE;
   m.bend_texture = bends ? bend.texture : kNoTexture;
   m.bend_scale = bend.scale;
   m.bend_step = kBendStep;

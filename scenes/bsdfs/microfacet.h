@@ -18,7 +18,7 @@ struct RoughSurface {
         OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
         "how the microfacets are distributed");
     row("alpha", &RoughSurface::alpha, NumberWithin{LowEnd::kClosed, 0.0f, kMostAlpha},
-        "roughness; below 0.0001 it is that");
+        "roughness; raised to 0.0001 if smaller");
     row("alpha_u", &RoughSurface::alpha_u, NumberWithin{LowEnd::kClosed, 0.0f, kMostAlpha},
         "roughness along the tangent, with alpha_v instead of alpha");
     row("alpha_v", &RoughSurface::alpha_v, NumberWithin{LowEnd::kClosed, 0.0f, kMostAlpha},

@@ -107,7 +107,7 @@ class Builder {
       if (Expected<void> done = store_mattes(); !done) return std::unexpected(done.error());
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
-    if (Expected<void> done = look_at_scene(); !done) return std::unexpected(done.error());
+    if (Expected<void> done = trace_pilot_rays(); !done) return std::unexpected(done.error());
     store(std::move(records_), out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
@@ -140,7 +140,7 @@ class Builder {
       if (!media_->empty()) open_pane(m);
       if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= 1u << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
-      if (m.bend != BEND_NOT) {
+      if (m.bend != BEND_NONE) {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
@@ -441,8 +441,8 @@ class Builder {
   }
 
   /// Adds everything that is found by tracing rays through the scene, which is complete otherwise.
-  Expected<void> look_at_scene() {
-    BorrowedHierarchy hierarchy(records_);
+  Expected<void> trace_pilot_rays() {
+    TemporaryHierarchy hierarchy(records_);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done =
               add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_, hierarchy);

@@ -166,7 +166,7 @@ bool wants_polygons(const IntegratorSettings& integrator) {
          light_choice(integrator) == LightChoice::kAnalytic;
 }
 
-bool chooses_as_it_likes(const IntegratorSettings& integrator) {
+bool light_choice_is_auto(const IntegratorSettings& integrator) {
   return light_choice(integrator) == LightChoice::kAuto;
 }
 

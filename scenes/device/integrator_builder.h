@@ -12,7 +12,7 @@ namespace penumbra {
 bool wants_polygons(const IntegratorSettings& integrator);
 
 /// Whether the settings leave it to the renderer how lights are chosen.
-bool chooses_as_it_likes(const IntegratorSettings& integrator);
+bool light_choice_is_auto(const IntegratorSettings& integrator);
 
 /// How lights are sampled whose shape does not specify it. `narrow`: surfaces have control lobes that are
 /// narrower than most lights.

@@ -73,13 +73,13 @@ Expected<void> add_hierarchy(SceneRecords& records) {
   return {};
 }
 
-Expected<void> BorrowedHierarchy::need() {
+Expected<void> TemporaryHierarchy::need() {
   if (!records_.nodes.empty()) return {};
   borrowed_ = true;
   return add_hierarchy(records_);
 }
 
-BorrowedHierarchy::~BorrowedHierarchy() {
+TemporaryHierarchy::~TemporaryHierarchy() {
   if (!borrowed_) return;
   for (PrimitiveGroup& group : records_.groups) group.root = 0;
   std::vector<BvhNode>().swap(records_.nodes);

@@ -26,12 +26,12 @@ Expected<void> add_hierarchy(SceneRecords& records);
 
 /// The portable intersector's hierarchy for steps of the scene's construction that trace rays. It is built on
 /// the first call of need(), and removed in the destructor unless rendering uses it.
-class BorrowedHierarchy {
+class TemporaryHierarchy {
  public:
-  explicit BorrowedHierarchy(SceneRecords& records) : records_(records) {}
-  BorrowedHierarchy(const BorrowedHierarchy&) = delete;
-  BorrowedHierarchy& operator=(const BorrowedHierarchy&) = delete;
-  ~BorrowedHierarchy();
+  explicit TemporaryHierarchy(SceneRecords& records) : records_(records) {}
+  TemporaryHierarchy(const TemporaryHierarchy&) = delete;
+  TemporaryHierarchy& operator=(const TemporaryHierarchy&) = delete;
+  ~TemporaryHierarchy();
 
   /// Builds the hierarchy if it is missing. The scene must have a primitive. Errors: those of add_hierarchy.
   Expected<void> need();

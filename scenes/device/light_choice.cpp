@@ -19,7 +19,7 @@ namespace {
 class Chooser {
  public:
   Chooser(std::span<const LightBounds> lights, bool open, double radius, SceneHeader& header,
-          SceneRecords& records, BorrowedHierarchy& hierarchy)
+          SceneRecords& records, TemporaryHierarchy& hierarchy)
       : lights_(lights), open_(open), radius_(radius), h_(header), records_(records), hierarchy_(hierarchy) {}
 
   /// The weight of infinite lights relative to the others is found by tracing pilot paths through the scene.
@@ -76,7 +76,7 @@ class Chooser {
     records_.light_numbers = tree.numbers;
     h_.light_cut = tree.cut;
     h_.light_tree_depth = tree.depth;
-    h_.light_leaf_turns = tree.leaf_turns;
+    h_.light_leaf_steps = tree.leaf_turns;
   }
 
   /// Whether these lights are close together, like the triangles of one light.
@@ -137,15 +137,15 @@ class Chooser {
   double radius_;
   SceneHeader& h_;
   SceneRecords& records_;
-  BorrowedHierarchy& hierarchy_;
+  TemporaryHierarchy& hierarchy_;
 };
 
 }  // namespace
 
 Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
                               double scene_radius, SceneHeader& header, SceneRecords& records,
-                              BorrowedHierarchy& hierarchy) {
-  return Chooser(bounds, chooses_as_it_likes(integrator), scene_radius, header, records, hierarchy).add();
+                              TemporaryHierarchy& hierarchy) {
+  return Chooser(bounds, light_choice_is_auto(integrator), scene_radius, header, records, hierarchy).add();
 }
 
 }  // namespace penumbra

@@ -20,6 +20,6 @@ namespace penumbra {
 /// structure.
 Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
                               double scene_radius, SceneHeader& header, SceneRecords& records,
-                              BorrowedHierarchy& hierarchy);
+                              TemporaryHierarchy& hierarchy);
 
 }  // namespace penumbra

@@ -24,9 +24,9 @@ namespace penumbra {
 namespace {
 
 // Beyond these limits there are too many edges, or finding them takes too long, so they are left as they are.
-constexpr std::size_t kMostBorrowed = 1'000'000;  // triangles of a scene without the portable hierarchy
-constexpr std::size_t kMostTriangles = 1 << 18;   // emitting triangles
-constexpr std::size_t kMostPixels = 1 << 18;      // pixels with edges
+constexpr std::size_t kMostTemporary = 1'000'000;  // triangles of a scene without the portable hierarchy
+constexpr std::size_t kMostTriangles = 1 << 18;    // emitting triangles
+constexpr std::size_t kMostPixels = 1 << 18;       // pixels with edges
 // The distance, in filter radii, at which rays pass an edge on either side.
 constexpr double kBeside = 0.01;
 // Circles are replaced by polygons whose sides deviate by at most 1/500 of a pixel, which takes pi sqrt(500 r
@@ -39,9 +39,9 @@ using Radiance = std::array<float, 3>;
 using Triangles = std::vector<std::array<vec3, 3>>;
 
 /// The lights of a scene as seen from its camera.
-class SeenLights {
+class VisibleLights {
  public:
-  explicit SeenLights(const Scene& scene) : scene_(scene), h_(scene.header) {}
+  explicit VisibleLights(const Scene& scene) : scene_(scene), h_(scene.header) {}
 
   /// The radiance of a primitive towards the camera, if its edges can be treated.
   [[nodiscard]] std::optional<Radiance> radiance_of(int primitive) const {
@@ -172,7 +172,7 @@ struct EdgePixel {
 /// are too many.
 std::vector<EdgePixel> find_outlines(const SceneHeader& header, const SceneRecords& records) {
   const RecordsView view(records, header);
-  const SeenLights seen(view.scene());
+  const VisibleLights seen(view.scene());
   std::map<Radiance, Triangles> lights;
   std::size_t count = 0;
   const int primitives = int(records.triangles.size() + records.quadrics.size());
@@ -196,7 +196,7 @@ std::vector<EdgePixel> find_outlines(const SceneHeader& header, const SceneRecor
 using SeenEdges = std::multimap<std::pair<int, int>, std::pair<OutlinePixel, glm::vec3>>;
 SeenEdges find_seen(const SceneHeader& header, const SceneRecords& records, std::vector<EdgePixel> outlines) {
   const RecordsView view(records, header);
-  const SeenLights seen(view.scene());
+  const VisibleLights seen(view.scene());
   SeenEdges found;
   for (auto& [pixel, radiance] : outlines) {
     const glm::vec3 contrast = seen.contrast(pixel, radiance);
@@ -242,9 +242,9 @@ bool may_have_edges(const SceneHeader& h) {
 
 }  // namespace
 
-Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy) {
+Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, TemporaryHierarchy& hierarchy) {
   if (!may_have_edges(header)) return {};
-  if (records.nodes.empty() && records.triangles.size() > kMostBorrowed) return {};
+  if (records.nodes.empty() && records.triangles.size() > kMostTemporary) return {};
   std::vector<EdgePixel> outlines = find_outlines(header, records);
   if (outlines.empty()) return {};
   if (Expected<void> done = hierarchy.need(); !done) return done;

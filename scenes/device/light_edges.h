@@ -17,6 +17,6 @@ namespace penumbra {
 /// in their tables and the header's fields, and sets the feature bit if there are any edges. The rest of the
 /// scene must be complete. A scene of more than a million triangles without a hierarchy of the portable
 /// intersector gets no edges. Errors: those of add_hierarchy.
-Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy);
+Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, TemporaryHierarchy& hierarchy);
 
 }  // namespace penumbra

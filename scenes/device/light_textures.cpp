@@ -17,8 +17,8 @@ namespace {
 // The fraction of a light's points that are sampled uniformly whatever the texture, so that details missed by
 // the cells' means are sampled too.
 constexpr double kUniformShare = 0.1;
-constexpr double kLeastMean = 1e-6;  // mean of a texture that was black at all points tested
-constexpr int kMostLooks = 1024;     // number of test points along one direction of a light
+constexpr double kLeastMean = 1e-6;    // mean of a texture that was black at all points tested
+constexpr int kMostTestPoints = 1024;  // number of test points along one direction of a light
 
 template <typename Model>
 void add_textures_of(const Model& model, std::vector<int>& textures) {
@@ -109,9 +109,9 @@ LightTexture LightTextures::measure(int texture, const PlaceOf& place, double ac
   result.texture = places_.at(std::size_t(texture));
   const double cells = std::clamp(std::ceil(across), 1.0, double(MOST_LIGHT_GRID_SIDE));
   const int side = int(std::bit_ceil(unsigned(cells)));
-  // The number of test points per cell along one direction: every texel, up to kMostLooks in total.
-  const int looks = std::clamp(int(std::ceil(std::min(2.0 * across, double(kMostLooks)) / side)),
-                               side < 8 ? 4 : 2, kMostLooks / side);
+  // The number of test points per cell along one direction: every texel, up to kMostTestPoints in total.
+  const int looks = std::clamp(int(std::ceil(std::min(2.0 * across, double(kMostTestPoints)) / side)),
+                               side < 8 ? 4 : 2, kMostTestPoints / side);
   const RecordsView view(*records_);
   std::vector<Place> at;
   std::vector<double> means(std::size_t(side) * std::size_t(side)), squares(means.size());

@@ -127,19 +127,19 @@ class Builder {
     for (const int light : lights) tree_.trails[std::size_t(light)] = trail;
     node.lights = int(lights.size());
     node.child = ~lights[0];
-    if (!tree_.numbers.empty()) tree_.numbers[std::size_t(lights[0])] = int(LIGHT_NUMBERS);
+    if (!tree_.numbers.empty()) tree_.numbers[std::size_t(lights[0])] = int(LIGHT_PROBABILITY_STEPS);
     if (lights.size() == 1) return;
     node.child = ~int(tree_.members.size());
     tree_.leaf_turns = std::max(tree_.leaf_turns, int(std::bit_width(lights.size() - 1)));
     double all = 0, before = 0;
     for (const int light : lights) all += lights_[std::size_t(light)].intensity;
     // Each light gets at least one number.
-    const int spare = int(LIGHT_NUMBERS) - int(lights.size());
+    const int spare = int(LIGHT_PROBABILITY_STEPS) - int(lights.size());
     const auto end_of = [&](std::size_t k) { return int(std::min(before / all, 1.0) * spare) + int(k); };
     int start = 0;
     for (std::size_t k = 0; k < lights.size(); ++k) {
       before += lights_[std::size_t(lights[k])].intensity;
-      const int end = k + 1 == lights.size() ? int(LIGHT_NUMBERS) : end_of(k + 1);
+      const int end = k + 1 == lights.size() ? int(LIGHT_PROBABILITY_STEPS) : end_of(k + 1);
       tree_.members.push_back({lights[k], start});
       tree_.numbers[std::size_t(lights[k])] = end - start;
       start = end;

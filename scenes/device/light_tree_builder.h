@@ -18,8 +18,8 @@ struct LightTree {
   /// The trail to each light: the index of its node of the cut, plus LIGHT_CUT times the bits of the turns
   /// from there on, first turn lowest. A light without intensity has no meaningful trail.
   std::vector<std::uint32_t> trails;
-  /// The lights of leaves with several lights, leaf by leaf, and how many of the LIGHT_NUMBERS random numbers
-  /// select each of them. Empty if there is no such leaf.
+  /// The lights of leaves with several lights, leaf by leaf, and how many of the LIGHT_PROBABILITY_STEPS
+  /// random numbers select each of them. Empty if there is no such leaf.
   std::vector<LightMember> members;
   std::vector<int> numbers;
   int cut = 0;         ///< number of nodes at which traversals begin

@@ -13,9 +13,9 @@ namespace {
 /// How the reader handles an extension.
 enum class Handling {
   kRead,
-  kNothingSeen,  ///< it has no effect on the image at rest
-  kLeftOut,      ///< the scene is read without it, and a warning says so
-  kRefused       ///< without it the scene would be wrong
+  kNoVisibleEffect,  ///< it has no effect on the image at rest
+  kLeftOut,          ///< the scene is read without it, and a warning says so
+  kRefused           ///< without it the scene would be wrong
 };
 
 struct Extension {
@@ -46,21 +46,21 @@ constexpr Extension kExtensions[] = {
     {"KHR_texture_basisu", Handling::kRead},
     {"EXT_texture_avif", Handling::kRead},
     {"MSFT_texture_dds", Handling::kRead},
-    {"AGI_articulations", Handling::kNothingSeen},
-    {"AGI_stk_metadata", Handling::kNothingSeen},
-    {"EXT_mesh_features", Handling::kNothingSeen},
-    {"EXT_structural_metadata", Handling::kNothingSeen},
-    {"KHR_animation_pointer", Handling::kNothingSeen},
-    {"KHR_audio", Handling::kNothingSeen},
-    {"KHR_interactivity", Handling::kNothingSeen},
-    {"KHR_materials_variants", Handling::kNothingSeen},  // the default material is used
-    {"KHR_node_hoverability", Handling::kNothingSeen},
-    {"KHR_node_selectability", Handling::kNothingSeen},
-    {"KHR_xmp", Handling::kNothingSeen},
-    {"KHR_xmp_json_ld", Handling::kNothingSeen},
-    {"MSFT_lod", Handling::kNothingSeen},
-    {"MSFT_packing_normalRoughnessMetallic", Handling::kNothingSeen},
-    {"MSFT_packing_occlusionRoughnessMetallic", Handling::kNothingSeen},
+    {"AGI_articulations", Handling::kNoVisibleEffect},
+    {"AGI_stk_metadata", Handling::kNoVisibleEffect},
+    {"EXT_mesh_features", Handling::kNoVisibleEffect},
+    {"EXT_structural_metadata", Handling::kNoVisibleEffect},
+    {"KHR_animation_pointer", Handling::kNoVisibleEffect},
+    {"KHR_audio", Handling::kNoVisibleEffect},
+    {"KHR_interactivity", Handling::kNoVisibleEffect},
+    {"KHR_materials_variants", Handling::kNoVisibleEffect},  // the default material is used
+    {"KHR_node_hoverability", Handling::kNoVisibleEffect},
+    {"KHR_node_selectability", Handling::kNoVisibleEffect},
+    {"KHR_xmp", Handling::kNoVisibleEffect},
+    {"KHR_xmp_json_ld", Handling::kNoVisibleEffect},
+    {"MSFT_lod", Handling::kNoVisibleEffect},
+    {"MSFT_packing_normalRoughnessMetallic", Handling::kNoVisibleEffect},
+    {"MSFT_packing_occlusionRoughnessMetallic", Handling::kNoVisibleEffect},
     {"CESIUM_primitive_outline", Handling::kLeftOut, "outlines are left out"},
     {"EXT_lights_ies", Handling::kLeftOut, "lights shine alike in all directions"},
     {"EXT_lights_image_based", Handling::kLeftOut, "the sky that it describes is left out"},

@@ -130,7 +130,7 @@ const std::vector<Substitute>& substitutes() {
 
 /// Accepts parameters about how Mitsuba divides its work, and a rule about shading normals that version 3 has
 /// dropped.
-void accept_ways_of_working(PluginReader& plugin) {
+void accept_scheduling_parameters(PluginReader& plugin) {
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
@@ -150,7 +150,7 @@ void read_substitute(const Context& context, PluginReader& plugin, const Substit
   Names names{"hide_emitters", "hidden_emitters"};
   if (ours != "direct") names.insert(names.end(), {"max_depth", "rr_depth"});
   plugin.settings(scene, "integrator", names);
-  accept_ways_of_working(plugin);
+  accept_scheduling_parameters(plugin);
   for (const std::string_view parameter : substitute.parameters) plugin.accept({parameter});
   plugin.finish();
   if (!substitute.same)
@@ -190,7 +190,7 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
   if (const auto done = apply_setting(scene, "integrator.type", inner->type); !done)
     plugin.wrong(done.error().message);
   plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
-  accept_ways_of_working(plugin);
+  accept_scheduling_parameters(plugin);
   if (inner->type == "volpathmis") plugin.accept({"use_spectral_mis"});
   plugin.finish();
 }

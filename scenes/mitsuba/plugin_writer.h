@@ -131,7 +131,7 @@ constexpr bool kIsRough = requires(const Model& model) {
 
 // Whether a parameter is left out because other parameters determine it and exclude it.
 template <typename Model>
-bool is_said_by_others(const Model& model, std::string_view name) {
+bool is_determined_by_others(const Model& model, std::string_view name) {
   bool said = false;
   if constexpr (kIsRough<Model>) {
     const bool alike = model.alpha_u == model.alpha_v;
@@ -183,7 +183,7 @@ void put_parameters(XmlText& xml, const Model& read) {
   if constexpr (requires { plain.written_for(3); }) plain.written_for(3);
   const Model model = as_given(read);
   Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
-    if (is_said_by_others(model, name)) return;
+    if (is_determined_by_others(model, name)) return;
     if (model.*member == plain.*member && !is_written_anyway(model, name)) return;
     put(xml, name, model.*member, values);
   });

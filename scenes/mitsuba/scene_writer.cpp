@@ -95,14 +95,15 @@ class SceneWriter {
         scene_.integrator.hide_emitters ? HiddenEmitters::kLookedThrough : scene_.integrator.hidden_emitters;
     xml_.open("integrator", method_name(scene_.integrator.method));
     for (const Setting& setting : all_settings())
-      if (setting.key.starts_with("integrator.") && setting.name() != "type" && !is_own_way(setting.name()))
+      if (setting.key.starts_with("integrator.") && setting.name() != "type" &&
+          !affects_only_noise(setting.name()))
         put_setting(setting, plain, setting.name());
     xml_.close();
   }
 
   /// For integrators that Mitsuba has too: whether the parameter has no name there and affects only the
   /// noise.
-  [[nodiscard]] bool is_own_way(std::string_view name) const {
+  [[nodiscard]] bool affects_only_noise(std::string_view name) const {
     static constexpr std::string_view kWays[] = {
         "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee", "alpha"};
     const bool shared =

@@ -440,7 +440,7 @@ void ShapeReader::finish(Shape& shape, Use& use) {
   SceneDescription& scene = context_.scene;
   if (report.full()) return;
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(use);
-  if (use.media.are_two()) {
+  if (use.media.are_different()) {
     shape.interior = media_.install(use.media.inside, use.media.location);
     shape.exterior = media_.install(use.media.outside, use.media.location);
   }

@@ -26,7 +26,7 @@ struct MediumNames {
   std::string inside, outside;
   SourceLocation location = {};
   /// Whether a surface separates two different media. If not, light stays in its current medium.
-  [[nodiscard]] bool are_two() const { return inside != outside; }
+  [[nodiscard]] bool are_different() const { return inside != outside; }
 };
 
 /// The parameters of an area light.

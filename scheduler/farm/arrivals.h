@@ -74,8 +74,8 @@ struct UnitFailed {
 struct Gone {
   WorkerId worker;
 };
-struct Rung {};       ///< the job source has news (see JobSignal)
-struct ViewChanged {  ///< a viewer changed the view; view numbers only increase
+struct JobsNotified {};  ///< the job source has news (see JobSignal)
+struct ViewChanged {     ///< a viewer changed the view; view numbers only increase
   JobId job;
   WatchView view;
 };
@@ -89,7 +89,7 @@ struct SamplesWanted {  ///< a viewer requests this many samples per pixel of th
 
 using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
                              arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
-                             arrivals::Leaving, arrivals::Gone, arrivals::Rung, arrivals::ViewChanged,
+                             arrivals::Leaving, arrivals::Gone, arrivals::JobsNotified, arrivals::ViewChanged,
                              arrivals::SamplesWanted>;
 
 }  // namespace penumbra

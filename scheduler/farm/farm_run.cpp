@@ -94,7 +94,7 @@ Expected<void> FarmRun::run() {
     take_arrivals();
     advance_clock();
     tick();
-    look_after_workers();
+    check_leases();
     fail_hopeless_jobs();
     make_changes();
     finish_jobs();
@@ -143,7 +143,7 @@ void FarmRun::take_arrivals() {
     if (arrival) {
       advance_clock();
       std::visit([this](auto& a) { on(a); }, *arrival);
-      if (std::holds_alternative<arrivals::Rung>(*arrival)) return;
+      if (std::holds_alternative<arrivals::JobsNotified>(*arrival)) return;
       finish_jobs();
     }
     if (Clock::now() >= next_tick) return;
@@ -222,8 +222,8 @@ void FarmRun::end_job(JobId id) {
   else if (!plan_.finished(id) || !plan_.set_aside(id).empty())
     ended->keep_last_checkpoint();
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
-  hopeless_.erase(id);
-  deadly_.erase(id);
+  unrenderable_jobs_.erase(id);
+  crashing_jobs_.erase(id);
   job_failures_.erase(id);
   tell_plan(JobRemoved{id});
   source_.done(id, std::move(outcome));
@@ -235,15 +235,15 @@ void FarmRun::end_all_jobs() {
 
 /// Fails jobs that no worker can render, unless workers that are still starting may be able to.
 void FarmRun::fail_hopeless_jobs() {
-  if (deadly_.empty() && hopeless_.empty()) return;
+  if (crashing_jobs_.empty() && unrenderable_jobs_.empty()) return;
   const auto connected = std::ranges::count_if(here_, [&](WorkerId id) {
     const Worker& worker = workers_.at(id);
     return !worker.gone && !worker.ended;
   });
   std::set<JobId> failed;
   // The counts of failures restart only when the ends of all those processes are known.
-  if (!deadly_.empty() && !is_an_end_half_known()) {
-    failed = std::exchange(deadly_, {});
+  if (!crashing_jobs_.empty() && !is_an_end_half_known()) {
+    failed = std::exchange(crashing_jobs_, {});
     workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
@@ -252,7 +252,7 @@ void FarmRun::fail_hopeless_jobs() {
   const bool are_all_here = others_may_join
                                 ? now_ - std::max(last_joined_, hopeless_since_) > kTimeForAnotherToJoin
                                 : connected >= std::ptrdiff_t(workers_here_->running());
-  if (are_all_here) failed.merge(hopeless_);
+  if (are_all_here) failed.merge(unrenderable_jobs_);
   for (const JobId id : failed) fail_job(id);
 }
 
@@ -266,8 +266,8 @@ void FarmRun::fail_job(JobId id) {
     jobs_.at(id)->problem(reasons);
     return end_job(id);
   }
-  hopeless_.erase(id);
-  deadly_.erase(id);
+  unrenderable_jobs_.erase(id);
+  crashing_jobs_.erase(id);
   job_failures_.erase(id);
   take_out(id)->keep_last_checkpoint();
   tell_plan(JobRemoved{id});
@@ -284,7 +284,7 @@ bool FarmRun::is_an_end_half_known() const {
   });
 }
 
-void FarmRun::look_after_workers() {
+void FarmRun::check_leases() {
   const Seconds now = since_start();
   for (const WorkerId id : here_) {
     const Worker& worker = workers_.at(id);

@@ -53,7 +53,7 @@ class FarmRun {
   void on(const arrivals::UnitFailed& arrival);
   void on(const arrivals::Leaving& arrival);
   void on(const arrivals::Gone& arrival);
-  void on(const arrivals::Rung&) { rung_ = false; }
+  void on(const arrivals::JobsNotified&) { rung_ = false; }
   void on(const arrivals::ViewChanged& arrival);
   void on(const arrivals::SamplesWanted& arrival);
 
@@ -83,7 +83,7 @@ class FarmRun {
   void fail_hopeless_jobs();
   void fail_job(JobId id);
   void refuse(WorkerId id, const std::string& why);
-  void look_after_workers();
+  void check_leases();
   void forget_gone_workers();
   void tell_start_problems();
   void worker_ended(const ChildExit& exit);
@@ -131,8 +131,8 @@ class FarmRun {
   Plan plan_;
   std::map<JobId, std::unique_ptr<JobRun>> jobs_;
   JobId next_job_ = 1;
-  std::set<JobId> hopeless_;                                // no connected worker can render them
-  std::set<JobId> deadly_;                                  // workers repeatedly died while preparing them
+  std::set<JobId> unrenderable_jobs_;                       // no connected worker can render them
+  std::set<JobId> crashing_jobs_;                           // workers repeatedly died while preparing them
   std::map<JobId, std::vector<std::string>> job_failures_;  // the errors that workers reported
   std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // boards of finished jobs
   std::map<WorkerId, Worker> workers_;
@@ -140,7 +140,7 @@ class FarmRun {
   std::vector<PlanEvent> follow_ups_;  // events caused by executing orders, to be passed to the plan next
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open yet
-  std::atomic<bool> rung_ = false;                       // a Rung event is on its way
+  std::atomic<bool> rung_ = false;                       // a JobsNotified event is on its way
   bool anyone_was_ready_ = false;
   int foreign_workers_ = 0;  // number of connected workers that this farm has not started
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;

@@ -42,7 +42,7 @@ void FarmRun::on(const arrivals::Connected& arrival) {
     workers_here_->is_heard_of(worker.pid, plan_time_);
   }
   if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // ready for whatever job comes
-  hopeless_.clear();  // the worker may be able to; otherwise the plan reports it again
+  unrenderable_jobs_.clear();  // the worker may be able to; otherwise the plan reports it again
   tell_plan(WorkerJoined{arrival.worker});
 }
 
@@ -59,8 +59,8 @@ void FarmRun::on(const arrivals::Ready& arrival) {
   workers_here_->is_ready(worker.pid);
   if (JobRun* of = job(arrival.job)) {
     of->worker_is_ready(arrival, since_start());
-    hopeless_.erase(arrival.job);
-    deadly_.erase(arrival.job);
+    unrenderable_jobs_.erase(arrival.job);
+    crashing_jobs_.erase(arrival.job);
     const auto& kernels = arrival.preparation.kernels;
     if (kernels && is_new(fmt::format("{} {}", arrival.job, arrival.device)))
       of->notice(kernel_text(*kernels));
@@ -257,11 +257,11 @@ void FarmRun::execute(const RestartJob& order, arrivals::Result*) {
 
 void FarmRun::execute(const NoCapableWorker& order, arrivals::Result*) {
   if (order.deaths == 0) {
-    hopeless_.insert(order.job);
+    unrenderable_jobs_.insert(order.job);
     hopeless_since_ = now_;
     return;
   }
-  deadly_.insert(order.job);
+  crashing_jobs_.insert(order.job);
   job_failures_[order.job].push_back(
       fmt::format("{} workers died while they {}", order.deaths,
                   order.at_units ? "rendered it, one after the other" : "prepared it"));

@@ -54,7 +54,7 @@ std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, c
           "compute wrongly, every tile that they worked on is rendered again",
           who, name(order.accuser.value_or(order.worker)), where);
     case Fault::kUnprepared:
-      return fmt::format("worker {} was ended: it did not come to an end with preparing a scene", who);
+      return fmt::format("worker {} was ended: it did not finish preparing a scene in time", who);
     case Fault::kDied:
       break;
   }

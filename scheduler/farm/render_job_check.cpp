@@ -56,7 +56,7 @@ Expected<void> check_render_job(const RenderJob& job) {
                     job.width, job.height, bytes * 1e-9, bytes_per_pixel(job), double(memory) * 1e-9));
   }
   if (!(job.verify >= 0 && job.verify <= 1))
-    return fail(fmt::format("a share of {} of the units to be verified; 0 to 1 make sense", job.verify));
+    return fail(fmt::format("--verify is {}; it must be between 0 and 1", job.verify));
   if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
   if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {
     return fail(

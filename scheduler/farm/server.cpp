@@ -213,7 +213,7 @@ void Server::refuse(WorkerId worker, const std::string& reason) {
   if (const auto connection = state_->farm.connection(worker)) connection->refuse(reason);
 }
 
-void Server::wake() { state_->farm.mailbox.put(arrivals::Rung{}); }
+void Server::wake() { state_->farm.mailbox.put(arrivals::JobsNotified{}); }
 
 void Server::stop_taking() { state_->farm.mailbox.close(); }
 

@@ -74,7 +74,7 @@ class Server {
   /// Sends away a worker that cannot render the job. It prints the reason and exits with an error.
   void refuse(WorkerId worker, const std::string& reason);
 
-  /// Makes next() return a Rung event. May be called from any thread.
+  /// Makes next() return a JobsNotified event. May be called from any thread.
   void wake();
   /// Drops all further events, so that no stream waits for room in the mailbox.
   void stop_taking();

@@ -172,8 +172,7 @@ bool WorkerConnection::is_awaited(JobId job) const {
 Expected<bool> WorkerConnection::end_preparing(JobId job) {
   const std::lock_guard lock(mutex_);
   const auto found = awaited_.find(job);
-  if (found == awaited_.end())
-    return fail("a worker is ready for a job once for each time that it is given it");
+  if (found == awaited_.end()) return fail("Ready was sent more often than the job was given");
   const bool is_last = --found->second == 0;
   if (is_last) awaited_.erase(found);
   return is_last;

@@ -60,7 +60,7 @@ void WorkerProcesses::start_missing(Seconds now) {
 
 bool WorkerProcesses::will_start() const {
   return int(running()) < wanted_ && failed_starts_ < kStartsInARow &&
-         fruitless_deaths_ < fruitless_deaths_allowed(wanted_);
+         deaths_without_result_ < fruitless_deaths_allowed(wanted_);
 }
 
 void WorkerProcesses::is_heard_of(int pid, Seconds now) {
@@ -99,8 +99,8 @@ std::vector<ChildExit> WorkerProcesses::look_after(Seconds now) {
     const bool was_starting = start != starting_.end();
     const bool was_killed = was_starting && !start->second.is_ended && is_from_outside(exit);
     if (was_starting) starting_.erase(start);
-    if (was_killed) next_start_ = now + pause_after(fruitless_deaths_);
-    ++((was_starting && !was_killed) || launches() ? failed_starts_ : fruitless_deaths_);
+    if (was_killed) next_start_ = now + pause_after(deaths_without_result_);
+    ++((was_starting && !was_killed) || launches() ? failed_starts_ : deaths_without_result_);
   }
   return ends;
 }

@@ -63,7 +63,7 @@ Expected<void> AdaptiveTile::read(ByteReader& bytes) {
   const std::uint64_t done = bytes.u64();
   worst_ = bytes.f64();
   if (done == 0 || done >= passes_ || !(worst_ >= 0) || !std::isfinite(worst_))
-    return fail("a tile whose decision is none");
+    return fail("a tile with an invalid decision");
   done_ = std::uint32_t(done);
   for (Half& half : halves_) {
     if (auto read = half.all.read(bytes); !read) return read;

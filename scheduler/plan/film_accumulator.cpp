@@ -180,7 +180,7 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
 Expected<void> FilmAccumulator::read(ByteReader& bytes) {
   for (const int number : {x_, y_, width_, height_, layers_.planes()})
     if (bytes.i64() != number) return fail("a film of another size or with other layers");
-  if (!bytes.row(pixels_) || !bytes.row(layer_means_)) return fail("it ends in its film");
+  if (!bytes.row(pixels_) || !bytes.row(layer_means_)) return fail("it is truncated in its film");
   if (auto read = mattes_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
   if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
@@ -208,7 +208,7 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
       if (!is_possible(samples)) return fail("a flagged sample that cannot be");
     }
   }
-  return bytes.failed() ? fail("it ends in its film") : check();
+  return bytes.failed() ? fail("it is truncated in its film") : check();
 }
 
 /// Checks that the numbers can be statistics.
@@ -217,7 +217,7 @@ Expected<void> FilmAccumulator::check() const {
   for (const PixelStatistics& pixel : pixels_)
     if (!std::ranges::all_of(pixel.mean, is_finite) ||
         !std::ranges::all_of(pixel.m2, [](double m2) { return std::isfinite(m2) && m2 >= 0; }))
-      return fail("a pixel whose statistics are none");
+      return fail("a pixel with invalid statistics");
   if (!std::ranges::all_of(layer_means_, is_finite)) return fail("a layer with a value that is not finite");
   for (std::size_t i = 0; mattes_.is_kept() && i < pixels_.size(); ++i)
     if (!mattes_.are_of(i, pixels_[i].count)) return fail("a pixel with mattes of more than its samples");

@@ -102,7 +102,7 @@ Expected<Merge::Skipped> Merge::read_passes(ByteReader& bytes) {
     tiles_[tile].next_pass = std::uint32_t(passes);
     for (std::uint64_t gap = 0; gap < gaps && !bytes.failed(); ++gap) skipped[tile].insert(bytes.u64());
     if (skipped[tile].size() != gaps || (gaps > 0 && *skipped[tile].rbegin() >= passes))
-      return fail("a tile whose gaps are none");
+      return fail("a tile with invalid gaps");
   }
   return skipped;
 }

@@ -275,7 +275,7 @@ void Plan::on(const ResultCorrupt& event) {
 
 void Plan::on(const Tick&) {
   give_up_idle_checks();
-  if (now_ >= next_check_) look_after_workers();
+  if (now_ >= next_check_) check_leases();
 }
 
 // --- Bookkeeping of jobs
@@ -296,7 +296,7 @@ void Plan::forget_units(JobId job) {
     std::erase_if(worker.units, is_of_job);
     if (loses_hand) {
       worker.hung = false;
-      take_in_hand(worker);
+      start_lease(worker);
       if (!worker.units.empty()) update_idle(worker.units.front());
       if (worker.units.empty() && worker.preparing) look_by(now_);
     }
@@ -359,7 +359,7 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   Worker& worker = found->second;
   const auto place = std::ranges::find(worker.units, unit);
   if (place == worker.units.end()) return false;
-  if (worker.hung || place == worker.units.begin()) take_in_hand(worker);
+  if (worker.hung || place == worker.units.begin()) start_lease(worker);
   worker.heard_at = now_;
   worker.hung = false;
   worker.units.erase(place);

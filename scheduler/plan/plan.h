@@ -225,10 +225,10 @@ class Plan {
   [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker, JobId job) const;
   [[nodiscard]] bool rendered_by_someone(const Unit& unit) const;
   void show_progress(Worker& worker);
-  void take_in_hand(Worker& worker);
+  void start_lease(Worker& worker);
   void tell_if_overdue(WorkerId id, Worker& worker);
   [[nodiscard]] Seconds overdue_at(const Worker& worker) const;
-  void look_after_workers();
+  void check_leases();
   void look_by(Seconds time) { next_check_ = std::min(next_check_, time); }
   [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
   /// How long a worker may go without progress of its current unit, and without any sign of life.

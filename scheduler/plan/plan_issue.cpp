@@ -31,7 +31,7 @@ void Plan::issue_to(WorkerId id) {
   const std::optional<UnitId> unit = next_for(id);
   if (!unit) return;
   Worker& worker = workers_.at(id);
-  if (worker.units.empty()) take_in_hand(worker);
+  if (worker.units.empty()) start_lease(worker);
   worker.units.push_back(*unit);
   units_[*unit].holders.insert(id);
   jobs_.at(unit->job).checks.erase(*unit);
@@ -194,7 +194,7 @@ void Plan::show_progress(Worker& worker) {
 }
 
 /// Starts the lease of the worker's current unit. A worker without a unit need not report progress.
-void Plan::take_in_hand(Worker& worker) {
+void Plan::start_lease(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;
   worker.overdue = false;
@@ -229,7 +229,7 @@ void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
 }
 
 /// Handles expired leases, and computes when the next one may expire.
-void Plan::look_after_workers() {
+void Plan::check_leases() {
   std::vector<std::pair<WorkerId, UnitId>> silent;
   std::vector<std::pair<WorkerId, JobId>> stuck;
   next_check_ = std::numeric_limits<Seconds>::infinity();

@@ -160,7 +160,7 @@ Expected<void> SampleAllocation::read(ByteReader& bytes) {
     const std::uint64_t spp = bytes.u64();
     const bool is_variance = std::isfinite(tile.variance) && tile.variance >= 0;
     if (spp > most_spp_ || !(is_variance || tile.variance == kUnknown))
-      return fail("a tile whose pilot is none");
+      return fail("a tile with an invalid pilot");
     tile.spp = std::uint32_t(spp);
     pilots_missing_ += tile.has_pilot ? 0 : 1;
   }

@@ -199,7 +199,7 @@ class PilotSampling final : public UniformSampling {
     if (auto read = allocation_.read(bytes); !read) return read;
     for (std::uint32_t tile = 0; tile < done.size(); ++tile)
       if (!allocation_.is_made() && allocation_.has_pilot(tile) != (done[tile] > 0))
-        return fail("a tile whose pilot is none");
+        return fail("a tile with an invalid pilot");
     return {};
   }
 

@@ -160,14 +160,9 @@ UnitId decode(const wire::UnitId& message) {
 
 void encode(const RenderUnit& unit, wire::Unit& message) {
   wire::PixelUnit& pixels = *message.mutable_pixels();
-  pixels.set_x(unit.x);
-  pixels.set_y(unit.y);
-  pixels.set_width(unit.width);
-  pixels.set_height(unit.height);
-  pixels.set_first_sample(unit.first_sample);
-  pixels.set_sample_count(unit.sample_count);
-  pixels.set_sequence(unit.sequence);
-  pixels.set_spp(unit.spp);
+#define SET_FIELD(type, name) pixels.set_##name(unit.name);
+  UNIT_FIELDS(SET_FIELD)
+#undef SET_FIELD
 }
 
 Expected<RenderUnit> decode(const wire::Unit& message) {
@@ -186,14 +181,9 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
     return fail(fmt::format("a unit of samples {} to {} of a sequence of {}", pixels.first_sample(),
                             std::uint64_t(pixels.first_sample()) + pixels.sample_count() - 1, pixels.spp()));
   }
-  return RenderUnit{.x = pixels.x(),
-                    .y = pixels.y(),
-                    .width = pixels.width(),
-                    .height = pixels.height(),
-                    .first_sample = pixels.first_sample(),
-                    .sample_count = pixels.sample_count(),
-                    .sequence = pixels.sequence(),
-                    .spp = pixels.spp()};
+#define TAKE_FIELD(type, name) .name = pixels.name(),
+  return RenderUnit{UNIT_FIELDS(TAKE_FIELD)};
+#undef TAKE_FIELD
 }
 
 namespace {

@@ -51,8 +51,8 @@ class PortableIntersector {
 
   [[nodiscard]] int primitives() const { return int(triangles_.size() + quadrics_.size()); }
 
-  /// The nearest primitive, the first of equally near ones, or -1: what intersect_whole and the hierarchy
-  /// find.
+  /// The nearest primitive, the first of equally near ones, or -1: what intersect_brute_force and the
+  /// hierarchy find.
   [[nodiscard]] int nearest(const Ray3& ray) const {
     const Shear shear = make_shear(ray.direction);
     float tmax = ray.tmax;

@@ -40,7 +40,7 @@ struct TestHit {
   float t = 0;
 };
 
-/// Every ray against every primitive, by the lanes of intersect_whole.
+/// Every ray against every primitive, by the lanes of intersect_brute_force.
 std::vector<TestHit> trace_whole(SceneTables& tables, std::span<const TestRay> rays);
 /// How many triangles LANES rays are tested against; negative: all.
 int count_listed(SceneTables& tables, std::span<const TestRay> rays);

@@ -376,7 +376,7 @@ TEST(DeviceSceneCheck, FollowsLeavesOfLights) {
   const DeviceScene scene = build_or_throw(area_lights);
   const SceneHeader& h = scene.header;
   EXPECT_TRUE(check_device_scene(scene));
-  ASSERT_GE(h.light_leaf_turns, 1);
+  ASSERT_GE(h.light_leaf_steps, 1);
   const auto nodes = table<LightNode>(scene, h.tables.light_nodes);
   const auto leaf = std::size_t(std::ranges::find_if(nodes, [](const LightNode& n) { return n.lights > 1; }) -
                                 nodes.begin());
@@ -393,8 +393,8 @@ TEST(DeviceSceneCheck, FollowsLeavesOfLights) {
     return with_record<LightMember>(scene, h.tables.light_members, first + k, change);
   };
   for (const int turns : {-1, 0, 21})
-    expect_refused(with_header([&](SceneHeader& c) { c.light_leaf_turns = turns; }), "no search finds");
-  expect_refused(with_header([](SceneHeader& c) { --c.light_leaf_turns; }), "search finds");
+    expect_refused(with_header([&](SceneHeader& c) { c.light_leaf_steps = turns; }), "no search finds");
+  expect_refused(with_header([](SceneHeader& c) { --c.light_leaf_steps; }), "search finds");
   expect_refused(with_header([](SceneHeader& c) { --c.tables.light_numbers.count; }),
                  "shares of lights do not match the lights");
   expect_refused(with_header([](SceneHeader& c) { --c.tables.light_members.count; }),

@@ -130,6 +130,23 @@ TEST(Compaction, FinishedPathsLeaveTheirSamplesInTheirSlots) {
   });
 }
 
+// Channels are traced one after the other, from FIRST_CHANNEL on; a contradiction that one of them has found
+// belongs to the sample. What was in the slot before does not.
+TEST(Compaction, ContradictionsOfAllChannelsAreOfTheSample) {
+  BlockMemory memory(FEATURE_ALL, kCapacity, kSlots);
+  const Block block = memory.block();
+  set_slot(&block.paths, 0, 3);
+  for (int with = 0; with < 3; ++with) {
+    set_slot_contradiction(&block.slots, 3, 77);
+    for (int turn = 0; turn < 3; ++turn) {
+      const int channel = (turn + FIRST_CHANNEL) % 3;
+      set_contradiction(&block.paths, 0, channel == with ? 5 : 0);
+      finish_crossings(&block.paths, 0, channel, &block.slots);
+    }
+    EXPECT_EQ(get_slot_contradiction(&block.slots, 3), 5) << "by channel " << with;
+  }
+}
+
 TEST(Compaction, LanesPastTheLastPathRepeatIt) {
   for_random_blocks([](const Compacted& c) {
     if (c.left == 0) return;

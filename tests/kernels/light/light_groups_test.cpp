@@ -100,7 +100,7 @@ double second_moment(const std::vector<LightBounds>& lights, const LightTree& tr
   tables.light_numbers = tree.numbers;
   tables.header.light_cut = tree.cut;
   tables.header.light_tree_depth = tree.depth;
-  tables.header.light_leaf_turns = tree.leaf_turns;
+  tables.header.light_leaf_steps = tree.leaf_turns;
   const Scene scene = tables.scene();
   std::vector<const LightNode*> leaf_of(lights.size(), nullptr);
   for (const LightNode& node : single.nodes)

@@ -126,7 +126,7 @@ struct Lights {
     tables.light_numbers = tree.numbers;
     tables.header.light_cut = tree.cut;
     tables.header.light_tree_depth = tree.depth;
-    tables.header.light_leaf_turns = tree.leaf_turns;
+    tables.header.light_leaf_steps = tree.leaf_turns;
     tables.header.features |= FEATURE_LIGHT_TREE;
     scene = tables.scene();
   }

@@ -1,5 +1,5 @@
 // The intersector without BVH.
-#include "kernels/intersect/intersect_whole.h"
+#include "kernels/intersect/intersect_brute_force.h"
 
 #include <algorithm>
 
@@ -34,7 +34,7 @@ std::vector<TestHit> trace_whole(SceneTables& tables, std::span<const TestRay> r
   std::vector<TestHit> hits(rays.size());
   for (std::size_t first = 0; first < rays.size(); first += LANES) {
     RayLanes lanes = lanes_of(rays, first);
-    intersect_whole(&scene, &lanes);
+    intersect_brute_force(&scene, &lanes);
     for (std::size_t j = 0; j < LANES && first + j < rays.size(); ++j)
       hits[first + j] = {lanes.hit[j], lanes.tmax[j]};
   }

@@ -1,8 +1,8 @@
 // Intersection without BVH: every ray is tested against every primitive, LANES rays at a time. For small
 // scenes this vectorises best. Each distinct vertex is sheared once for all triangles that share it.
-#ifndef PENUMBRA_INTERSECT_WHOLE_H
-#define PENUMBRA_INTERSECT_WHOLE_H
-#include "kernels/intersect/cull_whole.h"
+#ifndef PENUMBRA_INTERSECT_BRUTE_FORCE_H
+#define PENUMBRA_INTERSECT_BRUTE_FORCE_H
+#include "kernels/intersect/cull_brute_force.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"
 
@@ -22,7 +22,8 @@ FN vec3 shear_vertex(const PRIVATE Shears* shears, const PRIVATE RayLanes* rays,
 }
 
 /// Tests every triangle; each vertex is sheared once.
-FN void meet_all(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVATE RayLanes* rays) {
+FN void test_all_primitives(const PRIVATE Scene* scene, const PRIVATE Shears* shears,
+                            PRIVATE RayLanes* rays) {
   float vx[MAX_WHOLE_VERTICES * LANES], vy[MAX_WHOLE_VERTICES * LANES], vz[MAX_WHOLE_VERTICES * LANES];
   int before_skip[LANES];  // triangles before `skip`; a countdown, since comparing the loop counter would use
                            // 64 bits
@@ -68,7 +69,7 @@ FN void meet_listed(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PR
   }
 }
 
-FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
+FN void intersect_brute_force(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
   Shears shears;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -82,7 +83,7 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
   count = cull_triangles(scene, rays, listed);
   if (count >= 0) meet_listed(scene, &shears, rays, listed, count);
 #endif
-  if (count < 0) meet_all(scene, &shears, rays);
+  if (count < 0) test_all_primitives(scene, &shears, rays);
   if (HAS(QUADRICS)) {
     const int quadric_count = scene->header.tables.quadrics.count;
     for (int k = 0; k < quadric_count; k++) {

@@ -2,8 +2,8 @@
 // camera rays, or shadow rays from their hits to one light. Culling has a margin far above the rounding
 // errors by which a ray may hit a triangle beside it, so the hits are the same as if every triangle were
 // tested.
-#ifndef PENUMBRA_CULL_WHOLE_H
-#define PENUMBRA_CULL_WHOLE_H
+#ifndef PENUMBRA_CULL_BRUTE_FORCE_H
+#define PENUMBRA_CULL_BRUTE_FORCE_H
 #include "kernels/intersect/bvh_limits.h"
 #include "kernels/math/frame.h"
 #include "kernels/scene.h"
