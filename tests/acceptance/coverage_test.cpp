@@ -38,9 +38,7 @@ double edge() { return 0.5 * kWidth * (1 - kEdge / kDepth / std::tan(std::number
 /// The share of a pixel that it covers.
 double covered(int x) { return std::clamp(edge() - x, 0.0, 1.0); }
 
-double alpha(const FilmAccumulator& film, int x, int y = 0) {
-  return film.layer(x, y, LAYER_COVERAGE);
-}
+double alpha(const FilmAccumulator& film, int x, int y = 0) { return film.layer(x, y, LAYER_COVERAGE); }
 
 /// Five standard deviations of the share of the samples, and the rounding of a ray.
 double tolerance(double share) { return 5 * std::sqrt(share * (1 - share) / kSamples) + 1e-4; }

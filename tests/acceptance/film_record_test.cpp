@@ -1,6 +1,6 @@
 // The message about an image that differs from the record.
-#include "tests/support/film_layers.h"
 #include "tests/acceptance/film_record.h"
+#include "tests/support/film_layers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

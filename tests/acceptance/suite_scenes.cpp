@@ -362,7 +362,8 @@ SceneDescription small_scene(const SuiteScene& scene) {
 }
 
 std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b) {
-  if (a.width() != b.width() || a.height() != b.height() || a.layers().planes() != b.layers().planes()) return "in size";
+  if (a.width() != b.width() || a.height() != b.height() || a.layers().planes() != b.layers().planes())
+    return "in size";
   for (int y = 0; y < a.height(); ++y) {
     for (int x = 0; x < a.width(); ++x) {
       const PixelStatistics &p = a.at(x, y), &q = b.at(x, y);

@@ -166,8 +166,8 @@ Mask emitter_pixels(const FilmAccumulator& film) {
   Mask result;
   for (int y = 0; y < film.height(); ++y)
     for (int x = 0; x < film.width(); ++x) {
-      const double albedo =
-          film.layer(x, y, LAYER_ALBEDO) + film.layer(x, y, LAYER_ALBEDO, 1) + film.layer(x, y, LAYER_ALBEDO, 2);
+      const double albedo = film.layer(x, y, LAYER_ALBEDO) + film.layer(x, y, LAYER_ALBEDO, 1) +
+                            film.layer(x, y, LAYER_ALBEDO, 2);
       result.push_back(film.layer(x, y, LAYER_DEPTH) > 0 && albedo == 0);
     }
   return result;

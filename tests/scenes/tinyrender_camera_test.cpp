@@ -86,12 +86,11 @@ TEST_F(TinyRenderCamera, WhatIsMissingOrWrong) {
 
 TEST_F(TinyRenderToml, UnknownTablesAndKeys) {
   const std::string scene = scene_with(kDirect, "eye = [0, 1, 5]\nat = [0, 1, 0]\nfov = 40\nfow = 3");
-  EXPECT_THAT(
-      toml_error(scene + "[lights]\na = 1\n"),
-      AllOf(HasSubstr("scene.toml:7:1: error: [camera] has no key 'fow'; did you mean 'fov'? It has: "
-                      "eye, at, up, fov\n"),
-            HasSubstr("scene.toml:13:2: error: a TinyRender scene has no table 'lights'. It has the "
-                      "tables: input, camera, film, renderer")));
+  EXPECT_THAT(toml_error(scene + "[lights]\na = 1\n"),
+              AllOf(HasSubstr("scene.toml:7:1: error: [camera] has no key 'fow'; did you mean 'fov'? It has: "
+                              "eye, at, up, fov\n"),
+                    HasSubstr("scene.toml:13:2: error: a TinyRender scene has no table 'lights'. It has the "
+                              "tables: input, camera, film, renderer")));
   EXPECT_THAT(toml_error("spp = 3\n" + scene_with(kDirect)),
               HasSubstr("scene.toml:1:1: error: a TinyRender scene has no key 'spp'"));
   EXPECT_THAT(

@@ -44,12 +44,12 @@ void fill_pixel(const RenderUnit& unit, int x, int y, SampleBuffer& buffer) {
 }  // namespace
 
 SampleBuffer fake_samples(const RenderUnit& unit, const FilmLayers& layers, float shift) {
-  SampleBuffer buffer{
-      .width = unit.width,
-      .height = unit.height,
-      .planes = layers.planes(),
-      .sample_count = unit.sample_count,
-      .values = std::vector<float>(std::size_t(unit.width) * std::size_t(unit.height) * std::size_t(layers.planes()))};
+  SampleBuffer buffer{.width = unit.width,
+                      .height = unit.height,
+                      .planes = layers.planes(),
+                      .sample_count = unit.sample_count,
+                      .values = std::vector<float>(std::size_t(unit.width) * std::size_t(unit.height) *
+                                                   std::size_t(layers.planes()))};
   for (int y = 0; y < unit.height; ++y) {
     for (int x = 0; x < unit.width; ++x) fill_pixel(unit, x, y, buffer);
   }

@@ -1,6 +1,6 @@
 // The portable intersector's hierarchy. Embree's builder makes a binary tree with full leaves and splits
-// large triangles. The cheapest tree with 8 children a node is then taken from it (tree_collapse.h). Scenes of
-// more than a million primitives, and trees too deep for a ray's stack, keep Embree's own tree.
+// large triangles. The cheapest tree with 8 children a node is then taken from it (tree_collapse.h). Scenes
+// of more than a million primitives, and trees too deep for a ray's stack, keep Embree's own tree.
 #pragma once
 
 #include <span>

@@ -12,8 +12,8 @@
 #include <csignal>
 #include <thread>
 
-#include "tests/support/film_layers.h"
 #include "tests/scheduler/checkpoint/merged_work.h"
+#include "tests/support/film_layers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <random>
 
-#include "tests/support/film_layers.h"
 #include "tests/scheduler/checkpoint/merged_work.h"
+#include "tests/support/film_layers.h"
 
 namespace penumbra {
 namespace {
@@ -59,8 +59,7 @@ TEST_P(CheckpointLayouts, WhatFollowsMakesTheSameFilm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Films, CheckpointLayouts,
-                         testing::Values(Layout{"radiance", kNoLayers},
-                                         Layout{"layers", kFeatureLayers},
+                         testing::Values(Layout{"radiance", kNoLayers}, Layout{"layers", kFeatureLayers},
                                          Layout{"polygons", kPolygonLayers}),
                          [](const auto& parameter) { return parameter.param.name; });
 

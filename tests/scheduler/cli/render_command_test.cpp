@@ -11,8 +11,8 @@
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/render_memory.h"
-#include "tests/support/film_layers.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/film_layers.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 

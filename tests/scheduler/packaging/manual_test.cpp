@@ -46,10 +46,10 @@ TEST(Manual, HasAPageOfEveryCommandInTheBuild) {
 TEST(Manual, SaysWhatTheHelpSays) {
   const TemporaryFolder folder;
   const std::string page = command_page(folder, "render");
-  EXPECT_THAT(page, AllOf(HasSubstr("\\fB\\-\\-integrator\\fR \\fINAME\\fR\n"),
-                          HasSubstr("\\fB\\-o\\fR, \\fB\\-\\-out\\fR"),
-                          HasSubstr("Values: auto, portable, embree"), HasSubstr("Default: 16."),
-                          HasSubstr(".SH EXAMPLES\n")));
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("\\fB\\-\\-integrator\\fR \\fINAME\\fR\n"),
+                    HasSubstr("\\fB\\-o\\fR, \\fB\\-\\-out\\fR"), HasSubstr("Values: auto, portable, embree"),
+                    HasSubstr("Default: 16."), HasSubstr(".SH EXAMPLES\n")));
   EXPECT_EQ(run_penumbra(folder.path(), {"man", "nothing"}).exit_code, 2);
 }
 

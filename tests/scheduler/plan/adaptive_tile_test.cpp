@@ -185,8 +185,8 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
 }
 
 TEST(AdaptiveMerge, ASkippedPassStopsNothing) {
-  Merge merge({0, 0, kSide, kSide, kNoLayers},
-              TileGrid(0, 0, kSide, kSide, kSide, 40 * kPerPass, kPerPass), 0.01);
+  Merge merge({0, 0, kSide, kSide, kNoLayers}, TileGrid(0, 0, kSide, kSide, kSide, 40 * kPerPass, kPerPass),
+              0.01);
   merge.skip(0, 0);
   for (std::uint32_t pass = 1; pass < merge.passes_wanted(0); ++pass) merge.add(0, pass, pass_of(3, pass));
   EXPECT_TRUE(merge.is_done());

@@ -24,11 +24,12 @@ TileGrid grid(int across, int down, std::uint32_t spp, std::uint32_t samples_per
 
 /// Two samples of each pixel: normal, of mean 1 and this deviation.
 SampleBuffer noise(std::mt19937_64& random, double deviation, const RenderUnit& unit) {
-  SampleBuffer result{.width = unit.width,
-                      .height = unit.height,
-                      .planes = kNoLayers.planes(),
-                      .sample_count = unit.sample_count,
-                      .values = std::vector<float>(std::size_t(unit.width) * unit.height * kNoLayers.planes())};
+  SampleBuffer result{
+      .width = unit.width,
+      .height = unit.height,
+      .planes = kNoLayers.planes(),
+      .sample_count = unit.sample_count,
+      .values = std::vector<float>(std::size_t(unit.width) * unit.height * kNoLayers.planes())};
   std::normal_distribution<float> value(1, float(deviation));
   for (int c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < result.pixels(); ++i) {
