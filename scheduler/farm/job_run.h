@@ -17,7 +17,7 @@
 #include "scheduler/plan/plan.h"
 #include "scheduler/plan/tile_grid.h"
 #include "scheduler/watch/render_feed.h"
-#include "scheduler/watch/tev_stream.h"
+#include "scheduler/watch/tev.h"
 
 namespace penumbra {
 

@@ -1,410 +1,292 @@
-// The tev client against a server that decodes its bytes by the protocol's description, with a decoder of its
-// own.
+// Renders that are shown in a fake tev, which reads every byte, or none.
 #include "scheduler/watch/tev.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <chrono>
-#include <cmath>
-#include <csignal>
 #include <cstring>
-#include <limits>
-#include <memory>
-#include <numeric>
-#include <stdexcept>
-#include <thread>
-#include <utility>
 
 #include "tests/scheduler/watch/fake_tev.h"
-#include "tests/scheduler/watch/silent_name_service.h"
+#include "tests/scheduler/watch/watched_run.h"
 
 namespace penumbra {
 namespace {
 
-using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
-constexpr milliseconds kShort{250};
-constexpr milliseconds kSoon = kTevSoon;
-
-const std::vector<std::string> kRgb = {"R", "G", "B"};
-
-template <typename T>
-T or_throw(Expected<T> value) {
-  if (!value) throw std::runtime_error(value.error().message);
-  return std::move(*value);
-}
-void or_throw(const Expected<void>& value) {
-  if (!value) throw std::runtime_error(value.error().message);
-}
-
-TEST(TevPackets, CreateImageByteForByte) {
-  const std::vector<std::string> channels = {"R", "diff.G"};
-  const std::vector<std::uint8_t> expected = {
-      31,   0,    0,   0,                        // length
-      4,                                         // create
-      1,                                         // grab focus
-      'a',  ' ',  'b', 0,                        // name
-      0x80, 0x07, 0,   0,   0x38, 0x04, 0,   0,  // 1920 x 1080
-      2,    0,    0,   0,                        // channels
-      'R',  0,    'd', 'i', 'f',  'f',  '.', 'G', 0,
-  };
-  ASSERT_EQ(expected.size(), 31u);
-  EXPECT_EQ(or_throw(encode_create_image("a b", 1920, 1080, channels)), expected);
-  auto unfocused = expected;
-  unfocused[5] = 0;
-  EXPECT_EQ(or_throw(encode_create_image("a b", 1920, 1080, channels, false)), unfocused);
-}
-
-TEST(TevPackets, CloseImageByteForByte) {
-  const std::vector<std::uint8_t> expected = {9, 0, 0, 0, 2, 'i', 'm', 'g', 0};
-  EXPECT_EQ(or_throw(encode_close_image("img")), expected);
-}
-
-TEST(TevPackets, UpdateTileByteForByte) {
-  // One pixel of two channels at (258, 1): 1 is 0x3F800000, -2 is 0xC0000000.
-  const std::vector<std::string> channels = {"x", "y"};
-  const float values[] = {1.0f, -2.0f};
-  const std::vector<std::uint8_t> expected = {
-      72, 0, 0,    0,    6, 0, 'n', 0,    2, 0, 0, 0, 'x', 0, 'y', 0,  //
-      2,  1, 0,    0,    1, 0, 0,   0,    1, 0, 0, 0, 1,   0, 0,   0,  // x, y, width, height
-      0,  0, 0,    0,    0, 0, 0,   0,    1, 0, 0, 0, 0,   0, 0,   0,  // offsets
-      2,  0, 0,    0,    0, 0, 0,   0,    2, 0, 0, 0, 0,   0, 0,   0,  // strides
-      0,  0, 0x80, 0x3F, 0, 0, 0,   0xC0,                              // values
-  };
-  ASSERT_EQ(expected.size(), 72u);
-  EXPECT_EQ(or_throw(encode_update_tile("n", {258, 1, 1, 1}, channels, values, TevLayout::kInterleaved)),
-            expected);
-}
-
-TEST(TevPackets, BothLayoutsSayTheSame) {
-  constexpr int kWidth = 5, kHeight = 3, kPixels = kWidth * kHeight;
-  std::vector<float> interleaved(kPixels * 3), planar(kPixels * 3);
-  for (int p = 0; p < kPixels; ++p) {
-    for (int c = 0; c < 3; ++c)
-      interleaved[std::size_t(3 * p + c)] = planar[std::size_t(c * kPixels + p)] = float(100 * c + p);
-  }
-  const TevTile tile{7, 9, kWidth, kHeight};
-  for (const TevLayout layout : {TevLayout::kInterleaved, TevLayout::kPlanar}) {
-    const auto& values = layout == TevLayout::kPlanar ? planar : interleaved;
-    const Update update = decode_update(or_throw(encode_update_tile("i", tile, kRgb, values, layout)));
-    EXPECT_EQ(update.channels, kRgb);
-    for (int p = 0; p < kPixels; ++p) {
-      for (int c = 0; c < 3; ++c) EXPECT_EQ(update.at(std::size_t(c), p), float(100 * c + p));
-    }
+TEST(TevAddress, MissingPartsAreTheDefault) {
+  const std::vector<std::vector<std::string>> cases = {
+      {"", "127.0.0.1", "14158"},        {"node7", "node7", "14158"},       {"node7:1", "node7", "1"},
+      {":65535", "127.0.0.1", "65535"},  {"10.0.0.2:80", "10.0.0.2", "80"}, {"[::1]:90", "::1", "90"},
+      {"[fe80::2]", "fe80::2", "14158"}, {"fe80::2", "fe80::2", "14158"}};
+  for (const auto& c : cases) {
+    const auto address = parse_tev_address(c[0]);
+    ASSERT_TRUE(address) << c[0];
+    EXPECT_EQ(address->host, c[1]) << c[0];
+    EXPECT_EQ(address->port, c[2]) << c[0];
   }
 }
 
-TEST(TevPackets, RefusesWhatTevCannotRead) {
-  const float values[4] = {1, 2, 3, 4};
-  const std::string zero("a\0b", 3);
-  const auto update = [&](std::string_view name, TevTile tile, std::vector<std::string> channels, int count) {
-    return encode_update_tile(name, tile, channels, std::span(values, std::size_t(count)), TevLayout::kPlanar)
-        .has_value();
-  };
-  EXPECT_TRUE(update("n", {0, 0, 1, 1}, kRgb, 3));
-  EXPECT_FALSE(update("", {0, 0, 1, 1}, kRgb, 3));
-  EXPECT_FALSE(update(zero, {0, 0, 1, 1}, kRgb, 3));
-  EXPECT_FALSE(update("n", {-1, 0, 1, 1}, kRgb, 3));
-  EXPECT_FALSE(update("n", {0, -1, 1, 1}, kRgb, 3));
-  EXPECT_FALSE(update("n", {0, 0, 0, 1}, kRgb, 0));
-  EXPECT_FALSE(update("n", {0, 0, 1, -1}, kRgb, 3));
-  EXPECT_FALSE(update("n", {0, 0, -1, -1}, kRgb, 3));
-  EXPECT_FALSE(update("n", {0, 0, 1, 1}, {}, 0));
-  EXPECT_FALSE(update("n", {0, 0, 1, 1}, {"R", "", "B"}, 3));
-  EXPECT_FALSE(update("n", {0, 0, 1, 1}, {"R", zero, "B"}, 3));
-  EXPECT_FALSE(update("n", {0, 0, 1, 1}, kRgb, 2));
-  EXPECT_FALSE(update("n", {0, 0, 1, 1}, kRgb, 4));
-  EXPECT_FALSE(update("n", {0, 0, 1, 2}, kRgb, 3));
-  EXPECT_FALSE(update("n", {0, 0, INT32_MAX, INT32_MAX}, kRgb, 3));
-  EXPECT_FALSE(encode_create_image("n", 0, 1, kRgb).has_value());
-  EXPECT_FALSE(encode_create_image("n", 1, -5, kRgb).has_value());
-  EXPECT_FALSE(encode_create_image("n", 1, 1, {}).has_value());
-  EXPECT_FALSE(encode_create_image("", 1, 1, kRgb).has_value());
-  EXPECT_FALSE(encode_close_image("").has_value());
-  EXPECT_FALSE(encode_close_image(zero).has_value());
-}
-
-TEST(TevAddresses, WhatIsLeftOutIsTheDefault) {
-  struct Case {
-    std::string_view text;
-    std::string host;
-    int port;
-  };
-  for (const Case& c :
-       {Case{"", "127.0.0.1", 14158}, Case{"node7", "node7", 14158}, Case{"node7:1", "node7", 1},
-        Case{":65535", "127.0.0.1", 65535}, Case{"10.0.0.2:80", "10.0.0.2", 80}, Case{"[::1]:90", "::1", 90},
-        Case{"[fe80::2]", "fe80::2", 14158}, Case{"fe80::2", "fe80::2", 14158}}) {
-    const auto address = parse_tev_address(c.text);
-    ASSERT_TRUE(address.has_value()) << c.text;
-    EXPECT_EQ(address->host, c.host) << c.text;
-    EXPECT_EQ(int(address->port), c.port) << c.text;
-  }
-}
-
-TEST(TevAddresses, WrongOnesAreNamed) {
-  for (const std::string_view text : {"host:", "host:0", "host:65536", "host:tev", "host:80x", "host:-1",
-                                      "host: 80", "[::1", "[::1]80", "[::1]:", "[]:80", "[::1]:x"}) {
+TEST(TevAddress, WrongOnesAreNamed) {
+  for (const std::string text : {"host:", "host:0", "host:65536", "host:tev", "host:80x", "host:-1",
+                                 "host: 80", "[::1", "[::1]80", "[::1]:", "[::1]:x"}) {
     const auto address = parse_tev_address(text);
-    ASSERT_FALSE(address.has_value()) << text;
-    EXPECT_THAT(address.error().message, HasSubstr(std::string(text)));
-    const auto client = TevClient::connect(std::string(text));
-    ASSERT_FALSE(client.has_value()) << text;
-    EXPECT_EQ(client.error().message, address.error().message);
+    ASSERT_FALSE(address) << text;
+    EXPECT_THAT(address.error().message, HasSubstr("'" + text + "' is no address of tev"));
   }
 }
 
-/// A render's way: create, two tiles, close. Special values arrive with all their bits.
-void stream_an_image(FakeTev& tev, const std::string& host) {
-  const float nan = std::numeric_limits<float>::quiet_NaN(),
-              infinity = std::numeric_limits<float>::infinity();
-  const std::vector<float> first = {0.5f, -0.0f, 1e-40f, nan, infinity, -1e30f};
-  std::vector<float> second(3 * 4 * 2);
-  std::iota(second.begin(), second.end(), 0.25f);
-  {
-    TevClient client = or_throw(TevClient::connect(host));
-    EXPECT_TRUE(client.connected());
-    or_throw(client.create_image("render", 8, 6, kRgb));
-    or_throw(client.update_tile("render", 6, 5, 2, 1, kRgb, first));
-    TevClient moved = std::move(client);
-    or_throw(moved.update_tile("render", 0, 1, 4, 2, kRgb, second, TevLayout::kPlanar));
-    or_throw(moved.close_image("render"));
+/// A stream without a render.
+class TevStreamTest : public testing::Test {
+ protected:
+  TevStreamTest() {
+    board.show_view({0, view_at(0)});
+    describe("", 4, 2, false);
   }
-  const auto packets = tev.packets();
-  ASSERT_EQ(packets.size(), 4u);
+  void describe(std::string title, int width, int height, bool hybrid) {
+    WatchedJob job;
+    job.title = std::move(title);
+    job.film_width = width;
+    job.film_height = height;
+    job.hybrid = hybrid;
+    board.describe(std::move(job));
+  }
+  static TileSnapshot tile_of(int x, int y, int side, std::vector<float> radiance) {
+    TileSnapshot tile;
+    tile.x = x;
+    tile.y = y;
+    tile.width = tile.height = side;
+    tile.radiance = std::move(radiance);
+    return tile;
+  }
+  /// Until everything is sent.
+  void finish(TevStream& stream) {
+    board.close();
+    board.wait_for_watchers(kLong);
+    stream.stop();
+    EXPECT_EQ(stream.take_problem(), std::nullopt);
+  }
+  static std::string problem_of(TevStream& stream) {
+    const auto deadline = steady_clock::now() + kLong;
+    while (steady_clock::now() < deadline) {
+      if (const auto problem = stream.take_problem()) return *problem;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return "";
+  }
 
-  Decoder create = open(packets[0], 4);
-  EXPECT_EQ(int(create.byte()), 1);
-  EXPECT_EQ(create.text(), "render");
-  EXPECT_EQ(create.int32(), 8);
-  EXPECT_EQ(create.int32(), 6);
-  EXPECT_EQ(create.int32(), 3);
-  for (const std::string& channel : kRgb) EXPECT_EQ(create.text(), channel);
-  EXPECT_EQ(create.left(), 0u);
+  static constexpr milliseconds kShort{250};
+  WatchBoard board{2};
+};
 
-  const Update a = decode_update(packets[1]);
-  EXPECT_FALSE(a.grab_focus);  // tev goes on showing the image that its user has selected
-  EXPECT_EQ(a.name, "render");
-  EXPECT_EQ(a.channels, kRgb);
-  EXPECT_THAT((std::vector{a.x, a.y, a.width, a.height}), testing::ElementsAre(6, 5, 2, 1));
-  EXPECT_THAT(a.offsets, testing::ElementsAre(0, 1, 2));
-  EXPECT_THAT(a.strides, testing::ElementsAre(3, 3, 3));
-  ASSERT_EQ(a.values.size(), first.size());
-  EXPECT_EQ(std::memcmp(a.values.data(), first.data(), first.size() * sizeof(float)), 0);
-
-  const Update b = decode_update(packets[2]);
-  EXPECT_EQ(b.name, "render");
-  EXPECT_THAT((std::vector{b.x, b.y, b.width, b.height}), testing::ElementsAre(0, 1, 4, 2));
-  EXPECT_THAT(b.offsets, testing::ElementsAre(0, 8, 16));
-  EXPECT_THAT(b.strides, testing::ElementsAre(1, 1, 1));
-  EXPECT_EQ(b.values, second);
-
-  Decoder close = open(packets[3], 2);
-  EXPECT_EQ(close.text(), "render");
-  EXPECT_EQ(close.left(), 0u);
-}
-
-TEST(TevClient, EveryByteArrives) {
+TEST_F(TevStreamTest, ThePacketsAreThoseOfTheProtocol) {
   FakeTev tev;
-  ASSERT_NE(tev.listener().port, 0);
-  stream_an_image(tev, tev.listener().host());
+  describe("a b", 1920, 1080, false);
+  TevStream stream(board, tev.host());
+  board.show_tile(0, tile_of(258, 1, 1, {1, -2, 0}));
+  finish(stream);
+  const std::vector<std::uint8_t> expected = {
+      28,   0, 0,    0,    4,    1, 'a', ' ',  'b', 0,        // length, create, grab the focus, name
+      0x80, 7, 0,    0,    0x38, 4, 0,   0,                   // 1920 x 1080
+      3,    0, 0,    0,    'R',  0, 'G', 0,    'B', 0,        // channels
+      96,   0, 0,    0,    6,    0, 'a', ' ',  'b', 0,        // length, update, keep the focus, name
+      3,    0, 0,    0,    'R',  0, 'G', 0,    'B', 0,        // channels
+      2,    1, 0,    0,    1,    0, 0,   0,                   // x, y
+      1,    0, 0,    0,    1,    0, 0,   0,                   // width, height
+      0,    0, 0,    0,    0,    0, 0,   0,                   // offsets
+      1,    0, 0,    0,    0,    0, 0,   0,                   //
+      2,    0, 0,    0,    0,    0, 0,   0,                   //
+      3,    0, 0,    0,    0,    0, 0,   0,                   // strides
+      3,    0, 0,    0,    0,    0, 0,   0,                   //
+      3,    0, 0,    0,    0,    0, 0,   0,                   //
+      0,    0, 0x80, 0x3F, 0,    0, 0,   0xC0, 0,   0, 0, 0,  // values
+  };
+  EXPECT_EQ(tev.bytes(), expected);
 }
 
-TEST(TevClient, AServerMayReadAFewBytesAtATime) {
-  FakeTev tev(3);
-  ASSERT_NE(tev.listener().port, 0);
-  stream_an_image(tev, fmt::format("localhost:{}", tev.listener().port));
-}
-
-TEST(TevClient, SpeaksIpv6) {
-  FakeTev tev(4096, AF_INET6);
-  if (tev.listener().port == 0) GTEST_SKIP() << "no IPv6 here";
-  stream_an_image(tev, fmt::format("[::1]:{}", tev.listener().port));
-}
-
-TEST(TevClient, APacketLargerThanAnyBufferArrivesWhole) {
-  constexpr int kSide = 1024;
+TEST_F(TevStreamTest, ATileLargerThanAnyBufferArrivesWhole) {
   FakeTev tev;
-  ASSERT_NE(tev.listener().port, 0);
-  std::vector<float> values(std::size_t{kSide} * kSide * 3);  // 12 MiB
+  TevStream stream(board, tev.host());
+  std::vector<float> values(std::size_t{3} * 1024 * 1024);  // 12 MiB
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = float(i * 2654435761u % 16777213);
-  {
-    TevClient client = or_throw(TevClient::connect(tev.listener().host()));
-    or_throw(client.update_tile("large", 0, 0, kSide, kSide, kRgb, values));
-  }
-  const auto packets = tev.packets();
-  ASSERT_EQ(packets.size(), 1u);
-  // The values are the packet's end; decoding each of so many by itself would say no more.
-  ASSERT_GT(packets[0].size(), values.size() * 4);
-  EXPECT_EQ(std::memcmp(packets[0].data() + packets[0].size() - values.size() * 4, values.data(),
-                        values.size() * 4),
-            0);
+  board.show_tile(0, tile_of(0, 0, 1024, values));
+  finish(stream);
+  const auto bytes = tev.bytes();
+  const std::size_t size = values.size() * sizeof(float);
+  ASSERT_GT(bytes.size(), size);
+  EXPECT_EQ(std::memcmp(bytes.data() + bytes.size() - size, values.data(), size), 0);
 }
 
-TEST(TevClient, WhatCannotBeEncodedLeavesTheConnectionAsItIs) {
+TEST_F(TevStreamTest, AHybridJobsTilesHaveTheirOtherLayers) {
   FakeTev tev;
-  ASSERT_NE(tev.listener().port, 0);
-  {
-    TevClient client = or_throw(TevClient::connect(tev.listener().host()));
-    const float value = 1;
-    EXPECT_FALSE(client.update_tile("i", 0, 0, 1, 1, kRgb, {&value, 1}).has_value());
-    EXPECT_FALSE(client.create_image("i", -1, 1, kRgb).has_value());
-    EXPECT_TRUE(client.connected());
-    or_throw(client.close_image("i"));
+  describe("", 4, 2, true);
+  TevStream stream(board, tev.host());
+  for (int i = 0; i < 2; ++i) {
+    TileSnapshot tile = tile_of(2 * i, 0, 2, {});
+    for (int k = 0; k < 12; ++k) tile.radiance.push_back(float(100 * i + k));
+    for (int k = 0; k < 12; ++k) tile.difference.push_back(-float(100 * i + k) / 8);
+    for (int k = 0; k < 4; ++k) tile.standard_error.push_back(float(10 * i + k) / 16);
+    board.show_tile(std::uint32_t(i), std::move(tile));
   }
-  EXPECT_EQ(tev.packets().size(), 1u);
+  finish(stream);
+  Shown shown(tev.bytes());
+  EXPECT_EQ(shown.name, "penumbra") << "the job has no title";
+  EXPECT_THAT(shown.channels,
+              ElementsAre("R", "G", "B", "difference.R", "difference.G", "difference.B", "standard_error.Y"));
+  for (int i = 0; i < 2; ++i)
+    for (int p = 0; p < 4; ++p) {
+      const std::pair at(2 * i + p % 2, p / 2);
+      for (int c = 0; c < 3; ++c) {
+        const std::string channel(1, "RGB"[c]);
+        EXPECT_EQ(shown.pixels[channel][at], float(100 * i + 3 * p + c));
+        EXPECT_EQ(shown.pixels["difference." + channel][at], -float(100 * i + 3 * p + c) / 8);
+      }
+      EXPECT_EQ(shown.pixels["standard_error.Y"][at], float(10 * i + p) / 16);
+    }
 }
 
-/// The error of the first of many tiles that does not arrive.
-std::string error_of_many_tiles(TevClient& client) {
-  const std::vector<float> values(std::size_t{256} * 256 * 3, 1.0f);
-  for (int tile = 0; tile < 1000; ++tile) {
-    const auto sent = client.update_tile("i", 0, 0, 256, 256, kRgb, values);
-    if (!sent) return sent.error().message;
-  }
-  return "";
-}
-
-TEST(TevClient, ClosingInTheMiddleIsAnErrorAndNoSignal) {
-  struct sigaction action {};
-  ASSERT_EQ(sigaction(SIGPIPE, nullptr, &action), 0);
-  ASSERT_EQ(action.sa_handler, SIG_DFL) << "a signal would not be noticed";
-  const std::vector<float> values(std::size_t{2048} * 2048 * 3, 1.0f);  // 48 MiB, more than buffers hold
-  // The end of the other side's bytes first makes the reset after it a broken pipe.
-  for (const bool ends_first : {false, true}) {
-    const Listener listener;
-    ASSERT_NE(listener.port, 0);
-    const int small = 4096;
-    ASSERT_EQ(::setsockopt(listener.socket, SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);
-    TevClient client = or_throw(TevClient::connect(listener.host()));
-    std::thread server([&] {
-      Descriptor connection(listener.accept());
-      char some[1000];
-      (void)!::recv(connection, some, sizeof some, MSG_WAITALL);
-      if (ends_first) ::shutdown(connection, SHUT_WR);
-      connection.reset();  // with bytes that are not read: a reset
-    });
-    const auto sent = client.update_tile("i", 0, 0, 2048, 2048, kRgb, values);
-    server.join();
-    ASSERT_FALSE(sent.has_value());
-    EXPECT_THAT(sent.error().message,
-                HasSubstr("the connection to tev at " + listener.host() + " is lost: "));
-    EXPECT_FALSE(client.connected());
-    const auto again = client.close_image("i");
-    ASSERT_FALSE(again.has_value());
-    EXPECT_THAT(again.error().message, HasSubstr(listener.host() + " is closed"));
-  }
-}
-
-TEST(TevClient, TheFirstPacketAfterTevHasClosedIsAnErrorAlready) {
+TEST_F(TevStreamTest, ATevThatHangsIsGivenUp) {
   const Listener listener;
-  ASSERT_NE(listener.port, 0);
-  TevClient client = or_throw(TevClient::connect(listener.host()));
-  or_throw(client.create_image("i", 1, 1, kRgb));
-  {
-    Descriptor connection(listener.accept());
-    char packet[64];
-    ASSERT_GT(::recv(connection, packet, sizeof packet, 0),
-              0);  // unread bytes would turn closing into a reset
-    ASSERT_EQ(::shutdown(connection, SHUT_WR), 0);
-    // The loopback device delivers before shutdown returns.
-    const auto sent = client.close_image("i");
-    ASSERT_FALSE(sent.has_value());
-    EXPECT_THAT(sent.error().message, HasSubstr("tev has closed it"));
-  }
+  TevStream stream(board, listener.host(), kShort);
+  board.show_tile(0, tile_of(0, 0, 2048, std::vector<float>(std::size_t{3} * 2048 * 2048)));
+  EXPECT_EQ(problem_of(stream), "tev does not show this render any further: the connection to tev at " +
+                                    listener.host() + " is lost: tev has taken nothing for 0.25 s");
 }
 
-TEST(TevClient, AServerThatStopsReadingIsAnErrorAfterTheTimeout) {
-  const Listener listener;
-  ASSERT_NE(listener.port, 0);
-  TevClient client = or_throw(TevClient::connect(listener.host(), kShort));
-  const Descriptor connection(listener.accept());
-  const auto begin = steady_clock::now();
-  const std::string error = error_of_many_tiles(client);
-  const auto taken = steady_clock::now() - begin;
-  EXPECT_THAT(error,
-              HasSubstr(fmt::format("the connection to tev at {} is lost: tev has taken nothing for 0.25 s",
-                                    listener.host())));
-  EXPECT_GE(taken, kShort);
-  EXPECT_LT(taken, kSoon);
-  EXPECT_FALSE(client.connected());
-}
-
-TEST(TevClient, BytesFromTevAreIgnored) {
-  const Listener listener;
-  ASSERT_NE(listener.port, 0);
-  TevClient client = or_throw(TevClient::connect(listener.host()));
-  const Descriptor connection(listener.accept());
-  const std::vector<char> noise(10000, 'x');
-  ASSERT_EQ(::send(connection, noise.data(), noise.size(), MSG_NOSIGNAL), ssize_t(noise.size()));
-  or_throw(client.close_image("img"));
-  std::uint8_t packet[9];
-  ASSERT_EQ(::recv(connection, packet, sizeof packet, MSG_WAITALL), 9);
-  EXPECT_EQ(int(packet[4]), 2);
-  // Nor do they hide that it closes.
-  ASSERT_EQ(::send(connection, noise.data(), noise.size(), MSG_NOSIGNAL), ssize_t(noise.size()));
-  ASSERT_EQ(::shutdown(connection, SHUT_WR), 0);
-  EXPECT_FALSE(client.close_image("img").has_value());
-}
-
-TEST(TevClient, NoListener) {
-  const Listener bound(AF_INET, -1);  // the port is taken, so no other process can listen there meanwhile
-  ASSERT_NE(bound.port, 0);
-  const auto client = TevClient::connect(bound.host());
-  ASSERT_FALSE(client.has_value());
-  EXPECT_THAT(client.error().message, HasSubstr("no connection to tev at " + bound.host() + ": "));
-  EXPECT_THAT(client.error().message, HasSubstr("is it running?"));
-}
-
-TEST(TevClient, AHostThatDoesNotAnswerIsAnErrorAfterTheTimeout) {
-  // A full queue of connections drops what else comes, like a host that is off.
-  const Listener listener(AF_INET, 0);
-  ASSERT_NE(listener.port, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(listener.port);
-  std::vector<std::unique_ptr<Descriptor>> waiting;
+TEST_F(TevStreamTest, AHostThatDoesNotAnswerIsGivenUp) {
+  // A full queue of connections drops further ones, like a host that is off.
+  const Listener listener(0);
+  std::vector<OwnedDescriptor> waiting;
   for (int i = 0; i < 8; ++i) {
-    waiting.push_back(std::make_unique<Descriptor>(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0)));
-    (void)::connect(*waiting.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    waiting.emplace_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    (void)::connect(waiting.back().get(), reinterpret_cast<const sockaddr*>(&listener.address),
+                    sizeof listener.address);
   }
+  TevStream impatient(board, listener.host(), kShort);
+  EXPECT_THAT(problem_of(impatient),
+              HasSubstr("no connection to tev at " + listener.host() + ": no answer in 0.25 s"));
+
+  TevStream patient(board, listener.host(), std::chrono::minutes(10));
+  EXPECT_TRUE(board.is_watched()) << "tiles are kept for it";
   const auto begin = steady_clock::now();
-  const auto client = TevClient::connect(listener.host(), kShort);
-  const auto taken = steady_clock::now() - begin;
-  ASSERT_FALSE(client.has_value());
-  EXPECT_EQ(client.error().message, "no connection to tev at " + listener.host() + ": no answer in 0.25 s");
-  EXPECT_GE(taken, kShort);
-  EXPECT_LT(taken, kSoon);
+  patient.stop();
+  EXPECT_LT(steady_clock::now() - begin, kLong);
+  EXPECT_FALSE(board.is_watched());
+  EXPECT_NE(patient.take_problem(), std::nullopt);
+  EXPECT_EQ(patient.take_problem(), std::nullopt) << "returned once";
 }
 
-TEST(TevClient, AHostThatCannotExist) {
-  const std::string host(70, 'x');  // a name's part has 63 letters at most: no name service is asked
-  const auto client = TevClient::connect(host + ":14158");
-  ASSERT_FALSE(client.has_value());
-  EXPECT_THAT(client.error().message, HasSubstr("no connection to tev at " + host + ":14158: "));
+TEST_F(TevStreamTest, AHostThatCannotExist) {
+  const std::string host(70, 'x');  // longer than any part of a name, so no name service is asked
+  TevStream stream(board, host);
+  EXPECT_THAT(problem_of(stream), HasSubstr("no connection to tev at " + host + ": "));
 }
 
-TEST(TevClient, ANameServiceThatDoesNotAnswerIsGivenUp) {
-  const SilentNameService silence;
-  const auto client = TevClient::connect(kSilentHost, kShort);
-  ASSERT_FALSE(client);
-  EXPECT_THAT(client.error().message, HasSubstr("the name service does not answer"));
+void expect_radiance_of(Shown& shown, const FilmAccumulator& film) {
+  for (int c = 0; c < 3; ++c) {
+    const auto& plane = shown.pixels[std::string(1, "RGB"[c])];
+    ASSERT_EQ(plane.size(), std::size_t(kWidth) * kHeight);
+    for (const auto& [at, value] : plane) ASSERT_EQ(value, float(film.at(at.first, at.second).mean[c]));
+  }
 }
 
-TEST(TevClient, AStopDoesNotWaitForTheNameService) {
-  const SilentNameService silence;
-  std::jthread asking([](const std::stop_token& stop) {
-    EXPECT_FALSE(TevClient::connect(kSilentHost, std::chrono::hours(1), stop));
+class TevRender : public WatchedRunTest {};
+
+TEST_F(TevRender, TevEndsWithExactlyTheFilmsPixels) {
+  FakeTev tev;
+  FakeBehaviour{.delay_ms = 2}.to_environment();
+  LocalRender job = batch_job();
+  job.tev = tev.host();
+  const RenderOutcome outcome = BackgroundRun(job).wait();
+  EXPECT_TRUE(outcome.complete);
+  EXPECT_THAT(outcome.problems, IsEmpty());
+  EXPECT_EQ(outcome.film.hash(), expected_film(kSpp, 4).hash());
+  Shown shown(tev.bytes());
+  EXPECT_THAT(shown.grabs, ElementsAre(true));
+  EXPECT_EQ(shown.name, "a.xml");
+  EXPECT_EQ(shown.width, 200) << "the whole film, so that a crop lies where it belongs";
+  EXPECT_EQ(shown.height, 150);
+  EXPECT_THAT(shown.channels, ElementsAre("R", "G", "B"));
+  expect_radiance_of(shown, outcome.film);
+}
+
+TEST_F(TevRender, AnotherViewStartsTheImageOver) {
+  FakeTev tev;
+  LocalRender job = interactive_job();
+  job.tev = tev.host();
+  RenderOutcome outcome;
+  {
+    Onlooker onlooker(address());
+    BackgroundRun run(job);
+    ASSERT_TRUE(onlooker.sees_workers(2));
+    onlooker.client.want_samples(2);
+    ASSERT_TRUE(onlooker.sees_samples(2));
+    onlooker.change_view(10);
+    onlooker.client.want_samples(1);
+    ASSERT_TRUE(onlooker.sees_samples(1));
+    outcome = run.stop();
+  }
+  Shown shown(tev.bytes());
+  // The first view may have been skipped.
+  EXPECT_THAT(shown.grabs, testing::AnyOf(ElementsAre(true), ElementsAre(true, false)))
+      << "the camera is turned in another window, which keeps the focus";
+  expect_radiance_of(shown, outcome.film);
+  expect_radiance_of(shown, expected_film(1, 1, 10));
+}
+
+/// Renders without and with a tev that takes nothing.
+void expect_no_delay(LocalRender job, const std::string& tev, const std::string& problem) {
+  const RenderOutcome alone = BackgroundRun(job).wait();
+  job.tev = tev;
+  const RenderOutcome shown = BackgroundRun(job).wait();
+  EXPECT_TRUE(shown.complete);
+  EXPECT_EQ(shown.film.hash(), alone.film.hash());
+  // Twice the time and some: a machine with other work, but far from tev's timeout of five seconds.
+  EXPECT_LT(shown.seconds_to_last_tile, 2 * alone.seconds_to_last_tile + 2);
+  EXPECT_LT(shown.seconds, 2 * alone.seconds + 2.5);
+  EXPECT_THAT(shown.problems, ElementsAre(HasSubstr(problem))) << "told once";
+}
+
+TEST_F(TevRender, ATevThatHangsDelaysNothingAndIsToldOnce) {
+  const Listener listener;
+  LocalRender job = batch_job();
+  job.scene = fake_scene(1280, 960, true);
+  job.x = job.y = 0;
+  job.width = 1280;
+  job.height = 960;
+  job.tile = 256;  // 15 MB of tiles, more than the buffers of a socket
+  job.spp = 1;
+  expect_no_delay(job, listener.host(), "tev at " + listener.host());
+}
+
+TEST_F(TevRender, ATevThatIsNotThereIsToldOnce) {
+  FakeBehaviour{.delay_ms = 3}.to_environment();
+  const Listener closed(Listener::kClosed);
+  expect_no_delay(batch_job(), closed.host(),
+                  "no connection to tev at " + closed.host() + ": Connection refused; is it running?");
+}
+
+TEST_F(TevRender, ATevThatGoesAwayIsToldOnceAlsoToThoseWhoWatch) {
+  FakeBehaviour{.delay_ms = 10}.to_environment();
+  const Listener listener;
+  std::jthread tev([&] {
+    const OwnedDescriptor connection = listener.accept();
+    char some[5000];  // the first tile
+    (void)!::recv(connection.get(), some, sizeof some, MSG_WAITALL);
   });
-  std::this_thread::sleep_for(kShort);
+  LocalRender job = batch_job();
+  job.tev = listener.host();
+  Onlooker onlooker(address());
+  const RenderOutcome outcome = BackgroundRun(job).wait();
+  EXPECT_TRUE(outcome.complete);
+  EXPECT_EQ(outcome.film.hash(), expected_film(kSpp, 4).hash());
+  EXPECT_THAT(outcome.problems,
+              ElementsAre(HasSubstr("the connection to tev at " + listener.host() + " is lost")));
+  EXPECT_TRUE(onlooker.sees_end());
+  EXPECT_THAT(onlooker.said, testing::Contains(HasSubstr(listener.host())));
 }
 
 }  // namespace
