@@ -16,7 +16,7 @@ namespace {
 RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std::string& worker) {
   RenderIdentity identity = identity_of(prepared, worker);
   const RenderJob& job = prepared.job;
-  identity.settings.emplace_back("tile", fmt::to_string(job.tile));
+  identity.settings.emplace_back("tile", fmt::to_string(job.plan.tile));
   identity.settings.emplace_back(
       "crop", fmt::format("{},{},{},{}", job.x, job.y, job.x + job.width, job.y + job.height));
   return identity;
@@ -25,7 +25,7 @@ RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std:
 std::string what_is_there(const std::filesystem::path& path, const ResumedState& before,
                           const RenderJob& job) {
   const double all =
-      job.adaptive ? double(before.merge.samples_expected()) : double(job.spp) * job.width * job.height;
+      job.plan.adaptive ? double(before.merge.samples_expected()) : double(job.spp) * job.width * job.height;
   return fmt::format("going on with {}: {:.1f}% of the samples are there, of {:.1f} s", path.string(),
                      100 * double(before.merge.samples()) / all, before.rendered);
 }

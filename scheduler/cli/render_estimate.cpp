@@ -33,7 +33,7 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
                                const std::atomic<bool>& stop) {
   RenderJob& job = prepared.job;
   job.spp = spp;
-  job.samples_per_pass = std::min(job.samples_per_pass, spp);
+  job.plan.samples_per_pass = std::min(job.plan.samples_per_pass, spp);
   job.verify = 0;
   std::atomic<bool> enough = false;
   std::optional<double>
@@ -67,12 +67,12 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
 }  // namespace
 
 PlannedWork planned_work(const RenderJob& job) {
-  const TileGrid grid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass);
+  const TileGrid grid = tile_grid(job);
   PlannedWork plan;
   plan.samples = grid.samples(grid.passes());
   plan.tiles = grid.tiles();
   plan.passes = grid.passes();
-  if (job.adaptive) {
+  if (job.plan.adaptive) {
     plan.samples += SampleAllocation::kPilotSpp * pixels_of(job);
     plan.passes += SampleAllocation::kPilotPasses;
   }
@@ -117,23 +117,21 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
                                           const std::atomic<bool>& stop) {
   RenderJob& job = prepared.job;
   const PlannedWork plan = planned_work(job);
-  const double target_error = job.target_error.value_or(0);
-  const std::uint32_t all = job.spp, samples_per_pass = job.samples_per_pass;
+  const double target_error = job.plan.target_error.value_or(0);
+  const std::uint32_t all = job.spp, samples_per_pass = job.plan.samples_per_pass;
   // On this machine and without checkpoints or limits.
   prepared.farm.launch.clear();
   prepared.farm.listen.clear();
   prepared.farm.tells_how_to_watch = false;
   job.tev.clear();
-  job.target_error.reset();
-  job.adaptive = false;
+  job.plan = {.samples_per_pass = samples_per_pass, .tile = job.plan.tile};
   job.time_budget.reset();
-  job.units_at_most = kAllUnits;
   Expected<MeasuredWork> measured = measure(prepared, 1, seconds * (1 - kShareOfSecond), stop);
   if (!measured) return std::unexpected(measured.error());
   const double rate = measured->spp / std::max(measured->seconds, 1e-3);
   const double spp = std::min(double(all), rate * seconds * kShareOfSecond);
   if (spp >= 2 && measured->covered == 1 && !stop) {
-    job.samples_per_pass = samples_per_pass;
+    job.plan.samples_per_pass = samples_per_pass;
     const std::uint32_t passes = std::uint32_t(spp) / samples_per_pass;
     measured = measure(prepared, passes > 0 ? passes * samples_per_pass : std::uint32_t(spp), seconds, stop);
     if (!measured) return std::unexpected(measured.error());

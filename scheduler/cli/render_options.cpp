@@ -171,7 +171,7 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kWorkers);
   add_device_options(command, options);
   command
-      .add_option("--tile", options.tile,
+      .add_option("--tile", options.plan.tile,
                   "Side of a tile in pixels. The image depends on it only with --target-error and --adaptive")
       ->type_name("N")
       ->check(whole_number(1, kMaxTile))
@@ -261,39 +261,38 @@ void add_effort_options(CLI::App& command, RenderOptions& options) {
       ->check(positive_number())
       ->group(group::kSampling);
   command
-      .add_option("--target-error", options.target_error,
+      .add_option("--target-error", options.plan.target_error,
                   "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
                   "reached. Without bias; takes --sampler independent; the image depends on --tile")
       ->type_name("E")
       ->check(positive_number())
       ->group(group::kSampling);
   command
-      .add_flag("--adaptive", options.adaptive,
+      .add_flag("--adaptive", options.plan.adaptive,
                 "Give noisy tiles more samples, by the error of two pilot samples per pixel; --spp is the "
                 "mean. Without bias; the image depends on --tile")
       ->excludes("--target-error")
       ->excludes("--pixel")
       ->group(group::kSampling);
   command
-      .add_option("--pass", options.samples_per_pass,
+      .add_option("--pass", options.plan.samples_per_pass,
                   "Samples per pixel of a pass; the image's last bits depend on it")
       ->type_name("N")
       ->check(whole_number(1, kMaxSamplesPerUnit))
       ->capture_default_str()
       ->group(group::kSampling);
-  CLI::Option* stop_after =
-      command.add_option("--stop-after", options.stop_after, "Render only the first N of --spp samples");
-  stop_after->type_name("N")
+  command.add_option("--stop-after", options.plan.stop_after, "Render only the first N of --spp samples")
+      ->type_name("N")
       ->check(whole_number(1, kMaxSamplesPerPixel))
       ->excludes("--adaptive")
       ->group(group::kSampling);
   command
-      .add_option("--stop-after-units", options.stop_after_units,
+      .add_option("--stop-after-units", options.plan.stop_after_units,
                   "Render only the first N work units, pass by pass and tile by tile: repeats what a time "
                   "budget ended")
       ->type_name("N")
       ->check(whole_number(1, std::int64_t(1) << 62))
-      ->excludes(stop_after)
+      ->excludes("--stop-after")
       ->excludes("--target-error")
       ->excludes("--adaptive")
       ->group(group::kSampling);
@@ -357,7 +356,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 
 void add_preview_options(CLI::App& command, RenderOptions& options) {
   options.interactive = true;
-  options.samples_per_pass = 1;
+  options.plan.samples_per_pass = 1;
   add_scene_options(command, options.scene);
   add_worker_options(command, options);
 }

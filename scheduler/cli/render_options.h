@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scheduler/farm/checkpoint_sink.h"
+#include "scheduler/plan/plan_options.h"
 
 namespace penumbra {
 
@@ -49,20 +50,15 @@ struct RenderOptions {
   std::string opencl_device;
   std::optional<std::string> isa;
   int workers = 1;
-  int threads = 0;  ///< per worker; 0: all cores, divided among the workers
-  int tile = 64;
+  int threads = 0;           ///< per worker; 0: all cores, divided among the workers
   std::string launch;        ///< command that launches the workers; empty: they are started here
   std::string listen;        ///< additional address for viewers; empty: only the private socket
   std::string keys;          ///< folder of keys for `listen`; empty: none
   std::string tev;           ///< address of a tev viewer that shows the render; empty: none
   bool interactive = false;  ///< viewers choose camera and samples
-  std::uint32_t samples_per_pass = 16;
-  std::optional<std::uint32_t> stop_after;        ///< stop after so many of the spp samples per pixel
-  std::optional<std::uint64_t> stop_after_units;  ///< stop after so many units, in issue order
+  PlanOptions plan;
   std::optional<double> time_budget;
-  std::optional<double> target_error;
-  bool adaptive = false;  ///< adaptive sampling
-  double verify = 0;      ///< fraction of units that a second worker renders too
+  double verify = 0;  ///< fraction of units that a second worker renders too
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error

@@ -78,12 +78,8 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.lenient = options.scene.lenient;
   record.dialect = options.scene.dialect;
   record.film = film;
-  if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
-  record.stop_after_units = options.stop_after_units;
-  record.samples_per_pass = options.samples_per_pass;
-  record.target_error = options.target_error;
-  record.adaptive = options.adaptive;
-  record.tile = options.tile;
+  record.plan = options.plan;
+  if (record.plan.stop_after == record.sampler.spp) record.plan.stop_after.reset();
   record.feature_layers = !options.scene.no_features;
   record.cryptomatte = options.scene.cryptomatte;
   record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
@@ -110,7 +106,7 @@ FarmOptions farm_of(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
-  farm.largest_tile = options.tile;
+  farm.largest_tile = options.plan.tile;
   set_launch(options, farm);
   // A unit is one sample of a tile, and after every change of the view nothing is known about the workers'
   // speed.
@@ -133,16 +129,12 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.y = film.crop_y;
   job.width = film.crop_width;
   job.height = film.crop_height;
-  job.spp = record.stop_after.value_or(record.sampler.spp);
-  job.samples_per_pass = record.samples_per_pass;
-  job.tile = record.tile;
+  job.spp = record.plan.stop_after.value_or(record.sampler.spp);
+  job.plan = record.plan;
   job.device = device;
   RenderRecord of_a_part = record;
-  of_a_part.adaptive = false;  // a single tile or pixel has no samples to distribute
+  of_a_part.plan.adaptive = false;  // a single tile or pixel has no samples to distribute
   job.reproduce_command = repeat_command(of_a_part, false);
-  job.target_error = record.target_error;
-  job.adaptive = record.adaptive;
-  job.units_at_most = record.stop_after_units.value_or(kAllUnits);
   job.title = record.scene;
   job.integrator = integrator_name(record.integrator);
   return job;
@@ -178,15 +170,15 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   if (!film) return std::unexpected(film.error());
   const auto device = device_options(options, scene->device);
   if (!device) return std::unexpected(device.error());
-  if (options.stop_after && *options.stop_after > scene->description.sampler.spp) {
+  if (options.plan.stop_after > scene->description.sampler.spp) {
     return fail(fmt::format("--stop-after {}: the render has {} samples per pixel (--spp)",
-                            *options.stop_after, scene->description.sampler.spp));
+                            *options.plan.stop_after, scene->description.sampler.spp));
   }
   if (options.time_budget && scene->description.sampler.kind == SamplerKind::kStratified) {
     return fail(
         "--time-budget: the stratified sampler has to know the number of samples; take another sampler");
   }
-  if (options.target_error && scene->description.sampler.kind != SamplerKind::kIndependent)
+  if (options.plan.target_error && scene->description.sampler.kind != SamplerKind::kIndependent)
     return fail(
         "--target-error: the samples of this sampler depend on each other, so that their spread is not the "
         "error, and when to stop cannot be told without a bias; add --sampler independent");

@@ -20,7 +20,7 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
     : id_(id),
       job_(std::move(job)),
       layers_(job_->scene.header.features, job_->scene.header.matte_count),
-      grid_(job_->x, job_->y, job_->width, job_->height, job_->tile, job_->spp, job_->samples_per_pass),
+      grid_(tile_grid(*job_)),
       view_{0, view_of(job_->scene.header)},
       merge_(job_->before ? std::move(job_->before->merge) : merge_of_job(*job_)),
       board_(std::make_shared<WatchBoard>(grid_.tiles())),
@@ -34,8 +34,7 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
 Merge merge_of_job(const RenderJob& job) {
   const SceneHeader& h = job.scene.header;
   return Merge(FilmAccumulator(job.x, job.y, job.width, job.height, FilmLayers(h.features, h.matte_count)),
-               TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
-               job.target_error, job.adaptive);
+               tile_grid(job), job.plan);
 }
 
 void JobRun::open(Server& server) {
@@ -82,7 +81,7 @@ std::vector<PhaseUnits> JobRun::phases() const {
   return {{.tiles = grid_.tiles(),
            .passes = job_->interactive ? 0 : merge_.most_passes(),
            .passes_at_first = is_adaptive() ? merge_.passes_at_first() : kAllPasses,
-           .units_at_most = job_->units_at_most,
+           .units_at_most = job_->plan.stop_after_units,
            .merged = merge_.merged_passes()}};
 }
 
@@ -99,13 +98,13 @@ std::vector<PassesOfTile> JobRun::passes_of_tiles() const {
 
 std::vector<PassesOfTile> JobRun::passes_after(std::uint32_t tile) {
   if (merge_.take_allocation()) return passes_of_tiles();
-  if (!job_->target_error) return {};
+  if (!job_->plan.target_error) return {};
   return {{id_, tile, merge_.passes_wanted(tile)}};
 }
 
 std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
   const std::uint64_t possible = std::min(spp, job_->spp);
-  return std::uint32_t((possible + job_->samples_per_pass - 1) / job_->samples_per_pass);
+  return std::uint32_t((possible + job_->plan.samples_per_pass - 1) / job_->plan.samples_per_pass);
 }
 
 std::uint64_t JobRun::samples_wanted(const Plan& plan) const {
@@ -122,10 +121,6 @@ std::uint32_t JobRun::least_passes(const Plan& plan) const {
   if (is_adaptive() || !ends_amid_a_pass()) return least;
   for (std::uint32_t tile = 0; tile < grid_.tiles(); ++tile) least = std::min(least, plan.passes(id_, tile));
   return least;
-}
-
-std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
-  return std::uint32_t(std::min(std::uint64_t(passes) * job_->samples_per_pass, std::uint64_t(job_->spp)));
 }
 
 bool JobRun::budget_is_spent() {
@@ -246,7 +241,7 @@ void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, b
       .samples_done = samples_done_,
       .samples_wanted = samples_wanted(plan),
       .spp_done = std::uint32_t(merge_.spp_finished()),
-      .spp_wanted = job_->adaptive ? std::uint32_t(merge_.spp_wanted()) : spp_of(least_passes(plan)),
+      .spp_wanted = job_->plan.adaptive ? std::uint32_t(merge_.spp_wanted()) : spp_of(least_passes(plan)),
       .elapsed_seconds = active_,
       .relative_error = relative_error_,
       .finished = plan.finished(id_),
@@ -278,10 +273,10 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_not_verified = counts.not_verified;
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
-  outcome.passes_total = job_->adaptive ? merge_.least_passes_wanted() : grid_.passes();
+  outcome.passes_total = job_->plan.adaptive ? merge_.least_passes_wanted() : grid_.passes();
   outcome.units_in_order = merge_.units_in_order();
   outcome.ended_by_tile = is_adaptive() && merge_.is_done();
-  outcome.shares_missing = job_->adaptive && !(merge_.is_done() && merge_.is_undisturbed());
+  outcome.shares_missing = job_->plan.adaptive && !(merge_.is_done() && merge_.is_undisturbed());
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;

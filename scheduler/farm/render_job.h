@@ -10,6 +10,8 @@
 #include "kernels/host/device_scene.h"
 #include "scheduler/plan/film_accumulator.h"
 #include "scheduler/plan/plan_messages.h"
+#include "scheduler/plan/plan_options.h"
+#include "scheduler/plan/tile_grid.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
@@ -25,10 +27,10 @@ struct RenderJob {
   DeviceScene scene;
   std::shared_ptr<const AssetManifest> manifest = {};  ///< of the scene; null: computed by the farm
   int x = 0, y = 0, width = 0, height = 0;             ///< film rectangle to render
+  /// Of each pixel; with a target error the limit, with adaptive sampling the mean. At most plan.stop_after.
   std::uint32_t spp = 16;
-  std::uint32_t samples_per_pass = 16;  ///< affects the image; see FilmAccumulator
-  int tile = 64;                        ///< does not affect the image
-  int priority = 0;                     ///< among jobs with work the highest goes first
+  PlanOptions plan;
+  int priority = 0;  ///< among jobs with work the highest goes first
   DeviceOptions device;
   /// The `penumbra render` command without a crop, quoted for a shell; the message about a failed unit adds
   /// `--crop x0,y0,x1,y1`.
@@ -36,16 +38,6 @@ struct RenderJob {
   /// Seconds of rendering, including an earlier process, after which no further unit is started. The first
   /// pass is always rendered, and the image then counts as complete.
   std::optional<double> time_budget;
-  std::uint64_t units_at_most =
-      kAllUnits;  ///< only the first ones (see PhaseUnits); the image then depends on `tile`
-
-  /// Each tile ends as soon as its relative error is at most this; see AdaptiveTile. `spp` is then the limit
-  /// per tile, and the image depends on `tile`.
-  std::optional<double> target_error = {};
-  /// Adaptive sampling: samples are distributed among the tiles according to the errors of a pilot; see
-  /// SampleAllocation. `spp` is then the mean, and the image depends on `tile`. Not together with a target
-  /// error or with `units_at_most`.
-  bool adaptive = false;
   double verify = 0;  ///< the fraction of units that a second worker renders too, to compare the results
   std::shared_ptr<ResumedState> before = {};  ///< the state from which to resume; consumed by the render
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: no checkpoints
@@ -59,6 +51,10 @@ struct RenderJob {
   /// `spp`, and the render ends only with `stop`.
   bool interactive = false;
 };
+
+inline TileGrid tile_grid(const RenderJob& job) {
+  return {job.x, job.y, job.width, job.height, job.plan.tile, job.spp, job.plan.samples_per_pass};
+}
 
 struct WorkerShare {
   std::string name;  ///< host:pid

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
-  const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
+  const int films_beside = (job.checkpoints ? 1 : 0) + (job.plan.target_error ? AdaptiveTile::kMostFilms : 0);
   return pixel_memory(FilmLayers(job.scene.header.features, job.scene.header.matte_count))
       .peak(!job.interactive, films_beside);
 }
@@ -36,14 +36,14 @@ Expected<void> check_render_job(const RenderJob& job) {
         "the rectangle of {} x {} pixels at ({}, {}) is empty or not inside the film of {} x {}", job.width,
         job.height, job.x, job.y, job.scene.header.film.width, job.scene.header.film.height));
   }
-  if (job.tile < 1 || job.tile > kMaxTile) {
-    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.tile, kMaxTile));
+  if (job.plan.tile < 1 || job.plan.tile > kMaxTile) {
+    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.plan.tile, kMaxTile));
   }
-  const auto across = [&](int size) { return (std::uint64_t(size) + job.tile - 1) / job.tile; };
+  const auto across = [&](int size) { return (std::uint64_t(size) + job.plan.tile - 1) / job.plan.tile; };
   if (across(job.width) * across(job.height) > kMostTiles) {
     return fail(
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
-                    job.tile, job.width, job.height, kMostTiles));
+                    job.plan.tile, job.width, job.height, kMostTiles));
   }
   // In double, so that nothing overflows.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel(job));
@@ -58,9 +58,9 @@ Expected<void> check_render_job(const RenderJob& job) {
   if (!(job.verify >= 0 && job.verify <= 1))
     return fail(fmt::format("--verify is {}; it must be between 0 and 1", job.verify));
   if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
-  if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {
-    return fail(
-        fmt::format("passes of {} samples; 1 to {} are possible", job.samples_per_pass, kMaxSamplesPerUnit));
+  if (job.plan.samples_per_pass < 1 || job.plan.samples_per_pass > kMaxSamplesPerUnit) {
+    return fail(fmt::format("passes of {} samples; 1 to {} are possible", job.plan.samples_per_pass,
+                            kMaxSamplesPerUnit));
   }
   return {};
 }

@@ -5,11 +5,8 @@
 
 namespace penumbra {
 
-Merge::Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error, bool adaptive)
-    : film_(std::move(film)),
-      grid_(grid),
-      sampling_(make_tile_sampling(grid, target_error, adaptive)),
-      tiles_(grid.tiles()) {}
+Merge::Merge(FilmAccumulator film, TileGrid grid, const PlanOptions& plan)
+    : film_(std::move(film)), grid_(grid), sampling_(make_tile_sampling(grid, plan)), tiles_(grid.tiles()) {}
 
 void Merge::add(std::uint32_t tile, std::uint32_t pass, SampleBuffer result) {
   tiles_[tile].samples += result.pixels() * result.sample_count;

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/plan_options.h"
 #include "scheduler/plan/tile_grid.h"
 #include "scheduler/plan/tile_sampling.h"
 
@@ -23,7 +23,7 @@ namespace penumbra {
 /// discarded. With a target error or with adaptive sampling, the film also depends on the tile size.
 class Merge {
  public:
-  Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error = {}, bool adaptive = false);
+  Merge(FilmAccumulator film, TileGrid grid, const PlanOptions& plan = {});
 
   /// Adds the result of a unit, at most once per unit (unless `redo` was called in between). Its size must be
   /// that of the grid's unit.

@@ -52,7 +52,6 @@ constexpr Seconds kTimeToFindASecond = 10;
 constexpr int kJobsPerWorker = 2;  ///< prepared jobs that a worker keeps: the current one and the next
 
 constexpr std::uint32_t kAllPasses = ~std::uint32_t(0);
-constexpr std::uint64_t kAllUnits = ~std::uint64_t(0);
 
 /// The work units of one phase of a job: tiles x passes.
 struct PhaseUnits {
@@ -60,8 +59,8 @@ struct PhaseUnits {
   std::uint32_t passes = 0;  ///< the largest number for a tile
   /// The number of passes of each tile until PassesOfTile increases it.
   std::uint32_t passes_at_first = kAllPasses;
-  /// Only so many units, in issue order: pass by pass, tile by tile.
-  std::uint64_t units_at_most = kAllUnits;
+  /// Only so many units, in issue order: pass by pass, tile by tile; nothing: all.
+  std::optional<std::uint64_t> units_at_most = {};
   /// For each tile the number of passes that are already merged; empty: none.
   std::vector<std::uint32_t> merged = {};
 };

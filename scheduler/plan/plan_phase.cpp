@@ -16,8 +16,8 @@ Plan::Phase::Phase(const PhaseUnits& units)
   std::copy_n(units.merged.begin(), known, next.begin());
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     next[tile] = std::min(next[tile], passes);
-    if (units.units_at_most != kAllUnits) {
-      const std::uint64_t own = units.units_at_most / tiles + (tile < units.units_at_most % tiles ? 1 : 0);
+    if (const auto& most = units.units_at_most) {
+      const std::uint64_t own = *most / tiles + (tile < *most % tiles ? 1 : 0);
       limit[tile] = std::uint32_t(std::min<std::uint64_t>(limit[tile], own));
     }
     limit[tile] = std::max(limit[tile], next[tile]);

@@ -212,10 +212,9 @@ class PilotSampling final : public UniformSampling {
 
 }  // namespace
 
-std::unique_ptr<TileSampling> make_tile_sampling(const TileGrid& grid, std::optional<double> target_error,
-                                                 bool adaptive) {
-  if (adaptive) return std::make_unique<PilotSampling>(grid);
-  if (target_error) return std::make_unique<TargetErrorSampling>(grid, *target_error);
+std::unique_ptr<TileSampling> make_tile_sampling(const TileGrid& grid, const PlanOptions& plan) {
+  if (plan.adaptive) return std::make_unique<PilotSampling>(grid);
+  if (plan.target_error) return std::make_unique<TargetErrorSampling>(grid, *plan.target_error);
   return std::make_unique<UniformSampling>(grid);
 }
 

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/byte_stream.h"
 #include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/plan_options.h"
 #include "scheduler/plan/tile_grid.h"
 
 namespace penumbra {
@@ -72,7 +72,6 @@ class TileSampling {
 /// The strategy for the settings: the same passes for each tile; with a target error, each tile stops by
 /// itself (AdaptiveTile); with `adaptive`, samples are allocated by a pilot (SampleAllocation). Target error
 /// and `adaptive` exclude each other.
-std::unique_ptr<TileSampling> make_tile_sampling(const TileGrid& grid, std::optional<double> target_error,
-                                                 bool adaptive);
+std::unique_ptr<TileSampling> make_tile_sampling(const TileGrid& grid, const PlanOptions& plan);
 
 }  // namespace penumbra

@@ -19,10 +19,6 @@ bool has_crop(const Film& film) {
          film.crop_height != film.height;
 }
 
-bool depends_on_tiles(const RenderRecord& record) {
-  return record.target_error || record.adaptive || record.stop_after_units;
-}
-
 /// The format's int if the value fits, else a double, which represents unsigned 32-bit values exactly.
 MetadataValue integer_value(std::int64_t value) {
   if (value >= INT_MIN && value <= INT_MAX) return int(value);
@@ -60,13 +56,10 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   for (const Setting& setting : all_settings()) {
     if (setting.option.empty()) continue;
     add("--" + setting.option, setting.print(record));
-    if (setting.option == "spp" && record.stop_after) add("--stop-after", fmt::to_string(*record.stop_after));
   }
-  add("--pass", fmt::to_string(record.samples_per_pass));
-  if (record.target_error) add("--target-error", fmt::to_string(*record.target_error));
-  if (record.adaptive) command += " --adaptive";
-  if (record.stop_after_units) add("--stop-after-units", fmt::to_string(*record.stop_after_units));
-  if (depends_on_tiles(record)) add("--tile", fmt::to_string(record.tile));
+  visit_options(record.plan, [&](const char*, const std::string& option, auto value) {
+    command += " " + option + (std::is_same_v<decltype(value), bool> ? "" : " " + fmt::to_string(value));
+  });
   add("--intersector", record.embree ? "embree" : "portable");
   if (!record.isa.empty()) add("--isa", record.isa);
   if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
@@ -93,12 +86,12 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
     entries.emplace_back(setting.option.empty() ? setting.key : setting.option,
                          recorded_value(setting, record));
   }
-  if (record.stop_after) entries.emplace_back("stop_after", integer_value(*record.stop_after));
-  entries.emplace_back("samples_per_pass", integer_value(record.samples_per_pass));
-  if (record.target_error) text("target_error", fmt::to_string(*record.target_error));
-  if (record.adaptive) text("adaptive", "true");
-  if (record.stop_after_units) text("stop_after_units", fmt::to_string(*record.stop_after_units));
-  if (depends_on_tiles(record)) entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
+  visit_options(record.plan, [&](const char* name, const char*, auto value) {
+    if constexpr (std::is_integral_v<decltype(value)> && sizeof(value) == sizeof(int))
+      entries.emplace_back(name, integer_value(value));
+    else
+      entries.emplace_back(name, fmt::to_string(value));
+  });
   text("intersector", record.embree ? "embree" : "portable");
   text("backend", std::string(backend_name(record.backend)));
   if (!record.isa.empty()) text("isa", record.isa);
@@ -111,11 +104,11 @@ RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rend
   // With gaps, counts do not determine which samples there are.
   if (rendered.has_gaps || rendered.ended_by_tile || rendered.most == 0) return record;
   if (rendered.least != rendered.most && rendered.units_in_order) {
-    record.stop_after_units = rendered.units_in_order;
+    record.plan.stop_after_units = rendered.units_in_order;
     return record;
   }
-  record.stop_after_units.reset();  // with equally many samples per pixel the tile size does not matter
-  if (rendered.most < record.sampler.spp) record.stop_after = std::uint32_t(rendered.most);
+  record.plan.stop_after_units.reset();  // with equally many samples per pixel the tile size does not matter
+  if (rendered.most < record.sampler.spp) record.plan.stop_after = std::uint32_t(rendered.most);
   return record;
 }
 

@@ -12,6 +12,7 @@
 
 #include "scenes/scene_description.h"
 #include "scheduler/image/image.h"
+#include "scheduler/plan/plan_options.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -25,17 +26,7 @@ struct RenderRecord : RenderSettings {
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
   std::string dialect;  ///< --dialect; empty: determined from the scene file
-  /// Only so many samples per pixel are rendered; nothing: all.
-  std::optional<std::uint32_t> stop_after;
-  /// Only so many units (of `tile` and `samples_per_pass`) are rendered, pass by pass and tile by tile;
-  /// nothing: all.
-  std::optional<std::uint64_t> stop_after_units;
-  std::uint32_t samples_per_pass = 16;
-  std::optional<double> target_error;  ///< per tile
-  bool adaptive = false;               ///< see SampleAllocation
-  /// Tile size in pixels; it affects the image only with a target error, adaptive sampling or
-  /// stop_after_units.
-  int tile = 0;
+  PlanOptions plan;
   bool feature_layers = true;
   bool cryptomatte = false;
   bool embree = false;  ///< false: the portable intersector

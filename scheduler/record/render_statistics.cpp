@@ -20,22 +20,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json settings_json(const RenderStatistics& statistics) {
+  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
   Json settings;
   for (const auto& [name, value] : record_entries(statistics.record)) {
     std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
   }
   settings["spp"] = statistics.record.sampler.spp;
-  settings["stop_after"] = statistics.record.stop_after ? Json(*statistics.record.stop_after) : Json(nullptr);
-  settings["stop_after_units"] =
-      statistics.record.stop_after_units ? Json(*statistics.record.stop_after_units) : Json(nullptr);
+  settings["stop_after"] = or_null(statistics.record.plan.stop_after);
+  settings["stop_after_units"] = or_null(statistics.record.plan.stop_after_units);
   settings["seed"] = statistics.record.sampler.seed;
-  settings["samples_per_pass"] = statistics.record.samples_per_pass;
   settings["defines"] = statistics.record.defines;
   settings["set"] = statistics.record.settings;
-  settings["tile"] = statistics.job->tile;
+  settings["tile"] = statistics.job->plan.tile;
   settings["workers"] = statistics.workers;
   settings["threads_per_worker"] = statistics.job->device.threads;
-  settings["time_budget"] = statistics.job->time_budget ? Json(*statistics.job->time_budget) : Json(nullptr);
+  settings["time_budget"] = or_null(statistics.job->time_budget);
   return settings;
 }
 
@@ -133,7 +132,7 @@ std::string_view ended_by(const RenderStatistics& statistics) {
   const RenderOutcome& outcome = *statistics.outcome;
   const RenderJob& job = *statistics.job;
   if (!outcome.complete) return outcome.problems.empty() ? "interrupt" : "failure";
-  if (outcome.ended_by_tile && job.target_error) return "target_error";
+  if (outcome.ended_by_tile && job.plan.target_error) return "target_error";
   if (outcome.ended_by_tile || sample_range(outcome.film).least >= statistics.record.sampler.spp)
     return "samples";
   return job.time_budget ? "time_budget" : "stop_after";

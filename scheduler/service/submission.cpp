@@ -44,12 +44,13 @@ void encode(const RenderRecord& record, wire::Record& message) {
   add_texts(record.settings, message.mutable_settings());
   message.set_lenient(record.lenient);
   message.set_dialect(record.dialect);
-  if (record.stop_after) message.set_stop_after(*record.stop_after);
-  if (record.stop_after_units) message.set_stop_after_units(*record.stop_after_units);
-  message.set_samples_per_pass(record.samples_per_pass);
-  if (record.target_error) message.set_target_error(*record.target_error);
-  message.set_adaptive(record.adaptive);
-  message.set_tile(record.tile);
+  const PlanOptions& plan = record.plan;
+  if (plan.stop_after) message.set_stop_after(*plan.stop_after);
+  if (plan.stop_after_units) message.set_stop_after_units(*plan.stop_after_units);
+  message.set_samples_per_pass(plan.samples_per_pass);
+  if (plan.target_error) message.set_target_error(*plan.target_error);
+  message.set_adaptive(plan.adaptive);
+  message.set_tile(plan.tile);
   message.set_feature_layers(record.feature_layers);
   message.set_cryptomatte(record.cryptomatte);
   message.set_embree(record.embree);
@@ -76,16 +77,17 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   record.settings = {message.settings().begin(), message.settings().end()};
   record.lenient = message.lenient();
   record.dialect = wire_text(message.dialect(), kLongestName);
-  if (message.has_stop_after()) record.stop_after = message.stop_after();
-  if (message.has_stop_after_units()) record.stop_after_units = message.stop_after_units();
-  record.samples_per_pass = message.samples_per_pass();
-  if (message.has_target_error()) record.target_error = message.target_error();
-  if (record.target_error && !(*record.target_error > 0 && std::isfinite(*record.target_error)))
+  PlanOptions& plan = record.plan;
+  if (message.has_stop_after()) plan.stop_after = message.stop_after();
+  if (message.has_stop_after_units()) plan.stop_after_units = message.stop_after_units();
+  plan.samples_per_pass = message.samples_per_pass();
+  if (message.has_target_error()) plan.target_error = message.target_error();
+  if (plan.target_error && !(*plan.target_error > 0 && std::isfinite(*plan.target_error)))
     return fail("the target error is no positive number");
-  record.adaptive = message.adaptive();
-  if (record.adaptive && (record.target_error || record.stop_after || record.stop_after_units))
+  plan.adaptive = message.adaptive();
+  if (plan.adaptive && (plan.target_error || plan.stop_after || plan.stop_after_units))
     return fail("adaptive sampling with a target error, or of the first samples or units alone");
-  record.tile = message.tile();
+  plan.tile = message.tile();
   record.feature_layers = message.feature_layers();
   record.cryptomatte = message.cryptomatte();
   record.embree = message.embree();

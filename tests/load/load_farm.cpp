@@ -116,8 +116,9 @@ class LoadSource final : public JobSource {
 template <typename Do>
 void for_each_unit(const RenderJob& job, Do act) {
   for (std::uint32_t pass = 0; pass < job.spp; ++pass)
-    for (int y = 0; y < job.height; y += job.tile)
-      for (int x = 0; x < job.width; x += job.tile) act(RenderUnit{x, y, job.tile, job.tile, pass, 1});
+    for (int y = 0; y < job.height; y += job.plan.tile)
+      for (int x = 0; x < job.width; x += job.plan.tile)
+        act(RenderUnit{x, y, job.plan.tile, job.plan.tile, pass, 1});
 }
 
 std::uint64_t expected_hash(const RenderJob& job) {
@@ -135,8 +136,8 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   const int size = settings.side * settings.tile;
   job->scene = fake_scene(size, size, false);
   job->width = job->height = size;
-  job->tile = settings.tile;
-  job->samples_per_pass = 1;
+  job->plan.tile = settings.tile;
+  job->plan.samples_per_pass = 1;
   const int tiles = settings.side * settings.side;
   job->spp = std::uint32_t(std::max(1, (settings.units + tiles - 1) / tiles));
   if (auto checked = check_render_job(*job); !checked) return std::unexpected(checked.error());

@@ -51,8 +51,8 @@ RenderOutcome outcome_of_checkpoint(const RenderJob& job) {
   Merge merge = job.before ? std::move(job.before->merge) : merge_of_job(job);
   outcome.passes_finished = merge.finished_passes();
   outcome.units_in_order = merge.units_in_order();
-  outcome.ended_by_tile = job.adaptive && merge.is_done();
-  outcome.shares_missing = job.adaptive && !(merge.is_done() && merge.is_undisturbed());
+  outcome.ended_by_tile = job.plan.adaptive && merge.is_done();
+  outcome.shares_missing = job.plan.adaptive && !(merge.is_done() && merge.is_undisturbed());
   outcome.samples_before = merge.samples();
   outcome.seconds_before = job.before ? job.before->rendered : 0;
   outcome.film = std::move(merge).take_film();

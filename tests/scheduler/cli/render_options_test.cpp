@@ -32,8 +32,8 @@ TEST(RenderOptions, Defaults) {
   EXPECT_THAT(options.scenes, ElementsAre("a.xml"));
   EXPECT_EQ(options.workers, 1);
   EXPECT_EQ(options.threads, 0);
-  EXPECT_EQ(options.tile, 64);
-  EXPECT_EQ(options.samples_per_pass, 16u);
+  EXPECT_EQ(options.plan.tile, 64);
+  EXPECT_EQ(options.plan.samples_per_pass, 16u);
   EXPECT_EQ(options.backend, "native");
   EXPECT_FALSE(options.scene.spp);
   EXPECT_FALSE(options.scene.seed);

@@ -34,8 +34,8 @@ std::shared_ptr<RenderJob> job(float shift) {
   made->scene.header.camera.origin.x = shift;
   made->width = made->height = kSize;
   made->spp = kSpp;
-  made->samples_per_pass = kSamplesPerPass;
-  made->tile = 16;
+  made->plan.samples_per_pass = kSamplesPerPass;
+  made->plan.tile = 16;
   return made;
 }
 

@@ -72,8 +72,8 @@ class RenderJobTest : public testing::Test {
     job.width = kWidth;
     job.height = kHeight;
     job.spp = kSpp;
-    job.samples_per_pass = kSamplesPerPass;
-    job.tile = tile;
+    job.plan.samples_per_pass = kSamplesPerPass;
+    job.plan.tile = tile;
     job.workers = workers;
     job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
     job.reproduce_command = "penumbra render 'a scene.xml' --seed 3";
@@ -475,16 +475,17 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
   EXPECT_THAT(refused([](LocalRender& j) { j.width = 0; }), HasSubstr("0 x 100 pixels"));
   EXPECT_THAT(refused([](LocalRender& j) { j.x = 100; }), HasSubstr("not inside the film of 200 x 150"));
   EXPECT_THAT(refused([](LocalRender& j) { j.x = -1; }), HasSubstr("not inside the film"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.tile = 0; }), HasSubstr("tiles of 0 pixels; 1 to 2048"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.tile = 5000; }), HasSubstr("tiles of 5000 pixels; 1 to 2048"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.plan.tile = 0; }), HasSubstr("tiles of 0 pixels; 1 to 2048"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.plan.tile = 5000; }),
+              HasSubstr("tiles of 5000 pixels; 1 to 2048"));
   EXPECT_THAT(refused([](LocalRender& j) { j.spp = 0; }), HasSubstr("0 samples per pixel"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.plan.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
   EXPECT_THAT(refused([](LocalRender& j) { j.workers = 0; }), HasSubstr("0 workers"));
   EXPECT_THAT(refused([](LocalRender& j) {
                 j.scene.header.film.width = j.scene.header.film.height = 1 << 20;
                 j.x = j.y = 0;
                 j.width = j.height = 1 << 20;
-                j.tile = 1024;
+                j.plan.tile = 1024;
               }),
               HasSubstr("GB"));
 }
@@ -496,7 +497,7 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
     const int side = int(std::sqrt(memory / bytes_per_pixel));
     large.scene.header.film.width = large.scene.header.film.height = large.width = large.height = side;
     large.x = large.y = 0;
-    large.tile = 1024;
+    large.plan.tile = 1024;
     return check_render_job(large);
   };
   const double whole = double(pixel_memory(kFeatureLayers).peak(true));
@@ -504,10 +505,10 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   ASSERT_FALSE(fits(0.99 * whole));
   EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
   EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
-  large.target_error = 0.1;
+  large.plan.target_error = 0.1;
   EXPECT_FALSE(fits(1.01 * whole));
   EXPECT_TRUE(fits(1.01 * double(pixel_memory(kFeatureLayers).peak(true, AdaptiveTile::kMostFilms))));
-  large.target_error.reset();
+  large.plan.target_error.reset();
   large.interactive = true;  // writes no files
   EXPECT_TRUE(fits(0.99 * whole));
 }

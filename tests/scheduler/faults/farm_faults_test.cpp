@@ -125,8 +125,8 @@ void FarmFaults::run(const FaultSchedule& schedule) {
   job.scene = fake_scene(kSize, kSize, false);
   job.width = job.height = kSize;
   job.spp = kSpp;
-  job.samples_per_pass = kSamplesPerPass;
-  job.tile = tile;
+  job.plan.samples_per_pass = kSamplesPerPass;
+  job.plan.tile = tile;
   job.verify = schedule.verify;
   job.workers = schedule.workers;
   job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";

@@ -64,8 +64,8 @@ void NetworkFaults::render(const std::function<void(const std::string&, const st
   job.scene = fake_scene(kSize, kSize, false);
   job.width = job.height = kSize;
   job.spp = kSpp;
-  job.samples_per_pass = 1;
-  job.tile = 8;
+  job.plan.samples_per_pass = 1;
+  job.plan.tile = 8;
   job.workers = 1;
   job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
   job.listen = "127.0.0.1:0";

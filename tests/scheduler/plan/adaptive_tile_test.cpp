@@ -129,7 +129,7 @@ SampleBuffer pass_of(std::uint32_t tile, std::uint32_t pass) {
 }
 
 Merge rendered(double target) {
-  Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), target);
+  Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), {.target_error = target});
   for (std::uint32_t tile = 0; tile < grid().tiles(); ++tile)
     for (std::uint32_t pass = 0; pass < merge.passes_wanted(tile); ++pass)
       merge.add(tile, pass, pass_of(tile, pass));
@@ -152,7 +152,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
   const Merge undisturbed = rendered(0.2);
   std::mt19937 random(5);
   for (int trial = 0; trial < 20; ++trial) {
-    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), 0.2);
+    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), {.target_error = 0.2});
     std::vector<std::uint32_t> issued(grid().tiles());
     const auto interruption = trial % 2 == 0 ? random() % 200 : ~0ull;
     for (std::uint64_t unit = 0; !merge.is_done(); ++unit) {
@@ -160,7 +160,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
         std::vector<std::uint8_t> bytes;
         ByteWriter writer(bytes);
         merge.write(writer);
-        Merge resumed({0, 0, kFilm, kFilm, kNoLayers}, grid(), 0.2);
+        Merge resumed({0, 0, kFilm, kFilm, kNoLayers}, grid(), {.target_error = 0.2});
         ByteReader reader(bytes);
         const auto read = resumed.read(reader);
         ASSERT_TRUE(read) << read.error().message;
@@ -186,7 +186,7 @@ TEST(AdaptiveMerge, ComesToTheSameFilmInAnyOrderAndFromAnyCheckpoint) {
 
 TEST(AdaptiveMerge, ASkippedPassStopsNothing) {
   Merge merge({0, 0, kSide, kSide, kNoLayers}, TileGrid(0, 0, kSide, kSide, kSide, 40 * kPerPass, kPerPass),
-              0.01);
+              {.target_error = 0.01});
   merge.skip(0, 0);
   for (std::uint32_t pass = 1; pass < merge.passes_wanted(0); ++pass) merge.add(0, pass, pass_of(3, pass));
   EXPECT_TRUE(merge.is_done());
@@ -196,7 +196,7 @@ TEST(AdaptiveMerge, ASkippedPassStopsNothing) {
 
 TEST(AdaptiveMerge, ExpectsMoreWhereTheErrorIsLarge) {
   const auto expected = [](double target) {
-    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), target);
+    Merge merge({0, 0, kFilm, kFilm, kNoLayers}, grid(), {.target_error = target});
     for (std::uint32_t tile = 0; tile < grid().tiles(); ++tile)
       for (std::uint32_t pass = 0; pass < 4; ++pass) merge.add(tile, pass, pass_of(tile, pass));
     return double(merge.samples_expected());

@@ -187,7 +187,7 @@ SampleBuffer result_of(const RenderUnit& unit) {
 
 constexpr std::uint32_t kSpp = 40;
 Merge empty_merge(const TileGrid& tiles) {
-  return {FilmAccumulator(3, 5, 6 * kSide, 3 * kSide, kFeatureLayers), tiles, {}, true};
+  return {FilmAccumulator(3, 5, 6 * kSide, 3 * kSide, kFeatureLayers), tiles, {.adaptive = true}};
 }
 
 Merge rendered(const TileGrid& tiles) {

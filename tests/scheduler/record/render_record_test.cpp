@@ -79,11 +79,11 @@ TEST(RecordOfRendered, KeepsWhatTheSequenceIsMadeFor) {
     return repeat_command(record_of_rendered(cornell(), rendered), true);
   };
   EXPECT_EQ(command(kAll), repeat_command(cornell(), true));
-  EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--spp 64 --stop-after 48 "));
+  EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--stop-after 48 "));
   EXPECT_THAT(command({.least = 16, .most = 32, .units_in_order = 77}),
               AllOf(HasSubstr("--stop-after-units 77 --tile "), Not(HasSubstr("--stop-after 32"))));
   EXPECT_THAT(command({.least = 48, .most = 48, .units_in_order = 77}), Not(HasSubstr("--stop-after-units")));
-  EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--spp 64 --stop-after 32 "));
+  EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--stop-after 32 "));
   // One unit of 16 samples is missing; it is not known here which.
   EXPECT_EQ(command({.complete = false, .has_gaps = true, .least = 48, .most = 48}),
             repeat_command(cornell(), true));
@@ -139,7 +139,7 @@ TEST(RecordMetadata, HoldsSettingsAndHash) {
   const auto metadata = metadata_of(cornell(), kAll);
   EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue(4e9)) << "more than the format's int holds";
   EXPECT_EQ(metadata.at("penumbra:spp"), MetadataValue(int(cornell().sampler.spp)));
-  EXPECT_EQ(metadata.at("penumbra:samples_per_pass"), MetadataValue(int(cornell().samples_per_pass)));
+  EXPECT_EQ(metadata.at("penumbra:samples_per_pass"), MetadataValue(int(cornell().plan.samples_per_pass)));
   EXPECT_EQ(metadata.at("penumbra:film.width"), MetadataValue(cornell().film.width));
   EXPECT_EQ(metadata.at("penumbra:film.height"), MetadataValue(cornell().film.height));
   EXPECT_EQ(metadata.at("penumbra:integrator"), MetadataValue("path_mis"));

@@ -20,7 +20,7 @@ SampleBuffer grey_pixel(std::uint32_t samples) {
 TEST(Report, SaysWhatWasDoneAndByWhom) {
   RenderJob job;
   job.scene.words.resize(10);
-  job.tile = 32;
+  job.plan.tile = 32;
   job.device.threads = 3;
   RenderOutcome outcome;
   outcome.film = FilmAccumulator(0, 0, 2, 1, kNoLayers);

@@ -18,7 +18,6 @@ inline Submission small_submission(const DeviceScene& scene, int priority = 0) {
   submission.record.scene = "folder/s.xml";
   submission.record.film.width = submission.record.film.crop_width = scene.header.film.width;
   submission.record.film.height = submission.record.film.crop_height = scene.header.film.height;
-  submission.record.tile = 64;
   submission.files = {"s.exr", "s.png", "s.json"};
   return submission;
 }

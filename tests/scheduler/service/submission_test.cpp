@@ -42,10 +42,10 @@ Submission full_submission() {
   record.settings = {"film.width=40"};
   record.lenient = true;
   record.dialect = "nori-eth";
-  record.stop_after = 70;
-  record.stop_after_units = std::uint64_t(1) << 40;
-  record.samples_per_pass = 5;
-  record.target_error = 0.1;
+  record.plan.stop_after = 70;
+  record.plan.stop_after_units = std::uint64_t(1) << 40;
+  record.plan.samples_per_pass = 5;
+  record.plan.target_error = 0.1;
   record.feature_layers = false;
   record.cryptomatte = true;
   record.embree = true;
@@ -98,13 +98,13 @@ TEST(Submission, ArrivesWhole) {
 
 TEST(Submission, AdaptiveSamplingArrives) {
   Submission sent = full_submission();
-  sent.record.target_error.reset();
-  sent.record.stop_after.reset();
-  sent.record.stop_after_units.reset();
-  sent.record.adaptive = true;
+  sent.record.plan.target_error.reset();
+  sent.record.plan.stop_after.reset();
+  sent.record.plan.stop_after_units.reset();
+  sent.record.plan.adaptive = true;
   const auto there = decode(encode(sent));
   ASSERT_TRUE(there) << there.error().message;
-  EXPECT_TRUE(there->record.adaptive);
+  EXPECT_TRUE(there->record.plan.adaptive);
 }
 
 TEST(Submission, ResultsAreNamesWithoutFolders) {

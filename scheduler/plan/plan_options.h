@@ -1,0 +1,34 @@
+// The options of a render that determine its tiles, passes and samples.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace penumbra {
+
+/// The image depends on all of them, on `tile` only if depends_on_tiles(). Adaptive sampling excludes a
+/// target error and both stops.
+struct PlanOptions {
+  std::optional<std::uint32_t> stop_after = {};        ///< only so many of the samples per pixel
+  std::uint32_t samples_per_pass = 16;                 ///< see FilmAccumulator
+  std::optional<double> target_error = {};             ///< relative, of each tile; see AdaptiveTile
+  bool adaptive = false;                               ///< see SampleAllocation
+  std::optional<std::uint64_t> stop_after_units = {};  ///< only so many units, in issue order
+  int tile = 64;                                       ///< side in pixels
+
+  [[nodiscard]] bool depends_on_tiles() const { return target_error || adaptive || stop_after_units; }
+};
+
+/// Calls visit(name, option, value) for each option that is set and on which the image depends: its name in
+/// records, and that on the command line.
+template <typename Visit>
+void visit_options(const PlanOptions& plan, Visit visit) {
+  if (plan.stop_after) visit("stop_after", "--stop-after", *plan.stop_after);
+  visit("samples_per_pass", "--pass", plan.samples_per_pass);
+  if (plan.target_error) visit("target_error", "--target-error", *plan.target_error);
+  if (plan.adaptive) visit("adaptive", "--adaptive", true);
+  if (plan.stop_after_units) visit("stop_after_units", "--stop-after-units", *plan.stop_after_units);
+  if (plan.depends_on_tiles()) visit("tile", "--tile", plan.tile);
+}
+
+}  // namespace penumbra
