@@ -200,12 +200,13 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   bool bad_ones = false;
-  for (int k = 0; filtered_value(slots, features, k).samples != 0; k++)
+  for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
+    GLOBAL float* samples = filtered_value(slots, features, k).samples;
     for (int i = 0; i < n; i++) {
-      GLOBAL float* row = filtered_value(slots, features, k).samples + i * pitch;
-      weigh_field(row, slots->filter_weight + i * pitch, pixels);
-      bad_ones = bad_ones | any_bad(row, pixels);
+      weigh_field(samples + i * pitch, slots->filter_weight + i * pitch, pixels);
+      bad_ones = bad_ones | any_bad(samples + i * pitch, pixels);
     }
+  }
   if (bad_ones) remove_bad(slots, features, pitch, first_pixel, pixels, n, bad);
   for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
     const SampleValue value = filtered_value(slots, features, k);

@@ -30,20 +30,21 @@ static_assert(kRadiancePlanes == RADIANCE_PLANES);
 /// The layers and mattes of a scene's results and films.
 class FilmLayers {
  public:
-  constexpr FilmLayers() = default;  ///< none
+  constexpr FilmLayers() : FilmLayers(0) {}  ///< none
   /// For a scene with these FEATURE_* bits and this number of mattes.
-  constexpr explicit FilmLayers(std::uint64_t features, int mattes = 0)
-      : features_(features), mattes_(mattes) {}
+  constexpr explicit FilmLayers(std::uint64_t features, int mattes = 0) : mattes_(mattes) {
+    for (int layer = 0; layer <= FILM_LAYERS; ++layer) first_plane_[layer] = layer_plane(features, layer);
+  }
 
-  [[nodiscard]] constexpr bool has(int layer) const { return has_layer(features_, layer); }
+  [[nodiscard]] constexpr bool has(int layer) const { return first_plane_[layer + 1] > first_plane_[layer]; }
   [[nodiscard]] constexpr int mattes() const { return mattes_; }
   /// The first plane of a layer; the layer must exist.
-  [[nodiscard]] constexpr int plane(int layer) const { return layer_plane(features_, layer); }
+  [[nodiscard]] constexpr int plane(int layer) const { return first_plane_[layer]; }
   /// The number of planes, including those of radiance.
   [[nodiscard]] constexpr int planes() const { return plane(FILM_LAYERS); }
 
  private:
-  std::uint64_t features_ = 0;
+  int first_plane_[FILM_LAYERS + 1] = {};  // of each layer; the last is the number of planes
   int mattes_ = 0;
 };
 
