@@ -1,10 +1,13 @@
 #include "scheduler/cli/help_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 #include <sstream>
+#include <utility>
 #include <vector>
 
-#include "scheduler/cli/option_text.h"
 #include "scheduler/cli/text_layout.h"
 
 namespace penumbra {
@@ -25,9 +28,7 @@ std::string list_of(const std::set<CLI::Option*>& options) {
   std::vector<std::string> names;
   for (const CLI::Option* option : options) names.push_back(option->get_name());
   std::ranges::sort(names);
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string option_text(const CLI::Option& option, int columns) {
@@ -51,6 +52,26 @@ std::string group_of(const CLI::Option& option) {
   return option.get_positional() && option.get_group() == "Options" ? group::kArguments : option.get_group();
 }
 
+/// The texts of all items under their groups, in the order of the groups' first items. What every command has
+/// comes last; items without a group are hidden.
+template <typename Items, typename GroupOf, typename TextOf>
+std::string by_group(const Items& items, GroupOf group_of, TextOf text_of) {
+  using Group = std::pair<std::string, std::string>;  // name, text
+  std::vector<Group> groups;
+  for (const auto* item : items) {
+    const std::string name = group_of(item);
+    if (name.empty()) continue;
+    auto group = std::ranges::find(groups, name, &Group::first);
+    if (group == groups.end()) group = groups.insert(group, {name, "\n" + name + ":\n"});
+    group->second += text_of(item);
+  }
+  if (const auto general = std::ranges::find(groups, group::kGeneral, &Group::first); general != groups.end())
+    std::rotate(general, general + 1, groups.end());
+  std::string text;
+  for (const auto& [name, of_group] : groups) text += of_group;
+  return text;
+}
+
 class HelpText final : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
@@ -69,41 +90,38 @@ class HelpText final : public CLI::Formatter {
 
  private:
   static std::string commands(const CLI::App& app, int columns) {
-    const auto all = app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); });
-    std::vector<std::string> groups;
-    for (const CLI::App* command : all)
-      if (std::ranges::find(groups, command->get_group()) == groups.end())
-        groups.push_back(command->get_group());
-    std::string text;
-    for (const std::string& group : groups) {
-      text += "\n" + group + ":\n";
-      for (const CLI::App* command : all)
-        if (command->get_group() == group)
-          text += described(command->get_name(), command->get_description(), kNames / 2, columns);
-    }
-    return text;
+    return by_group(
+        app.get_subcommands([](const CLI::App*) { return true; }),
+        [](const CLI::App* command) { return command->get_group(); },
+        [&](const CLI::App* command) {
+          return described(command->get_name(), command->get_description(), kNames / 2, columns);
+        });
   }
 
   static std::string options(const CLI::App& app, int columns) {
-    std::vector<std::string> groups;
-    for (const CLI::Option* option : app.get_options())
-      if (const std::string group = group_of(*option);
-          !group.empty() && std::ranges::find(groups, group) == groups.end())
-        groups.push_back(group);
-    // What every command has comes last.
-    if (const auto general = std::ranges::find(groups, group::kGeneral); general != groups.end())
-      std::rotate(general, general + 1, groups.end());
-    std::string text;
-    for (const std::string& group : groups) {
-      text += "\n" + group + ":\n";
-      for (const CLI::Option* option : app.get_options())
-        if (group_of(*option) == group) text += option_text(*option, columns);
-    }
-    return text;
+    return by_group(
+        app.get_options(), [](const CLI::Option* option) { return group_of(*option); },
+        [&](const CLI::Option* option) { return option_text(*option, columns); });
   }
 };
 
 }  // namespace
+
+ValueType value_type(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t colon = type.find(':');
+  // In an address, and in a method with parameters, the colon is part of the value.
+  if (colon == std::string::npos || (colon > 0 && type[colon - 1] == '[') ||
+      (colon + 1 < type.size() && std::isupper((unsigned char)type[colon + 1])))
+    return {type, ""};
+  std::string values = type.substr(colon + 1);
+  if (values.starts_with("{") && values.ends_with("}")) {
+    values = values.substr(1, values.size() - 2);
+    for (std::size_t at = values.find(','); at != std::string::npos; at = values.find(',', at + 2))
+      values.insert(at + 1, " ");
+  }
+  return {type.substr(0, colon), values};
+}
 
 void use_help_text(CLI::App& app) {
   app.formatter(std::make_shared<HelpText>());

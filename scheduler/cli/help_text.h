@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 namespace penumbra {
 
@@ -22,5 +23,11 @@ constexpr const char* kGeneral = "General";
 /// the footer, lines that begin with a space are kept, others are wrapped. Call it after all options were
 /// added.
 void use_help_text(CLI::App& app);
+
+/// The type of an option's value: for "NAME:{a,b}" the name NAME and the accepted values "a, b".
+struct ValueType {
+  std::string name, values;
+};
+ValueType value_type(const CLI::Option& option);
 
 }  // namespace penumbra

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "scheduler/cli/help_text.h"
-#include "scheduler/cli/option_text.h"
 
 namespace penumbra {
 namespace {
