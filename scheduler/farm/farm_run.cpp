@@ -52,7 +52,7 @@ Expected<void> FarmRun::start() {
   tell_start_problems();
   if (options_.tells_how_to_watch) tell_how_to_watch();
   source_.job_signal().connect([this] {
-    if (!rung_.exchange(true)) server_->wake();
+    if (!notified_.exchange(true)) server_->wake();
   });
   take_jobs();
   return {};

@@ -53,7 +53,7 @@ class FarmRun {
   void on(const arrivals::UnitFailed& arrival);
   void on(const arrivals::Leaving& arrival);
   void on(const arrivals::Gone& arrival);
-  void on(const arrivals::JobsNotified&) { rung_ = false; }
+  void on(const arrivals::JobsNotified&) { notified_ = false; }
   void on(const arrivals::ViewChanged& arrival);
   void on(const arrivals::SamplesWanted& arrival);
 
@@ -140,7 +140,7 @@ class FarmRun {
   std::vector<PlanEvent> follow_ups_;  // events caused by executing orders, to be passed to the plan next
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open yet
-  std::atomic<bool> rung_ = false;                       // a JobsNotified event is on its way
+  std::atomic<bool> notified_ = false;                   // a JobsNotified event is on its way
   bool anyone_was_ready_ = false;
   int foreign_workers_ = 0;  // number of connected workers that this farm has not started
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;

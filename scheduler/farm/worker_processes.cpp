@@ -17,7 +17,7 @@ namespace {
 constexpr int kStartsInARow = 3;
 // The number of deaths without a finished unit in between. A unit that kills its workers is found out after
 // at most four deaths per worker.
-constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
+constexpr int deaths_allowed(int workers) { return 4 * workers + 4; }
 // Whatever kills workers before they are ready may go on for a moment.
 Seconds pause_after(int deaths) { return std::min(2.0, 0.1 * std::exp2(deaths)); }
 // A launcher ends with its workers, which were dismissed. When it is asked to end, it passes that on to them.
@@ -60,7 +60,7 @@ void WorkerProcesses::start_missing(Seconds now) {
 
 bool WorkerProcesses::will_start() const {
   return int(running()) < wanted_ && failed_starts_ < kStartsInARow &&
-         deaths_without_result_ < fruitless_deaths_allowed(wanted_);
+         deaths_without_result_ < deaths_allowed(wanted_);
 }
 
 void WorkerProcesses::is_heard_of(int pid, Seconds now) {

@@ -30,7 +30,6 @@ class FilmMattes {
   FilmMattes(std::size_t pixels, int matte_count);
 
   [[nodiscard]] bool is_kept() const { return matte_count_ > 0; }
-  [[nodiscard]] int matte_count() const { return matte_count_; }
   /// Memory per pixel in images with a few mattes per pixel: the list and the capacity of its elements.
   static constexpr std::uint64_t kBytesPerPixel = sizeof(std::vector<MatteWeight>) + 4 * sizeof(MatteWeight);
   /// The most bytes that write() produces per pixel.

@@ -187,7 +187,7 @@ void Plan::on(const Alive& event) {
   worker.heard_at = now_;
   if (!worker.hung || !worker.silent) return;
   worker.hung = false;
-  look_by(now_);
+  check_by(now_);
   update_idle(event.worker, worker);
 }
 
@@ -297,8 +297,8 @@ void Plan::forget_units(JobId job) {
     if (loses_hand) {
       worker.hung = false;
       start_lease(worker);
-      if (!worker.units.empty()) update_idle(worker.units.front());
-      if (worker.units.empty() && worker.preparing) look_by(now_);
+      if (!worker.units.empty()) update_copyable(worker.units.front());
+      if (worker.units.empty() && worker.preparing) check_by(now_);
     }
     update_idle(id, worker);
   }
@@ -364,9 +364,9 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   worker.hung = false;
   worker.units.erase(place);
   units_.at(unit).holders.erase(id);
-  update_idle(unit);
-  if (!worker.units.empty()) update_idle(worker.units.front());
-  if (worker.units.empty() && worker.preparing) look_by(now_);
+  update_copyable(unit);
+  if (!worker.units.empty()) update_copyable(worker.units.front());
+  if (worker.units.empty() && worker.preparing) check_by(now_);
   update_idle(id, worker);
   return true;
 }
@@ -388,7 +388,7 @@ void Plan::settle(UnitId id) {
       enqueue(id, unit);
     }
   }
-  update_idle(id);
+  update_copyable(id);
   if (!unit.closed || !unit.holders.empty()) return;
   if (unit.unverified)
     jobs_.at(id.job).checks.insert(id);
@@ -411,7 +411,7 @@ void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
   Unit& unit = units_.at(id);
   if (!unit.closed) {
     unit.faults.emplace_back(worker, fault);
-    update_idle(id);
+    update_copyable(id);
   } else if (unit.unverified && ++unit.failed_checks >= kFaultsToSetAside) {
     end_check(id, unit);
     ++jobs_.at(id.job).counts.not_verified;
@@ -419,7 +419,7 @@ void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
 }
 
 /// Updates the job's list of units that can be copied.
-void Plan::update_idle(UnitId id) {
+void Plan::update_copyable(UnitId id) {
   const auto found = units_.find(id);
   if (found == units_.end()) return;
   Unit& unit = found->second;

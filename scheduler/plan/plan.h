@@ -190,7 +190,7 @@ class Plan {
   void enqueue(UnitId id, const Unit& unit);
   void dequeue(UnitId id);
   void blame(UnitId id, WorkerId worker, Fault fault);
-  void update_idle(UnitId id);
+  void update_copyable(UnitId id);
   void update_idle(WorkerId id, Worker& worker);
   void release(WorkerId worker);
   void dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser = {});
@@ -229,7 +229,7 @@ class Plan {
   void tell_if_overdue(WorkerId id, Worker& worker);
   [[nodiscard]] Seconds overdue_at(const Worker& worker) const;
   void check_leases();
-  void look_by(Seconds time) { next_check_ = std::min(next_check_, time); }
+  void check_by(Seconds time) { next_check_ = std::min(next_check_, time); }
   [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
   /// How long a worker may go without progress of its current unit, and without any sign of life.
   struct Lease {

@@ -11,7 +11,7 @@ void Plan::accept(const UnitDone& event, Unit& unit) {
   unit.hash = event.hash;
   unit.done_by = event.worker;
   unit.failed_checks = 0;
-  update_idle(event.unit);
+  update_copyable(event.unit);
   if (is_to_be_verified(event.unit)) {
     unit.unverified = true;
     ++jobs_.at(event.unit.job).unverified;

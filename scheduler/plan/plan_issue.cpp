@@ -36,7 +36,7 @@ void Plan::issue_to(WorkerId id) {
   units_[*unit].holders.insert(id);
   jobs_.at(unit->job).checks.erase(*unit);
   dequeue(*unit);
-  update_idle(*unit);
+  update_copyable(*unit);
   update_idle(id, worker);
   orders_.push_back(Assign{id, *unit});
 }
@@ -95,7 +95,7 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
     }
     if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
     worker.preparing = candidate;
-    look_by(now_);
+    check_by(now_);
     update_idle(id, worker);
     orders_.push_back(Prepare{id, candidate});
     return;
@@ -190,7 +190,7 @@ void Plan::show_progress(Worker& worker) {
   }
   worker.hung = worker.overdue = false;
   worker.heard_at = worker.progress_at = now_;
-  look_by(now_ + shortest_);
+  check_by(now_ + shortest_);
 }
 
 /// Starts the lease of the worker's current unit. A worker without a unit need not report progress.
@@ -198,7 +198,7 @@ void Plan::start_lease(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;
   worker.overdue = false;
-  look_by(now_ + shortest_);
+  check_by(now_ + shortest_);
 }
 
 /// Whether it has prepared a job for too long, or without a sign of life for too long. Units that it held
@@ -237,26 +237,26 @@ void Plan::check_leases() {
     if (worker.units.empty()) {
       if (is_stuck_preparing(worker)) stuck.emplace_back(id, *worker.preparing);
       if (worker.preparing)
-        look_by(std::min(worker.heard_at + leases_.unheard, *worker.preparing_since + leases_.unprepared));
+        check_by(std::min(worker.heard_at + leases_.unheard, *worker.preparing_since + leases_.unprepared));
       continue;
     }
     const UnitId in_hand = worker.units.front();
     if (worker.hung) {
       if (now_ >= worker.hung_until) silent.emplace_back(id, in_hand);
-      look_by(worker.hung_until);
+      check_by(worker.hung_until);
       continue;
     }
     const Seconds end = hung_at(worker);
     if (now_ < end) {
       tell_if_overdue(id, worker);
-      look_by(worker.overdue ? end : std::min(end, overdue_at(worker)));
+      check_by(worker.overdue ? end : std::min(end, overdue_at(worker)));
       continue;
     }
     const Lease given = lease(worker);
     worker.hung = true;
     worker.silent = worker.heard_at + given.silence <= end;
     worker.hung_until = now_ + (worker.silent ? given.silence : given.progress);
-    look_by(worker.hung_until);
+    check_by(worker.hung_until);
     update_idle(id, worker);
     ++units_.at(in_hand).expired_leases;
     blame(in_hand, id, Fault::kHung);

@@ -54,7 +54,7 @@ Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& 
   if (!device) return std::unexpected(device.error());
   const int width = scene.header.film.width, height = scene.header.film.height;
   const std::uint32_t spp = scene.header.sampler.spp;
-  FilmAccumulator film = FilmAccumulator(0, 0, width, height, FilmLayers(scene.header.features));
+  FilmAccumulator film(0, 0, width, height, FilmLayers(scene.header.features));
   for (std::uint32_t first = 0; first < spp;) {
     RenderUnit unit{.x = 0, .y = 0, .width = width, .height = height, .first_sample = first};
     unit.sample_count = std::min(kMaxSamplesPerUnit, spp - first);
