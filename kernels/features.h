@@ -38,7 +38,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(MATTES, "objects and materials of pixels")                         \
   X(PARTS, "parts of the light of paths alone")                        \
   X(MEDIA, "participating media")                                      \
-  X(LIGHT_EDGES, "edges of lights that the camera sees")
+  X(LIGHT_EDGES, "edges of lights that the camera sees")               \
+  X(PHOTONS, "photon maps")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

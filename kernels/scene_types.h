@@ -53,6 +53,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define HIDE_LIGHT 1
 #define HIDE_LOOK_THROUGH 2
 
+// Photon maps of the path integrator.
+#define PHOTONS_NONE 0
+#define PHOTONS_PROGRESSIVE 1  // a new map of all surfaces every few samples, with shrinking radii
+#define PHOTONS_FIXED 2        // one global map and one caustic map for the image
+
 #define HEURISTIC_BALANCE 0
 #define HEURISTIC_POWER 1
 
@@ -96,9 +101,10 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BVH_WIDTH 8               // children of a node, or primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples per camera ray
 #define LIGHT_PROBABILITY_STEPS \
-  16777216.0f               // 2^24: probabilities in the light hierarchy are multiples of its inverse
-#define LIGHT_CUT 16        // largest number of nodes where descents through the light hierarchy may start
-#define MAX_BRANCH_DEPTH 8  // largest number of surfaces in a row at which a path may branch
+  16777216.0f                 // 2^24: probabilities in the light hierarchy are multiples of its inverse
+#define LIGHT_CUT 16          // largest number of nodes where descents through the light hierarchy may start
+#define MAX_PHOTONS 16777216  // largest number of photons that are emitted for a map
+#define MAX_BRANCH_DEPTH 8    // largest number of surfaces in a row at which a path may branch
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of the table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
@@ -412,27 +418,39 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, spp)                       \
   F(uint, seed)
 
-#define INTEGRATOR_PARAMETERS_FIELDS(F)                                                             \
-  F(int, kind)      /* INTEGRATOR_* */                                                              \
-  F(int, max_depth) /* path: largest number of edges; INT_MAX for no limit */                       \
-  F(int, rr_depth)                                                                                  \
-  F(int, direct_sampling) /* SAMPLING_* */                                                          \
-  F(int, only_bounces)    /* path: the only number of bounces whose light is kept; -1: all */       \
-  F(int, only_technique)  /* path: TECHNIQUE_* */                                                   \
-  F(int, emitter_samples)                                                                           \
-  F(int, bsdf_samples)                                                                              \
-  F(int, bsdf_sampling) /* DIRECTION_* */                                                           \
-  F(int, heuristic)     /* HEURISTIC_* */                                                           \
-  F(int, hide_emitters) /* HIDE_* */                                                                \
-  F(int, light_choice)  /* CHOICE_* */                                                              \
-  F(int, trace_shadows) /* 0: shadow rays are not traced */                                         \
-  F(int, estimator)     /* ESTIMATOR_* */                                                           \
-  F(int, branch_depth)  /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */  \
-  F(int, leads_back)    /* whitted: 1 if a ray can always return to a surface to sample it again */ \
-  F(int, weighting)     /* occlusion: WEIGHTING_* of directions */                                  \
-  F(float, exponent)    /* occlusion: exponent of DIRECTION_LOBE */                                 \
-  F(float, background)  /* occlusion: value of camera rays that hit nothing */                      \
-  F(float, ray_length)  /* occlusion: only hits within it occlude; NO_LIMIT: all */
+#define INTEGRATOR_PARAMETERS_FIELDS(F)                                                                \
+  F(int, kind)      /* INTEGRATOR_* */                                                                 \
+  F(int, max_depth) /* path: largest number of edges; INT_MAX for no limit */                          \
+  F(int, rr_depth)                                                                                     \
+  F(int, direct_sampling) /* SAMPLING_* */                                                             \
+  F(int, only_bounces)    /* path: the only number of bounces whose light is kept; -1: all */          \
+  F(int, only_technique)  /* path: TECHNIQUE_* */                                                      \
+  F(int, emitter_samples)                                                                              \
+  F(int, bsdf_samples)                                                                                 \
+  F(int, bsdf_sampling)    /* DIRECTION_* */                                                           \
+  F(int, heuristic)        /* HEURISTIC_* */                                                           \
+  F(int, hide_emitters)    /* HIDE_* */                                                                \
+  F(int, light_choice)     /* CHOICE_* */                                                              \
+  F(int, trace_shadows)    /* 0: shadow rays are not traced */                                         \
+  F(int, estimator)        /* ESTIMATOR_* */                                                           \
+  F(int, branch_depth)     /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */  \
+  F(int, leads_back)       /* whitted: 1 if a ray can always return to a surface to sample it again */ \
+  F(int, weighting)        /* occlusion: WEIGHTING_* of directions */                                  \
+  F(float, exponent)       /* occlusion: exponent of DIRECTION_LOBE */                                 \
+  F(float, background)     /* occlusion: value of camera rays that hit nothing */                      \
+  F(float, ray_length)     /* occlusion: only hits within it occlude; NO_LIMIT: all */                 \
+  F(int, photons)          /* PHOTONS_*; the fields below are only used with FEATURE_PHOTONS */        \
+  F(int, surface_photons)  /* paths of photons that are emitted for the map of surfaces */             \
+  F(int, caustic_photons)  /* ... for caustics; PHOTONS_FIXED only */                                  \
+  F(int, volume_photons)   /* ... for media */                                                         \
+  F(float, surface_radius) /* of the first map; scene units */                                         \
+  F(float, caustic_radius)                                                                             \
+  F(float, volume_radius)                                                                              \
+  F(float, radius_alpha)    /* PHOTONS_PROGRESSIVE: how fast radii shrink, 0 to 1; 1: not at all */    \
+  F(int, samples_per_map)   /* PHOTONS_PROGRESSIVE: samples of a pixel that share a map */             \
+  F(int, lookup_size)       /* PHOTONS_FIXED: the number of nearest photons that are looked up */      \
+  F(int, final_gather)      /* PHOTONS_FIXED: 1: the global map is seen one bounce later */            \
+  F(float, emission_radius) /* of a sphere about the origin that contains all shapes */
 
 // Parameters that a viewer may change besides the camera: no table and no kernel depends on them.
 #define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */

@@ -17,6 +17,8 @@ void add_names(std::vector<std::pair<const char*, IntegratorMethod>>& names) {
       names.emplace_back(name, preset);
     }
   }
+  if constexpr (requires { Method::kAliases; })
+    for (const char* alias : Method::kAliases) names.emplace_back(alias, Method{});
 }
 
 template <std::size_t... I>
@@ -67,9 +69,18 @@ void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
 
 std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrator) {
   std::optional<DirectSampling> sampling;
+  if (has_photons(integrator)) sampling = DirectSampling::kMis;
   with_parameter(integrator, PENUMBRA_PARAMETER(direct_sampling),
                  [&](DirectSampling own) { sampling = own; });
   return sampling;
+}
+
+bool has_photons(const IntegratorSettings& integrator) {
+  return integrator.is<PhotonMapIntegrator>() || integrator.is<ProgressivePhotonIntegrator>();
+}
+
+bool sees_media(const IntegratorSettings& integrator) {
+  return integrator.is<VolpathIntegrator>() || has_photons(integrator);
 }
 
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {

@@ -112,6 +112,42 @@ struct WhittedIntegrator {
   std::optional<float> alpha = std::nullopt;  ///< of the control variate; none: fitted
 };
 
+/// Photon mapping with one map for the image (Jensen 1996): direct light by samples; caustics and other
+/// indirect light by the densities of two maps.
+struct PhotonMapIntegrator {
+  static constexpr const char* kName = "photonmapper";
+  static constexpr const char* kText = "photon mapping with one map for the image; biased";
+  int max_depth = -1;  ///< in edges, those of the photon included; -1: no limit
+  int rr_depth = 5;
+  int global_photons = 250'000;   ///< paths of photons emitted for the global map
+  int caustic_photons = 250'000;  ///< ... for the caustic map
+  int volume_photons = 250'000;   ///< ... for the map of media
+  /// Radii of density estimates, in radii of the scene's bounding sphere.
+  float global_lookup_radius = 0.05f, caustic_lookup_radius = 0.0125f, volume_lookup_radius = 0.05f;
+  float photon_radius = 0;    ///< the radius of all maps in scene units; 0: by the numbers above
+  int lookup_size = 120;      ///< photons of a density estimate: at most so many, the nearest ones
+  bool final_gather = false;  ///< the global map is seen from one diffuse bounce further
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+};
+
+/// Probabilistic progressive photon mapping (Knaus and Zwicker 2011): a new map every few samples, with
+/// shrinking radii. It converges to the image of `path`, or of `volpath` in scenes with media.
+struct ProgressivePhotonIntegrator {
+  static constexpr const char* kName = "ppm";
+  static constexpr const char* kText = "progressive photon mapping; the bias vanishes with more samples";
+  static constexpr const char* kAliases[] = {"pppm", "sppm"};
+  int max_depth = -1;  ///< in edges, those of the photon included; -1: no limit
+  int rr_depth = 5;
+  int photon_count = 250'000;         ///< paths of photons emitted for each map
+  float initial_radius = 0;           ///< in scene units; 0: from the size of a pixel
+  std::optional<float> alpha = 0.7f;  ///< how fast radii shrink; none: 2/3
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+};
+
 /// Ambient occlusion: the fraction of the directions above a surface in which no surface lies within
 /// `ray_length`.
 struct AmbientOcclusionIntegrator {
@@ -171,7 +207,8 @@ struct PolygonCvIntegrator {
 using IntegratorMethod =
     std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator, PolygonAreaIntegrator,
                  PolygonCvIntegrator, WhittedIntegrator, AmbientOcclusionIntegrator,
-                 ReflectionOcclusionIntegrator, VolpathIntegrator, NormalsIntegrator>;
+                 ReflectionOcclusionIntegrator, VolpathIntegrator, NormalsIntegrator, PhotonMapIntegrator,
+                 ProgressivePhotonIntegrator>;
 
 struct IntegratorSettings {
   IntegratorMethod method = PathIntegrator{};
@@ -306,7 +343,32 @@ void integrator_parameters(const Row& row) {
       OneOf<NextEvent>{{{"sample", NextEvent::kSample}, {"cv", NextEvent::kCv}}},
       "next-event estimation; samples alone, or with the closed form of polygon lights as control variate");
   row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
-      "weight of the control variate; auto: fitted for each pixel");
+      "weight of the control variate (auto: fitted for each pixel); ppm: how fast radii shrink, in (0, 1] "
+      "(auto: 2/3)");
+  constexpr WholeNumber kPhotons{0, MAX_PHOTONS};
+  row("photon_count", PENUMBRA_PARAMETER(photon_count), kPhotons, "photons emitted for each map",
+      &P::surface_photons, &P::volume_photons);
+  row("global_photons", PENUMBRA_PARAMETER(global_photons), kPhotons, "photons emitted for the global map",
+      &P::surface_photons);
+  row("caustic_photons", PENUMBRA_PARAMETER(caustic_photons), kPhotons, "photons emitted for the caustic map",
+      &P::caustic_photons);
+  row("volume_photons", PENUMBRA_PARAMETER(volume_photons), kPhotons, "photons emitted for the map of media",
+      &P::volume_photons);
+  row("initial_radius", PENUMBRA_PARAMETER(initial_radius), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
+      "radius of the first density estimates in scene units (0: from the size of a pixel)");
+  row("photon_radius", PENUMBRA_PARAMETER(photon_radius), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
+      "radius of all density estimates in scene units (0: by the lookup radii)");
+  const Number<float> share{LowEnd::kOpen, 0.0f, 1.0f};
+  row("global_lookup_radius", PENUMBRA_PARAMETER(global_lookup_radius), share,
+      "radius of the global map's density estimates, in radii of the scene's bounding sphere");
+  row("caustic_lookup_radius", PENUMBRA_PARAMETER(caustic_lookup_radius), share,
+      "... of the caustic map's density estimates");
+  row("volume_lookup_radius", PENUMBRA_PARAMETER(volume_lookup_radius), share,
+      "... of the density estimates in media");
+  row("lookup_size", PENUMBRA_PARAMETER(lookup_size), WholeNumber{1, MAX_PHOTONS},
+      "photons of a density estimate: at most about so many, the nearest within the radius", &P::lookup_size);
+  row("final_gather", PENUMBRA_PARAMETER(final_gather), TrueOrFalse{},
+      "whether the global map is seen one diffuse bounce later, which hides its blotches", &P::final_gather);
   row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
       "whether lights are invisible to the camera");
   row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),
@@ -326,8 +388,14 @@ const char* method_name(const IntegratorMethod& method);
 /// The most specific of its names, "path_ems" for example.
 const char* integrator_name(const IntegratorSettings& integrator);
 
-/// The direct sampling of `path` and `volpath`; nothing for other integrators.
+/// The direct sampling of `path`, `volpath` and the integrators with photons; nothing for other integrators.
 std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrator);
+
+/// Whether the integrator traces photons.
+bool has_photons(const IntegratorSettings& integrator);
+
+/// Whether the integrator sees participating media.
+bool sees_media(const IntegratorSettings& integrator);
 
 /// Changes to another integrator. Parameters that both have keep their values, except direct_sampling, which
 /// the new name determines.

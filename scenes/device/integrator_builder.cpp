@@ -79,6 +79,32 @@ void set_occlusion(const IntegratorSettings& integrator, double scene_radius, In
   p.ray_length = length > 0 ? length : length < 0 ? float(0.5 * scene_radius) : NO_LIMIT;
 }
 
+// Rounding in single precision must not leave a shape outside of the sphere from which infinite lights shine.
+constexpr double kEmissionMargin = 1.0001;
+constexpr float kBestRadiusAlpha = 2.0f / 3.0f;  // see ALPHA of photon_map_radius
+
+void set_photons(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
+  p.photons = PHOTONS_NONE;
+  p.emission_radius = float(kEmissionMargin * scene_radius);
+  if (const auto* fixed = integrator.get<PhotonMapIntegrator>()) {
+    const auto radius = [&](float share) {
+      return fixed->photon_radius > 0 ? fixed->photon_radius : float(share * scene_radius);
+    };
+    p.photons = PHOTONS_FIXED;
+    p.surface_radius = radius(fixed->global_lookup_radius);
+    p.caustic_radius = radius(fixed->caustic_lookup_radius);
+    p.volume_radius = radius(fixed->volume_lookup_radius);
+    p.radius_alpha = 1.0f;
+  }
+  if (const auto* progressive = integrator.get<ProgressivePhotonIntegrator>()) {
+    p.photons = PHOTONS_PROGRESSIVE;
+    p.surface_radius = p.volume_radius = progressive->initial_radius;
+    p.radius_alpha = progressive->alpha.value_or(kBestRadiusAlpha);
+    p.caustic_photons = 0;
+    p.samples_per_map = 1;
+  }
+}
+
 void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters& p) {
   integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto... member) {
     const auto copy = [](const auto& value, auto& to) { to = std::remove_reference_t<decltype(to)>(value); };
@@ -106,6 +132,7 @@ void set_parameters(const IntegratorSettings& integrator, double scene_radius, I
   if (!direct_sampling(integrator) && !integrator.is<DirectIntegrator>() &&
       !integrator.is<WhittedIntegrator>())
     p.bsdf_samples = 0;
+  set_photons(integrator, scene_radius, p);
   set_occlusion(integrator, scene_radius, p);
   const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
   p.hide_emitters = !integrator.hide_emitters ? HIDE_NOTHING
@@ -140,6 +167,32 @@ void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lig
   } else {
     h.integrator.estimator = ESTIMATOR_AUTO;
   }
+}
+
+// Without a radius: this many pixels wide at the scene's distance.
+constexpr float kAutomaticRadius = 3.0f;
+
+/// The width of a pixel at the scene's centre; at its radius if the camera is nearer.
+float pixel_width(const SceneHeader& h) {
+  const float film = 2.0f * length3(h.camera.x) / float(h.film.width);
+  if (h.camera.parallel != 0.0f) return film;
+  return film * std::max(length3(h.camera.origin), h.integrator.emission_radius);
+}
+
+/// Completes the radii, and checks that there are photons.
+Expected<void> prepare_photons(const LightBuilder& lights, SceneHeader& h) {
+  IntegratorParameters& p = h.integrator;
+  const bool lit = std::ranges::any_of(
+      lights.lights(), [](const Light& light) { return max_component(light.radiance) > 0.0f; });
+  if (!lit) return fail("photon mapping needs a light that is not black");
+  if (p.surface_photons + p.caustic_photons + p.volume_photons == 0)
+    return fail("photon mapping needs photons; all numbers of photons are 0");
+  if (!(p.radius_alpha > 0.0f && p.radius_alpha <= 1.0f))
+    return fail(fmt::format("alpha of photon mapping is {}; values in (0, 1] are possible", p.radius_alpha));
+  const float automatic = kAutomaticRadius * pixel_width(h);
+  for (float* radius : {&p.surface_radius, &p.caustic_radius, &p.volume_radius})
+    if (!(*radius > 0.0f)) *radius = automatic;
+  return {};
 }
 
 LightChoice light_choice(const IntegratorSettings& integrator) {
@@ -185,6 +238,10 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
                               double scene_radius, SceneHeader& h) {
   set_parameters(integrator, scene_radius, h.integrator);
   h.features |= feature_of(h.integrator.kind);
+  if (h.integrator.photons != PHOTONS_NONE) {
+    if (Expected<void> done = prepare_photons(lights, h); !done) return done;
+    h.features |= FEATURE_PHOTONS;
+  }
   h.integrator.leads_back = (h.features & FEATURE_NESTED) == 0u ? 1 : 0;
   if (const auto* path = integrator.get<PathIntegrator>(); path && keeps_parts(*path))
     h.features |= FEATURE_PARTS;

@@ -59,7 +59,7 @@ std::map<int, std::string> boundary_names(const SceneDescription& scene) {
 }
 
 MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed) : scene_(scene) {
-  if (!scene.integrator.is<VolpathIntegrator>()) return;
+  if (!sees_media(scene.integrator)) return;
   find_equal_media();
   std::size_t number = 0;
   for (const Shape& shape : scene.shapes) add(shape, number++);

@@ -60,7 +60,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   for (const auto& [key, value] : context.settings)
     if (to_snake_case(key) == "integrator.type")
       static_cast<void>(apply_setting(scene, "integrator.type", value));
-  context.media_seen = scene.integrator.is<VolpathIntegrator>();
+  context.media_seen = sees_media(scene.integrator);
   MediumReader media(context);
   context.media = &media;
   if (sensor != nullptr) {
