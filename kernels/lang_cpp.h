@@ -59,6 +59,8 @@
   // traced one after the other, which is faster where pack_8 needs a loop.
   #define RAYS_IN_FLIGHT 32
 #endif
+// Increments *counter and returns what it was. Each counter belongs to one thread.
+#define FETCH_AND_INCREMENT(counter) ((*(counter))++)
 // Number of set bits.
 #define BIT_COUNT(x) __builtin_popcount(x)
 // Prefetches the cache line at `address` + `bytes`. Any address is allowed, even one outside of a table.

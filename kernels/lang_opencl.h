@@ -37,7 +37,8 @@
 #define RESTRICT restrict
 #define CONSTANT_TABLE __constant
 
-// See lang_cpp.h.
+// See lang_cpp.h. Work items share counters.
+#define FETCH_AND_INCREMENT(counter) atomic_inc(counter)
 #define STRUCT(name)        \
   typedef struct name name; \
   struct name

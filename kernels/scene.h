@@ -21,6 +21,7 @@ typedef struct {
 #ifdef EXTERNAL_TRACER
   Tracer tracer;  ///< with null functions, kernels use the portable intersector
 #endif
+  GLOBAL const uint* photons;  ///< FEATURE_PHOTONS: the photon maps, see photon/photon_map.h
 #define TABLE_POINTER(_, name, record, least, what) GLOBAL const record* name;
   SCENE_TABLES(TABLE_POINTER, _)
 #undef TABLE_POINTER
@@ -29,6 +30,7 @@ typedef struct {
 FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   Scene s;
   s.header = header;
+  s.photons = 0;
 #define POINT_TO_TABLE(s, name, record, least, what) \
   s.name = (GLOBAL const record*)(words + header.tables.name.offset);
   SCENE_TABLES(POINT_TO_TABLE, s)

@@ -7,6 +7,7 @@
 #include "kernels/features.h"
 #include "kernels/light/light_kinds.h"
 #include "kernels/math/vec3.h"
+#include "kernels/photon/photon_fields.h"
 #include "kernels/texture/texture_kinds.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -612,6 +613,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \
   X(Corner, CORNER_FIELDS)                              \
   X(LtcCell, LTC_CELL_FIELDS)                           \
+  X(Photon, PHOTON_FIELDS)                              \
+  X(PhotonMap, PHOTON_MAP_FIELDS)                       \
   X(Camera, CAMERA_FIELDS)                              \
   X(FilmParameters, FILM_PARAMETERS_FIELDS)             \
   X(SamplerParameters, SAMPLER_PARAMETERS_FIELDS)       \

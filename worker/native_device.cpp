@@ -17,6 +17,7 @@
 #include "kernels/host/text.h"
 #include "worker/embree_tracer.h"
 #include "worker/kernel_unit.h"
+#include "worker/photon_maps.h"
 #include "worker/search_choice.h"
 
 namespace penumbra {
@@ -26,6 +27,9 @@ namespace {
 constexpr int kBlockStride = kBlockPaths + 16;
 // For all samples of a pixel, and for lanes beyond them.
 constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
+
+// Room for photons that usually suffices. A block with more is traced again.
+constexpr int kPhotonsPerPath = 8;
 
 /// Threads that wait for work: a unit takes a few milliseconds, too short for starting threads. If the system
 /// does not provide all wanted threads, the team is smaller.
@@ -106,7 +110,8 @@ class NativeDevice final : public Device {
         kernel_(kernel),
         whole_(whole),
         tracer_(std::move(tracer)),
-        team_(std::max(1, options.threads)) {}
+        team_(std::max(1, options.threads)),
+        photon_maps_([this](const PhotonTask& task) { return trace_photons(task); }) {}
 
   std::string description() const override {
     return fmt::format("native {}{}, {} intersector, {}", isa_name(options_.isa),
@@ -124,17 +129,18 @@ class NativeDevice final : public Device {
     if (!made) return made;
     SampleBuffer& result = *made;
 
+    make_blocks();
+    const auto photons = photon_maps_.of_unit(scene_.header, unit);
+    if (!photons) return std::unexpected(photons.error());
+    const std::uint32_t* photon_words = *photons != nullptr ? (*photons)->words.data() : nullptr;
+
     const int samples = int(unit.sample_count);
-    const int capacity = options_.block_of_one ? 1 : kBlockStride;
     const int pixels = int(result.pixels());
     // Smaller blocks if there would be fewer blocks than threads.
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
-    while (blocks_.size() < std::size_t(team_.size()))
-      blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
-    SceneHeader header = scene_.header;
-    if (whole_) header.features &= ~std::uint64_t(FEATURE_BVH);
+    const SceneHeader header = traced_header();
     const Unit portable = kernel_unit(unit);
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
@@ -144,7 +150,7 @@ class NativeDevice final : public Device {
       block.probe = options_.probe;
       BadSamples bad[BAD_KINDS] = {};
       for (int first; (first = next.fetch_add(block_pixels)) < pixels; part_is_done())
-        kernel_.render_block(header, scene_.words.data(), tracer, portable, first,
+        kernel_.render_block(header, scene_.words.data(), photon_words, tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
       const std::lock_guard lock(noting);
       for (int kind = 0; kind < BAD_KINDS; ++kind)
@@ -155,6 +161,49 @@ class NativeDevice final : public Device {
   }
 
  private:
+  [[nodiscard]] int capacity() const { return options_.block_of_one ? 1 : kBlockStride; }
+  /// The scene's header, with the search that this device prefers.
+  [[nodiscard]] SceneHeader traced_header() const {
+    SceneHeader header = scene_.header;
+    if (whole_) header.features &= ~std::uint64_t(FEATURE_BVH);
+    return header;
+  }
+  void make_blocks() {
+    while (blocks_.size() < std::size_t(team_.size()))
+      blocks_.emplace_back(scene_.header.features, capacity(), kSlots);
+  }
+
+  Expected<std::vector<Photon>> trace_photons(const PhotonTask& task) {
+    const SceneHeader header = traced_header();
+    const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
+    const int block_paths = options_.block_of_one ? 1 : kBlockPaths;
+    const int blocks = (task.paths + block_paths - 1) / block_paths;
+    std::vector<std::vector<Photon>> traced(std::size_t(std::max(blocks, 0)));
+    std::atomic<int> next{0};
+    team_.run([&](int thread) {
+      const Block block = blocks_[std::size_t(thread)].block();
+      std::vector<Photon> room(std::size_t(block_paths) * kPhotonsPerPath);
+      for (int b; (b = next.fetch_add(1)) < blocks; part_is_done()) {
+        const int first = b * block_paths, paths = std::min(block_paths, task.paths - first);
+        int count = 0;
+        const auto trace = [&] {
+          count = 0;
+          kernel_.trace_photons(header, scene_.words.data(), tracer, task, first, paths, block,
+                                {room.data(), &count, int(room.size())});
+        };
+        trace();
+        if (std::size_t(count) > room.size()) {
+          room.resize(std::size_t(count));
+          trace();
+        }
+        traced[std::size_t(b)].assign(room.begin(), room.begin() + count);
+      }
+    });
+    std::vector<Photon> all;
+    for (const std::vector<Photon>& some : traced) all.insert(all.end(), some.begin(), some.end());
+    return all;
+  }
+
   const DeviceScene& scene_;
   DeviceOptions options_;
   const NativeKernel& kernel_;
@@ -162,6 +211,7 @@ class NativeDevice final : public Device {
   std::unique_ptr<EmbreeTracer> tracer_;
   ThreadTeam team_;
   std::vector<BlockMemory> blocks_;
+  PhotonMaps photon_maps_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
 #include "worker/opencl_session.h"
+#include "worker/photon_maps.h"
 
 namespace penumbra {
 namespace {
@@ -20,7 +21,10 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLaunchSeconds = 0.25;         // watchdogs kill after about 2 s
 constexpr double kCpuLaunchSeconds = 1;         // so that the worker can show progress
 constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before any time is known
-constexpr std::size_t kLargestGroup = 64;       // work items; larger groups share no memory and gain nothing
+// Photons that a launch has room for; and how many a path is expected to have.
+constexpr std::uint64_t kPhotonRoom = 1 << 19;
+constexpr int kPhotonsPerPath = 8;
+constexpr std::size_t kLargestGroup = 64;  // work items; larger groups share no memory and gain nothing
 
 class OpenClDevice final : public Device {
  public:
@@ -50,6 +54,7 @@ class OpenClDevice final : public Device {
     if (!made) return made;
     SampleBuffer& result = *made;
     if (Expected<void> ready = reserve(unit); !ready) return std::unexpected(ready.error());
+    if (Expected<void> ready = use_photons(unit); !ready) return std::unexpected(ready.error());
     for (int y = 0; y < unit.height; y += plan_.part_height)
       for (int x = 0; x < unit.width; x += plan_.part_width) {
         Unit part = kernel_unit(unit);
@@ -77,7 +82,8 @@ class OpenClDevice final : public Device {
         // A CPU device runs one work item per core, so this many keep that many cores busy. (Dividing the
         // device would be more direct, but PoCL 3.1 crashes on sub-devices.)
         items_(std::max(1, options.threads)),
-        features_(scene.header.features) {
+        features_(scene.header.features),
+        photon_maps_([this](const PhotonTask& task) { return trace_photons(task); }) {
     const OpenClTuning& tuning = options.opencl_tuning;
     limits_ = {tuning.memory_bytes ? tuning.memory_bytes : info().memory_bytes,
                tuning.allocation_bytes ? tuning.allocation_bytes : info().max_allocation_bytes};
@@ -101,7 +107,7 @@ class OpenClDevice final : public Device {
     // A CPU device uses the scene's memory in place: the scene outlives the device.
     if (!upload_header() ||
         !session_.upload(words_, scene_.words.data(), scene_.words.size() * 4, info().is_cpu) ||
-        !session_.allocate(next_block_, sizeof(cl_int)))
+        !session_.allocate(next_block_, sizeof(cl_int)) || !session_.allocate(photons_, sizeof(cl_uint)))
       return std::unexpected(error());
     if (!info().is_exact)
       preparation_.warnings.push_back(
@@ -137,6 +143,7 @@ class OpenClDevice final : public Device {
       if (!program) return std::unexpected(program.error());
       trace_.reset();
       finish_.reset();
+      emit_.reset();
       program_ = std::move(*program);
       if (!create_kernels() || !first_launch()) return std::unexpected(error());
     }
@@ -152,6 +159,10 @@ class OpenClDevice final : public Device {
     cl_int status = CL_SUCCESS;
     trace_.reset(clCreateKernel(program_.get(), shape_.blocks ? "render_blocks" : "trace_paths", &status));
     if (!session_.good(status, "create the kernel")) return false;
+    if ((features_ & FEATURE_PHOTONS) != 0u) {
+      emit_.reset(clCreateKernel(program_.get(), "trace_photon_paths", &status));
+      if (!session_.good(status, "create the kernel")) return false;
+    }
     if (shape_.blocks) return true;
     finish_.reset(clCreateKernel(program_.get(), "finish_samples", &status));
     if (!session_.good(status, "create the kernel")) return false;
@@ -172,7 +183,7 @@ class OpenClDevice final : public Device {
   // --- Memory
 
   Expected<OpenClMemoryPlan> plan(const RenderUnit& unit) {
-    demand_ = {.scene_bytes = scene_bytes_,
+    demand_ = {.scene_bytes = scene_bytes_ + photon_bytes_,
                .path_words = std::uint64_t(path_words(features_)),
                .slot_words = std::uint64_t(slot_words(features_)),
                .planes = std::uint64_t(device_plane_count(features_, unit.sample_count)),
@@ -194,7 +205,7 @@ class OpenClDevice final : public Device {
                                                             {&bad_, plan_.bad_bytes(demand_)},
                                                             {&out_, plan_.result_bytes(demand_)}};
     // Each buffer fits, but not together with larger ones from before.
-    std::uint64_t held = scene_bytes_;
+    std::uint64_t held = scene_bytes_ + photon_bytes_;
     for (const auto& [buffer, bytes] : buffers) held += std::max(buffer->bytes, bytes);
     if (held > limits_.memory && !session_.wait()) return std::unexpected(error());
     for (const auto& [buffer, bytes] : buffers)
@@ -232,8 +243,8 @@ class OpenClDevice final : public Device {
   bool launch_range(const Unit& unit, int first, int end, int block_pixels) {
     if (!session_.clear(next_block_, sizeof(cl_int))) return false;
     ClArguments arguments(trace_.get());
-    arguments << header_ << words_ << unit << first << end << block_pixels << plan_.paths << plan_.slots
-              << paths_ << slots_ << out_ << bad_ << next_block_;
+    arguments << header_ << words_ << photons_ << unit << first << end << block_pixels << plan_.paths
+              << plan_.slots << paths_ << slots_ << out_ << bad_ << next_block_;
     return session_.launch(arguments, std::size_t(plan_.items), 1);
   }
 
@@ -267,16 +278,72 @@ class OpenClDevice final : public Device {
 
   bool launch_trace(const Unit& unit, int first_pixel, int first, int count) {
     ClArguments arguments(trace_.get());
-    arguments << header_ << words_ << unit << first_pixel << first << count << plan_.paths << plan_.slots
-              << paths_ << slots_;
+    arguments << header_ << words_ << photons_ << unit << first_pixel << first << count << plan_.paths
+              << plan_.slots << paths_ << slots_;
     return session_.launch(arguments, std::size_t(count), group_);
   }
 
   bool launch_finish(const Unit& unit, int first_pixel, int from, int count) {
     ClArguments arguments(finish_.get());
-    arguments << header_ << words_ << unit << first_pixel << from << count << plan_.slots << slots_ << out_
-              << bad_;
+    arguments << header_ << words_ << photons_ << unit << first_pixel << from << count << plan_.slots
+              << slots_ << out_ << bad_;
     return session_.launch(arguments, std::size_t(count), group_);
+  }
+
+  // --- Photons
+
+  /// Makes the photon maps of the unit and uploads them, unless they are there.
+  Expected<void> use_photons(const RenderUnit& unit) {
+    const auto maps = photon_maps_.of_unit(scene_.header, unit);
+    if (!maps) return std::unexpected(maps.error());
+    if (*maps == nullptr || (*maps)->number == uploaded_) return {};
+    photon_bytes_ = (*maps)->words.size() * sizeof(std::uint32_t);
+    if (!session_.wait() || !session_.upload(photons_, (*maps)->words.data(), photon_bytes_, info().is_cpu))
+      return std::unexpected(error());
+    uploaded_ = (*maps)->number;
+    return reserve(unit);
+  }
+
+  /// Traces photon paths in launches whose photons have room in one buffer.
+  Expected<std::vector<Photon>> trace_photons(const PhotonTask& task) {
+    const std::uint64_t most = std::min<std::uint64_t>(kPhotonRoom, limits_.allocation / sizeof(Photon));
+    const int room = int(std::max<std::uint64_t>(most, 1));
+    if (!session_.reserve(traced_photons_, std::uint64_t(room) * sizeof(Photon)) ||
+        !session_.reserve(photon_count_, sizeof(cl_int)))
+      return std::unexpected(error());
+    std::vector<Photon> photons;
+    int wanted = std::max(1, room / kPhotonsPerPath);
+    for (int first = 0; first < task.paths;) {
+      int now = std::min(wanted, task.paths - first), count = 0;
+      if (!shape_.blocks) now = std::min(now, plan_.items);
+      if (!launch_photons(task, first, now, room) || !session_.read(photon_count_, &count, sizeof(cl_int)))
+        return std::unexpected(error());
+      part_is_done();
+      if (count > room && now == 1)
+        return fail("a photon arrives at too many surfaces for the device's memory");
+      if (count > room) {
+        wanted = std::max(1, now / 2);
+        continue;
+      }
+      const std::size_t before = photons.size();
+      photons.resize(before + std::size_t(count));
+      if (count > 0 &&
+          !session_.read(traced_photons_, photons.data() + before, std::size_t(count) * sizeof(Photon)))
+        return std::unexpected(error());
+      first += now;
+    }
+    return photons;
+  }
+
+  bool launch_photons(const PhotonTask& task, int first, int count, int room) {
+    if (!session_.clear(next_block_, sizeof(cl_int)) || !session_.clear(photon_count_.buffer, sizeof(cl_int)))
+      return false;
+    ClArguments arguments(emit_.get());
+    arguments << header_ << words_ << int(task.map) << int(task.sequence) << task.paths << first
+              << first + count << plan_.paths << paths_ << traced_photons_ << photon_count_ << room
+              << next_block_;
+    const std::size_t items = shape_.blocks ? std::size_t(plan_.items) : std::size_t(count);
+    return session_.launch(arguments, items, shape_.blocks ? 1 : group_);
   }
 
   // --- Results
@@ -324,14 +391,18 @@ class OpenClDevice final : public Device {
 
   ClProgram program_;
   ClKernel trace_, finish_;  // finish_: with one path per work item
+  ClKernel emit_;            // with FEATURE_PHOTONS
   std::size_t group_ = 1;
   std::uint64_t scene_bytes_ = 0;
   OpenClDemand demand_;
   OpenClMemoryPlan plan_;
   ClBuffer header_, words_, next_block_;
-  ClReserve paths_, slots_, out_, bad_;
+  ClBuffer photons_;  // the words of maps number `uploaded_`
+  std::uint64_t uploaded_ = 0, photon_bytes_ = 0;
+  ClReserve paths_, slots_, out_, bad_, traced_photons_, photon_count_;
   std::vector<BadSamples> counters_;
   std::vector<float> part_values_;
+  PhotonMaps photon_maps_;
 };
 
 }  // namespace

@@ -18,16 +18,19 @@
 #include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
 #include "kernels/integrator/whitted.h"
+#include "kernels/photon/trace_photons.h"
 #include "kernels/sampler/filter.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The scene with the random sequence and the samples per pixel of this unit.
-FN Scene scene_of_unit(SceneHeader header, GLOBAL const uint* words, const PRIVATE Unit* unit) {
+/// The scene with the random sequence and the samples per pixel of this unit, and with its photon maps.
+FN Scene scene_of_unit(SceneHeader header, GLOBAL const uint* words, GLOBAL const uint* photons,
+                       const PRIVATE Unit* unit) {
   Scene scene = make_scene(header, words);
   PRIVATE SamplerParameters* sampler = &scene.header.sampler;
-  if (unit->sequence != 0u) sampler->seed = hash_uint(sampler->seed ^ hash_uint(unit->sequence));
+  sampler->seed = sequence_seed(sampler->seed, unit->sequence);
   if (unit->spp != 0u) sampler->spp = unit->spp;
+  scene.photons = photons;
   return scene;
 }
 
@@ -175,11 +178,6 @@ STAGE void clear_control(const PRIVATE PathState* paths, int i) {
     }
 }
 
-STAGE void start_media(const PRIVATE PathState* paths, int i) {
-  LANE_LOOP
-    for (int j = i; j < i + LANES; j++) set_eta(paths, j, 1.0f);
-}
-
 CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, int channel, const PRIVATE PathState* paths,
                         const PRIVATE SlotState* slots) {
@@ -193,6 +191,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
+    if (NEEDS(scene, PHOTONS)) start_chains(paths, i);
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
     if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);

@@ -71,6 +71,8 @@ FN void copy_lane(ulong features, const PRIVATE PathState* paths, int to, int fr
 
 // The channel of a path that is traced for all channels at once.
 #define EVERY_CHANNEL -1
+// The channel of photons, which have no sample.
+#define NO_CHANNEL -2
 // Of channels that are traced one after the other the first: green, whose layers are kept, comes last.
 #define FIRST_CHANNEL 2
 
@@ -123,7 +125,7 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
     gone += 1 - alive;
   }
   const bool polygons = NEEDS(scene, POLYGONS);
-  if (HAS(CAMERA) && channel != EVERY_CHANNEL)
+  if (HAS(CAMERA) && channel >= 0)
     for (int m = 0; m < gone; m++) finish_channel(paths, finished[m], channel, polygons, slots);
   for (int m = 0; m < gone && channel == EVERY_CHANNEL; m++) {
     const int i = finished[m], slot = get_slot(paths, i);
@@ -134,7 +136,7 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
       set_slot_analytic(slots, slot, get_analytic(paths, i));
     }
   }
-  if (NEEDS_MEDIA(scene))
+  if (NEEDS_MEDIA(scene) && channel != NO_CHANNEL)
     for (int m = 0; m < gone; m++) finish_crossings(paths, finished[m], channel, slots);
   if (gone > 0 && left > 0) close_gaps(SCENE_FEATURES(&scene->header), paths, count, left);
   return left;

@@ -55,6 +55,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, left_finite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE) /* see LightScales */                           \
   X(float, left_infinite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)                                               \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light from polygons has closed forms */        \
+  X(int, chain, FEATURE_PHOTONS, FEATURE_PHOTONS)       /* CHAIN_*: the surfaces that scattered it */                 \
   /* rays that pass through surfaces: see block_see_through.h */                                                      \
   X(int, material, FEATURE_NESTED, FEATURE_NESTED)      /* leaf chosen at the hit, or -1: the side's material */      \
   X(vec3, kept_origin, THROUGH, FEATURE_NESTED)         /* start of the ray, before it passed surfaces */             \

@@ -7,15 +7,20 @@
 #ifndef EXTERNAL_TRACER
   #define EXTERNAL_TRACER
 #endif
+#include "kernels/photon/photon_task.h"
 #include "kernels/scene.h"
 #include "kernels/unit.h"
 
 namespace penumbra {
 
-/// See render_block of block.h.
-using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const Tracer& tracer,
-                               const Unit& unit, int first_pixel, int pixels, const Block& block, float* out,
-                               BadSamples* bad);
+/// See render_block of block.h. `photons`: the maps, see photon/photon_map.h; null without FEATURE_PHOTONS.
+using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const uint* photons,
+                               const Tracer& tracer, const Unit& unit, int first_pixel, int pixels,
+                               const Block& block, float* out, BadSamples* bad);
+/// See trace_photons of photon/trace_photons.h.
+using NativeTracePhotons = void(const SceneHeader& header, const uint* words, const Tracer& tracer,
+                                const PhotonTask& task, int first, int count, const Block& block,
+                                const PhotonStore& store);
 
 /// kScalar: one lane, no vector instructions beyond the baseline's; used for debugging, with blocks of one
 /// path.
@@ -25,6 +30,7 @@ struct NativeKernel {
   KernelTarget target;
   int lanes;
   NativeRenderBlock* render_block;
+  NativeTracePhotons* trace_photons;
 };
 
 /// All kernels in this binary: scalar, SSE2, and those that the build was configured for.

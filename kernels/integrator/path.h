@@ -8,6 +8,7 @@
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
 #include "kernels/integrator/path_stages.h"
+#include "kernels/photon/photon_chains.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -35,6 +36,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (NEEDS(scene, POLYGONS) && finds) drop_controlled(paths, i, &step.emissions, &step.found);
     if (NEEDS(scene, POLYGONS)) note_controlled(scene, paths, i, &step.closures);
     if (NEEDS(scene, PARTS) && finds) drop_found_parts(scene, paths, i, &step.found);
+    if (NEEDS(scene, PHOTONS) && finds) drop_photon_emission(paths, i, &step.found);
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (!scatters) {
       end_paths(paths, i);
@@ -44,11 +46,15 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     // Next-event estimation: a point on a light, and the shadow ray to it.
     sample_step_lights(scene, &step);
     if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
+    if (NEEDS(scene, PHOTONS)) drop_photon_samples(paths, i, &step.closures, &step.lights);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
     request_light(scene, paths, i, &step);
     if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
     if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
+
+    // Indirect light from photon maps.
+    if (NEEDS(scene, PHOTONS)) add_photons(scene, paths, i, &step);
 
     // The next direction, by BSDF sampling, and Russian roulette.
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
@@ -56,6 +62,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     shade_bumps(scene, &step.surfaces, &step.samples);
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
     continue_paths(scene, paths, i, &step);
+    if (NEEDS(scene, PHOTONS)) follow_chains(scene, paths, i, &step.surfaces, &step.closures);
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
   }

@@ -3,6 +3,7 @@
 #define PENUMBRA_INTEGRATOR_PATH_STAGES_H
 #include "kernels/integrator/light_request.h"
 #include "kernels/medium/medium_state.h"
+#include "kernels/photon/photon_surfaces.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -147,6 +148,7 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   find_emissions(scene, &found, balances & (step > 0), &emissions);
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
   if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
+  if (NEEDS(scene, PHOTONS)) drop_photon_emission(paths, i, &found);
   add_emissions(scene, paths, i, &found, &emissions);
 }
 
@@ -174,6 +176,12 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
           mul(get_throughput(&fields, i + j), scale(mul(value.f_cos, light.radiance), weight));
       request_shadow_ray(scene, &fields, i + j, s, light, arriving, lit, controlled);
     }
+}
+
+/// A path's first ray is at the relative refractive index 1.
+STAGE void start_media(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_eta(paths, j, 1.0f);
 }
 
 /// Updates the refractive indices for the next rays.

@@ -13,6 +13,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PAIR_FILM 0u              // position on the film
 #define PAIR_LENS 0xffffffffu     // position on the lens
 #define PAIR_CHANNEL 0xfffffffeu  // colour channel (hero) of media
+// Pairs of a photon's first ray, with those above: PAIR_FILM is the light and a point on it.
+#define PAIR_EMISSION 0xfffffffdu  // the direction
+#define PAIR_EMITTER 0xfffffffcu   // digits below those of PAIR_FILM; the channel
 
 // Pairs of each depth: for the surface, or the point in a medium, that scatters a path. See step_point.
 enum {
@@ -42,6 +45,11 @@ FN uint hash_uint(uint v) {
   uint s = v * 747796405u + 2891336453u;
   uint w = ((s >> ((s >> 28) + 4u)) ^ s) * 277803737u;
   return (w >> 22) ^ w;
+}
+
+/// The seed of a unit's random sequence; 0 is that of the scene's seed.
+FN uint sequence_seed(uint seed, uint sequence) {
+  return sequence != 0u ? hash_uint(seed ^ hash_uint(sequence)) : seed;
 }
 
 FN uint pixel_hash(uint seed, uint x, uint y) { return hash_uint(x + hash_uint(y + hash_uint(seed))); }

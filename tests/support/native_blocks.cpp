@@ -19,7 +19,7 @@ std::vector<float> render_native_blocks(const NativeKernel& kernel, const Device
   BadSamples bad[BAD_KINDS] = {};
   for (int first = 0; first < pixels; first += row) {
     if (before) before({first, row});
-    kernel.render_block(scene.header, scene.words.data(), tracer, portable, first,
+    kernel.render_block(scene.header, scene.words.data(), nullptr, tracer, portable, first,
                         std::min(row, pixels - first), block, planes.data(), bad);
   }
   return planes;

@@ -336,7 +336,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   const Block block = memory.block();
   BadSamples bad[BAD_KINDS] = {};
   const Unit whole = kernel_unit(unit);
-  kernel.render_block(scene.header, scene.words.data(), Tracer{}, whole, 0, pixels, block,
+  kernel.render_block(scene.header, scene.words.data(), nullptr, Tracer{}, whole, 0, pixels, block,
                       buffer.values.data(), bad);
   buffer.flagged[BAD_NAN] = flagged_samples(whole, bad[BAD_NAN]);
   buffer.flagged[BAD_INFINITE] = flagged_samples(whole, bad[BAD_INFINITE]);

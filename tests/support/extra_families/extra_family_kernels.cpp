@@ -9,10 +9,13 @@
 namespace penumbra {
 
 NativeRenderBlock render_extra_families_scalar, render_extra_families_sse2;
+NativeTracePhotons trace_extra_families_scalar, trace_extra_families_sse2;
 
 const NativeKernel& extra_family_kernel(bool one_lane) {
-  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_families_scalar};
-  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_families_sse2};
+  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_families_scalar,
+                                         trace_extra_families_scalar};
+  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_families_sse2,
+                                       trace_extra_families_sse2};
   return one_lane ? kOneLane : kLanes;
 }
 

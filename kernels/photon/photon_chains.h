@@ -1,0 +1,103 @@
+// What photon maps change for the paths of the camera. A path ends at the first surface with a diffuse part,
+// or point in a medium, that scatters it: photons bring the indirect light there. Direct light is still
+// sampled there, by the light and by one last ray. Up to there, at mirrors, glass and glossy surfaces without
+// a diffuse part, it is a path of the path tracer.
+//
+// With final gathering, a path takes only caustics from photons there, and goes on to the next such surface
+// (Christensen 1999). On the way it leaves out light that the caustic map has. If the next surface is nearer
+// than the radius, where densities would show as blotches, it goes on once more.
+#ifndef PENUMBRA_PHOTON_CHAINS_H
+#define PENUMBRA_PHOTON_CHAINS_H
+#include "kernels/integrator/path_stages.h"
+#include "kernels/photon/photon_gather.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Drops light samples for the same reason: at surfaces without a diffuse part, behind a diffuse one.
+STAGE void drop_photon_samples(const PRIVATE PathState* paths, int i,
+                               const PRIVATE Closures* RESTRICT closures,
+                               PRIVATE LightSamples* RESTRICT lights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool dropped =
+          (get_chain(paths, i + j) != CHAIN_SPECULAR) & !has_diffuse_part(load_closure(closures, j));
+      lights->tmax[j] = dropped ? -1.0f : lights->tmax[j];
+    }
+}
+
+/// Whether the path's indirect light at this surface comes from photons.
+FN bool ends_at_photons(const PRIVATE SceneHeader* h, int chain, float distance, Closure c) {
+  const bool near = (chain == CHAIN_DIFFUSE) & (distance < h->integrator.surface_radius);
+  const bool gathers = h->integrator.final_gather != 0 && c.family != FAMILY_PHASE;
+  return has_diffuse_part(c) & !(gathers & ((chain == CHAIN_SPECULAR) | near));
+}
+
+/// The photons of one map that the paths take at these surfaces. Returns whether any path takes some.
+FN bool request_photons(const PRIVATE SceneHeader* h, int map, const PRIVATE PathState* paths, int i,
+                        const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures,
+                        PRIVATE PhotonRequest* request) {
+  int any = 0;
+  request->map = map;
+  request->lookup_size = h->integrator.photons == PHOTONS_FIXED ? h->integrator.lookup_size : 0;
+  for (int j = 0; j < LANES; j++) {
+    const Closure c = load_closure(closures, j);
+    const int depth = get_depth(paths, i + j);
+    const bool in_medium = surfaces->primitive[j] == IN_MEDIUM;
+    const bool takes = map == PHOTON_MAP_CAUSTIC
+                           ? has_diffuse_part(c)
+                           : ends_at_photons(h, get_chain(paths, i + j), surfaces->distance[j], c);
+    const bool wanted = (surfaces->primitive[j] != NOTHING_HIT) & (depth + 1 < h->integrator.max_depth) &
+                        takes & (in_medium == (map == PHOTON_MAP_VOLUME));
+    request->wanted[j] = wanted ? 1 : 0;
+    request->most_edges[j] = wanted ? h->integrator.max_depth - (depth + 1) : 0;
+    any |= wanted ? 1 : 0;
+  }
+  return any != 0;
+}
+
+STAGE void add_photon_light(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT light) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 found = mul(get_throughput(paths, i + j), LOAD_LANE_vec3(light, j));
+      set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
+    }
+}
+
+/// Adds the light that photons bring to the step's surfaces.
+CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           const PRIVATE StepLanes* step) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  float light[3 * LANES];
+  for (int k = 0; k < 3 * LANES; k++) light[k] = 0.0f;
+  for (int map = 0; map < PHOTON_MAPS; map++) {
+    PhotonRequest request;
+    if (map == PHOTON_MAP_CAUSTIC && h->integrator.photons != PHOTONS_FIXED) continue;
+    if (map == PHOTON_MAP_VOLUME && !NEEDS_MEDIA(scene)) continue;
+    if (request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request))
+      gather_photons(scene, &request, &step->surfaces, &step->closures, step->families, light);
+  }
+  add_photon_light(paths, i, light);
+}
+
+/// After the next rays are requested: a path whose indirect light came from photons has one last ray, which
+/// only finds emission, unless a delta direction goes on.
+STAGE void follow_chains(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE Surfaces* RESTRICT surfaces,
+                         const PRIVATE Closures* RESTRICT closures) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const int last = h->integrator.max_depth - 1;
+  const PathState fields = *paths;  // see step.h
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Closure c = load_closure(closures, j);
+      const int chain = get_chain(&fields, i + j), depth = get_depth(&fields, i + j);
+      const bool delta = get_direction_pdf(&fields, i + j) == DELTA_PDF;
+      const bool diffuse = has_diffuse_part(c) & !delta;
+      const bool ends = diffuse & ends_at_photons(h, chain, surfaces->distance[j], c);
+      set_depth(&fields, i + j, ends ? last : depth);
+      set_chain(&fields, i + j, next_chain(chain, diffuse));
+    }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

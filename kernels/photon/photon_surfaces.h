@@ -1,0 +1,45 @@
+// Where photons are stored and looked up: at surfaces with a diffuse part, and in media. Mirrors, glass and
+// glossy surfaces without a diffuse part are left to the paths of the camera. Paths and photons keep which of
+// these scattered them (chain).
+#ifndef PENUMBRA_PHOTON_SURFACES_H
+#define PENUMBRA_PHOTON_SURFACES_H
+#include "kernels/block/path_state.h"
+#include "kernels/bsdf/families.h"
+#include "kernels/light/light_found.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Whether the closure has a diffuse part, or is a phase function.
+FN bool has_diffuse_part(Closure c) {
+  const uint diffuse = USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS);
+  const bool metal = is_among(c, USERS_metallic) & (c.metallic >= 1.0f);
+  const bool glass = is_among(c, USERS_spec_trans) & (c.spec_trans >= 1.0f);
+  const bool coloured = (max_component(c.diffuse) > 0.0f) & !metal & !glass;
+  return (is_among(c, diffuse) & coloured) | is_among(c, ONLY(PHASE));
+}
+
+// The surfaces that scattered a path of the camera so far; and those of a photon.
+#define CHAIN_SPECULAR 0  // none with a diffuse part, or only its delta directions
+#define CHAIN_DIFFUSE 1   // the last one is diffuse
+#define CHAIN_CAUSTIC 2   // one before the last is diffuse, and the last is not
+
+STAGE void start_chains(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_chain(paths, j, CHAIN_SPECULAR);
+}
+
+FN int next_chain(int chain, bool diffuse) {
+  return diffuse ? CHAIN_DIFFUSE : (chain == CHAIN_SPECULAR ? CHAIN_SPECULAR : CHAIN_CAUSTIC);
+}
+
+/// Drops emission that photons bring to the last diffuse surface.
+STAGE void drop_photon_emission(const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool dropped = get_chain(paths, i + j) == CHAIN_CAUSTIC;
+      found->light[j] = dropped ? -1 : found->light[j];
+    }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
