@@ -64,6 +64,13 @@ void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
   });
   if (const auto preset = direct_sampling({.method = method}))
     with_parameter(next, PENUMBRA_PARAMETER(direct_sampling), [&](DirectSampling& own) { own = *preset; });
+  // The alphas of control variates and of shrinking radii are different quantities.
+  if (has_photons(next) != has_photons(integrator)) {
+    const IntegratorSettings fresh{.method = method};
+    with_parameter(next, PENUMBRA_PARAMETER(alpha), [&](auto& own) {
+      with_parameter(fresh, PENUMBRA_PARAMETER(alpha), [&](const auto& given) { own = given; });
+    });
+  }
   integrator = next;
 }
 

@@ -345,9 +345,9 @@ void integrator_parameters(const Row& row) {
   row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
       "weight of the control variate (auto: fitted for each pixel); ppm: how fast radii shrink, in (0, 1] "
       "(auto: 2/3)");
+  row("photon_count", PENUMBRA_PARAMETER(photon_count), WholeNumber{1, MAX_PHOTONS},
+      "photons emitted for each map", &P::surface_photons, &P::volume_photons);
   constexpr WholeNumber kPhotons{0, MAX_PHOTONS};
-  row("photon_count", PENUMBRA_PARAMETER(photon_count), kPhotons, "photons emitted for each map",
-      &P::surface_photons, &P::volume_photons);
   row("global_photons", PENUMBRA_PARAMETER(global_photons), kPhotons, "photons emitted for the global map",
       &P::surface_photons);
   row("caustic_photons", PENUMBRA_PARAMETER(caustic_photons), kPhotons, "photons emitted for the caustic map",
@@ -398,7 +398,7 @@ bool has_photons(const IntegratorSettings& integrator);
 bool sees_media(const IntegratorSettings& integrator);
 
 /// Changes to another integrator. Parameters that both have keep their values, except direct_sampling, which
-/// the new name determines.
+/// the new name determines, and alpha between those with photons and others.
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);
 
 /// Parameters of the control variate: the closed form of polygon lights.

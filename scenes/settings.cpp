@@ -53,6 +53,18 @@ Expected<void> check_integrator(const IntegratorSettings& integrator) {
           "than {} would leave that to the first ones",
           whitted->indirect_samples, surfaces, surfaces));
   }
+  if (const auto* maps = integrator.get<PhotonMapIntegrator>())
+    if (maps->global_photons == 0 && maps->caustic_photons == 0 && maps->volume_photons == 0)
+      return fail(
+          "integrator 'photonmapper' needs photons; at least one of global_photons, caustic_photons and "
+          "volume_photons must be above 0");
+  if (const auto* progressive = integrator.get<ProgressivePhotonIntegrator>()) {
+    const float alpha = progressive->alpha.value_or(1.0f);
+    if (!(alpha > 0.0f && alpha <= 1.0f))
+      return fail(fmt::format(
+          "integrator 'ppm' with alpha = {}; radii shrink with an alpha above 0 and up to 1, or auto",
+          alpha));
+  }
   if (const auto* ambient = integrator.get<AmbientOcclusionIntegrator>())
     if (ambient->sampling == OcclusionSampling::kCosine && ambient->weighting == OcclusionWeighting::kUniform)
       return fail(

@@ -179,16 +179,12 @@ float pixel_width(const SceneHeader& h) {
   return film * std::max(length3(h.camera.origin), h.integrator.emission_radius);
 }
 
-/// Completes the radii, and checks that there are photons.
+/// Completes the radii, and checks that photons can be emitted.
 Expected<void> prepare_photons(const LightBuilder& lights, SceneHeader& h) {
   IntegratorParameters& p = h.integrator;
   const bool lit = std::ranges::any_of(
       lights.lights(), [](const Light& light) { return max_component(light.radiance) > 0.0f; });
   if (!lit) return fail("photon mapping needs a light that is not black");
-  if (p.surface_photons + p.caustic_photons + p.volume_photons == 0)
-    return fail("photon mapping needs photons; all numbers of photons are 0");
-  if (!(p.radius_alpha > 0.0f && p.radius_alpha <= 1.0f))
-    return fail(fmt::format("alpha of photon mapping is {}; values in (0, 1] are possible", p.radius_alpha));
   const float automatic = kAutomaticRadius * pixel_width(h);
   for (float* radius : {&p.surface_radius, &p.caustic_radius, &p.volume_radius})
     if (!(*radius > 0.0f)) *radius = automatic;

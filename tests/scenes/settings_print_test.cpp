@@ -145,7 +145,7 @@ TEST(SettingsPrint, EachSaysWhatItTakesAndWhoHasIt) {
   EXPECT_EQ(find_setting("integrator.rr_depth")->values, "1 or more");
   EXPECT_EQ(setting_default(*find_setting("integrator.rr_depth")), "5");
   EXPECT_THAT(integrators_with(*find_setting("integrator.rr_depth")),
-              ElementsAre("path", "whitted", "volpath"));
+              ElementsAre("path", "whitted", "volpath", "photonmapper", "ppm"));
   EXPECT_THAT(integrators_with(*find_setting("integrator.trace_shadows")),
               ElementsAre("direct", "polygon_area"));
   EXPECT_THAT(integrators_with(*find_setting("film.rfilter_stddev")), IsEmpty());

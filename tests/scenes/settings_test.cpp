@@ -155,6 +155,98 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
   EXPECT_TRUE(check_settings(scene));
 }
 
+TEST(Settings, PhotonMaps) {
+  SceneDescription scene;
+  const auto set = [&](std::string_view key, std::string_view value) {
+    const auto done = apply_setting(scene, key, value);
+    EXPECT_TRUE(done) << done.error().message;
+  };
+  set("integrator.max_depth", "7");
+  set("integrator.type", "photonmapper");
+  for (const auto& [key, value] : {std::pair{"integrator.globalPhotons", "1000"},
+                                   {"integrator.caustic_photons", "0"},
+                                   {"integrator.volume_photons", "16777216"},
+                                   {"integrator.global_lookup_radius", "0.5"},
+                                   {"integrator.photon_radius", "0.25"},
+                                   {"integrator.lookup_size", "1"},
+                                   {"integrator.final_gather", "true"}})
+    set(key, value);
+  const auto& maps = *scene.integrator.get<PhotonMapIntegrator>();
+  EXPECT_EQ(maps.max_depth, 7);
+  EXPECT_EQ(maps.global_photons, 1000);
+  EXPECT_EQ(maps.caustic_photons, 0);
+  EXPECT_EQ(maps.volume_photons, MAX_PHOTONS);
+  EXPECT_EQ(maps.global_lookup_radius, 0.5f);
+  EXPECT_EQ(maps.photon_radius, 0.25f);
+  EXPECT_EQ(maps.lookup_size, 1);
+  EXPECT_TRUE(maps.final_gather);
+  EXPECT_TRUE(check_settings(scene));
+  for (const char* name : {"ppm", "pppm", "sppm"}) {
+    set("integrator.type", name);
+    EXPECT_TRUE(scene.integrator.is<ProgressivePhotonIntegrator>());
+    EXPECT_EQ(print_setting(scene, "integrator.type"), "ppm");
+  }
+  set("integrator.initial_radius", "0.5");
+  set("integrator.photon_count", "1");
+  EXPECT_TRUE(check_settings(scene));
+}
+
+TEST(Settings, AlphaOfRadiiIsNotThatOfControlVariates) {
+  SceneDescription scene;
+  const auto set = [&](std::string_view key, std::string_view value) {
+    const auto done = apply_setting(scene, key, value);
+    EXPECT_TRUE(done) << done.error().message;
+  };
+  set("integrator.alpha", "-5");
+  set("integrator.type", "ppm");
+  EXPECT_EQ(param::alpha(scene.integrator), 0.7f);
+  set("integrator.alpha", "0.5");
+  set("integrator.type", "sppm");
+  EXPECT_EQ(param::alpha(scene.integrator), 0.5f) << "the same integrator";
+  set("integrator.type", "volpath");
+  EXPECT_EQ(param::alpha(scene.integrator), std::nullopt);
+}
+
+TEST(Settings, ErrorsOfPhotonMapsSayWhatWouldBeRight) {
+  for (const char* key :
+       {"integrator.global_photons", "integrator.caustic_photons", "integrator.volume_photons"})
+    for (const char* value : {"-1", "1000000000"})
+      EXPECT_THAT(error(key, value), AllOf(HasSubstr(key), HasSubstr("from 0 to 16777216")));
+  for (const char* value : {"0", "1000000000"})
+    EXPECT_THAT(error("integrator.photon_count", value),
+                AllOf(HasSubstr("integrator.photon_count"), HasSubstr("from 1 to 16777216")));
+  for (const char* key : {"integrator.initial_radius", "integrator.photon_radius"})
+    EXPECT_THAT(error(key, "-0.5"), AllOf(HasSubstr(key), HasSubstr("at least 0")));
+  for (const char* key : {"integrator.global_lookup_radius", "integrator.caustic_lookup_radius",
+                          "integrator.volume_lookup_radius"})
+    for (const char* value : {"0", "-1", "1"})
+      EXPECT_THAT(error(key, value), AllOf(HasSubstr(key), HasSubstr("above 0 and below 1")));
+  EXPECT_THAT(error("integrator.lookup_size", "0"), HasSubstr("from 1 to 16777216"));
+  EXPECT_THAT(error("integrator.final_gather", "2"), HasSubstr("neither true nor false"));
+
+  SceneDescription scene;
+  scene.integrator.method =
+      PhotonMapIntegrator{.global_photons = 0, .caustic_photons = 0, .volume_photons = 0};
+  EXPECT_THAT(check_settings(scene).error().message,
+              AllOf(HasSubstr("'photonmapper' needs photons"), HasSubstr("global_photons"),
+                    HasSubstr("caustic_photons"), HasSubstr("volume_photons"), HasSubstr("above 0")));
+  scene.integrator.method =
+      PhotonMapIntegrator{.global_photons = 0, .caustic_photons = 0, .volume_photons = 1};
+  EXPECT_TRUE(check_settings(scene));
+  for (const float alpha : {0.0f, -0.5f, 1.5f}) {
+    scene.integrator.method = ProgressivePhotonIntegrator{.alpha = alpha};
+    const auto checked = check_settings(scene);
+    ASSERT_FALSE(checked) << alpha;
+    EXPECT_THAT(checked.error().message,
+                AllOf(HasSubstr("'ppm' with alpha = "), HasSubstr("above 0 and up to 1")));
+  }
+  for (const std::optional<float> alpha :
+       {std::optional(0.001f), std::optional(1.0f), std::optional<float>()}) {
+    scene.integrator.method = ProgressivePhotonIntegrator{.alpha = alpha};
+    EXPECT_TRUE(check_settings(scene));
+  }
+}
+
 TEST(Settings, ACropWindowFollowsTheFilmOnlyIfItWasAllOfIt) {
   SceneDescription scene;
   ASSERT_TRUE(apply_setting(scene, "film.width", "100"));
@@ -225,7 +317,7 @@ TEST(Settings, ParametersOfOtherIntegratorsAreErrors) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().message,
             "setting integrator.alpha: integrator 'direct' has no parameter 'alpha'; these have: path, "
-            "polygon_cv, whitted, volpath");
+            "polygon_cv, whitted, volpath, ppm");
   EXPECT_THAT(error("integrator.shading_samples", "1"), HasSubstr("these have: direct, ao"));
   // What is wrong with the value comes first.
   EXPECT_THAT(error("integrator.trace_shadows", "0"), HasSubstr("neither true nor false"));

@@ -19,7 +19,9 @@ enum class IntegratorKind {
   kAmbientOcclusion,
   kReflectionOcclusion,
   kVolpath,
-  kNormals
+  kNormals,
+  kPhotonMap,
+  kProgressivePhoton
 };
 
 inline IntegratorKind kind_of(const IntegratorSettings& settings) {

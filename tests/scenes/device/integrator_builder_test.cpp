@@ -276,7 +276,8 @@ TEST(IntegratorBuilder, EachIntegratorHasItsKernelAndFeature) {
       {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_DIRECT, FEATURE_DIRECT},
       {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_WHITTED, FEATURE_WHITTED},
       {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}, {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
-      {INTEGRATOR_PATH, FEATURE_PATH},           {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}};
+      {INTEGRATOR_PATH, FEATURE_PATH},           {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
+      {INTEGRATOR_PATH, FEATURE_PATH},           {INTEGRATOR_PATH, FEATURE_PATH}};
   ASSERT_EQ(std::size(expected), integrator_methods().size());
   for (std::size_t i = 0; i < std::size(expected); ++i) {
     const SceneHeader h = header(IntegratorKind(i));
@@ -284,6 +285,58 @@ TEST(IntegratorBuilder, EachIntegratorHasItsKernelAndFeature) {
     EXPECT_EQ(h.features & (FEATURE_PATH | FEATURE_DIRECT | FEATURE_WHITTED | FEATURE_OCCLUSION),
               expected[i].second)
         << i;
+  }
+}
+
+TEST(IntegratorBuilder, PhotonMapsHaveTheirRadii) {
+  const auto with = [](IntegratorMethod method) {
+    return header(kPath, [=](S& s) { s.integrator.method = method; });
+  };
+  const SceneHeader fixed = with(PhotonMapIntegrator{.global_photons = 10,
+                                                     .caustic_photons = 20,
+                                                     .volume_photons = 30,
+                                                     .lookup_size = 40,
+                                                     .final_gather = true});
+  EXPECT_NE(fixed.features & FEATURE_PHOTONS, 0u);
+  EXPECT_EQ(fixed.integrator.photons, PHOTONS_FIXED);
+  EXPECT_EQ(fixed.integrator.surface_photons, 10);
+  EXPECT_EQ(fixed.integrator.caustic_photons, 20);
+  EXPECT_EQ(fixed.integrator.volume_photons, 30);
+  EXPECT_EQ(fixed.integrator.lookup_size, 40);
+  EXPECT_EQ(fixed.integrator.final_gather, 1);
+  // The floor reaches from -1 to -0.5 and the square, one above it, from 0 to 0.5.
+  const double radius = 0.5 * glm::length(dvec3(1.5, 1, 0.5));
+  EXPECT_FLOAT_EQ(fixed.integrator.surface_radius, float(0.05 * radius));
+  EXPECT_FLOAT_EQ(fixed.integrator.caustic_radius, float(0.0125 * radius));
+  EXPECT_FLOAT_EQ(fixed.integrator.volume_radius, float(0.05 * radius));
+  EXPECT_GT(fixed.integrator.emission_radius, radius);
+  const SceneHeader one_radius = with(PhotonMapIntegrator{.photon_radius = 0.25f});
+  for (const float each : {one_radius.integrator.surface_radius, one_radius.integrator.caustic_radius,
+                           one_radius.integrator.volume_radius})
+    EXPECT_EQ(each, 0.25f);
+
+  const SceneHeader progressive =
+      with(ProgressivePhotonIntegrator{.photon_count = 50, .initial_radius = 0.5f});
+  EXPECT_NE(progressive.features & FEATURE_PHOTONS, 0u);
+  EXPECT_EQ(progressive.integrator.photons, PHOTONS_PROGRESSIVE);
+  EXPECT_EQ(progressive.integrator.surface_photons, 50);
+  EXPECT_EQ(progressive.integrator.caustic_photons, 0);
+  EXPECT_EQ(progressive.integrator.volume_photons, 50);
+  EXPECT_EQ(progressive.integrator.surface_radius, 0.5f);
+  EXPECT_EQ(progressive.integrator.radius_alpha, 0.7f);
+  EXPECT_EQ(with(ProgressivePhotonIntegrator{.alpha = std::nullopt}).integrator.radius_alpha, 2.0f / 3.0f);
+  EXPECT_GT(with(ProgressivePhotonIntegrator{}).integrator.surface_radius, 0.0f) << "automatic";
+  EXPECT_EQ(header(kPath).integrator.photons, PHOTONS_NONE);
+  EXPECT_EQ(header(kPath).features & FEATURE_PHOTONS, 0u);
+}
+
+TEST(IntegratorBuilder, PhotonsNeedALight) {
+  for (const IntegratorKind kind : {kPhotonMap, kProgressivePhoton}) {
+    S scene = under_a_square(kind);
+    scene.shapes[1].radiance = glm::vec3(0);
+    const auto built = try_build(scene, true);
+    ASSERT_FALSE(built);
+    EXPECT_THAT(built.error().message, HasSubstr("photon mapping needs a light that is not black"));
   }
 }
 
