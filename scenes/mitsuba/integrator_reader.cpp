@@ -18,12 +18,12 @@ struct WrapperPlugin {
   std::string_view type;
   std::string_view without;  ///< what is lost without the wrapper; empty: nothing
 };
-constexpr std::string_view kAov = "aov";
+constexpr std::string_view kAov = "aov", kIrradianceCache = "irrcache";
 constexpr WrapperPlugin kWrappers[] = {{"moment", ""},
                                        {kAov, ""},
                                        {"stokes", "polarisation"},
                                        {"adaptive", ""},  // here every pixel has the same number of samples
-                                       {"irrcache", "its cache, so that nothing is interpolated"},
+                                       {kIrradianceCache, "its cache, so that nothing is interpolated"},
                                        {"multichannel", ""}};
 
 /// Warns about the quantities in `name:quantity, …` for which the image has no layer. Every image has depth,
@@ -99,12 +99,6 @@ const std::vector<Substitute>& substitutes() {
       {"prbvolpath", true, {}, "volpath"},
       {"bdpt", false, {"light_image", "sample_direct"}},
       {"ptracer", false, {"granularity", "brute_force"}},
-      {"photonmapper",
-       false,
-       {"direct_samples", "glossy_samples", "global_photons", "caustic_photons", "volume_photons",
-        "global_lookup_radius", "caustic_lookup_radius", "lookup_size", "granularity", "max_specular_depth"}},
-      {"ppm", false, {"photon_count", "initial_radius", "alpha", "granularity", "max_passes"}},
-      {"sppm", false, {"photon_count", "initial_radius", "alpha", "granularity", "max_passes"}},
       {"pssmlt",
        false,
        {"bidirectional", "direct_samples", "luminance_samples", "two_stage", "p_large", "separate_direct"}},
@@ -126,6 +120,30 @@ const std::vector<Substitute>& substitutes() {
       {"path_guiding_integrator", false, {}},
       {"restirpt", false, {"photon_count", "initial_radius", "alpha", "max_passes"}}};
   return all;
+}
+
+/// Parameters that Mitsuba's integrators have and ours do not need: how work is divided and branched.
+struct UnneededParameters {
+  std::string_view type;
+  std::vector<std::string_view> names;
+};
+const std::vector<UnneededParameters>& unneeded_parameters() {
+  static const std::vector<UnneededParameters> all = {
+      {"volpathmis", {"use_spectral_mis"}},
+      {"photonmapper",
+       {"direct_samples", "glossy_samples", "max_specular_depth", "granularity", "gather_locally",
+        "auto_cancel_gathering"}},
+      {"ppm", {"granularity", "auto_cancel_gathering"}},
+      {"sppm", {"granularity", "auto_cancel_gathering"}}};
+  return all;
+}
+
+/// Mitsuba's progressive photon mapping ignores the sampler, and has its own limit instead.
+void warn_of_passes(PluginReader& plugin) {
+  static constexpr const char* kPasses = "max_passes";
+  if (!plugin.has(kPasses)) return;
+  plugin.accept({kPasses});
+  plugin.warn("max_passes is ignored; the samples per pixel decide how many maps of photons there are");
 }
 
 /// Accepts parameters about how Mitsuba divides its work, and a rule about shading normals that version 3 has
@@ -189,9 +207,14 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
   }
   if (const auto done = apply_setting(scene, "integrator.type", inner->type); !done)
     plugin.wrong(done.error().message);
+  // The cache does not look up photons at a surface, but one diffuse bounce later.
+  if (auto* maps = std::get_if<PhotonMapIntegrator>(&scene.integrator.method))
+    maps->final_gather = object.type == kIrradianceCache;
   plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
   accept_scheduling_parameters(plugin);
-  if (inner->type == "volpathmis") plugin.accept({"use_spectral_mis"});
+  if (const UnneededParameters* unneeded = find_plugin(unneeded_parameters(), inner->type))
+    for (const std::string_view name : unneeded->names) plugin.accept({name});
+  if (scene.integrator.is<ProgressivePhotonIntegrator>()) warn_of_passes(plugin);
   plugin.finish();
 }
 

@@ -101,13 +101,14 @@ class SceneWriter {
     xml_.close();
   }
 
-  /// For integrators that Mitsuba has too: whether the parameter has no name there and affects only the
+  /// For integrators that Mitsuba 3 has too: whether the parameter has no name there and affects only the
   /// noise.
   [[nodiscard]] bool affects_only_noise(std::string_view name) const {
     static constexpr std::string_view kWays[] = {
         "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee", "alpha"};
+    const IntegratorSettings& ours = scene_.integrator;
     const bool shared =
-        direct_sampling(scene_.integrator).has_value() || scene_.integrator.is<DirectIntegrator>();
+        ours.is<PathIntegrator>() || ours.is<VolpathIntegrator>() || ours.is<DirectIntegrator>();
     return shared && std::ranges::find(kWays, name) != std::end(kWays);
   }
 

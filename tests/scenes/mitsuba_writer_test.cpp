@@ -10,6 +10,7 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/settings.h"
 #include "tests/scenes/scene_text.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/written_scene.h"
@@ -198,6 +199,41 @@ TEST_F(MitsubaWriter, BlackEmittersOfGroupsAreSurfacesOfTheirGroup) {
   EXPECT_FALSE(shape.radiance);
   const auto& bsdf = std::get<DiffuseBsdf>(black.bsdfs.at(std::size_t(shape.front_bsdf)).model);
   EXPECT_EQ(bsdf.reflectance.value, glm::vec3(0.0f));
+}
+
+TEST_F(MitsubaWriter, PhotonMapsStayTheSame) {
+  const auto same = [&](const IntegratorMethod& method) {
+    SceneDescription scene = good(
+        "<shape type='sphere'/><shape type='rectangle'><emitter type='area'><rgb name='radiance' "
+        "value='1, 2, 3'/></emitter></shape>");
+    scene.integrator.method = method;
+    scene.integrator.hide_emitters = true;
+    scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
+    expect_same(scene);
+    const SceneDescription written = again(scene);
+    for (const Setting& setting : all_settings())
+      if (setting.key.starts_with("integrator.") && setting.belongs_to(scene))
+        EXPECT_EQ(setting.print(written), setting.print(scene)) << setting.key;
+  };
+  same(PhotonMapIntegrator{});
+  same(PhotonMapIntegrator{.max_depth = 9,
+                           .rr_depth = 7,
+                           .global_photons = 1000,
+                           .caustic_photons = 0,
+                           .volume_photons = 3000,
+                           .global_lookup_radius = 0.1f,
+                           .caustic_lookup_radius = 0.2f,
+                           .volume_lookup_radius = 0.3f,
+                           .photon_radius = 0.25f,
+                           .lookup_size = 60,
+                           .final_gather = true,
+                           .emitter_sampling = EmitterSampling::kArea,
+                           .heuristic = MisHeuristic::kPower,
+                           .light_choice = LightChoice::kPower});
+  same(ProgressivePhotonIntegrator{});
+  for (const std::optional<float> alpha : {std::optional<float>(0.5f), std::optional<float>()})
+    same(ProgressivePhotonIntegrator{
+        .max_depth = 9, .rr_depth = 7, .photon_count = 1000, .initial_radius = 0.25f, .alpha = alpha});
 }
 
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
