@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/scene_types.h"
 #include "scenes/diagnostic.h"
 #include "scenes/nori/translate.h"
 
@@ -56,14 +57,21 @@ const std::vector<Integrator>& integrators() {
   return all;
 }
 
+/// Ours for photon mapping under its many names; empty for other integrators.
+std::string_view photon_mapper(std::string_view plain) {
+  const auto has = [&](std::string_view word) { return plain.find(word) != plain.npos; };
+  if (has("ppm") || has("progressivephoton")) return "ppm";
+  return has("photon") || has("photomap") || has("pmap") ? "photonmapper" : "";
+}
+
 /// The substitute for an integrator of a fork, by its name: path tracers that converge to the same image.
 /// Empty: none.
 std::string_view substitute_for(std::string_view plain) {
   const auto has = [&](std::string_view word) { return plain.find(word) != plain.npos; };
   const bool by_bsdf = has("mats");
   if (has("vol") || has("medi")) return by_bsdf ? "volpath_mats" : "volpath";
-  for (const std::string_view word : {"photon", "pmap", "ppm", "bdpt", "bidir", "mlt", "pssmlt", "vpl", "vcm",
-                                      "guid", "radiosity", "ptracer", "lighttrac", "particle", "restir"})
+  for (const std::string_view word : {"bdpt", "bidir", "mlt", "pssmlt", "vpl", "vcm", "guid", "radiosity",
+                                      "ptracer", "lighttrac", "particle", "restir"})
     if (has(word)) return "path_mis";
   if (has("direct")) return "direct";
   if (has("path") || plain == "pt") return by_bsdf ? "path_mats" : has("ems") ? "path_ems" : "path_mis";
@@ -71,18 +79,52 @@ std::string_view substitute_for(std::string_view plain) {
 }
 
 /// Parameters that ours have, by the forks' names; the rest is of their own ways to work.
-void settle_parameters(Object& integrator) {
+void settle_parameters(Object& integrator, std::initializer_list<std::string_view> more = {}) {
   rename(integrator, {"length"}, "ray_length");
   rename(integrator, {"maxdepth", "max_bounces", "max_path_length"}, "max_depth");
-  std::erase_if(integrator.parameters, [](const Parameter& parameter) {
+  std::erase_if(integrator.parameters, [&](const Parameter& parameter) {
     return parameter.name != "ray_length" && parameter.name != "max_depth" && parameter.name != "rr_depth" &&
-           parameter.name != "position" && parameter.name != "energy";
+           parameter.name != "position" && parameter.name != "energy" &&
+           std::ranges::find(more, parameter.name) == more.end();
   });
+}
+
+/// One map of all photons, and all of its photons within a radius.
+void translate_photon_map(Object& integrator) {
+  rename(integrator, {"radius", "initial_radius"}, "photon_radius");
+  settle_parameters(integrator, {"photon_count", "photon_radius"});
+  set_default(integrator, "photon_count", std::int64_t(1'000'000));
+  Parameter count = *take(integrator, "photon_count");
+  for (const char* map : {"global_photons", "caustic_photons", "volume_photons"}) {
+    count.name = map;
+    integrator.parameters.push_back(count);
+  }
+  // Nori's radius if none is given: 1/500 of the diagonal of the scene's bounding box. The diagonal is two
+  // radii of the bounding sphere.
+  for (const char* radius : {"global_lookup_radius", "caustic_lookup_radius", "volume_lookup_radius"})
+    set(integrator, radius, 2.0 / 500.0);
+  set(integrator, "lookup_size", std::int64_t(MAX_PHOTONS));
+}
+
+void translate_progressive_photons(const Translation& t, Object& integrator) {
+  rename(integrator, {"radius", "photon_radius"}, "initial_radius");
+  rename(integrator, {"photon_alpha"}, "alpha");
+  if (const auto given =
+          take_any(integrator, {"iterations", "iteration", "num_iterations", "iter_count", "passes"}))
+    t.report.warn(
+        given->location,
+        fmt::format("{} is ignored; the samples per pixel decide how many maps of photons there are",
+                    given->name));
+  settle_parameters(integrator, {"photon_count", "initial_radius", "alpha"});
 }
 
 }  // namespace
 
 void translate_integrator(const Translation& t, Object& integrator) {
+  if (const std::string_view ours = photon_mapper(plain_name(integrator.type)); !ours.empty()) {
+    integrator.type = ours;
+    return ours == "ppm" ? translate_progressive_photons(t, integrator) : translate_photon_map(integrator);
+  }
   const auto& known = integrators();
   const auto found =
       std::ranges::find_if(known, [&](const Integrator& each) { return integrator.type == each.nori; });
@@ -102,6 +144,7 @@ void translate_integrator(const Translation& t, Object& integrator) {
   } else {
     std::vector<std::string> names;
     for (const Integrator& each : known) names.emplace_back(each.nori);
+    names.insert(names.end(), {"photonmapper", "ppm"});
     t.report.unsupported(integrator.type_location,
                          fmt::format("integrator type '{}' is not one of Nori's that Penumbra reads{}",
                                      integrator.type, known_names(integrator.type, names, "It reads")),

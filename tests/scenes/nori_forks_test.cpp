@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class NoriForks : public SceneText {
  protected:
@@ -274,11 +275,77 @@ TEST_F(NoriForks, IntegratorsOfOtherWaysToTheSameImage) {
     EXPECT_THAT(warnings(scene), HasSubstr(std::string(expected_warning)));
     return print_setting(scene, "integrator.type");
   };
-  EXPECT_EQ(type("photonmapper", "path_mis stands in for the integrator 'photonmapper'"), "path_mis");
-  EXPECT_EQ(type("volumetric_photon", "volpath stands in"), "volpath");
+  EXPECT_EQ(type("bdpt", "path_mis stands in for the integrator 'bdpt'"), "path_mis");
+  EXPECT_EQ(type("volumetric_bdpt", "volpath stands in"), "volpath");
   EXPECT_EQ(type("path_tracer_mats", "path_mats stands in"), "path_mats");
   EXPECT_THAT(error(nori(mesh("") + "<integrator type='wireframe'/>")),
               HasSubstr("integrator type 'wireframe'"));
+}
+
+TEST_F(NoriForks, PhotonMapsOfOneRadius) {
+  const auto map = [&](const char* name, std::string_view inside) {
+    const SceneDescription scene =
+        good_nori(mesh("") + fmt::format("<integrator type='{}'>{}</integrator>", name, inside));
+    EXPECT_THAT(warnings(scene), Not(HasSubstr("integrator"))) << name;
+    const auto* found = scene.integrator.get<PhotonMapIntegrator>();
+    EXPECT_NE(found, nullptr) << name;
+    return found != nullptr ? *found : PhotonMapIntegrator{};
+  };
+  const PhotonMapIntegrator plain = map("photonmapper", "");
+  for (const int photons : {plain.global_photons, plain.caustic_photons, plain.volume_photons})
+    EXPECT_EQ(photons, 1'000'000);
+  EXPECT_EQ(plain.photon_radius, 0.0f);
+  // 1/500 of the diagonal of a box, in half diagonals.
+  for (const float radius :
+       {plain.global_lookup_radius, plain.caustic_lookup_radius, plain.volume_lookup_radius})
+    EXPECT_EQ(radius, 0.004f);
+  EXPECT_EQ(plain.lookup_size, MAX_PHOTONS) << "all photons within the radius";
+  for (const char* name : {"photonmapper", "photon_mapper", "photon_mapping", "photo_mapper",
+                           "volumetricphotonmapper", "pmap"}) {
+    const PhotonMapIntegrator given =
+        map(name, "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/>");
+    for (const int photons : {given.global_photons, given.caustic_photons, given.volume_photons})
+      EXPECT_EQ(photons, 5000) << name;
+    EXPECT_EQ(given.photon_radius, 0.25f) << name;
+  }
+  EXPECT_EQ(map("photon_mapper", "<float name='radius' value='2'/>").photon_radius, 2.0f);
+  EXPECT_THAT(error(nori(mesh("") + "<integrator type='photonmapper'><integer name='photonCount' "
+                                    "value='1000000000'/></integrator>")),
+              AllOf(HasSubstr("global_photons"), HasSubstr("from 0 to 16777216")));
+}
+
+TEST_F(NoriForks, ProgressivePhotonMaps) {
+  const auto progressive = [&](const char* name, std::string_view inside) {
+    const SceneDescription scene =
+        good_nori(mesh("") + fmt::format("<integrator type='{}'>{}</integrator>", name, inside));
+    const auto* found = scene.integrator.get<ProgressivePhotonIntegrator>();
+    EXPECT_NE(found, nullptr) << name;
+    return std::pair(found != nullptr ? *found : ProgressivePhotonIntegrator{}, warnings(scene));
+  };
+  for (const char* name :
+       {"pppm", "ppm", "sppm", "photon_ppm", "progressivephotonmapper", "progressive_photonmapper"}) {
+    const auto [plain, no_warnings] = progressive(name, "");
+    EXPECT_EQ(plain.photon_count, 250'000) << name;
+    EXPECT_EQ(plain.initial_radius, 0.0f) << name;
+    EXPECT_EQ(plain.alpha, 0.7f) << name;
+    EXPECT_THAT(no_warnings, Not(HasSubstr("ignored")));
+    const auto [given, one_warning] = progressive(
+        name,
+        "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/><float "
+        "name='alpha' value='0.5'/><integer name='iterations' value='20'/>");
+    EXPECT_EQ(given.photon_count, 5000) << name;
+    EXPECT_EQ(given.initial_radius, 0.25f) << name;
+    EXPECT_EQ(given.alpha, 0.5f) << name;
+    EXPECT_THAT(one_warning, AllOf(HasSubstr("iterations is ignored"), HasSubstr("samples per pixel")));
+  }
+  const auto [other, warned] =
+      progressive("sppm",
+                  "<integer name='PhotonCount' value='5000'/><float name='radius' value='0.25'/><float "
+                  "name='photonAlpha' value='0.5'/><integer name='numIterations' value='20'/>");
+  EXPECT_EQ(other.photon_count, 5000);
+  EXPECT_EQ(other.initial_radius, 0.25f);
+  EXPECT_EQ(other.alpha, 0.5f);
+  EXPECT_THAT(warned, HasSubstr("num_iterations is ignored"));
 }
 
 TEST_F(NoriForks, NormalsSimpleAndMaterial) {
