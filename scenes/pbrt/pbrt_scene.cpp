@@ -205,11 +205,9 @@ class SceneParser {
   void sampler(const Token& token) { view(token, read_sampler); }
   void filter(const Token& token) { view(token, read_filter); }
   void integrator(const Token& token) {
-    const std::string type = quoted("a type");
-    Parameters given = parameters();
-    read_integrator(context_, type, given, token.location);
-    integrator_follows_media_ = type != "path" && type != "simplepath" && type != "randomwalk";
-    integrator_location_ = token.location;
+    integrator_.type = quoted("a type");
+    integrator_.parameters = parameters();
+    integrator_.location = token.location;
   }
   void view(const Token& token, void (*read)(Context&, const std::string&, Parameters&, SourceLocation)) {
     const std::string type = quoted("a type");
@@ -297,7 +295,6 @@ class SceneParser {
     read_film(context_, "rgb", none, {});
     read_sampler(context_, "zsobol", none, {});
     read_filter(context_, "gaussian", none, {});
-    read_integrator(context_, "volpath", none, {});
   }
 
   void finish() {
@@ -308,6 +305,7 @@ class SceneParser {
       if (!world_) report_.error(end, "the file has no WorldBegin");
       if (!has_camera_) report_.error(end, "the file has no Camera");
       if (has_camera_) read_camera(context_, camera_);
+      read_integrator(context_, integrator_);
       materials_.finish();
       shapes_.finish();
       context_.scene.camera_medium = media_.install(camera_.media.outside, camera_.media.location);
@@ -318,11 +316,17 @@ class SceneParser {
 
   /// Without media, both integrators make the same image.
   void follow_media() {
-    if (!integrator_follows_media_)
-      return report_.warn(integrator_location_,
+    const std::string& type = integrator_.type;
+    if (type == "path" || type == "simplepath" || type == "randomwalk")
+      return report_.warn(integrator_.location,
                           "the integrator 'path' passes through media as if they were not there, as pbrt's; "
                           "volpath follows light through them");
-    use_volumetric_integrator(context_, integrator_location_);
+    if (context_.scene.integrator.is<ProgressivePhotonIntegrator>())
+      return report_.warn(
+          integrator_.location,
+          "the integrator 'ppm' follows light through media, while pbrt's sppm passes through "
+          "them as if they were not there");
+    use_volumetric_integrator(context_, integrator_.location);
   }
 
   struct Block {
@@ -349,8 +353,7 @@ class SceneParser {
   std::map<std::string, glm::dmat4> systems_;
   CameraDirective camera_;
   bool has_camera_ = false, world_ = false;
-  bool integrator_follows_media_ = true;  ///< pbrt's default is volpath
-  SourceLocation integrator_location_;
+  IntegratorDirective integrator_;  ///< pbrt's default is volpath
 };
 
 std::span<const SceneParser::Directive> SceneParser::directives() {

@@ -13,6 +13,8 @@
 namespace penumbra::pbrt {
 namespace {
 
+constexpr const char* kSppm = "sppm";
+
 /// Sets a setting. Errors are reported at the location.
 template <typename T>
 void set(Context& context, std::string_view key, const T& value, SourceLocation location) {
@@ -199,18 +201,40 @@ void read_filter(Context& context, const std::string& type, Parameters& paramete
   parameters.finish("the filter", report);
 }
 
-void read_integrator(Context& context, const std::string& type, Parameters& parameters,
-                     SourceLocation location) {
+/// pbrt's sppm: each sample of a pixel has a new map of photons there too.
+void read_progressive_photons(Context& context, Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context.report;
+  const Film& film = context.scene.film;
+  std::int64_t photons = parameters.integer("photonsperiteration", -1, report);
+  if (photons <= 0)
+    photons = std::min<std::int64_t>(std::int64_t{film.crop_width} * film.crop_height, MAX_PHOTONS);
+  set(context, "integrator.photon_count", photons, parameters.location("photonsperiteration", location));
+  set(context, "integrator.initial_radius", parameters.number("radius", 1.0, report),
+      parameters.location("radius", location));
+  set(context, "integrator.alpha", "auto", location);
+  // In version 3 the integrator ignored the sampler.
+  for (const char* iterations : {"iterations", "numiterations"})
+    if (parameters.has(iterations))
+      report.warn(parameters.location(iterations, location),
+                  fmt::format("{} is ignored; the sampler's pixelsamples decides how many maps of photons "
+                              "there are, as in pbrt-v4",
+                              iterations));
+  parameters.accept({"iterations", "numiterations", "imagewritefrequency", "seed"});
+}
+
+void read_integrator(Context& context, IntegratorDirective& integrator) {
+  auto& [type, parameters, location] = integrator;
   struct Row {
     const char* type;
-    bool same;  ///< whether without media its expected image is that of path tracing
+    bool same;  ///< whether without media its expected image is that of ours
+    const char* ours = "path_mis";
   };
   static constexpr Row kRows[] = {{"path", true},          {"volpath", true},     {"simplepath", true},
                                   {"simplevolpath", true}, {"bdpt", false},       {"mlt", false},
-                                  {"lightpath", false},    {"randomwalk", false}, {"sppm", false}};
+                                  {"lightpath", false},    {"randomwalk", false}, {kSppm, true, "ppm"}};
   ReaderReport& report = context.report;
   const auto* row = find_row(kRows, type, "integrator", "path stands in for it", location, report);
-  set(context, "integrator.type", "path_mis", location);
+  set(context, "integrator.type", row != nullptr ? row->ours : "path_mis", location);
   if (row != nullptr && !row->same)
     report.warn(location, fmt::format("path stands in for the integrator '{}'", type));
   // pbrt counts the surfaces between light and camera; here it is the edges of the path.
@@ -218,10 +242,10 @@ void read_integrator(Context& context, const std::string& type, Parameters& para
   if (depth < 0)
     return report.error(parameters.location("maxdepth", location), "maxdepth must be at least 0");
   set(context, "integrator.max_depth", depth + 1, location);
+  if (type == kSppm) read_progressive_photons(context, parameters, location);
   parameters.accept({"regularize", "lightsampler", "rrthreshold", "samplebsdf", "samplelights", "usemis",
                      "visualizestrategies", "visualizeweights", "bootstrapsamples", "chains",
-                     "mutationsperpixel", "largestepprobability", "sigma", "photonsperiteration", "radius",
-                     "iterations"});
+                     "mutationsperpixel", "largestepprobability", "sigma"});
   parameters.finish("the integrator", report);
 }
 

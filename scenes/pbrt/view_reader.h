@@ -18,8 +18,13 @@ void read_camera(Context& context, CameraDirective& camera);
 void read_film(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
 void read_sampler(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
 void read_filter(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
-void read_integrator(Context& context, const std::string& type, Parameters& parameters,
-                     SourceLocation location);
+/// An Integrator directive. It is kept until the film is known, whose size may set the number of photons.
+struct IntegratorDirective {
+  std::string type = "volpath";
+  Parameters parameters;
+  SourceLocation location;
+};
+void read_integrator(Context& context, IntegratorDirective& integrator);
 /// Replaces the integrator set by read_integrator with one that supports media.
 void use_volumetric_integrator(Context& context, SourceLocation location);
 

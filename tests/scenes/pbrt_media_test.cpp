@@ -121,6 +121,14 @@ TEST_F(PbrtMedia, ThePathIntegratorPassesThrough) {
   EXPECT_THAT(warnings(scene), HasSubstr("passes through media"));
 }
 
+TEST_F(PbrtMedia, PhotonMapsFollowLightThroughThem) {
+  const SceneDescription scene =
+      good_pbrt("MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n" + std::string(kBall),
+                "Camera \"perspective\"\nIntegrator \"sppm\"");
+  EXPECT_TRUE(scene.integrator.is<ProgressivePhotonIntegrator>());
+  EXPECT_THAT(warnings(scene), HasSubstr("pbrt's sppm passes through them"));
+}
+
 TEST_F(PbrtMedia, WhatIsWrongIsSaidWithItsPlace) {
   const auto of = [&](std::string_view medium) {
     return wrong(std::string("MakeNamedMedium \"m\" ") + std::string(medium));

@@ -32,6 +32,47 @@ TEST_F(PbrtText, ItsDefaultsArePbrts) {
   EXPECT_EQ(scene.shapes[0].front_bsdf, scene.shapes[0].back_bsdf);
 }
 
+TEST_F(PbrtText, ProgressivePhotonMapsAreAsManyAsSamples) {
+  const auto sppm = [&](std::string_view parameters, std::string_view film = "") {
+    return good_pbrt(kTriangle, "Camera \"perspective\"\nIntegrator \"sppm\" " + std::string(parameters) +
+                                    "\n" + std::string(film));
+  };
+  const SceneDescription plain = sppm("");
+  ASSERT_TRUE(plain.integrator.is<ProgressivePhotonIntegrator>());
+  const auto& defaults = *plain.integrator.get<ProgressivePhotonIntegrator>();
+  EXPECT_EQ(defaults.max_depth, 6) << "5 surfaces are 6 edges";
+  EXPECT_EQ(defaults.photon_count, 1280 * 720) << "as many as the film has pixels";
+  EXPECT_EQ(defaults.initial_radius, 1.0f);
+  EXPECT_EQ(defaults.alpha, std::nullopt) << "2/3";
+  EXPECT_EQ(warnings(plain), "");
+  const SceneDescription all = sppm(
+      "\"integer maxdepth\" 9 \"integer photonsperiteration\" 5000 \"float radius\" 0.25 "
+      "\"integer seed\" 7");
+  const auto& given = *all.integrator.get<ProgressivePhotonIntegrator>();
+  EXPECT_EQ(given.max_depth, 10);
+  EXPECT_EQ(given.photon_count, 5000);
+  EXPECT_EQ(given.initial_radius, 0.25f);
+  EXPECT_EQ(warnings(all), "");
+  // The film may come later, and its crop window counts.
+  const SceneDescription cropped =
+      sppm("",
+           "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"integer "
+           "pixelbounds\" [0 50 0 20]");
+  EXPECT_EQ(cropped.integrator.get<ProgressivePhotonIntegrator>()->photon_count, 50 * 20);
+  const SceneDescription large =
+      sppm("", "Film \"rgb\" \"integer xresolution\" 8000 \"integer yresolution\" 8000");
+  EXPECT_EQ(large.integrator.get<ProgressivePhotonIntegrator>()->photon_count, MAX_PHOTONS);
+  // Of version 3.
+  EXPECT_THAT(warnings(sppm("\"integer numiterations\" 9 \"integer imagewritefrequency\" 9")),
+              AllOf(HasSubstr("numiterations is ignored"), HasSubstr("pixelsamples")));
+  const auto error = [&](const char* parameters) {
+    return wrong(kTriangle, std::string("Camera \"perspective\"\nIntegrator \"sppm\" ") + parameters);
+  };
+  EXPECT_THAT(error("\"integer photonsperiteration\" 1000000000"),
+              AllOf(HasSubstr("scene.pbrt:2:"), HasSubstr("photon_count"), HasSubstr("from 1 to 16777216")));
+  EXPECT_THAT(error("\"float radius\" -1"), AllOf(HasSubstr("scene.pbrt:2:"), HasSubstr("initial_radius")));
+}
+
 TEST_F(PbrtText, TheCameraSeesWhatPbrtsSees) {
   // pbrt: x = w/2 (1 + X/(Z tan)), with X along up x view, to the right; the angle spans the shorter side.
   const SceneDescription scene =
