@@ -12,7 +12,7 @@
 /// The arguments of the kernels that trace photons.
 #define PHOTON_PARAMETERS                                                                                 \
   uint map, uint sequence, int photon_paths, int first, int end, int capacity, __global uint *states,    \
-      __global Photon *photons, volatile __global int *photon_count, int photon_room
+      __global Photon *photons, __global int *photon_count, int photon_room
 
 /// Traces the photon paths [first, first + count) in a block at `states`.
 STAGE void trace_block_of_photons(GLOBAL const SceneHeader* header, GLOBAL const uint* words, uint map,

@@ -23,7 +23,7 @@ constexpr double kCpuLaunchSeconds = 1;         // so that the worker can show p
 constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before any time is known
 // Photons that a launch has room for; and how many a path is expected to have.
 constexpr std::uint64_t kPhotonRoom = 1 << 19;
-constexpr int kPhotonsPerPath = 8;
+constexpr int kExpectedPhotons = 8;
 constexpr std::size_t kLargestGroup = 64;  // work items; larger groups share no memory and gain nothing
 
 class OpenClDevice final : public Device {
@@ -312,7 +312,7 @@ class OpenClDevice final : public Device {
         !session_.reserve(photon_count_, sizeof(cl_int)))
       return std::unexpected(error());
     std::vector<Photon> photons;
-    int wanted = std::max(1, room / kPhotonsPerPath);
+    int wanted = std::max(1, room / kExpectedPhotons);
     for (int first = 0; first < task.paths;) {
       int now = std::min(wanted, task.paths - first), count = 0;
       if (!shape_.blocks) now = std::min(now, plan_.items);

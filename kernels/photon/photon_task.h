@@ -14,7 +14,7 @@ typedef struct {
 /// Where photons are stored. `count` goes on past the capacity, so that the caller knows how many there are.
 typedef struct {
   GLOBAL Photon* photons;
-  volatile GLOBAL int* count;
+  GLOBAL int* count;
   int capacity;
 } PhotonStore;
 
