@@ -177,10 +177,10 @@ CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVA
                           const PRIVATE Surfaces* surfaces, const PRIVATE float* wi,
                           PRIVATE BsdfValues* values) {
   bool first = true;
-#define EVAL_IF_THERE(name, NAME, number, properties, text)                                        \
-  if (HAS_FAMILY_OF(number) && ((properties)&DELTA) == 0 && (families & (1u << (number))) != 0u) { \
-    eval_##name##_lanes(scene, closures, surfaces, wi, first, values);                             \
-    first = false;                                                                                 \
+#define EVAL_IF_THERE(name, NAME, number, properties, text)                             \
+  if (HAS_FAMILY(NAME) && ((properties)&DELTA) == 0 && (families & ONLY(NAME)) != 0u) { \
+    eval_##name##_lanes(scene, closures, surfaces, wi, first, values);                  \
+    first = false;                                                                      \
   }
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE
@@ -193,7 +193,7 @@ CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRI
                             const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
   bool first = true;
 #define SAMPLE_IF_THERE(name, NAME, number, properties, text)                     \
-  if (HAS_FAMILY_OF(number) && (families & (1u << (number))) != 0u) {             \
+  if (HAS_FAMILY(NAME) && (families & ONLY(NAME)) != 0u) {                        \
     sample_##name##_lanes(scene, closures, surfaces, uv, choice, first, samples); \
     first = false;                                                                \
   }
@@ -221,8 +221,8 @@ BRANCHING_FAMILIES(LOBE_PROBABILITY)
 FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                            PRIVATE float* probabilities) {
   for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
-#define PROBABILITY_IF_THERE(name, NAME)                                        \
-  if (HAS_FAMILY_OF(FAMILY_##NAME) && (families & (1u << FAMILY_##NAME)) != 0u) \
+#define PROBABILITY_IF_THERE(name, NAME)                 \
+  if (HAS_FAMILY(NAME) && (families & ONLY(NAME)) != 0u) \
     name##_probability_lanes(closures, surfaces, probabilities);
   BRANCHING_FAMILIES(PROBABILITY_IF_THERE)
 #undef PROBABILITY_IF_THERE

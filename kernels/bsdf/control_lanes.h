@@ -32,8 +32,8 @@ STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
 FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                       const PRIVATE Surfaces* surfaces, PRIVATE ControlLanes* controls) {
   clear_controls(controls);
-#define CONTROL_IF_THERE(name, NAME)                                            \
-  if (HAS_FAMILY_OF(FAMILY_##NAME) && (families & (1u << FAMILY_##NAME)) != 0u) \
+#define CONTROL_IF_THERE(name, NAME)                     \
+  if (HAS_FAMILY(NAME) && (families & ONLY(NAME)) != 0u) \
     control_##name##_lanes(scene, closures, surfaces, controls);
   LTC_FAMILIES(CONTROL_IF_THERE)
 #undef CONTROL_IF_THERE

@@ -16,13 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FREE 64          // no surface: its frame is the scene's, and its values include no cosine
 
 // X(name, NAME, number, properties, description for users): kernels/bsdf/`name`.h defines `name`_eval and
-// `name`_sample; FAMILY_`NAME` is defined below. Family 0 absorbs everything.
-#ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
-  #include EXTRA_BSDF_FAMILY_LIST
-#else
-  #define EXTRA_BSDF_FAMILIES(X)
-#endif
-#define BSDF_FAMILIES(X)                                                                                 \
+// `name`_sample.
+#define OWN_BSDF_FAMILIES(X)                                                                             \
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
   X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                                  \
@@ -45,35 +40,23 @@ PENUMBRA_NAMESPACE_BEGIN
   X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
-  X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
-  EXTRA_BSDF_FAMILIES(X)
+  X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")
+
+#ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
+  #include EXTRA_BSDF_FAMILY_LIST
+#else
+  #define EXTRA_BSDF_FAMILIES(X)
+#endif
+#define BSDF_FAMILIES(X) OWN_BSDF_FAMILIES(X) EXTRA_BSDF_FAMILIES(X)
+
+#define ENUMERATE_FAMILY(name, NAME, number, properties, text) FAMILY_##NAME = number,
+/// FAMILY_BLACK absorbs everything. The tests' list defines the numbers of its own families.
+enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
+#undef ENUMERATE_FAMILY
 
 // X(name, NAME): the families with two delta lobes. `name`_lobe_probability(closure, wo) is the probability
 // of the first lobe; `name`_sample takes it if `choice` is below that.
 #define BRANCHING_FAMILIES(X) X(dielectric, DIELECTRIC) X(thindielectric, THINDIELECTRIC)
-
-// Plain macros too, since the preprocessor must test them.
-#define FAMILY_BLACK 0
-#define FAMILY_DIFFUSE 1
-#define FAMILY_PHONG 2
-#define FAMILY_CONDUCTOR 3
-#define FAMILY_ROUGHCONDUCTOR_GGX 4
-#define FAMILY_ROUGHCONDUCTOR_BECKMANN 5
-#define FAMILY_DIELECTRIC 6
-#define FAMILY_THINDIELECTRIC 7
-#define FAMILY_ROUGHDIELECTRIC_GGX 8
-#define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
-#define FAMILY_PLASTIC 10
-#define FAMILY_ROUGHPLASTIC_GGX 11
-#define FAMILY_ROUGHPLASTIC_BECKMANN 12
-#define FAMILY_WARD 13
-#define FAMILY_BLINNPHONG 14
-#define FAMILY_MICROFACET_DIFFUSE 15
-#define FAMILY_PRINCIPLED 16
-#define FAMILY_PRINCIPLEDTHIN 17
-#define FAMILY_DISNEY 18
-#define FAMILY_PRINCIPLED_TRANSMITTING 19
-#define FAMILY_PHASE 20
 
 // The parameters of a material at a point. The record of a material has the same fields, and for each of
 // TEXTURED_FIELDS a texture index or -1. If a field's meaning differs between families, the family's file
@@ -201,12 +184,11 @@ FN Closure black_closure(void) {
 #ifndef FAMILIES
   #define FAMILIES EVERY_FAMILY
 #endif
-#define HAS_FAMILY(name) (((FAMILIES) & (1u << FAMILY_##name)) != 0u)
-
-// The same for use within the expansion of BSDF_FAMILIES, where FAMILIES must not be expanded. It is a
-// compile-time constant: compilers drop the code behind `HAS_FAMILY_OF(number) &&` if it is false.
+// A copy of the mask, since it must not be expanded within the expansion of BSDF_FAMILIES.
 enum { COMPILED_FAMILIES = FAMILIES };
-#define HAS_FAMILY_OF(number) ((COMPILED_FAMILIES & (1u << (number))) != 0u)
+// HAS_FAMILY is a compile-time constant: compilers drop the code behind `if (HAS_FAMILY(PHONG))` where it is
+// false.
+#define HAS_FAMILY(NAME) ((COMPILED_FAMILIES & ONLY(NAME)) != 0u)
 
 FN uint compiled_families(void) { return FAMILIES; }
 

@@ -5,11 +5,9 @@
 #define PENUMBRA_POLYGON_LIGHT_H
 #include "kernels/bsdf/families.h"
 #include "kernels/polygon/polygon_edge.h"
+#include "kernels/polygon/polygon_lobe_lanes.h"
 #include "kernels/polygon/polygon_receivers.h"
 #include "kernels/scene.h"
-#if HAS_FAMILY(PHONG)
-  #include "kernels/polygon/polygon_lobe_lanes.h"
-#endif
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -85,7 +83,6 @@ FN void add_edge_irradiances(vec3d from, vec3d to, const PRIVATE Receivers* r, P
   if (add_edge_arcs(from, to, r, sums, &crossings) != 0) add_crossings(r, &crossings, sums);
 }
 
-#if HAS_FAMILY(PHONG)
 /// Points where outlines cross the horizon. Along it, arcs lead from where an outline sets to where it rises.
 /// All crossings are within half a turn, so it does not matter which ones are joined. On each loop, rising
 /// and setting alternate, and every second crossing is joined to the one before it.
@@ -187,7 +184,6 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
   if (pairs > 0.0) add_horizon_arcs(r, lobes, &horizon);
   for (int j = 0; j < LANES; j++) sum[j] += horizon.sum[j];
 }
-#endif
 
 /// Transforms a world-space vector to the space where lane j's lobe is a cosine about the z axis.
 FN vec3d lane_to_cosine_space(const PRIVATE Receivers* r, int j, vec3d v) {
@@ -270,10 +266,8 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   IrradianceSums sums;
   start_irradiances(&sums);
   for (int j = 0; j < LANES; j++) lobe[j] = 0.0;
-  bool with_lobes = false;
-#if HAS_FAMILY(PHONG)
   Lobes lobes;
-  with_lobes = start_lobes(r, &lobes);
+  const bool with_lobes = HAS_FAMILY(PHONG) && start_lobes(r, &lobes);
   if (with_lobes) {
     double lobe_sum[LANES];
     add_polygon_with_lobes(corners, count, r, &lobes, &sums, lobe_sum);
@@ -282,7 +276,6 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
       lobe[j] = r->exponent[j] >= 0.0 ? max_d(two_sided ? FABS_D(total) : total, 0.0) : 0.0;
     }
   }
-#endif
   for (int i = 1; i < count; i++) {
     if (!with_lobes & (corners[i].starts == 0))
       add_edge_irradiances(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, &sums);
