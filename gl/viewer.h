@@ -83,12 +83,14 @@ class Viewer {
   Expected<void> look_after_scheduler();
   void want_samples(std::uint32_t spp);
   void refine();
+  void take_one_more_sample();
+  void toggle_automatic();
+  void reset_camera();
   void show_pose();
   void forget_samples();
   void reload();
   void save_beside_scene();
   void say(std::string text);
-  void move_by(double right, double up, double forward);
   Expected<void> draw_closed_form();
   [[nodiscard]] bool refines_closed_form() const;
   [[nodiscard]] bool can_steer() const { return status_.interactive && header_.has_value(); }

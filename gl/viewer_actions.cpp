@@ -23,6 +23,76 @@ constexpr double kRadiansPerHeight = std::numbers::pi;  // of a drag as long as 
 
 ToneMap next(ToneMap tone_map) { return ToneMap((int(tone_map) + 1) % (int(ToneMap::kFilmic) + 1)); }
 
+/// Changes how the picture is shown, without new samples. Returns whether the action does that.
+bool change_display(Action action, bool has_closed_form, DisplaySettings& settings) {
+  switch (action) {
+    case Action::kShowComposite:
+      settings.layer = Layer::kComposite;
+      return true;
+    case Action::kShowAnalytic:
+      if (has_closed_form) settings.layer = Layer::kAnalytic;
+      return true;
+    case Action::kShowDifference:
+      if (has_closed_form) settings.layer = Layer::kDifference;
+      return true;
+    case Action::kShowError:
+      settings.layer = Layer::kError;
+      return true;
+    case Action::kToggleOutlines:
+      settings.outlines = !settings.outlines;
+      return true;
+    case Action::kBrighter:
+      settings.exposure += kExposureStep;
+      return true;
+    case Action::kDarker:
+      settings.exposure -= kExposureStep;
+      return true;
+    case Action::kNextToneMap:
+      settings.tone_map = next(settings.tone_map);
+      return true;
+    case Action::kTogglePanel:
+      settings.panel = !settings.panel;
+      return true;
+    case Action::kToggleHelp:
+      settings.help = !settings.help;
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// The pose after an action that moves the camera by one step. `side` is 1, or -1 for mirrored films.
+std::optional<CameraPose> step_camera(Action action, const CameraPose& pose, double step, double side) {
+  switch (action) {
+    case Action::kForward:
+      return move(pose, 0, 0, step);
+    case Action::kBack:
+      return move(pose, 0, 0, -step);
+    case Action::kLeft:
+      return move(pose, -side * step, 0, 0);
+    case Action::kRight:
+      return move(pose, side * step, 0, 0);
+    case Action::kUp:
+      return move(pose, 0, step, 0);
+    case Action::kDown:
+      return move(pose, 0, -step, 0);
+    case Action::kOrbitLeft:
+      return orbit(pose, -side * kOrbitStep, 0);
+    case Action::kOrbitRight:
+      return orbit(pose, side * kOrbitStep, 0);
+    case Action::kOrbitUp:
+      return orbit(pose, 0, kOrbitStep);
+    case Action::kOrbitDown:
+      return orbit(pose, 0, -kOrbitStep);
+    case Action::kCloser:
+      return dolly(pose, kDollyStep);
+    case Action::kFarther:
+      return dolly(pose, 1 / kDollyStep);
+    default:
+      return std::nullopt;
+  }
+}
+
 }  // namespace
 
 void Viewer::want_samples(std::uint32_t spp) {
@@ -86,12 +156,6 @@ void Viewer::forget_samples() {
   stale_ = true;
 }
 
-void Viewer::move_by(double right, double up, double forward) {
-  const double step = step_length(pose_, extent_);
-  const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
-  set_pose(move(pose_, side * right * step, up * step, forward * step));
-}
-
 void Viewer::handle(const WindowEvents& events) {
   if (!events.any()) return;
   stale_ = true;
@@ -114,87 +178,49 @@ void Viewer::handle(const WindowEvents& events) {
 
 void Viewer::act(Action action) {
   stale_ = true;
+  if (change_display(action, status_.hybrid, settings_)) return;
   const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
+  if (const auto pose = step_camera(action, pose_, step_length(pose_, extent_), side)) return set_pose(*pose);
   switch (action) {
     case Action::kOneMoreSample:
-      if (can_steer()) return want_samples(status_.spp_wanted + 1);
-      if (job_) say(kNoFurtherSamples);
-      return;
+      return take_one_more_sample();
     case Action::kToggleAutomatic:
-      settings_.automatic = !settings_.automatic && can_steer();
-      if (job_ && !can_steer()) say(kNoFurtherSamples);
-      return;
-    case Action::kShowComposite:
-      settings_.layer = Layer::kComposite;
-      return;
-    case Action::kShowAnalytic:
-      if (status_.hybrid) settings_.layer = Layer::kAnalytic;
-      return;
-    case Action::kShowDifference:
-      if (status_.hybrid) settings_.layer = Layer::kDifference;
-      return;
-    case Action::kShowError:
-      settings_.layer = Layer::kError;
-      return;
-    case Action::kToggleOutlines:
-      settings_.outlines = !settings_.outlines;
-      return;
-    case Action::kBrighter:
-      settings_.exposure += kExposureStep;
-      return;
-    case Action::kDarker:
-      settings_.exposure -= kExposureStep;
-      return;
-    case Action::kNextToneMap:
-      settings_.tone_map = next(settings_.tone_map);
-      return;
+      return toggle_automatic();
     case Action::kAlphaUp:
       return set_alpha(settings_.alpha + kAlphaStep);
     case Action::kAlphaDown:
       return set_alpha(settings_.alpha - kAlphaStep);
-    case Action::kForward:
-      return move_by(0, 0, 1);
-    case Action::kBack:
-      return move_by(0, 0, -1);
-    case Action::kLeft:
-      return move_by(-1, 0, 0);
-    case Action::kRight:
-      return move_by(1, 0, 0);
-    case Action::kUp:
-      return move_by(0, 1, 0);
-    case Action::kDown:
-      return move_by(0, -1, 0);
-    case Action::kOrbitLeft:
-      return set_pose(orbit(pose_, -side * kOrbitStep, 0));
-    case Action::kOrbitRight:
-      return set_pose(orbit(pose_, side * kOrbitStep, 0));
-    case Action::kOrbitUp:
-      return set_pose(orbit(pose_, 0, kOrbitStep));
-    case Action::kOrbitDown:
-      return set_pose(orbit(pose_, 0, -kOrbitStep));
-    case Action::kCloser:
-      return set_pose(dolly(pose_, kDollyStep));
-    case Action::kFarther:
-      return set_pose(dolly(pose_, 1 / kDollyStep));
     case Action::kResetCamera:
-      if (!can_steer()) return;
-      pose_ = scene_pose_;
-      moved_ = false;
-      return show_pose();
+      return reset_camera();
     case Action::kReload:
       return reload();
     case Action::kSave:
       return save_beside_scene();
-    case Action::kTogglePanel:
-      settings_.panel = !settings_.panel;
-      return;
-    case Action::kToggleHelp:
-      settings_.help = !settings_.help;
-      return;
     case Action::kQuit:
       quit_ = true;
       return;
+    default:
+      return;
   }
+}
+
+void Viewer::take_one_more_sample() {
+  if (can_steer())
+    want_samples(status_.spp_wanted + 1);
+  else if (job_)
+    say(kNoFurtherSamples);
+}
+
+void Viewer::toggle_automatic() {
+  settings_.automatic = !settings_.automatic && can_steer();
+  if (job_ && !can_steer()) say(kNoFurtherSamples);
+}
+
+void Viewer::reset_camera() {
+  if (!can_steer()) return;
+  pose_ = scene_pose_;
+  moved_ = false;
+  show_pose();
 }
 
 void Viewer::reload() {
