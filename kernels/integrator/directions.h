@@ -68,5 +68,18 @@ FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVA
   weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, samples);
 }
 
+/// Samples directions by the BSDFs or about the hemisphere, whichever the scene wants.
+FN void sample_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+  const uint by_themselves = families_with_own_directions(&scene->header);
+  sample_bsdfs(scene, step->families & by_themselves, &step->closures, &step->surfaces,
+               step->u + DIM_BSDF_U * LANES, step->u + DIM_LOBE_CHOICE * LANES, &step->samples);
+  if ((step->families & ~by_themselves) != 0u) {
+    BsdfSamples others;
+    choose_directions(scene, step->families & ~by_themselves, step, &others);
+    take_chosen(&step->closures, by_themselves, &others, &step->samples);
+  }
+  shade_bumps(scene, &step->surfaces, &step->samples);
+}
+
 PENUMBRA_NAMESPACE_END
 #endif
