@@ -8,9 +8,26 @@
 
 #include "kernels/host/error.h"
 #include "scheduler/keys/certificate.h"
-#include "scheduler/keys/tokens.h"
 
 namespace penumbra {
+
+/// A call over TCP must present a token, which determines what it may do. That of a viewer does not permit
+/// sending samples.
+struct Tokens {
+  std::string watch = {};   ///< permits Watch, Control, and fetching the data for them
+  std::string work = {};    ///< permits Work, and fetching the data for it
+  std::string submit = {};  ///< permits all other calls, and everything that `watch` permits
+};
+
+/// For loops over all kinds of tokens.
+struct TokenKind {
+  const char* name;
+  const char* what_for;
+  std::string Tokens::*token;
+};
+inline constexpr std::array<TokenKind, 3> kTokenKinds{{{"watch", "watching", &Tokens::watch},
+                                                       {"work", "workers", &Tokens::work},
+                                                       {"submit", "submitting", &Tokens::submit}}};
 
 /// The users of keys. Each role has a folder of its own, so that a machine gets only what it needs.
 enum class KeyRole { kScheduler, kWorker, kViewer, kUser };
