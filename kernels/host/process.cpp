@@ -1,5 +1,6 @@
 #include "kernels/host/process.h"
 
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -14,6 +15,15 @@ std::uint64_t peak_memory_bytes() {
     status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
   }
   return 0;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
 }
 
 }  // namespace penumbra

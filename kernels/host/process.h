@@ -1,4 +1,4 @@
-// This process, its user and its machine.
+// This process, its user, its machine and the time.
 #pragma once
 
 #include <signal.h>
@@ -32,6 +32,9 @@ inline std::filesystem::path user_folder(const char* variable, std::string_view 
 /// Peak resident memory of this process in bytes; 0 if unknown. (ru_maxrss of getrusage does not work: it
 /// includes what the process had between fork and exec, which is all of its parent's memory.)
 std::uint64_t peak_memory_bytes();
+
+/// The current time, as "2024-06-11T17:03:00Z".
+std::string utc_now();
 
 /// Seconds since `begin` on the monotonic clock.
 inline double seconds_since(std::chrono::steady_clock::time_point begin) {

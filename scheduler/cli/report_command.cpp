@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/report_assembly.h"
@@ -15,7 +16,6 @@
 #include "scheduler/cli/report_plan.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/atomic_file.h"
-#include "scheduler/record/machine.h"
 #include "scheduler/record/render_record.h"
 #include "scheduler/record/version.h"
 #include "scheduler/report/gnuplot.h"

@@ -11,7 +11,6 @@
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/flagged_text.h"
 #include "scheduler/record/inventory.h"
-#include "scheduler/record/machine.h"
 #include "scheduler/record/version.h"
 
 namespace penumbra {
