@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/mitsuba/spectrum_file.h"
 #include "scenes/mitsuba/spectrum_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/mitsuba/volume_reader.h"
