@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "scenes/reading.h"
-#include "scenes/tinyrender/camera_reader.h"
 #include "scenes/tinyrender/model_reader.h"
 #include "scenes/tinyrender/renderer_reader.h"
+#include "scenes/tinyrender/section.h"
 
 namespace penumbra::tinyrender {
 namespace {
@@ -25,6 +25,33 @@ void check_top_level(const Context& context) {
     if (std::ranges::find(known, table.name) == known.end()) unknown(table.name, table.location, "table");
   }
   for (const Entry& entry : context.document.entries) unknown(entry.key, entry.key_location, "key");
+}
+
+/// Reads a perspective camera at `eye` that looks at `at`. `up` points into the upper half of the image.
+/// `fov` is the vertical full angle of view in degrees.
+void read_camera(const Context& context, SceneDescription& scene) {
+  Section camera(context, "camera");
+  for (const char* key : {"eye", "at", "fov"}) camera.require(key);
+  const auto eye = camera.vector("eye"), at = camera.vector("at");
+  const auto up = camera.has("up") ? camera.vector("up") : "0 1 0";
+  camera.accept("up");
+  if (eye && at && up) camera.imply(scene, "camera.lookat", fmt::format("{} {} {}", *eye, *at, *up), "at");
+  camera.set(scene, "camera.fov", "fov");
+  camera.imply(scene, "camera.fov_axis", "y");
+  // TinyRender's camera has no clipping planes.
+  camera.imply(scene, "camera.near_clip", "1e-6");
+  camera.imply(scene, "camera.far_clip", "1e30");
+  camera.finish();
+}
+
+/// Reads the image size. The filter is a box of one pixel.
+void read_film(const Context& context, SceneDescription& scene) {
+  Section film(context, "film");
+  for (const char* key : {"width", "height"}) film.require(key);
+  film.set(scene, "film.width", "width");
+  film.set(scene, "film.height", "height");
+  film.imply(scene, "film.rfilter", "box");
+  film.finish();
 }
 
 }  // namespace
