@@ -8,7 +8,6 @@
 
 #include "scheduler/image/metrics/color_space.h"
 #include "scheduler/image/metrics/flip_core.h"
-#include "scheduler/image/metrics/flip_summary.h"
 
 namespace penumbra {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "scheduler/image/metrics/color_space.h"
-#include "scheduler/image/metrics/flip_summary.h"
+#include "scheduler/image/metrics/flip_core.h"
 
 namespace penumbra {
 namespace {
