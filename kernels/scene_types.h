@@ -343,6 +343,11 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, first_edge)                                                                              \
   F(int, edge_count)
 
+// The media at a light, for photons that leave it: a MediumStack.
+#define LIGHT_MEDIA_FIELDS(F) \
+  F(uint, low)                \
+  F(uint, high)
+
 // A part of an edge within the filter's support of a pixel, relative to the pixel's centre, in filter radii.
 // At y in [y0, y1) or [y1, y0) it is at x0 + slope (y - y0). The light is at smaller x where y1 > y0, else at
 // larger x.
@@ -505,6 +510,7 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, boundaries, Boundary, 1, "boundaries of media")                                \
   T(A, primitive_boundaries, int, 1, "primitives that bound media")                   \
   T(A, flight_centres, FlightCentre, 1, "places from where lights shine on media")    \
+  T(A, light_media, LightMedia, 1, "media at lights")                                 \
   T(A, volumes, Volume, 1, "volumes")                                                 \
   T(A, volume_values, float, 3, "numbers of volumes")                                 \
   T(A, majorants, float, 1, "majorants of volumes")                                   \
@@ -608,6 +614,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \
   X(LightEdge, LIGHT_EDGE_FIELDS)                       \
+  X(LightMedia, LIGHT_MEDIA_FIELDS)                     \
   X(BvhNode, BVH_NODE_FIELDS)                           \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \

@@ -127,6 +127,7 @@ class Checker {
       require(m.family == FAMILY_BLACK || (m.family > 0 && holds(h_.families, m.family)),
               "a material of a family of BSDFs that the header does not name");
     check_material_trees();
+    check_photons();
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(!holds(USERS_curve & ~EXTRA_FAMILIES, m.family) ||
                   (in(m.curve_rows, 1, CURVE_ROWS) &&
@@ -177,6 +178,29 @@ class Checker {
     require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  /// Checks the numbers of photon maps, and the media at lights.
+  void check_photons() {
+    const IntegratorParameters& p = h_.integrator;
+    require(in(p.photons, PHOTONS_NONE, PHOTONS_FIXED) && has(FEATURE_PHOTONS) == (p.photons != PHOTONS_NONE),
+            "photon maps and their feature bit go together");
+    require(h_.tables.light_media.count ==
+                (has(FEATURE_PHOTONS) && has(FEATURE_MEDIA) ? h_.tables.lights.count : 0),
+            "the media at lights do not match the lights");
+    if (!has(FEATURE_PHOTONS) || !problem_.empty()) return;
+    require(p.kind == INTEGRATOR_PATH && h_.tables.lights.count > 0, "photon maps without paths or lights");
+    for (const int photons : {p.surface_photons, p.caustic_photons, p.volume_photons})
+      require(in(photons, 0, MAX_PHOTONS), "an implausible number of photons");
+    for (const float radius : {p.surface_radius, p.caustic_radius, p.volume_radius, p.emission_radius})
+      require(radius > 0 && std::isfinite(radius), "photons with a radius that is no length");
+    require(p.radius_alpha > 0 && p.radius_alpha <= 1, "radii of photon maps that do not shrink");
+    require(p.samples_per_map > 0 && p.lookup_size > 0, "photon maps without samples or lookups");
+    for (const LightMedia& at : table<LightMedia>(scene_, h_.tables.light_media))
+      for (const std::uint32_t media : {at.low, at.high})
+        for (int shift = 0; shift < 32; shift += 8)
+          require(int(media >> shift & 0xffu) < h_.tables.media.count,
+                  "a light is in a medium that is not there");
   }
 
   /// Checks that descents in material trees end, at leaves of known kinds.

@@ -9,22 +9,22 @@
 #include <numeric>
 #include <vector>
 
-#include "kernels/photon/photon_map.h"
+#include "kernels/photon/photon_search.h"
 
 namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kLeastBuckets = 16;  // so that reads of 8 photons at once end within the map
 
-/// A stable counting sort of `order` by key(index), which is below `keys`. Returns the first position of each
-/// key, and the end.
-template <typename Key>
-std::vector<std::uint32_t> sort_by(std::vector<std::uint32_t>& order, std::size_t keys, const Key& key) {
-  std::vector<std::uint32_t> starts(keys + 1, 0);
-  for (const std::uint32_t i : order) ++starts[key(i) + 1];
+/// A stable counting sort of `order` by keys[index], which are below `end`. Returns the first position of
+/// each key, and the end.
+std::vector<std::uint32_t> sort_by(std::vector<std::uint32_t>& order, std::span<const std::uint32_t> keys,
+                                   std::size_t end) {
+  std::vector<std::uint32_t> starts(end + 1, 0);
+  for (const std::uint32_t i : order) ++starts[keys[i] + 1];
   std::inclusive_scan(starts.begin(), starts.end(), starts.begin());
   std::vector<std::uint32_t> next(starts.begin(), starts.end() - 1), sorted(order.size());
-  for (const std::uint32_t i : order) sorted[next[key(i)]++] = i;
+  for (const std::uint32_t i : order) sorted[next[keys[i]]++] = i;
   order = std::move(sorted);
   return starts;
 }
@@ -52,38 +52,73 @@ bool is_finite(const Photon& photon) {
   return is_finite3(photon.p) && is_finite3(photon.wi) && is_finite3(photon.power);
 }
 
-class MapWriter {
- public:
-  MapWriter(AlignedVector<std::uint32_t>& words, std::span<const Photon> photons)
-      : words_(words), photons_(photons) {}
+/// Words of the photon in the order of their arrays in a map, see PHOTON_MAP_FIELDS.
+std::array<std::uint32_t, PHOTON_WORDS> words_of(const Photon& photon) {
+  std::array<std::uint32_t, PHOTON_WORDS> words;
+  std::size_t k = 0;
+  for (const vec3& v : {photon.p, photon.wi, photon.normal, photon.power})
+    for (const float x : {v.x, v.y, v.z}) words[k++] = std::bit_cast<std::uint32_t>(x);
+  words[k] = std::uint32_t(photon.edges);
+  return words;
+}
 
-  /// Appends the map of these photons, which are sorted by path and edges.
-  void write(std::vector<std::uint32_t> order, const MapSize& size, float scene_radius, PhotonMap& map) {
-    const bool all_finite = std::erase_if(order, [&](auto i) { return !is_finite(photons_[i]); }) == 0;
-    map.share = !all_finite      ? std::numeric_limits<float>::quiet_NaN()
-                : size.paths > 0 ? 1.0f / float(size.paths)
-                                 : 0.0f;
-    map.count = int(order.size());
-    map.buckets = int(std::bit_ceil(std::max(kLeastBuckets, std::uint32_t(order.size()))));
-    map.radius = std::max(float(size.radius), std::numeric_limits<float>::min());
-    map.cells = cells_per_unit(map.radius, scene_radius);
-    const auto bucket = [&](std::uint32_t i) {
-      return std::size_t(photon_bucket(photon_cell(photons_[i].p, map.cells), map.buckets));
-    };
-    const std::vector<std::uint32_t> starts = sort_by(order, std::size_t(map.buckets), bucket);
-    map.offset = std::uint32_t(words_.size());
-    for (const auto member : {&Photon::p, &Photon::wi, &Photon::normal, &Photon::power})
-      for (const auto axis : {&vec3::x, &vec3::y, &vec3::z})
-        for (const std::uint32_t i : order)
-          words_.push_back(std::bit_cast<std::uint32_t>(photons_[i].*member.*axis));
-    for (const std::uint32_t i : order) words_.push_back(std::uint32_t(photons_[i].edges));
-    words_.insert(words_.end(), starts.begin(), starts.end());
+// Christensen 1999: a fraction of the photons suffices.
+constexpr std::size_t kPhotonsPerIrradiance = 4;
+
+/// The irradiance from photons of a map on the photon's surface.
+vec3 irradiance_at(const PhotonTable& table, const Photon& photon) {
+  const PhotonSearch near =
+      search_photons(&table, photon.p, photon.normal, false, std::numeric_limits<int>::max());
+  PhotonSearch search = near;
+  vec3 sum = make_vec3(0.0f, 0.0f, 0.0f);
+  for (int i = next_photon(&table, &search); i >= 0; i = next_photon(&table, &search))
+    sum = add(sum, photon_irradiance(&table, &near, photon.normal, i));
+  return scale(sum, table.map.share * inverse_extent(false, near.radius2));
+}
+
+/// Some photons of the first two maps, with irradiances in place of powers.
+std::vector<Photon> irradiance_photons(std::span<const Photon> photons, std::span<const std::uint32_t> order,
+                                       const AlignedVector<std::uint32_t>& words) {
+  const PhotonTable surface = photon_table(words.data(), PHOTON_MAP_SURFACE),
+                    caustic = photon_table(words.data(), PHOTON_MAP_CAUSTIC);
+  std::vector<Photon> chosen;
+  std::size_t next = 0;
+  for (const std::uint32_t i : order) {
+    if (photons[i].map == PHOTON_MAP_VOLUME || next++ % kPhotonsPerIrradiance != 0) continue;
+    Photon photon = photons[i];
+    photon.power = add(irradiance_at(surface, photon), irradiance_at(caustic, photon));
+    photon.edges = 0;
+    chosen.push_back(photon);
   }
+  return chosen;
+}
 
- private:
-  AlignedVector<std::uint32_t>& words_;
-  std::span<const Photon> photons_;
-};
+/// Appends the map of those photons that `order` lists, sorted by path and edges.
+PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t> order, const MapSize& size,
+                     float scene_radius, AlignedVector<std::uint32_t>& words) {
+  PhotonMap map{};
+  const bool all_finite = std::erase_if(order, [&](auto i) { return !is_finite(photons[i]); }) == 0;
+  map.share = !all_finite      ? std::numeric_limits<float>::quiet_NaN()
+              : size.paths > 0 ? 1.0f / float(size.paths)
+                               : 0.0f;
+  map.count = int(order.size());
+  map.buckets = int(std::bit_ceil(std::max(kLeastBuckets, std::uint32_t(order.size()))));
+  map.radius = std::max(float(size.radius), std::numeric_limits<float>::min());
+  map.cells = cells_per_unit(map.radius, scene_radius);
+  map.offset = std::uint32_t(words.size());
+  std::vector<std::uint32_t> buckets(photons.size());
+  for (const std::uint32_t i : order)
+    buckets[i] = std::uint32_t(photon_bucket(photon_cell(photons[i].p, map.cells), map.buckets));
+  const std::vector<std::uint32_t> starts = sort_by(order, buckets, std::size_t(map.buckets));
+  words.resize(words.size() + order.size() * PHOTON_WORDS);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto own = words_of(photons[order[k]]);
+    for (std::size_t array = 0; array < own.size(); ++array)
+      words[map.offset + array * order.size() + k] = own[array];
+  }
+  words.insert(words.end(), starts.begin(), starts.end());
+  return map;
+}
 
 }  // namespace
 
@@ -105,20 +140,28 @@ PhotonTask photon_task(const IntegratorParameters& integrator, std::uint32_t fir
 
 AlignedVector<std::uint32_t> build_photon_maps(const SceneHeader& header, const PhotonTask& task,
                                                std::span<const Photon> photons) {
-  std::vector<std::uint32_t> order(photons.size());
+  std::vector<std::uint32_t> order(photons.size()), paths(photons.size());
   std::iota(order.begin(), order.end(), 0u);
-  sort_by(order, std::size_t(task.paths), [&](std::uint32_t i) { return std::size_t(photons[i].path); });
+  std::ranges::transform(photons, paths.begin(), [](const Photon& p) { return std::uint32_t(p.path); });
+  sort_by(order, paths, std::size_t(task.paths));
+  std::array<std::vector<std::uint32_t>, PHOTON_MAPS> own;
+  for (const std::uint32_t i : order) own[std::size_t(photons[i].map)].push_back(i);
   std::array<PhotonMap, PHOTON_MAPS> maps{};
   AlignedVector<std::uint32_t> words(sizeof(maps) / sizeof(std::uint32_t));
   words.reserve(words.size() + photons.size() * (PHOTON_WORDS + 2));
-  MapWriter writer(words, photons);
-  for (int map = 0; map < PHOTON_MAPS; ++map) {
-    std::vector<std::uint32_t> own;
-    std::ranges::copy_if(order, std::back_inserter(own), [&](auto i) { return photons[i].map == map; });
-    writer.write(std::move(own), size_of(header.integrator, task, map), header.integrator.emission_radius,
-                 maps[std::size_t(map)]);
+  const auto append = [&](int map, std::span<const Photon> from, std::vector<std::uint32_t> listed) {
+    maps[std::size_t(map)] = append_map(from, std::move(listed), size_of(header.integrator, task, map),
+                                        header.integrator.emission_radius, words);
+    std::memcpy(words.data(), maps.data(), sizeof(maps));
+  };
+  for (const int map : {PHOTON_MAP_SURFACE, PHOTON_MAP_CAUSTIC, PHOTON_MAP_VOLUME})
+    append(map, photons, std::move(own[std::size_t(map)]));
+  if (header.integrator.final_gather != 0) {
+    const std::vector<Photon> known = irradiance_photons(photons, order, words);
+    std::vector<std::uint32_t> all(known.size());
+    std::iota(all.begin(), all.end(), 0u);
+    append(PHOTON_MAP_IRRADIANCE, known, std::move(all));
   }
-  std::memcpy(words.data(), maps.data(), sizeof(maps));
   return words;
 }
 

@@ -32,6 +32,18 @@ FN bool ends_at_photons(const PRIVATE SceneHeader* h, int chain, float distance,
   return has_diffuse_part(c) & !(gathers & ((chain == CHAIN_SPECULAR) | near));
 }
 
+#define NO_DEPTH_LIMIT 0x7fffffff
+
+/// Whether the path takes photons of that map at this surface. Behind a diffuse bounce, irradiances at
+/// photons are enough (Christensen 1999), where they are known: all edges together, for the diffuse family.
+FN bool takes_photons(const PRIVATE SceneHeader* h, int map, int chain, float distance, Closure c) {
+  const bool ends = ends_at_photons(h, chain, distance, c);
+  const bool by_irradiance = ends & (h->integrator.final_gather != 0) & (c.family == FAMILY_DIFFUSE) &
+                             (h->integrator.max_depth == NO_DEPTH_LIMIT);
+  if (map == PHOTON_MAP_IRRADIANCE) return by_irradiance;
+  return !by_irradiance & (map == PHOTON_MAP_CAUSTIC ? has_diffuse_part(c) : ends);
+}
+
 /// The photons of one map that the paths take at these surfaces. Returns whether any path takes some.
 FN bool request_photons(const PRIVATE SceneHeader* h, int map, const PRIVATE PathState* paths, int i,
                         const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures,
@@ -43,11 +55,9 @@ FN bool request_photons(const PRIVATE SceneHeader* h, int map, const PRIVATE Pat
     const Closure c = load_closure(closures, j);
     const int depth = get_depth(paths, i + j);
     const bool in_medium = surfaces->primitive[j] == IN_MEDIUM;
-    const bool takes = map == PHOTON_MAP_CAUSTIC
-                           ? has_diffuse_part(c)
-                           : ends_at_photons(h, get_chain(paths, i + j), surfaces->distance[j], c);
     const bool wanted = (surfaces->primitive[j] != NOTHING_HIT) & (depth + 1 < h->integrator.max_depth) &
-                        takes & (in_medium == (map == PHOTON_MAP_VOLUME));
+                        (in_medium == (map == PHOTON_MAP_VOLUME)) &
+                        takes_photons(h, map, get_chain(paths, i + j), surfaces->distance[j], c);
     request->wanted[j] = wanted ? 1 : 0;
     request->most_edges[j] = wanted ? h->integrator.max_depth - (depth + 1) : 0;
     any |= wanted ? 1 : 0;
@@ -73,7 +83,11 @@ CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
     PhotonRequest request;
     if (map == PHOTON_MAP_CAUSTIC && h->integrator.photons != PHOTONS_FIXED) continue;
     if (map == PHOTON_MAP_VOLUME && !NEEDS_MEDIA(scene)) continue;
-    if (request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request))
+    if (map == PHOTON_MAP_IRRADIANCE && h->integrator.final_gather == 0) continue;
+    if (!request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request)) continue;
+    if (map == PHOTON_MAP_IRRADIANCE)
+      gather_irradiance(scene, &request, &step->surfaces, &step->closures, light);
+    else
       gather_photons(scene, &request, &step->surfaces, &step->closures, step->families, light);
   }
   add_photon_light(paths, i, light);

@@ -2,11 +2,12 @@
 #ifndef PENUMBRA_PHOTON_FIELDS_H
 #define PENUMBRA_PHOTON_FIELDS_H
 
-// The maps of a scene. A photon belongs to one of them.
+// The maps of a scene. A photon belongs to one of the first three.
 #define PHOTON_MAP_SURFACE 0  // indirect light on surfaces; PHOTONS_FIXED: without caustics
 #define PHOTON_MAP_CAUSTIC 1  // light that only surfaces without a diffuse part scattered; PHOTONS_FIXED only
 #define PHOTON_MAP_VOLUME 2   // indirect light in media
-#define PHOTON_MAPS 3
+#define PHOTON_MAP_IRRADIANCE 3  // final gathering: the irradiance at some photons of the first two maps
+#define PHOTON_MAPS 4
 
 // A photon where it arrived. Its power is that of its path if that were the only one: estimates divide by the
 // number of paths. In media the power is over the scattering coefficient.

@@ -49,6 +49,25 @@ STAGE void start_photons(const PRIVATE LightSamples* RESTRICT rays, const PRIVAT
     }
 }
 
+/// The media at the lights. No light reaches a scene from infinity through a medium that has no end.
+STAGE void start_photons_in_media(const PRIVATE Scene* scene, const PRIVATE LightSamples* RESTRICT rays,
+                                  const PRIVATE PathState* paths, int i) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int light = rays->light[j], kind = scene->lights[light].kind;
+      GLOBAL const LightMedia* at = scene->light_media + light;
+      MediumStack media;
+      media.low = at->low;
+      media.high = at->high;
+      const bool infinite =
+          (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_ENVIRONMENT) | (kind == LIGHT_ENVMAP);
+      const float tmax = get_ray_tmax(&fields, i + j);
+      set_media(&fields, i + j, media);
+      set_ray_tmax(&fields, i + j, (infinite & (innermost(media) != 0)) ? -1.0f : tmax);
+    }
+}
+
 FN void emit_photons(const PRIVATE Scene* scene, int first, int count, const PRIVATE PathState* paths) {
   const PRIVATE SceneHeader* h = &scene->header;
   number_photons(scene, first, count, paths);
@@ -63,7 +82,10 @@ FN void emit_photons(const PRIVATE Scene* scene, int first, int count, const PRI
     start_chains(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
-    if (NEEDS_MEDIA(scene)) start_in_media(scene, paths, i, channel);
+    if (NEEDS_MEDIA(scene)) {
+      start_in_media(scene, paths, i, channel);
+      start_photons_in_media(scene, &rays, paths, i);
+    }
   }
 }
 

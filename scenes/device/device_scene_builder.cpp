@@ -20,6 +20,7 @@
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_choice.h"
 #include "scenes/device/light_edges.h"
+#include "scenes/device/light_media.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
@@ -103,6 +104,8 @@ class Builder {
       return std::unexpected(done.error());
     records_.primitive_boundaries.insert(records_.primitive_boundaries.end(), quadric_boundaries_.begin(),
                                          quadric_boundaries_.end());
+    if ((h_.features & FEATURE_PHOTONS) != 0u && (h_.features & FEATURE_MEDIA) != 0u)
+      records_.light_media = light_media(h_, records_);
     if (mattes_)
       if (Expected<void> done = store_mattes(); !done) return std::unexpected(done.error());
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <limits>
 #include <ranges>
 
 #include "kernels/math/math.h"
@@ -85,7 +86,8 @@ constexpr float kBestRadiusAlpha = 2.0f / 3.0f;  // see ALPHA of photon_map_radi
 
 void set_photons(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
   p.photons = PHOTONS_NONE;
-  p.emission_radius = float(kEmissionMargin * scene_radius);
+  p.emission_radius = std::max(float(kEmissionMargin * scene_radius), std::numeric_limits<float>::min());
+  p.samples_per_map = 1;
   if (const auto* fixed = integrator.get<PhotonMapIntegrator>()) {
     const auto radius = [&](float share) {
       return fixed->photon_radius > 0 ? fixed->photon_radius : float(share * scene_radius);
@@ -101,7 +103,6 @@ void set_photons(const IntegratorSettings& integrator, double scene_radius, Inte
     p.surface_radius = p.volume_radius = progressive->initial_radius;
     p.radius_alpha = progressive->alpha.value_or(kBestRadiusAlpha);
     p.caustic_photons = 0;
-    p.samples_per_map = 1;
   }
 }
 

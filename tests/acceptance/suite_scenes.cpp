@@ -55,6 +55,21 @@ void part_of_paths(SceneDescription& scene) {
   scene.integrator.method = part;
 }
 
+void progressive_photons(SceneDescription& scene) {
+  ProgressivePhotonIntegrator ppm;
+  ppm.photon_count = 3000;
+  scene.integrator.method = ppm;
+}
+
+void photons_with_final_gathering(SceneDescription& scene) {
+  PhotonMapIntegrator maps;
+  maps.global_photons = 5000;
+  maps.caustic_photons = maps.volume_photons = 3000;
+  maps.lookup_size = 40;
+  maps.final_gather = true;
+  scene.integrator.method = maps;
+}
+
 void whitted(SceneDescription& scene) {
   use(scene.integrator, IntegratorKind::kWhitted);
   param::max_depth(scene.integrator) = 5;
@@ -95,6 +110,11 @@ void whitted_through_glass(SceneDescription& scene) {
   param::max_depth(scene.integrator) = 9;
   param::branch_depth(scene.integrator) = 6;
   param::indirect_samples(scene.integrator) = 1;
+}
+
+void photons_through_glass(SceneDescription& scene) {
+  whitted_through_glass(scene);
+  progressive_photons(scene);
 }
 
 void ambient_occlusion(SceneDescription& scene) {
@@ -256,6 +276,11 @@ void nest_hidden(SceneDescription& scene) {
   param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
 }
 
+void nest_with_photons(SceneDescription& scene) {
+  nest(scene);
+  photons_with_final_gathering(scene);
+}
+
 void textured(SceneDescription& scene) { add_every_texture(scene); }
 
 void every_emitter(SceneDescription& scene) { add_every_emitter(scene, {278, 274, 280}, 500); }
@@ -265,6 +290,11 @@ void every_emitter_controlled(SceneDescription& scene) {
   every_emitter(scene);
   scene.shapes.front().radiance_texture = kNoTexture;
   path_with_control_variate(scene);
+}
+
+void every_emitter_by_photons(SceneDescription& scene) {
+  every_emitter(scene);
+  photons_with_final_gathering(scene);
 }
 
 void textured_directly(SceneDescription& scene) {
@@ -338,6 +368,10 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellWhittedNested", "cornell/cornell.xml", false, whitted_nested},
       {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
       {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
+      {"CornellPhotonsGlass", "cornell/cornell.xml", false, photons_through_glass},
+      {"NestedPhotons", "cornell/cornell.xml", false, nest_with_photons},
+      {"EmittersPhotons", "cornell/cornell.xml", false, every_emitter_by_photons},
+      {"SmokePhotons", "smoke/smoke.xml", false, progressive_photons},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
       {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
       {"CornellLens", "cornell/cornell.xml", false, through_a_lens},
