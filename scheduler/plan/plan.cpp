@@ -117,7 +117,7 @@ void Plan::on(const PassesOfTile& event) {
   if (phase.closed || event.tile >= phase.tiles || event.passes <= phase.limit[event.tile]) return;
   const std::uint32_t before = phase.end(event.tile);
   phase.limit[event.tile] = event.passes;
-  if (phase.next[event.tile] == before) phase.queue(event.tile);
+  phase.queue(event.tile);
   count_left(job, phase, phase.end(event.tile) - before);
 }
 
@@ -127,13 +127,15 @@ void Plan::on(const NoFurtherUnits& event) {
   Job& job = found->second;
   Phase& phase = job.phases.back();
   const std::uint64_t before = phase.units();
-  const std::uint32_t begun = phase.next.empty() ? 1 : std::max(1u, std::ranges::max(phase.next));
-  // The last tile of the last pass that was begun: units up to there are in order.
-  std::uint32_t last = 0;
-  for (std::uint32_t tile = 0; tile < phase.tiles; ++tile)
-    if (phase.next[tile] == begun) last = tile;
+  // The last tile of the last pass that was begun: units up to there are rendered.
+  std::uint32_t begun = 1, last = 0;
   for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
-    const std::uint32_t own = phase.by_tile ? phase.next[tile] : tile <= last ? begun : begun - 1;
+    const std::uint32_t end = phase.issued_end(tile);
+    if (end >= begun) last = tile;
+    begun = std::max(begun, end);
+  }
+  for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
+    const std::uint32_t own = phase.by_tile ? phase.issued_end(tile) : tile <= last ? begun : begun - 1;
     phase.limit[tile] = std::min(phase.limit[tile], std::max(1u, own));
   }
   phase.closed = true;
@@ -300,6 +302,7 @@ void Plan::forget_units(JobId job) {
       if (!worker.units.empty()) update_copyable(worker.units.front());
       if (worker.units.empty() && worker.preparing) check_by(now_);
     }
+    if (worker.place && is_of_job(*worker.place)) move_to(worker, {});
     update_idle(id, worker);
   }
   std::erase_if(units_, [&](const auto& unit) { return is_of_job(unit.first); });
@@ -451,6 +454,7 @@ void Plan::release(WorkerId id) {
   const auto worker = workers_.find(id);
   const std::deque<UnitId> held = std::move(worker->second.units);
   if (worker->second.wants) idle_workers_[*worker->second.wants].erase(id);
+  move_to(worker->second, {});
   workers_.erase(worker);
   for (const UnitId& unit : held) {
     units_.at(unit).holders.erase(id);

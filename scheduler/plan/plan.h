@@ -27,6 +27,8 @@ namespace penumbra {
 ///     that no worker can render, or whose preparation kills workers, is reported; the others go on.
 ///   - The phases of a job are sequential: each waits for its PhaseOpened.
 ///   - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`, of which it renders the first.
+///     With PhaseUnits::passes_at_once, a worker gets new units of the pass of its last unit; when there are
+///     none left, of the pass at which the fewest workers are.
 ///   - A unit that was not finished (its worker was lost, dismissed or hung) is issued again before new units
 ///     of its job. The unit that the worker was rendering is blamed. A blamed unit is issued alone from then
 ///     on, so that the next blame cannot hit the wrong unit. It goes to a worker that has not failed on it,
@@ -84,17 +86,25 @@ class Plan {
     std::uint32_t passes;                    // the largest number of passes to be issued
     bool by_tile;                            // each tile has its own limit
     bool closed = false;                     // no further passes are accepted
-    std::vector<std::uint32_t> next, limit;  // for each tile: the next pass to be issued, and the end
-    std::vector<std::uint64_t> fresh;        // heap of (next, tile) of the tiles that have units to issue
-    std::uint64_t left = 0;                  // number of units that are neither done nor set aside
+    std::uint32_t at_once;                   // passes that may be issued side by side
+    std::vector<std::uint32_t> next, limit;  // for each tile: the first pass not issued, and the end
+    // Units that may be issued now, as (pass, tile): of each tile those from `next` to `queued`, except the
+    // ones that have been issued.
+    std::vector<std::uint32_t> queued;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> fresh;
+    std::uint64_t left = 0;  // number of units that are neither done nor set aside
 
     explicit Phase(const PhaseUnits& units);
     [[nodiscard]] std::uint32_t end(std::uint32_t tile) const { return std::min(limit[tile], passes); }
     [[nodiscard]] std::uint64_t units() const;  // the number of units of all tiles up to their limits
+    [[nodiscard]] bool is_issued(std::uint32_t pass, std::uint32_t tile) const {
+      return pass < next[tile] || (pass < queued[tile] && !fresh.contains({pass, tile}));
+    }
+    // The end of the passes of which a unit was issued.
+    [[nodiscard]] std::uint32_t issued_end(std::uint32_t tile) const;
     void queue_tiles();
     void queue(std::uint32_t tile);
-    // The next pass and its tile.
-    [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> take();
+    void take(std::uint32_t pass, std::uint32_t tile);
   };
   struct Job {
     int priority = 0;
@@ -140,9 +150,10 @@ class Plan {
     bool silent = false;               // hung because of silence
     Seconds hung_until = 0;            // when it will be dismissed
     std::optional<std::size_t> wants;  // index into idle_workers_ of the set that contains it
+    std::optional<UnitId> place;       // the pass of the last unit that it got, as its first unit
   };
-  // A unit that was issued, and that a worker still holds or that waits to be issued again or verified. A
-  // unit before its tile's `next` without such a record is done or set aside.
+  // A unit that was issued, and that a worker still holds or that waits to be issued again or verified. An
+  // issued unit without such a record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;
     bool closed = false;  // done or set aside; kept for results of its remaining holders
@@ -219,7 +230,9 @@ class Plan {
   [[nodiscard]] bool make_room(WorkerId id);
   [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker, JobId job) const;
   [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker, JobId job) const;
-  std::optional<UnitId> fresh(JobId job);
+  std::optional<UnitId> fresh_for(const Worker& worker, JobId job);
+  [[nodiscard]] std::uint32_t pass_for(const Worker& worker, JobId job) const;
+  void move_to(Worker& worker, std::optional<UnitId> unit);
   std::optional<UnitId> straggler_for(WorkerId worker);
   [[nodiscard]] std::optional<std::pair<Seconds, UnitId>> oldest_straggler(const Job& job) const;
   [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker, JobId job) const;
@@ -243,8 +256,9 @@ class Plan {
   std::vector<JobId> order_;  // keys of jobs_ in the order in which units are taken from them
   std::map<WorkerId, Worker> workers_;
   std::map<UnitId, Unit> units_;
-  std::set<UnitId> requeued_;  // units to be issued again
-  std::set<UnitId> suspects_;  // those of them that are blamed for a fault
+  std::set<UnitId> requeued_;         // units to be issued again
+  std::set<UnitId> suspects_;         // those of them that are blamed for a fault
+  std::map<UnitId, int> workers_at_;  // for each pass, named by its first unit: the workers whose place it is
   std::map<std::tuple<WorkerId, JobId, std::uint32_t>, std::vector<bool>>
       contributions_;  // the tiles of a phase to which each worker contributed, including lost workers
 

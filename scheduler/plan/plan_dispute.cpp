@@ -60,7 +60,8 @@ void Plan::redo_work_of(WorkerId first, WorkerId second, JobId id) {
   for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
     if (!of_first[tile] && !of_second[tile]) continue;
     orders_.push_back(RedoTile{id, job.phase, tile});
-    for (std::uint32_t pass = 0; pass < phase.next[tile]; ++pass) reopen({id, job.phase, pass, tile});
+    for (std::uint32_t pass = 0; pass < phase.issued_end(tile); ++pass)
+      if (phase.is_issued(pass, tile)) reopen({id, job.phase, pass, tile});
   }
   contributions_.erase({first, id, job.phase});
   contributions_.erase({second, id, job.phase});

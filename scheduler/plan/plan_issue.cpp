@@ -34,6 +34,7 @@ void Plan::issue_to(WorkerId id) {
   if (worker.units.empty()) start_lease(worker);
   worker.units.push_back(*unit);
   units_[*unit].holders.insert(id);
+  move_to(worker, *unit);
   jobs_.at(unit->job).checks.erase(*unit);
   dequeue(*unit);
   update_copyable(*unit);
@@ -59,7 +60,7 @@ std::optional<UnitId> Plan::next_for(WorkerId id) {
     if (const auto suspect = suspect_for(id, job)) return is_idle ? suspect : std::nullopt;
     if (const auto unit = requeued_for(id, job)) return unit;
     if (const auto unit = check_for(id, job)) return unit;
-    if (const auto unit = fresh(job)) return unit;
+    if (const auto unit = fresh_for(worker, job)) return unit;
   }
   return is_idle ? straggler_for(id) : std::nullopt;
 }
@@ -135,13 +136,48 @@ std::optional<UnitId> Plan::requeued_for(WorkerId id, JobId job) const {
   return {};
 }
 
-std::optional<UnitId> Plan::fresh(JobId id) {
+std::optional<UnitId> Plan::fresh_for(const Worker& worker, JobId id) {
   Job& job = jobs_.at(id);
   Phase& phase = job.phases[job.phase];
-  if (job.waits) return {};
-  const auto taken = phase.take();
-  if (!taken) return {};
-  return UnitId{id, job.phase, taken->first, taken->second};
+  if (job.waits || phase.fresh.empty()) return {};
+  const auto [pass, tile] = *phase.fresh.lower_bound({pass_for(worker, id), 0});
+  phase.take(pass, tile);
+  return UnitId{id, job.phase, pass, tile};
+}
+
+/// The pass of which the worker gets its next new unit; there is one. Passes are kept close to the first one,
+/// because results wait for those of earlier passes.
+std::uint32_t Plan::pass_for(const Worker& worker, JobId id) const {
+  const Job& job = jobs_.at(id);
+  const Phase& phase = present(job);
+  const auto pass_from = [&](std::uint32_t pass) -> std::optional<std::uint32_t> {
+    const auto found = phase.fresh.lower_bound({pass, 0});
+    return found == phase.fresh.end() ? std::nullopt : std::optional(found->first);
+  };
+  const std::uint32_t first = phase.fresh.begin()->first;
+  if (phase.at_once == 1) return first;
+  if (worker.place && worker.place->job == id && worker.place->phase == job.phase &&
+      pass_from(worker.place->pass) == worker.place->pass)
+    return worker.place->pass;
+  std::uint32_t chosen = first;
+  int fewest = std::numeric_limits<int>::max();
+  for (auto pass = pass_from(first); pass && *pass - first < phase.at_once && fewest > 0;
+       pass = pass_from(*pass + 1)) {
+    const auto found = workers_at_.find({id, job.phase, *pass, 0});
+    const int workers = found == workers_at_.end() ? 0 : found->second;
+    if (workers < fewest) chosen = *pass;
+    fewest = std::min(fewest, workers);
+  }
+  return chosen;
+}
+
+/// The worker got the unit, or is at no pass any more.
+void Plan::move_to(Worker& worker, std::optional<UnitId> unit) {
+  if (unit) unit->tile = 0;
+  if (unit == worker.place) return;
+  if (worker.place && --workers_at_.at(*worker.place) == 0) workers_at_.erase(*worker.place);
+  if (unit) ++workers_at_[*unit];
+  worker.place = unit;
 }
 
 /// The first unit to be copied, and since when it has been rendering.

@@ -63,6 +63,9 @@ struct PhaseUnits {
   std::optional<std::uint64_t> units_at_most = {};
   /// For each tile the number of passes that are already merged; empty: none.
   std::vector<std::uint32_t> merged = {};
+  /// 1: units are issued pass by pass. More: the units of a pass share something that each worker makes
+  /// itself, so a worker stays at its pass, and others work at up to so many passes side by side.
+  std::uint32_t passes_at_once = 1;
 };
 
 /// What a worker did wrong with a unit.
@@ -149,7 +152,7 @@ struct PassesOfTile {
   std::uint32_t passes;
 };
 /// For the job's last phase: issue no more units than are needed so that those issued, and at least those of
-/// the first pass, are the first ones in issue order. Units merged by an earlier scheduler count as issued.
+/// the first pass, are the first ones, pass by pass. Units merged by an earlier scheduler count as issued.
 struct NoFurtherUnits {
   JobId job;
 };

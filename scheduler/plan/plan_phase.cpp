@@ -1,6 +1,5 @@
 // The units of a phase of a job, and the order in which they are issued.
 #include <algorithm>
-#include <functional>
 
 #include "scheduler/plan/plan.h"
 
@@ -10,6 +9,7 @@ Plan::Phase::Phase(const PhaseUnits& units)
     : tiles(units.tiles),
       passes(units.passes),
       by_tile(units.passes_at_first != kAllPasses),
+      at_once(units.passes_at_once),
       next(units.tiles),
       limit(units.tiles, units.passes_at_first) {
   const std::size_t known = std::min(units.merged.size(), next.size());
@@ -23,6 +23,7 @@ Plan::Phase::Phase(const PhaseUnits& units)
     limit[tile] = std::max(limit[tile], next[tile]);
     left += end(tile) - next[tile];
   }
+  queued = next;
   queue_tiles();
 }
 
@@ -32,28 +33,28 @@ std::uint64_t Plan::Phase::units() const {
   return all;
 }
 
+std::uint32_t Plan::Phase::issued_end(std::uint32_t tile) const {
+  std::uint32_t end = queued[tile];
+  while (end > next[tile] && fresh.contains({end - 1, tile})) --end;
+  return end;
+}
+
 void Plan::Phase::queue_tiles() {
-  fresh.clear();
-  for (std::uint32_t tile = 0; tile < tiles; ++tile)
-    if (next[tile] < end(tile)) fresh.push_back(std::uint64_t(next[tile]) << 32 | tile);
-  std::ranges::make_heap(fresh, std::greater());
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) queue(tile);
 }
 
-/// Adds a tile that is not in the heap.
+/// After a change of the tile's `next` or end: completes `fresh`.
 void Plan::Phase::queue(std::uint32_t tile) {
-  if (next[tile] >= end(tile)) return;
-  fresh.push_back(std::uint64_t(next[tile]) << 32 | tile);
-  std::ranges::push_heap(fresh, std::greater());
+  const auto most = std::uint32_t(std::min<std::uint64_t>(end(tile), std::uint64_t(next[tile]) + at_once));
+  while (queued[tile] < most) fresh.emplace(queued[tile]++, tile);
+  while (queued[tile] > end(tile)) fresh.erase({--queued[tile], tile});
 }
 
-std::optional<std::pair<std::uint32_t, std::uint32_t>> Plan::Phase::take() {
-  if (fresh.empty()) return {};
-  std::ranges::pop_heap(fresh, std::greater());
-  const auto tile = std::uint32_t(fresh.back());
-  fresh.pop_back();
-  const std::uint32_t pass = next[tile]++;
+/// The unit is issued.
+void Plan::Phase::take(std::uint32_t pass, std::uint32_t tile) {
+  fresh.erase({pass, tile});
+  while (next[tile] < queued[tile] && !fresh.contains({next[tile], tile})) ++next[tile];
   queue(tile);
-  return std::pair(pass, tile);
 }
 
 void Plan::Job::begin() {

@@ -39,8 +39,9 @@ class SimulatedFarm {
   SimulatedFarm(unsigned seed, const Habits& habits) : random_(seed), habits_(habits) {
     for (JobId job = JobId(between(1, 3)); job > 0; --job) {
       for (int phases = between(1, 2); phases > 0; --phases)
-        jobs_[job].push_back(
-            {.tiles = std::uint32_t(between(1, 12)), .passes = std::uint32_t(between(1, 5))});
+        jobs_[job].push_back({.tiles = std::uint32_t(between(1, 12)),
+                              .passes = std::uint32_t(between(1, 5)),
+                              .passes_at_once = std::uint32_t(std::max(1, between(-3, 4)))});
       make_merges(job);
     }
     for (auto& [job, phases] : jobs_)
