@@ -60,6 +60,8 @@ Expected<void> check_common_settings(const ReportOptions& report) {
   return {};
 }
 
+bool sees_media(const RenderJob& job) { return (job.scene.header.features & FEATURE_MEDIA) != 0u; }
+
 /// A scene with the settings of a method, and the data from which its cells' hashes are computed.
 struct MethodScene {
   PreparedRender prepared;
@@ -133,7 +135,7 @@ std::string curve_label(const ReportOptions& options, const Method& method, cons
 
 Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method, const std::string& sampler,
                                const std::string& backend, PixelWindow& window,
-                               std::optional<IntegratorSettings>& first) {
+                               std::optional<ReferencePair>& reference) {
   const ReportOptions& options = context.options;
   CurvePlan curve;
   curve.budgets = options.budgets;
@@ -149,13 +151,14 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
     const RenderJob& job = scene->prepared.job;
     const RenderRecord& record = scene->prepared.record;
     window = {job.x, job.y, job.width, job.height};
-    if (!first) first = record.integrator;
+    const bool has_media = sees_media(job);
+    if (!reference) reference = choose_reference(record.integrator, has_media);
     if (curve.cells.empty()) {
       curve.name.integrator = integrator_name(record.integrator);
       curve.name.settings = method.settings;
       curve.name.sampler = print_setting(record, "sampler.type");
       curve.name.backend = backend;
-      curve.name.quantity = estimated_quantity(record.integrator);
+      curve.name.quantity = estimated_quantity(record.integrator, has_media);
       Method named = method;
       if (named.label.empty()) named.label = curve.name.integrator;
       curve.name.label = curve_label(options, named, curve.name.sampler, backend);
@@ -171,7 +174,7 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
 }
 
 Expected<void> plan_curves(const SceneContext& context, ScenePlan& plan,
-                           std::optional<IntegratorSettings>& first) {
+                           std::optional<ReferencePair>& reference) {
   const ReportOptions& options = context.options;
   if (auto checked = check_common_settings(options); !checked) return checked;
   const auto or_default = [](auto values, auto fallback) {
@@ -181,7 +184,7 @@ Expected<void> plan_curves(const SceneContext& context, ScenePlan& plan,
   for (const Method& method : or_default(options.methods, Method{}))
     for (const std::string& sampler : or_default(options.samplers, std::string()))
       for (const std::string& backend : or_default(options.backends, std::string("native"))) {
-        auto curve = plan_curve(context, method, sampler, backend, plan.window, first);
+        auto curve = plan_curve(context, method, sampler, backend, plan.window, reference);
         if (!curve) return std::unexpected(curve.error());
         const auto same_label = [&](const CurvePlan& other) { return other.name.label == curve->name.label; };
         if (std::ranges::any_of(plan.curves, same_label)) {
@@ -193,10 +196,9 @@ Expected<void> plan_curves(const SceneContext& context, ScenePlan& plan,
   return {};
 }
 
-/// The integrators for the reference: the requested ones, or others with the same limit image.
-std::array<ReferenceMethod, 2> reference_methods(const ReportOptions& options,
-                                                 const IntegratorSettings& first) {
-  if (options.reference_methods.empty()) return choose_reference(first);
+/// The integrators for the reference: the requested ones, or those chosen for the first method.
+ReferencePair reference_methods(const ReportOptions& options, const ReferencePair& chosen) {
+  if (options.reference_methods.empty()) return chosen;
   const auto of = [](const Method& method, const char* sampler) {
     return ReferenceMethod{method.integrator, method.settings, sampler};
   };
@@ -214,19 +216,21 @@ std::string settings_text(const std::vector<std::string>& settings) {
   return text.empty() ? "" : text + ")";
 }
 
-Expected<void> plan_rendered_reference(const SceneContext& context, const IntegratorSettings& first,
+Expected<void> plan_rendered_reference(const SceneContext& context, const ReferencePair& chosen,
                                        ScenePlan& plan) {
   const ReportOptions& options = context.options;
   const std::uint32_t spp = half_reference_spp(options.budgets.back(), options.reference_spp);
   // All backends render the same image, so the reference uses the first.
   const std::string backend = options.backends.empty() ? "native" : options.backends.front();
-  const auto methods = reference_methods(options, first);
+  const auto methods = reference_methods(options, chosen);
   for (std::size_t i = 0; i < methods.size(); ++i) {
     const Method method{"reference", methods[i].integrator, methods[i].settings};
     RenderOptions cell = cell_options(options, context.file, method, methods[i].sampler, backend, spp);
     auto scene = prepare_method(cell, "reference by " + methods[i].integrator, context.store);
     if (!scene) return std::unexpected(scene.error());
-    if (i == 0) plan.reference_quantity = estimated_quantity(scene->prepared.record.integrator);
+    const PreparedRender& prepared = scene->prepared;
+    if (i == 0)
+      plan.reference_quantity = estimated_quantity(prepared.record.integrator, sees_media(prepared.job));
     ReportOptions once = options;
     once.repeats = 1;
     const std::string role = i == 0 ? "reference A" : "reference B";
@@ -251,14 +255,14 @@ Expected<void> check_size(const std::filesystem::path& file, const PixelWindow& 
 }
 
 Expected<void> plan_reference(const SceneContext& context, const std::vector<std::string>& names,
-                              const IntegratorSettings& first, ScenePlan& plan) {
+                              const ReferencePair& chosen, ScenePlan& plan) {
   const ReportOptions& options = context.options;
   const std::string file = value_for_scene(options.references, context.name, names).value_or("auto");
   const auto second = value_for_scene(options.second_references, context.name, names);
   if (file == "auto") {
     if (second)
       return fail("--second-reference needs --reference FILE: a reference of ours has two halves already");
-    return plan_rendered_reference(context, first, plan);
+    return plan_rendered_reference(context, chosen, plan);
   }
   plan.reference_files.emplace_back(file);
   if (second) plan.reference_files.emplace_back(*second);
@@ -272,9 +276,9 @@ Expected<ScenePlan> plan_scene(const SceneContext& context, const std::vector<st
   ScenePlan plan;
   plan.name = context.name;
   plan.file = context.file;
-  std::optional<IntegratorSettings> first;
-  if (auto planned = plan_curves(context, plan, first); !planned) return std::unexpected(planned.error());
-  if (auto planned = plan_reference(context, names, *first, plan); !planned)
+  std::optional<ReferencePair> reference;
+  if (auto planned = plan_curves(context, plan, reference); !planned) return std::unexpected(planned.error());
+  if (auto planned = plan_reference(context, names, *reference, plan); !planned)
     return std::unexpected(planned.error());
   for (CurvePlan& curve : plan.curves)
     curve.name.same_quantity =

@@ -14,7 +14,7 @@ namespace penumbra {
 namespace {
 
 /// kOwn: no other integrator has the same limit image.
-enum class Quantity { kUnshadowed, kDirect, kPaths, kOwn };
+enum class Quantity { kUnshadowed, kDirect, kPaths, kMedia, kOwn };
 
 /// Nothing if the integrator does not trace paths.
 std::optional<int> max_depth(const IntegratorSettings& integrator) {
@@ -33,8 +33,9 @@ bool is_part(const IntegratorSettings& integrator) {
   return path != nullptr && keeps_parts(*path);
 }
 
-Quantity quantity_of(const IntegratorSettings& integrator) {
-  if (is_occlusion(integrator) || is_part(integrator) || integrator.is<VolpathIntegrator>() ||
+Quantity quantity_of(const IntegratorSettings& integrator, bool has_media) {
+  if (integrator.is<VolpathIntegrator>() || (has_photons(integrator) && has_media)) return Quantity::kMedia;
+  if (is_occlusion(integrator) || is_part(integrator) ||
       parameter_or(integrator, PENUMBRA_PARAMETER(indirect_samples), 1) == 0)
     return Quantity::kOwn;
   if (const auto depth = max_depth(integrator)) return *depth == 2 ? Quantity::kDirect : Quantity::kPaths;
@@ -65,23 +66,24 @@ std::string own_quantity(const IntegratorSettings& integrator) {
                            : integrator.is<ReflectionOcclusionIntegrator>() ? "reflection occlusion"
                            : integrator.is<NormalsIntegrator>()             ? "normals"
                            : is_part(integrator)                            ? "a part of the light"
-                           : integrator.is<VolpathIntegrator>()             ? "light through media"
+                           : sees_media(integrator)                         ? "light through media"
                                                                             : "direct light and mirrors";
   return fmt::format("{}, {}", name, fmt::join(parameters_of(integrator, false), ", "));
 }
 
 }  // namespace
 
-std::string estimated_quantity(const IntegratorSettings& integrator) {
+std::string estimated_quantity(const IntegratorSettings& integrator, bool has_media) {
   const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
   const std::string hidden = !integrator.hide_emitters ? ""
                              : looked_through          ? ", emitters looked through"
                                                        : ", emitters hidden";
-  switch (quantity_of(integrator)) {
+  switch (quantity_of(integrator, has_media)) {
     case Quantity::kUnshadowed:
       return "direct light without shadows" + hidden;
     case Quantity::kDirect:
       return "direct light" + hidden;
+    case Quantity::kMedia:
     case Quantity::kOwn:
       return own_quantity(integrator) + (is_occlusion(integrator) ? "" : hidden);
     case Quantity::kPaths:
@@ -92,15 +94,15 @@ std::string estimated_quantity(const IntegratorSettings& integrator) {
   return fmt::format("light along paths of up to {} edges{}", depth, hidden);
 }
 
-std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integrator) {
-  std::array<ReferenceMethod, 2> halves;
+ReferencePair choose_reference(const IntegratorSettings& integrator, bool has_media) {
+  ReferencePair halves;
   RenderSettings settings;
   settings.integrator = integrator;
   const auto same = [&](const char* name) {
     const std::string key = fmt::format("integrator.{}", name);
     return fmt::format("{}={}", key, print_setting(settings, key));
   };
-  switch (quantity_of(integrator)) {
+  switch (quantity_of(integrator, has_media)) {
     case Quantity::kUnshadowed:
       halves = {{{"polygon_analytic", {}, "sobol"},
                  {"polygon_area", {"integrator.trace_shadows=false"}, "independent"}}};
@@ -117,6 +119,11 @@ std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integr
                  {"path_mis", {"integrator.mis=power"}, "independent"}}};
       for (ReferenceMethod& half : halves) half.settings.push_back(same("max_depth"));
       break;
+    case Quantity::kMedia:
+      halves = {{{"volpath", {"integrator.mis=balance"}, "sobol"},
+                 {"volpath", {"integrator.mis=power"}, "independent"}}};
+      for (ReferenceMethod& half : halves) half.settings.push_back(same("max_depth"));
+      break;
     case Quantity::kOwn:
       for (ReferenceMethod& half : halves)
         half = {method_name(integrator.method), parameters_of(integrator, true), "sobol"};
@@ -124,7 +131,8 @@ std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integr
       return halves;
   }
   for (ReferenceMethod& half : halves) {
-    if (half.integrator.starts_with("path")) half.settings.emplace_back("integrator.nee=sample");
+    if (half.integrator.starts_with("path") || half.integrator == "volpath")
+      half.settings.emplace_back("integrator.nee=sample");
     half.settings.push_back(same("hide_emitters"));
     half.settings.push_back(same("hidden_emitters"));
   }

@@ -118,6 +118,30 @@ TEST(ReferenceChoice, WhittedIsPathAndWhatNoOtherEstimatesIsItsOwn) {
   }
 }
 
+TEST(ReferenceChoice, PhotonMappingIsJudgedByPathsOrInMediaByVolpath) {
+  IntegratorSettings path, volpath;
+  use_integrator(volpath, VolpathIntegrator{});
+  for (IntegratorMethod method :
+       {IntegratorMethod(ProgressivePhotonIntegrator{}), IntegratorMethod(PhotonMapIntegrator{})}) {
+    IntegratorSettings photons;
+    use_integrator(photons, method);
+    SCOPED_TRACE(method_name(method));
+    EXPECT_EQ(estimated_quantity(photons, false), estimated_quantity(path, false));
+    EXPECT_EQ(estimated_quantity(photons, true), estimated_quantity(volpath, true));
+    EXPECT_NE(estimated_quantity(photons, true), estimated_quantity(path, true));
+    for (const auto& half : choose_reference(photons, false)) EXPECT_EQ(half.integrator, "path_mis");
+    for (const auto& half : choose_reference(photons, true)) EXPECT_EQ(half.integrator, "volpath");
+    param::max_depth(photons) = 4;
+    param::max_depth(path) = 4;
+    EXPECT_EQ(estimated_quantity(photons, false), estimated_quantity(path, false));
+    EXPECT_NE(estimated_quantity(photons, true), estimated_quantity(volpath, true));
+    const auto halves = choose_reference(photons, true);
+    EXPECT_NE(std::ranges::find(halves[1].settings, "integrator.max_depth=4"), halves[1].settings.end());
+    EXPECT_NE(halves[0].settings, halves[1].settings);
+    param::max_depth(path) = -1;
+  }
+}
+
 TEST(ReferenceChoice, HasFiftyTimesTheSamples) {
   for (const std::uint32_t largest : {1u, 16u, 64u, 1000u})
     EXPECT_GE(2 * std::uint64_t(half_reference_spp(largest, 0)), kReferenceFactor * largest);

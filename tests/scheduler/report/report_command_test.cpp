@@ -59,6 +59,25 @@ class ReportCommand : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(ReportCommand, PhotonMappingIsComparedWithPaths) {
+  const auto result = run({"s.xml", "-o", "out", "--integrator", "ppm", "--integrator", "photonmapper",
+                           "--integrator", "path", "--spp", "1..2", "--seeds", "3", "--no-plots", "-q"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto scene = report_of(folder_)["scenes"][0];
+  for (const auto& half : scene["reference"]["images"])
+    EXPECT_THAT(half["what"].get<std::string>(), HasSubstr("path_mis"));
+  ASSERT_EQ(scene["curves"].size(), 3u);
+  for (const auto& curve : scene["curves"]) {
+    EXPECT_EQ(curve["estimates_what_the_reference_does"], true) << curve["integrator"];
+    for (const auto& point : curve["points"]) {
+      const auto& split = point["relmse_split"];
+      EXPECT_NEAR(split["error"].get<double>(),
+                  split["bias_squared"].get<double>() + split["variance"].get<double>(), 1e-9);
+    }
+  }
+  EXPECT_THAT(file_contents(folder_ / "out/index.html"), HasSubstr("bias²"));
+}
+
 TEST_F(ReportCommand, TwoScenesEndToEnd) {
   const auto result = run({source_path("scenes/cornell-small/cornell-small.xml"),
                            source_path("scenes/star-light/star-light.xml"),
