@@ -28,12 +28,11 @@ constexpr double kShareOfSecond = 0.7;
 
 std::uint64_t pixels_of(const RenderJob& job) { return std::uint64_t(job.width) * std::uint64_t(job.height); }
 
-/// Renders some of the job's samples, with at most `spp` per pass.
+/// Renders some of the job's samples.
 Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, double seconds,
                                const std::atomic<bool>& stop) {
   RenderJob& job = prepared.job;
   job.spp = spp;
-  job.plan.samples_per_pass = std::min(job.plan.samples_per_pass, spp);
   job.verify = 0;
   std::atomic<bool> enough = false;
   std::optional<double>
@@ -131,7 +130,6 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
   const double rate = measured->spp / std::max(measured->seconds, 1e-3);
   const double spp = std::min(double(all), rate * seconds * kShareOfSecond);
   if (spp >= 2 && measured->covered == 1 && !stop) {
-    job.plan.samples_per_pass = samples_per_pass;
     const std::uint32_t passes = std::uint32_t(spp) / samples_per_pass;
     measured = measure(prepared, passes > 0 ? passes * samples_per_pass : std::uint32_t(spp), seconds, stop);
     if (!measured) return std::unexpected(measured.error());

@@ -45,6 +45,16 @@ std::optional<PixelPosition> parse_pixel(const std::string& text) {
   return PixelPosition{v[0], v[1]};
 }
 
+PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator) {
+  const bool with_maps = integrator.is<ProgressivePhotonIntegrator>();
+  PlanOptions plan = options.plan;
+  plan.samples_per_pass = options.samples_per_pass.value_or(with_maps ? kPassWithMaps : kDefaultPass);
+  plan.tile = options.tile.value_or(with_maps ? kTileWithMaps : kDefaultTile);
+  return plan;
+}
+
+int largest_tile(const RenderOptions& options) { return options.tile.value_or(kTileWithMaps); }
+
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))
       ->required()
@@ -171,11 +181,11 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kWorkers);
   add_device_options(command, options);
   command
-      .add_option("--tile", options.plan.tile,
-                  "Side of a tile in pixels. The image depends on it only with --target-error and --adaptive")
+      .add_option("--tile", options.tile,
+                  "Side of a tile in pixels (default: 64; 256 with ppm). The image depends on it only with "
+                  "--target-error and --adaptive")
       ->type_name("N")
       ->check(whole_number(1, kMaxTile))
-      ->capture_default_str()
       ->group(group::kWorkers);
   command
       .add_option("--listen", options.listen,
@@ -263,23 +273,24 @@ void add_effort_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--target-error", options.plan.target_error,
                   "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
-                  "reached. Without bias; takes --sampler independent; the image depends on --tile")
+                  "reached. Without bias; takes --sampler independent; the image depends on --tile. With "
+                  "photon mapping the error is that of noise alone, not of bias")
       ->type_name("E")
       ->check(positive_number())
       ->group(group::kSampling);
   command
       .add_flag("--adaptive", options.plan.adaptive,
                 "Give noisy tiles more samples, by the error of two pilot samples per pixel; --spp is the "
-                "mean. Without bias; the image depends on --tile")
+                "mean. Without bias; the image depends on --tile. Not with photon mapping")
       ->excludes("--target-error")
       ->excludes("--pixel")
       ->group(group::kSampling);
   command
-      .add_option("--pass", options.plan.samples_per_pass,
-                  "Samples per pixel of a pass; the image's last bits depend on it")
+      .add_option("--pass", options.samples_per_pass,
+                  "Samples per pixel of a pass (default: 16); the image's last bits depend on it. With ppm "
+                  "they share a photon map (default: 1)")
       ->type_name("N")
       ->check(whole_number(1, kMaxSamplesPerUnit))
-      ->capture_default_str()
       ->group(group::kSampling);
   command.add_option("--stop-after", options.plan.stop_after, "Render only the first N of --spp samples")
       ->type_name("N")
@@ -356,7 +367,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 
 void add_preview_options(CLI::App& command, RenderOptions& options) {
   options.interactive = true;
-  options.plan.samples_per_pass = 1;
+  options.samples_per_pass = 1;
   add_scene_options(command, options.scene);
   add_worker_options(command, options);
 }

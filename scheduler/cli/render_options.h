@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/integrators.h"
 #include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/plan/plan_options.h"
 
@@ -56,7 +57,9 @@ struct RenderOptions {
   std::string keys;          ///< folder of keys for `listen`; empty: none
   std::string tev;           ///< address of a tev viewer that shows the render; empty: none
   bool interactive = false;  ///< viewers choose camera and samples
-  PlanOptions plan;
+  PlanOptions plan;          ///< except the next two, which depend on the integrator if they are not given
+  std::optional<std::uint32_t> samples_per_pass;
+  std::optional<int> tile;
   std::optional<double> time_budget;
   double verify = 0;  ///< fraction of units that a second worker renders too
   std::optional<CropRectangle> crop;
@@ -72,6 +75,11 @@ struct RenderOptions {
   bool force = false;   ///< render also what is already there and unchanged
   std::string summary;  ///< file with the result of each render; empty: beside the images
 };
+
+/// The plan with the defaults of this integrator.
+PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator);
+/// The largest tile that the plan may have, for any integrator.
+int largest_tile(const RenderOptions& options);
 
 /// Adds the options to a command. Parsing stores their values in `options`.
 void add_scene_options(CLI::App& command, SceneOptions& options);

@@ -78,7 +78,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.lenient = options.scene.lenient;
   record.dialect = options.scene.dialect;
   record.film = film;
-  record.plan = options.plan;
+  record.plan = plan_of(options, scene.description.integrator);
   if (record.plan.stop_after == record.sampler.spp) record.plan.stop_after.reset();
   record.feature_layers = !options.scene.no_features;
   record.cryptomatte = options.scene.cryptomatte;
@@ -90,6 +90,9 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
 
 RenderJob make_job(const RenderOptions& options, const RenderRecord& record, const DeviceOptions& device,
                    DeviceScene scene) {
+  IntegratorParameters& integrator = scene.header.integrator;
+  if (integrator.photons == PHOTONS_PROGRESSIVE)
+    integrator.samples_per_map = int(record.plan.samples_per_pass);
   AssetManifest manifest = manifest_of(scene);
   RenderJob job = job_of_record(record, device, std::move(scene), std::move(manifest));
   job.time_budget = options.time_budget;
@@ -106,7 +109,7 @@ FarmOptions farm_of(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
-  farm.largest_tile = options.plan.tile;
+  farm.largest_tile = largest_tile(options);
   set_launch(options, farm);
   // A unit is one sample of a tile, and after every change of the view nothing is known about the workers'
   // speed.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/host/process.h"
+#include "scheduler/farm/render_job_check.h"
 
 namespace penumbra {
 namespace {
@@ -82,7 +83,8 @@ std::vector<PhaseUnits> JobRun::phases() const {
            .passes = job_->interactive ? 0 : merge_.most_passes(),
            .passes_at_first = is_adaptive() ? merge_.passes_at_first() : kAllPasses,
            .units_at_most = job_->plan.stop_after_units,
-           .merged = merge_.merged_passes()}};
+           .merged = merge_.merged_passes(),
+           .passes_at_once = passes_at_once(*job_)}};
 }
 
 RenderUnit JobRun::unit(const UnitId& id) const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "scheduler/plan/adaptive_tile.h"
@@ -13,6 +14,11 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
+constexpr std::uint64_t kMostPassesAtOnce = 64;
+
+std::uint64_t memory_here() {
+  return std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+}
 
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
   const int films_beside = (job.checkpoints ? 1 : 0) + (job.plan.target_error ? AdaptiveTile::kMostFilms : 0);
@@ -24,6 +30,15 @@ std::uint64_t bytes_per_pixel(const RenderJob& job) {
 
 std::uint64_t memory_of_image(const RenderJob& job) {
   return std::uint64_t(job.width) * std::uint64_t(job.height) * bytes_per_pixel(job);
+}
+
+std::uint32_t passes_at_once(const RenderJob& job) {
+  const SceneHeader& h = job.scene.header;
+  if (h.integrator.photons != PHOTONS_PROGRESSIVE || job.interactive) return 1;
+  const std::uint64_t bytes_of_pass =
+      std::uint64_t(job.width) * std::uint64_t(job.height) * std::uint64_t(plane_count(h.features)) * 4;
+  const std::uint64_t most = std::min(kMostPassesAtOnce, kMostTiles / tile_grid(job).tiles());
+  return std::uint32_t(std::clamp<std::uint64_t>(memory_here() / 4 / bytes_of_pass, 1, most));
 }
 
 Expected<void> check_render_job(const RenderJob& job) {
@@ -47,7 +62,7 @@ Expected<void> check_render_job(const RenderJob& job) {
   }
   // In double, so that nothing overflows.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel(job));
-  const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+  const std::uint64_t memory = memory_here();
   if (bytes > double(memory)) {
     return fail(
         fmt::format("{} x {} pixels need {:.1f} GB, {} bytes each for their statistics, layers and files; "
@@ -62,6 +77,17 @@ Expected<void> check_render_job(const RenderJob& job) {
     return fail(fmt::format("passes of {} samples; 1 to {} are possible", job.plan.samples_per_pass,
                             kMaxSamplesPerUnit));
   }
+  const IntegratorParameters& integrator = job.scene.header.integrator;
+  if (integrator.photons == PHOTONS_PROGRESSIVE &&
+      std::uint32_t(integrator.samples_per_map) != job.plan.samples_per_pass)
+    return fail(
+        fmt::format("passes of {} samples in a scene with a photon map for every {}; the samples of "
+                    "a pass must share a map",
+                    job.plan.samples_per_pass, integrator.samples_per_map));
+  if (integrator.photons != PHOTONS_NONE && job.plan.adaptive)
+    return fail(
+        "--adaptive: it distributes samples by their noise, which is not the error of photon mapping; leave "
+        "it out, or take another integrator");
   return {};
 }
 

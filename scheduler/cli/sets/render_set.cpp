@@ -47,7 +47,7 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
 
 int largest_tile(const SetPlan& plan) {
   int largest = 0;
-  for (const SetMember& member : plan.members) largest = std::max(largest, member.options.plan.tile);
+  for (const SetMember& member : plan.members) largest = std::max(largest, largest_tile(member.options));
   return largest;
 }
 

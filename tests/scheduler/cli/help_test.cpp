@@ -81,9 +81,10 @@ TEST(Help, OfEveryCommandFitsIsGroupedAndPlain) {
 TEST(Help, SaysWhatAnOptionTakes) {
   const TemporaryFolder folder;
   const std::string help = output_of(folder, {"render", "--help"});
-  for (const char* text : {"\nInput:\n  SCENE... ", "\nIntegrator and samples:\n", "\nWorkers and devices:\n",
-                           "[default: 16]", "[1 to 2048]", "[auto, portable, embree]", "[not with --pixel]",
-                           "[or PENUMBRA_KEYS]", "\nExamples:\n  penumbra render scenes/cornell/cornell.xml"})
+  for (const char* text :
+       {"\nInput:\n  SCENE... ", "\nIntegrator and samples:\n", "\nWorkers and devices:\n", "[default: 5]",
+        "(default: 64; 256 with ppm)", "[1 to 2048]", "[auto, portable, embree]", "[not with --pixel]",
+        "[or PENUMBRA_KEYS]", "\nExamples:\n  penumbra render scenes/cornell/cornell.xml"})
     EXPECT_THAT(help, HasSubstr(text));
 }
 

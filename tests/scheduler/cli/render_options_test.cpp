@@ -32,12 +32,31 @@ TEST(RenderOptions, Defaults) {
   EXPECT_THAT(options.scenes, ElementsAre("a.xml"));
   EXPECT_EQ(options.workers, 1);
   EXPECT_EQ(options.threads, 0);
-  EXPECT_EQ(options.plan.tile, 64);
-  EXPECT_EQ(options.plan.samples_per_pass, 16u);
+  const PlanOptions plan = plan_of(options, {});
+  EXPECT_EQ(plan.tile, 64);
+  EXPECT_EQ(plan.samples_per_pass, 16u);
   EXPECT_EQ(options.backend, "native");
   EXPECT_FALSE(options.scene.spp);
   EXPECT_FALSE(options.scene.seed);
   EXPECT_FALSE(options.crop);
+}
+
+TEST(RenderOptions, ProgressivePhotonMappingHasAMapForEachSampleAndLargeTilesUnlessTheyAreGiven) {
+  const IntegratorSettings ppm{.method = ProgressivePhotonIntegrator{}},
+      fixed{.method = PhotonMapIntegrator{}};
+  RenderOptions options;
+  ASSERT_EQ(parse({"a.xml"}, options), "");
+  EXPECT_EQ(plan_of(options, ppm).samples_per_pass, 1u);
+  EXPECT_EQ(plan_of(options, ppm).tile, 256);
+  EXPECT_EQ(plan_of(options, fixed).samples_per_pass, 16u);
+  EXPECT_EQ(plan_of(options, fixed).tile, 64);
+  EXPECT_GE(largest_tile(options), 256) << "the scene is not known when workers connect";
+  ASSERT_EQ(parse({"a.xml", "--pass", "16", "--tile", "64"}, options), "");
+  for (const IntegratorSettings& integrator : {ppm, fixed, IntegratorSettings()}) {
+    EXPECT_EQ(plan_of(options, integrator).samples_per_pass, 16u);
+    EXPECT_EQ(plan_of(options, integrator).tile, 64);
+  }
+  EXPECT_EQ(largest_tile(options), 64);
 }
 
 TEST(RenderOptions, AssignmentsTakeOneWordEach) {

@@ -490,6 +490,56 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
               HasSubstr("GB"));
 }
 
+TEST_F(RenderJobTest, TheSamplesOfAPassShareAPhotonMap) {
+  LocalRender photons = job(3);
+  IntegratorParameters& integrator = photons.scene.header.integrator;
+  integrator.photons = PHOTONS_PROGRESSIVE;
+  integrator.samples_per_map = 1;
+  ASSERT_FALSE(check_render_job(photons));
+  EXPECT_THAT(check_render_job(photons).error().message,
+              HasSubstr("passes of 4 samples in a scene with a photon map for every 1"));
+  integrator.samples_per_map = int(kSamplesPerPass);
+  EXPECT_GT(passes_at_once(photons), 1u);
+  expect_the_right_film(render(photons));
+  integrator.photons = PHOTONS_FIXED;  // one map, whatever the passes
+  integrator.samples_per_map = 0;
+  EXPECT_EQ(passes_at_once(photons), 1u);
+  EXPECT_TRUE(check_render_job(photons));
+  for (const int kind : {PHOTONS_FIXED, PHOTONS_PROGRESSIVE}) {
+    integrator.photons = kind;
+    integrator.samples_per_map = int(kSamplesPerPass);
+    photons.plan.adaptive = true;
+    ASSERT_FALSE(check_render_job(photons));
+    EXPECT_THAT(check_render_job(photons).error().message, HasSubstr("--adaptive"));
+    photons.plan.adaptive = false;
+    photons.plan.target_error = 0.1;
+    EXPECT_TRUE(check_render_job(photons));
+    photons.plan.target_error.reset();
+  }
+}
+
+TEST_F(RenderJobTest, PassesSideBySideFitIntoMemory) {
+  LocalRender photons = job();
+  EXPECT_EQ(passes_at_once(photons), 1u) << "without photons nothing is shared";
+  photons.scene.header.integrator.photons = PHOTONS_PROGRESSIVE;
+  EXPECT_EQ(passes_at_once(photons), 64u);
+  photons.width = photons.height = 1;
+  photons.plan.tile = 1;
+  EXPECT_EQ(passes_at_once(photons), 64u);
+  photons.interactive = true;
+  EXPECT_EQ(passes_at_once(photons), 1u);
+  photons.interactive = false;
+  photons.width = photons.height = 2048;  // as many tiles as there may be
+  EXPECT_EQ(passes_at_once(photons), 1u);
+  photons.plan.tile = 1024;
+  const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+  const double bytes_per_pixel = plane_count(photons.scene.header.features) * sizeof(float);
+  photons.width = photons.height = int(std::sqrt(memory / 4 / 2.5 / bytes_per_pixel));
+  EXPECT_EQ(passes_at_once(photons), 2u);
+  photons.width = photons.height = 2 * photons.width;
+  EXPECT_EQ(passes_at_once(photons), 1u);
+}
+
 TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   LocalRender large = job();
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));

@@ -122,6 +122,22 @@ TEST_F(Service, TheSameBytesAsRender) {
   EXPECT_EQ(statistics["command_line"][1], "submit");
 }
 
+TEST_F(Service, AJobWithPhotonMapsHasTheirPassesAndTiles) {
+  serve({"--workers", "2", "--threads", "1"});
+  const std::string one = submit({"--integrator", "ppm", "--spp", "20", "-o", "a.exr"});
+  const std::string four =
+      submit({"--integrator", "ppm", "--spp", "20", "--pass", "4", "--tile", "8", "-o", "b.exr"});
+  const ProgramResult fetched = run({"fetch", one, four, "--wait", "-o", "out"});
+  ASSERT_EQ(fetched.exit_code, 0) << fetched.err;
+  const auto settings = nlohmann::json::parse(contents("out/a.json"))["settings"];
+  EXPECT_EQ(settings["samples_per_pass"], 1);
+  EXPECT_EQ(settings["tile"], 256);
+  render({"--integrator", "ppm", "--spp", "20"}, "a.exr");
+  render({"--integrator", "ppm", "--spp", "20", "--pass", "4"}, "b.exr");
+  EXPECT_TRUE(contents("out/a.exr") == contents("a.exr"));
+  EXPECT_TRUE(contents("out/b.exr") == contents("b.exr"));
+}
+
 TEST_F(Service, NamesOfObjectsTravelWithTheirJob) {
   serve();
   const std::string job = submit({"--cryptomatte", "-o", "a.exr"});

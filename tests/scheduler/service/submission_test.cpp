@@ -107,6 +107,22 @@ TEST(Submission, AdaptiveSamplingArrives) {
   EXPECT_TRUE(there->record.plan.adaptive);
 }
 
+TEST(Submission, PhotonMapsArriveWithTheirPasses) {
+  Submission sent = small_submission(fake_scene(40, 30, true));
+  set(sent.record, "integrator.type", "ppm");
+  set(sent.record, "integrator.photon_count", "1234");
+  set(sent.record, "integrator.initial_radius", "0.125");
+  set(sent.record, "integrator.alpha", "auto");
+  sent.record.plan.samples_per_pass = 1;
+  sent.record.plan.tile = 256;
+  const auto there = decode(encode(sent));
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_EQ(record_entries(there->record), record_entries(sent.record));
+  EXPECT_EQ(repeat_command(there->record, true), repeat_command(sent.record, true));
+  EXPECT_EQ(there->record.plan.samples_per_pass, 1u);
+  EXPECT_EQ(there->record.plan.tile, 256);
+}
+
 TEST(Submission, ResultsAreNamesWithoutFolders) {
   for (const char* name : {"a.exr", "a b.png", "ä.json", "a.b.exr"})
     EXPECT_TRUE(is_result_name(name)) << name;
