@@ -96,7 +96,9 @@ Setting shading_samples_row() {
 void set_dependencies(std::vector<Setting>& table) {
   for (Setting& setting : table) {
     if (setting.key == "integrator.alpha")
-      setting.matters = [](const RenderSettings& s) { return control_variate(s.integrator).has_value(); };
+      setting.matters = [](const RenderSettings& s) {
+        return control_variate(s.integrator) || s.integrator.is<ProgressivePhotonIntegrator>();
+      };
     if (setting.key == "integrator.hidden_emitters")
       setting.matters = [](const RenderSettings& s) { return s.integrator.hide_emitters; };
   }

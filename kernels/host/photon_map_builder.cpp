@@ -14,6 +14,7 @@
 namespace penumbra {
 namespace {
 
+constexpr float kLeastRadius = 1e-12f;  // its cube, and the inverse, are numbers in single precision
 constexpr std::uint32_t kLeastBuckets = 16;  // so that reads of 8 photons at once end within the map
 
 /// A stable counting sort of `order` by keys[index], which are below `end`. Returns the first position of
@@ -103,7 +104,7 @@ PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t>
                                : 0.0f;
   map.count = int(order.size());
   map.buckets = int(std::bit_ceil(std::max(kLeastBuckets, std::uint32_t(order.size()))));
-  map.radius = std::max(float(size.radius), std::numeric_limits<float>::min());
+  map.radius = std::max(float(size.radius), kLeastRadius);
   map.cells = cells_per_unit(map.radius, scene_radius);
   map.offset = std::uint32_t(words.size());
   std::vector<std::uint32_t> buckets(photons.size());

@@ -67,6 +67,14 @@ SceneSummary summarize(const DeviceScene& scene) {
   needs("intersector", h.intersector == INTERSECTOR_EMBREE ? "embree"
                        : (h.features & FEATURE_BVH) != 0u  ? "portable, bounding volume hierarchy"
                                                            : "portable, every primitive tested");
+  if (h.integrator.photons != PHOTONS_NONE) {
+    const IntegratorParameters& p = h.integrator;
+    const int paths = std::max({p.surface_photons, p.caustic_photons, p.volume_photons});
+    needs("photon paths", fmt::format("{} for each map", paths));
+    needs("photon radii", p.photons == PHOTONS_PROGRESSIVE
+                              ? fmt::format("{:.3g}, shrinking", p.surface_radius)
+                              : fmt::format("{:.3g}; caustics {:.3g}", p.surface_radius, p.caustic_radius));
+  }
   needs("device scene", bytes_text(scene.words.size() * 4 + sizeof h));
   if (h.dropped_triangles > 0)
     summary.left_out.emplace_back("triangles without area", std::to_string(h.dropped_triangles));

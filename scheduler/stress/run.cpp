@@ -53,11 +53,15 @@ Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& 
   Expected<std::unique_ptr<Device>> device = make_device(scene, options);
   if (!device) return std::unexpected(device.error());
   const int width = scene.header.film.width, height = scene.header.film.height;
+  const IntegratorParameters& integrator = scene.header.integrator;
   const std::uint32_t spp = scene.header.sampler.spp;
+  const std::uint32_t most = integrator.photons == PHOTONS_PROGRESSIVE
+                                 ? std::uint32_t(integrator.samples_per_map)
+                                 : kMaxSamplesPerUnit;
   FilmAccumulator film(0, 0, width, height, FilmLayers(scene.header.features));
   for (std::uint32_t first = 0; first < spp;) {
     RenderUnit unit{.x = 0, .y = 0, .width = width, .height = height, .first_sample = first};
-    unit.sample_count = std::min(kMaxSamplesPerUnit, spp - first);
+    unit.sample_count = std::min(most, spp - first);
     Expected<SampleBuffer> result = (*device)->render(unit);
     if (!result) return std::unexpected(result.error());
     film.add(0, 0, *result);

@@ -80,8 +80,8 @@ TEST(PhotonMapping, BalancesItWithOneMapForTheImage) {
   // One map: what varies are maps of other seeds.
   for (const bool final_gather : {false, true}) {
     statistics::Sample maps;
-    for (std::uint32_t seed = 1; seed <= 24; ++seed) {
-      SceneDescription scene = furnace(0.5f, 64, fixed(20000, 0.2f, final_gather));
+    for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+      SceneDescription scene = furnace(0.5f, 16, fixed(10000, 0.2f, final_gather));
       std::get<PhotonMapIntegrator>(scene.integrator.method).lookup_size = MAX_PHOTONS;
       scene.sampler.seed = seed;
       maps.add(only_pixel(scene).mean());
@@ -188,7 +188,7 @@ TEST(ProgressivePhotonMapping, HasTheExpectedValueOfItsRadii) {
       expected += mean_irradiance(progressive_radius(1.5, alpha, map, 2)) / kMaps;
     const auto sample = only_pixel(mirrored_light(kMaps, progressive(500, 1.5f, 3, float(alpha))));
     expect_mean(sample, 0.5 / kPi * expected);
-    EXPECT_GT(mean_irradiance(1e-3) / expected, 1.02) << "the test needs a bias that it would see";
+    EXPECT_GT(mean_irradiance(1e-3) / expected, 1.01) << "the test needs a bias that it would see";
   }
 }
 
@@ -247,13 +247,14 @@ TEST(ProgressivePhotonMapping, RadiiFollowTheRecursion) {
     }
 }
 
-// Nori's project of photon mapping states radii at iterations; its first step is left out.
+// Nori's project of photon mapping states radii at iterations 1, 10, 100 and 500; its first step is left out.
+// They are rounded to three digits and perhaps from four: half a unit of each.
 TEST(ProgressivePhotonMapping, HasTheRadiiOfNorisProject) {
   const double first = 0.1 / progressive_radius(1, 2.0 / 3, 1, 2);
   const auto radius = [&](std::uint32_t iteration) {
     return progressive_radius(first, 2.0 / 3, iteration - 1, 2);
   };
-  constexpr double kRoundedTo = 0.0005 + 1e-5;
+  constexpr double kRoundedTo = 0.0005 + 0.00005;
   EXPECT_NEAR(radius(2), 0.10, kRoundedTo);
   EXPECT_NEAR(radius(10), 0.078, kRoundedTo);
   EXPECT_NEAR(radius(100), 0.054, kRoundedTo);

@@ -20,5 +20,6 @@ void add_render_cases(std::vector<Case>& cases);
 void add_merge_cases(std::vector<Case>& cases);
 void add_medium_cases(std::vector<Case>& cases);
 void add_render_medium_cases(std::vector<Case>& cases);
+void add_render_photon_cases(std::vector<Case>& cases);
 
 }  // namespace penumbra::stress

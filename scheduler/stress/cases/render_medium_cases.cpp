@@ -194,15 +194,6 @@ void add_furnaces(std::vector<Case>& cases) {
                             "5 deviations of samples in [0, 3] of mean 1, of two channels")});
 }
 
-/// How many standard errors of its samples the first pixel is off.
-std::function<Numbers(const FilmAccumulator&)> errors_from(double truth) {
-  return [truth](const FilmAccumulator& film) {
-    const PixelStatistics& pixel = film.at(0, 0);
-    const double count = double(pixel.count);
-    return Numbers{(pixel.mean[0] - truth) / std::sqrt(pixel.m2[0] / (count * (count - 1)))};
-  };
-}
-
 // Flights go by where lights are, so weights are not 1.
 void add_area_lights(std::vector<Case>& cases) {
   constexpr std::uint32_t kSamples = 1 << 12;

@@ -1,6 +1,7 @@
 #include "scheduler/stress/cases/scene_pieces.h"
 
 #include <cmath>
+#include <functional>
 
 namespace penumbra::stress {
 
@@ -70,6 +71,14 @@ Numbers first_pixel(const FilmAccumulator& film) { return {film.at(0, 0).mean[0]
 Numbers first_pixel_deviation(const FilmAccumulator& film) {
   const PixelStatistics& pixel = film.at(0, 0);
   return {std::sqrt(pixel.m2[0] / double(pixel.count - 1)) / pixel.mean[0]};
+}
+
+std::function<Numbers(const FilmAccumulator&)> errors_from(double truth) {
+  return [truth](const FilmAccumulator& film) {
+    const PixelStatistics& pixel = film.at(0, 0);
+    const double count = double(pixel.count);
+    return Numbers{(pixel.mean[0] - truth) / std::sqrt(pixel.m2[0] / (count * (count - 1)))};
+  };
 }
 
 }  // namespace penumbra::stress

@@ -1,6 +1,7 @@
 // Small scenes for render cases: a floor, a light above it, a camera of one pixel.
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 
@@ -38,6 +39,8 @@ IntegratorSettings path(int max_depth);
 
 /// The mean of the first pixel's red channel.
 Numbers first_pixel(const FilmAccumulator& film);
+/// The number of standard errors by which the first pixel is off.
+std::function<Numbers(const FilmAccumulator&)> errors_from(double truth);
 /// The relative standard deviation of the first pixel's samples.
 Numbers first_pixel_deviation(const FilmAccumulator& film);
 

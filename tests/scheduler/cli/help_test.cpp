@@ -189,7 +189,7 @@ TEST(Settings, OfANameOrGroupAreShownWhole) {
   const std::string depth = output_of(folder, {"settings", "maxDepth"});
   EXPECT_THAT(lines_of(depth), ElementsAre("integrator.max_depth", StartsWith("    longest path in edges"),
                                            "    values: -1 or more", "    default: -1",
-                                           "    integrators: path, whitted, volpath"));
+                                           "    integrators: path, whitted, volpath, photonmapper, ppm"));
   EXPECT_EQ(output_of(folder, {"settings", "integrator.max_depth"}), depth);
   for (const char* group : {"integrator", "sampler", "film", "camera"}) {
     const std::string text = output_of(folder, {"settings", group});

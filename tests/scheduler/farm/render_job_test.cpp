@@ -500,7 +500,7 @@ TEST_F(RenderJobTest, TheSamplesOfAPassShareAPhotonMap) {
               HasSubstr("passes of 4 samples in a scene with a photon map for every 1"));
   integrator.samples_per_map = int(kSamplesPerPass);
   EXPECT_GT(passes_at_once(photons), 1u);
-  expect_the_right_film(render(photons));
+  EXPECT_TRUE(check_render_job(photons));
   integrator.photons = PHOTONS_FIXED;  // one map, whatever the passes
   integrator.samples_per_map = 0;
   EXPECT_EQ(passes_at_once(photons), 1u);

@@ -49,7 +49,7 @@ TEST(Manual, SaysWhatTheHelpSays) {
   EXPECT_THAT(page,
               AllOf(HasSubstr("\\fB\\-\\-integrator\\fR \\fINAME\\fR\n"),
                     HasSubstr("\\fB\\-o\\fR, \\fB\\-\\-out\\fR"), HasSubstr("Values: auto, portable, embree"),
-                    HasSubstr("Default: 16."), HasSubstr(".SH EXAMPLES\n")));
+                    HasSubstr("Default: native."), HasSubstr(".SH EXAMPLES\n")));
   EXPECT_EQ(run_penumbra(folder.path(), {"man", "nothing"}).exit_code, 2);
 }
 
