@@ -59,6 +59,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PHOTONS_PROGRESSIVE 1  // a new map of all surfaces every few samples, with shrinking radii
 #define PHOTONS_FIXED 2        // one global map and one caustic map for the image
 
+// Where paths of the camera take indirect light from photons.
+#define GATHER_FIRST 0     // at the first diffuse surface, where they end
+#define GATHER_SECOND 1    // one bounce later; caustics at the first
+#define GATHER_CAUSTICS 2  // caustics alone, at every diffuse surface; paths find other light
+
 #define HEURISTIC_BALANCE 0
 #define HEURISTIC_POWER 1
 
@@ -455,7 +460,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, radius_alpha)    /* PHOTONS_PROGRESSIVE: how fast radii shrink, 0 to 1; 1: not at all */    \
   F(int, samples_per_map)   /* PHOTONS_PROGRESSIVE: samples of a pixel that share a map */             \
   F(int, lookup_size)       /* PHOTONS_FIXED: the number of nearest photons that are looked up */      \
-  F(int, final_gather)      /* PHOTONS_FIXED: 1: the global map is seen one bounce later */            \
+  F(int, gathering)         /* GATHER_* */                                                             \
   F(float, emission_radius) /* of a sphere about the origin that contains all shapes */
 
 // Parameters that a viewer may change besides the camera: no table and no kernel depends on them.

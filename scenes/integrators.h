@@ -143,6 +143,7 @@ struct ProgressivePhotonIntegrator {
   int photon_count = 250'000;         ///< paths of photons emitted for each map
   float initial_radius = 0;           ///< in scene units; 0: from the size of a pixel
   std::optional<float> alpha = 0.7f;  ///< how fast radii shrink; none: 2/3
+  bool caustics_only = false;         ///< photons bring caustics alone, and paths all other light
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
@@ -368,7 +369,9 @@ void integrator_parameters(const Row& row) {
   row("lookup_size", PENUMBRA_PARAMETER(lookup_size), WholeNumber{1, MAX_PHOTONS},
       "photons of a density estimate: at most about so many, the nearest within the radius", &P::lookup_size);
   row("final_gather", PENUMBRA_PARAMETER(final_gather), TrueOrFalse{},
-      "whether the global map is seen one diffuse bounce later, which hides its blotches", &P::final_gather);
+      "whether the global map is seen one diffuse bounce later, which hides its blotches", &P::gathering);
+  row("caustics_only", PENUMBRA_PARAMETER(caustics_only), TrueOrFalse{},
+      "whether photons bring caustics alone, and paths all other light");
   row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
       "whether lights are invisible to the camera");
   row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),

@@ -200,6 +200,9 @@ class NativeDevice final : public Device {
       }
     });
     std::vector<Photon> all;
+    std::size_t count = 0;
+    for (const std::vector<Photon>& some : traced) count += some.size();
+    all.reserve(count);
     for (const std::vector<Photon>& some : traced) all.insert(all.end(), some.begin(), some.end());
     return all;
   }

@@ -14,7 +14,7 @@
 namespace penumbra {
 namespace {
 
-constexpr float kLeastRadius = 1e-12f;  // its cube, and the inverse, are numbers in single precision
+constexpr float kLeastRadius = 1e-12f;       // its cube, and the inverse, are numbers in single precision
 constexpr std::uint32_t kLeastBuckets = 16;  // so that reads of 8 photons at once end within the map
 
 /// A stable counting sort of `order` by keys[index], which are below `end`. Returns the first position of
@@ -157,7 +157,7 @@ AlignedVector<std::uint32_t> build_photon_maps(const SceneHeader& header, const 
   };
   for (const int map : {PHOTON_MAP_SURFACE, PHOTON_MAP_CAUSTIC, PHOTON_MAP_VOLUME})
     append(map, photons, std::move(own[std::size_t(map)]));
-  if (header.integrator.final_gather != 0) {
+  if (header.integrator.gathering == GATHER_SECOND) {
     const std::vector<Photon> known = irradiance_photons(photons, order, words);
     std::vector<std::uint32_t> all(known.size());
     std::iota(all.begin(), all.end(), 0u);

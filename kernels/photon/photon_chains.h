@@ -5,7 +5,8 @@
 //
 // With final gathering, a path takes only caustics from photons there, and goes on to the next such surface
 // (Christensen 1999). On the way it leaves out light that the caustic map has. If the next surface is nearer
-// than the radius, where densities would show as blotches, it goes on once more.
+// than the radius, where densities would show as blotches, it goes on once more. With GATHER_CAUSTICS it
+// always goes on: photons bring nothing but the caustics.
 #ifndef PENUMBRA_PHOTON_CHAINS_H
 #define PENUMBRA_PHOTON_CHAINS_H
 #include "kernels/integrator/path_stages.h"
@@ -28,8 +29,10 @@ STAGE void drop_photon_samples(const PRIVATE PathState* paths, int i,
 /// Whether the path's indirect light at this surface comes from photons.
 FN bool ends_at_photons(const PRIVATE SceneHeader* h, int chain, float distance, Closure c) {
   const bool near = (chain == CHAIN_DIFFUSE) & (distance < h->integrator.surface_radius);
-  const bool gathers = h->integrator.final_gather != 0 && c.family != FAMILY_PHASE;
-  return has_diffuse_part(c) & !(gathers & ((chain == CHAIN_SPECULAR) | near));
+  const int gathering = h->integrator.gathering;
+  const bool goes_on =
+      (gathering == GATHER_SECOND) & (c.family != FAMILY_PHASE) & ((chain == CHAIN_SPECULAR) | near);
+  return has_diffuse_part(c) & (gathering != GATHER_CAUSTICS) & !goes_on;
 }
 
 #define NO_DEPTH_LIMIT 0x7fffffff
@@ -38,10 +41,11 @@ FN bool ends_at_photons(const PRIVATE SceneHeader* h, int chain, float distance,
 /// photons are enough (Christensen 1999), where they are known: all edges together, for the diffuse family.
 FN bool takes_photons(const PRIVATE SceneHeader* h, int map, int chain, float distance, Closure c) {
   const bool ends = ends_at_photons(h, chain, distance, c);
-  const bool by_irradiance = ends & (h->integrator.final_gather != 0) & (c.family == FAMILY_DIFFUSE) &
-                             (h->integrator.max_depth == NO_DEPTH_LIMIT);
+  const bool by_irradiance = ends & (h->integrator.gathering == GATHER_SECOND) &
+                             (c.family == FAMILY_DIFFUSE) & (h->integrator.max_depth == NO_DEPTH_LIMIT);
+  const bool caustics = (map == PHOTON_MAP_CAUSTIC) | (h->integrator.gathering == GATHER_CAUSTICS);
   if (map == PHOTON_MAP_IRRADIANCE) return by_irradiance;
-  return !by_irradiance & (map == PHOTON_MAP_CAUSTIC ? has_diffuse_part(c) : ends);
+  return !by_irradiance & (caustics ? has_diffuse_part(c) : ends);
 }
 
 /// The photons of one map that the paths take at these surfaces. Returns whether any path takes some.
@@ -83,7 +87,7 @@ CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
     PhotonRequest request;
     if (map == PHOTON_MAP_CAUSTIC && h->integrator.photons != PHOTONS_FIXED) continue;
     if (map == PHOTON_MAP_VOLUME && !NEEDS_MEDIA(scene)) continue;
-    if (map == PHOTON_MAP_IRRADIANCE && h->integrator.final_gather == 0) continue;
+    if (map == PHOTON_MAP_IRRADIANCE && h->integrator.gathering != GATHER_SECOND) continue;
     if (!request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request)) continue;
     if (map == PHOTON_MAP_IRRADIANCE)
       gather_irradiance(scene, &request, &step->surfaces, &step->closures, light);

@@ -93,6 +93,7 @@ FN void emit_photons(const PRIVATE Scene* scene, int first, int count, const PRI
 FN int map_of_photon(const PRIVATE SceneHeader* h, bool in_medium, int chain, int path) {
   const PRIVATE IntegratorParameters* p = &h->integrator;
   const bool caustic = (p->photons == PHOTONS_FIXED) & (chain == CHAIN_SPECULAR);
+  if ((p->gathering == GATHER_CAUSTICS) & (chain != CHAIN_SPECULAR)) return -1;
   if (in_medium) return path < p->volume_photons ? PHOTON_MAP_VOLUME : -1;
   if (caustic) return path < p->caustic_photons ? PHOTON_MAP_CAUSTIC : -1;
   return path < p->surface_photons ? PHOTON_MAP_SURFACE : -1;
@@ -185,6 +186,7 @@ FN vec3 photon_weight(Surface s, BsdfSample next) {
 STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE StepLanes* RESTRICT step) {
   const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
+  const bool caustics = scene->header.integrator.gathering == GATHER_CAUSTICS;
   const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -197,11 +199,11 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
       const float lasts = 1.0f - 2.0f / ((float)(roulette ? depth - rr_depth : 0) + ROULETTE_LASTS);
       const float survival = roulette ? min_f(strongest, lasts) : 1.0f;
       const vec3 power = mul(get_throughput(&fields, i + j), weight);
+      const bool diffuse = has_diffuse_part(load_closure(&step->closures, j)) & (next.pdf != DELTA_PDF);
       // One more edge leads to the next arrival, and at least one to the camera.
-      const bool alive = is_hit(s) & (depth + 2 <= max_depth) & (next.pdf > 0.0f) &
+      const bool alive = is_hit(s) & (depth + 2 <= max_depth) & !(diffuse & caustics) & (next.pdf > 0.0f) &
                          (max_component(power) > 0.0f) & !is_beneath(s, next.wi) &
                          (lane_number(step, DIM_ROULETTE, j) < survival);
-      const bool diffuse = has_diffuse_part(load_closure(&step->closures, j)) & (next.pdf != DELTA_PDF);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
       set_ray_direction(&fields, i + j, next.wi);
       set_throughput(&fields, i + j, scale(power, 1.0f / (alive ? survival : 1.0f)));

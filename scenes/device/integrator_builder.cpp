@@ -86,6 +86,7 @@ constexpr float kBestRadiusAlpha = 2.0f / 3.0f;  // see ALPHA of photon_map_radi
 
 void set_photons(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
   p.photons = PHOTONS_NONE;
+  if (!integrator.is<PhotonMapIntegrator>()) p.gathering = GATHER_FIRST;
   p.emission_radius = std::max(float(kEmissionMargin * scene_radius), std::numeric_limits<float>::min());
   p.samples_per_map = 1;
   if (const auto* fixed = integrator.get<PhotonMapIntegrator>()) {
@@ -103,6 +104,7 @@ void set_photons(const IntegratorSettings& integrator, double scene_radius, Inte
     p.surface_radius = p.volume_radius = progressive->initial_radius;
     p.radius_alpha = progressive->alpha.value_or(kBestRadiusAlpha);
     p.caustic_photons = 0;
+    if (progressive->caustics_only) p.gathering = GATHER_CAUSTICS;
   }
 }
 

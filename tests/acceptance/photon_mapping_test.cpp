@@ -6,6 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/host/photon_map_builder.h"
@@ -286,11 +288,23 @@ SceneDescription caustics(const IntegratorSettings& integrator) {
   return scene;
 }
 
+class Caustics : public testing::TestWithParam<std::pair<std::string, IntegratorSettings>> {};
+
+std::vector<std::pair<std::string, IntegratorSettings>> methods_with_caustics() {
+  IntegratorSettings alone = progressive(50000, 0.02f);
+  std::get<ProgressivePhotonIntegrator>(alone.method).caustics_only = true;
+  return {{"Progressive", progressive(50000, 0.02f)},
+          {"CausticsOnly", alone},
+          {"OneMap", fixed(200000, 0.03f, false)},
+          {"FinalGathering", fixed(200000, 0.03f, true)}};
+}
+INSTANTIATE_TEST_SUITE_P(Methods, Caustics, testing::ValuesIn(methods_with_caustics()),
+                         [](const auto& tested) { return tested.param.first; });
+
 // The radius is below a tenth of a block of pixels, so that the density of a block hardly loses light at the
 // edge of the caustics, and none on the whole.
-TEST(ProgressivePhotonMapping, SeesTheCausticsOfGlassAndMetalThatPathsSee) {
-  const statistics::Estimate a =
-      block_estimate(caustics(progressive(50000, 0.02f)), 8, 10, 8, one_map_a_sample());
+TEST_P(Caustics, OfGlassAndMetalAreThoseThatPathsSee) {
+  const statistics::Estimate a = block_estimate(caustics(GetParam().second), 8, 10, 8, one_map_a_sample());
   SceneDescription by_paths = caustics(media::volpath());
   by_paths.sampler.spp = 1024;
   const statistics::Estimate b = block_estimate(by_paths, 8, 100, 8, media::big_passes());
