@@ -10,8 +10,8 @@
   UNIT_FIELDS(TAKE_ARGUMENT)
 
 /// The arguments of the kernels that trace photons.
-#define PHOTON_PARAMETERS                                                                                 \
-  uint map, uint sequence, int photon_paths, int first, int end, int capacity, __global uint *states,    \
+#define PHOTON_PARAMETERS                                                                             \
+  uint map, uint sequence, int photon_paths, int first, int end, int capacity, __global uint *states, \
       __global Photon *photons, __global int *photon_count, int photon_room
 
 /// Traces the photon paths [first, first + count) in a block at `states`.
@@ -31,10 +31,10 @@ STAGE void trace_block_of_photons(GLOBAL const SceneHeader* header, GLOBAL const
 /// The work of one work item of render_blocks. It is not in the kernel itself, of which PoCL makes three
 /// functions.
 STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL const uint* words,
-                              GLOBAL const uint* photons, Unit unit,
-                              int first_pixel, int end_pixel, int block_pixels, int capacity,
-                              int slot_capacity, GLOBAL uint* states, GLOBAL uint* slots, GLOBAL float* out,
-                              GLOBAL BadSamples* bad, volatile GLOBAL int* next_block) {
+                              GLOBAL const uint* photons, Unit unit, int first_pixel, int end_pixel,
+                              int block_pixels, int capacity, int slot_capacity, GLOBAL uint* states,
+                              GLOBAL uint* slots, GLOBAL float* out, GLOBAL BadSamples* bad,
+                              volatile GLOBAL int* next_block) {
   const Scene scene = scene_of_unit(*header, words, photons, &unit);
   const Block block = make_block(
       COMPILED_FEATURES, states + (size_t)item * path_words(COMPILED_FEATURES) * capacity, capacity,
@@ -51,13 +51,13 @@ STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL
 /// item takes the next block. `next_block` counts from 0. `states` and `slots` have the memory of each work
 /// item's block, one after the other; `bad` has BAD_KINDS entries per work item.
 __kernel void render_blocks(__global const SceneHeader* header, __global const uint* words,
-                            __global const uint* photons, UNIT_PARAMETERS int first_pixel, int end_pixel, int block_pixels, int capacity,
-                            int slot_capacity, __global uint* states, __global uint* slots,
-                            __global float* out, __global BadSamples* bad,
+                            __global const uint* photons, UNIT_PARAMETERS int first_pixel, int end_pixel,
+                            int block_pixels, int capacity, int slot_capacity, __global uint* states,
+                            __global uint* slots, __global float* out, __global BadSamples* bad,
                             volatile __global int* next_block) {
   UNIT_OF_ARGUMENTS
-  render_free_blocks((int)get_global_id(0), header, words, photons, unit, first_pixel, end_pixel, block_pixels,
-                     capacity, slot_capacity, states, slots, out, bad, next_block);
+  render_free_blocks((int)get_global_id(0), header, words, photons, unit, first_pixel, end_pixel,
+                     block_pixels, capacity, slot_capacity, states, slots, out, bad, next_block);
 }
 
 /// For CPUs: traces the photon paths [first, end) in blocks of `capacity`, like render_blocks.
@@ -78,8 +78,9 @@ __kernel void trace_photon_paths(__global const SceneHeader* header, __global co
 
 /// Traces paths [first_path, first_path + path_count) of the pixels, at most `capacity`.
 __kernel void trace_paths(__global const SceneHeader* header, __global const uint* words,
-                          __global const uint* photons, UNIT_PARAMETERS int first_pixel, int first_path, int path_count, int capacity,
-                          int slot_capacity, __global uint* states, __global uint* slots) {
+                          __global const uint* photons, UNIT_PARAMETERS int first_pixel, int first_path,
+                          int path_count, int capacity, int slot_capacity, __global uint* states,
+                          __global uint* slots) {
   const int item = (int)get_global_id(0);
   if (item >= path_count) return;
   UNIT_OF_ARGUMENTS
@@ -91,8 +92,9 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
 /// Finishes pixels [first_pixel + from, first_pixel + from + count); `bad` has BAD_KINDS entries per work
 /// item.
 __kernel void finish_samples(__global const SceneHeader* header, __global const uint* words,
-                             __global const uint* photons, UNIT_PARAMETERS int first_pixel, int from, int count, int slot_capacity,
-                             __global uint* slots, __global float* out, __global BadSamples* bad) {
+                             __global const uint* photons, UNIT_PARAMETERS int first_pixel, int from,
+                             int count, int slot_capacity, __global uint* slots, __global float* out,
+                             __global BadSamples* bad) {
   const int item = (int)get_global_id(0);
   if (item >= count) return;
   UNIT_OF_ARGUMENTS
