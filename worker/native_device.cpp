@@ -180,10 +180,11 @@ class NativeDevice final : public Device {
     const int blocks = (task.paths + block_paths - 1) / block_paths;
     std::vector<std::vector<Photon>> traced(std::size_t(std::max(blocks, 0)));
     std::atomic<int> next{0};
+    std::atomic<std::size_t> stored{0};
     team_.run([&](int thread) {
       const Block block = blocks_[std::size_t(thread)].block();
       std::vector<Photon> room(std::size_t(block_paths) * kPhotonsPerPath);
-      for (int b; (b = next.fetch_add(1)) < blocks; part_is_done()) {
+      for (int b; stored <= kMostPhotons && (b = next.fetch_add(1)) < blocks; part_is_done()) {
         const int first = b * block_paths, paths = std::min(block_paths, task.paths - first);
         int count = 0;
         const auto trace = [&] {
@@ -192,6 +193,7 @@ class NativeDevice final : public Device {
                                 {room.data(), &count, int(room.size())});
         };
         trace();
+        if ((stored += std::size_t(count)) > kMostPhotons) break;
         if (std::size_t(count) > room.size()) {
           room.resize(std::size_t(count));
           trace();
@@ -199,10 +201,9 @@ class NativeDevice final : public Device {
         traced[std::size_t(b)].assign(room.begin(), room.begin() + count);
       }
     });
+    if (stored > kMostPhotons) return std::unexpected(too_many_photons());
     std::vector<Photon> all;
-    std::size_t count = 0;
-    for (const std::vector<Photon>& some : traced) count += some.size();
-    all.reserve(count);
+    all.reserve(stored);
     for (const std::vector<Photon>& some : traced) all.insert(all.end(), some.begin(), some.end());
     return all;
   }

@@ -23,6 +23,7 @@ constexpr double kCpuLaunchSeconds = 1;         // so that the worker can show p
 constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before any time is known
 // Photons that a launch has room for; and how many a path is expected to have.
 constexpr std::uint64_t kPhotonRoom = 1 << 19;
+constexpr std::uint64_t kPhotonItems = 1 << 16;  // with a path per work item
 constexpr int kExpectedPhotons = 8;
 constexpr std::size_t kLargestGroup = 64;  // work items; larger groups share no memory and gain nothing
 
@@ -164,6 +165,7 @@ class OpenClDevice final : public Device {
       if (!session_.good(status, "create the kernel")) return false;
     }
     if (shape_.blocks) return true;
+    if (emit_) emit_group_ = session_.group_size(emit_.get(), kLargestGroup);
     finish_.reset(clCreateKernel(program_.get(), "finish_samples", &status));
     if (!session_.good(status, "create the kernel")) return false;
     group_ = std::min(session_.group_size(trace_.get(), kLargestGroup),
@@ -176,6 +178,9 @@ class OpenClDevice final : public Device {
     const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (!reserve(pixel)) return false;
     const Unit unit = kernel_unit(pixel);
+    if (emit_ && !(reserve_photons() && launch_photons({.map = 0, .sequence = 0, .paths = 1}, 0, 0, 1) &&
+                   session_.wait()))
+      return false;
     if (shape_.blocks) return launch_range(unit, 0, 0, 1) && session_.wait();
     return launch_trace(unit, 0, 0, 0) && launch_finish(unit, 0, 0, 0) && session_.wait();
   }
@@ -297,6 +302,7 @@ class OpenClDevice final : public Device {
     const auto maps = photon_maps_.of_unit(scene_.header, unit);
     if (!maps) return std::unexpected(maps.error());
     if (*maps == nullptr || (*maps)->number == uploaded_) return {};
+    uploaded_ = 0;
     photon_bytes_ = (*maps)->words.size() * sizeof(std::uint32_t);
     if (!session_.wait() || !session_.upload(photons_, (*maps)->words.data(), photon_bytes_, info().is_cpu))
       return std::unexpected(error());
@@ -304,28 +310,37 @@ class OpenClDevice final : public Device {
     return reserve(unit);
   }
 
+  /// Memory for the photons of a launch and, where work items have a path each, for their paths.
+  bool reserve_photons() {
+    const std::uint64_t path_bytes = sizeof(cl_uint) * std::uint64_t(path_words(features_));
+    photon_room_ = int(std::clamp<std::uint64_t>(limits_.allocation / sizeof(Photon), 1, kPhotonRoom));
+    photon_items_ = int(std::clamp<std::uint64_t>(limits_.allocation / path_bytes, 1, kPhotonItems));
+    return session_.reserve(traced_photons_, std::uint64_t(photon_room_) * sizeof(Photon)) &&
+           session_.reserve(photon_count_, sizeof(cl_int)) &&
+           (shape_.blocks || session_.reserve(photon_paths_, path_bytes * std::uint64_t(photon_items_)));
+  }
+
   /// Traces photon paths in launches whose photons have room in one buffer.
   Expected<std::vector<Photon>> trace_photons(const PhotonTask& task) {
-    const std::uint64_t most = std::min<std::uint64_t>(kPhotonRoom, limits_.allocation / sizeof(Photon));
-    const int room = int(std::max<std::uint64_t>(most, 1));
-    if (!session_.reserve(traced_photons_, std::uint64_t(room) * sizeof(Photon)) ||
-        !session_.reserve(photon_count_, sizeof(cl_int)))
-      return std::unexpected(error());
+    if (!reserve_photons()) return std::unexpected(error());
     std::vector<Photon> photons;
-    int wanted = std::max(1, room / kExpectedPhotons);
+    int wanted = std::max(1, photon_room_ / kExpectedPhotons);
+    if (!shape_.blocks) wanted = std::min(wanted, photon_items_);
     for (int first = 0; first < task.paths;) {
-      int now = std::min(wanted, task.paths - first), count = 0;
-      if (!shape_.blocks) now = std::min(now, plan_.items);
-      if (!launch_photons(task, first, now, room) || !session_.read(photon_count_, &count, sizeof(cl_int)))
+      const int now = std::min(wanted, task.paths - first);
+      int count = 0;
+      if (!launch_photons(task, first, now, photon_room_) ||
+          !session_.read(photon_count_, &count, sizeof(cl_int)))
         return std::unexpected(error());
       part_is_done();
-      if (count > room && now == 1)
+      if (count > photon_room_ && now == 1)
         return fail("a photon arrives at too many surfaces for the device's memory");
-      if (count > room) {
+      if (count > photon_room_) {
         wanted = std::max(1, now / 2);
         continue;
       }
       const std::size_t before = photons.size();
+      if (before + std::size_t(count) > kMostPhotons) return std::unexpected(too_many_photons());
       photons.resize(before + std::size_t(count));
       if (count > 0 &&
           !session_.read(traced_photons_, photons.data() + before, std::size_t(count) * sizeof(Photon)))
@@ -340,10 +355,11 @@ class OpenClDevice final : public Device {
       return false;
     ClArguments arguments(emit_.get());
     arguments << header_ << words_ << int(task.map) << int(task.sequence) << task.paths << first
-              << first + count << plan_.paths << paths_ << traced_photons_ << photon_count_ << room
+              << first + count << (shape_.blocks ? plan_.paths : photon_items_)
+              << (shape_.blocks ? paths_ : photon_paths_) << traced_photons_ << photon_count_ << room
               << next_block_;
     const std::size_t items = shape_.blocks ? std::size_t(plan_.items) : std::size_t(count);
-    return session_.launch(arguments, items, shape_.blocks ? 1 : group_);
+    return session_.launch(arguments, items, shape_.blocks ? 1 : emit_group_);
   }
 
   // --- Results
@@ -385,6 +401,7 @@ class OpenClDevice final : public Device {
   BlockShape shape_;
   int items_;
   std::uint64_t features_;
+  PhotonMaps photon_maps_;  // before photons_, which may use its memory
   OpenClLimits limits_;
   LaunchSize launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   DevicePreparation preparation_;
@@ -392,17 +409,17 @@ class OpenClDevice final : public Device {
   ClProgram program_;
   ClKernel trace_, finish_;  // finish_: with one path per work item
   ClKernel emit_;            // with FEATURE_PHOTONS
-  std::size_t group_ = 1;
+  std::size_t group_ = 1, emit_group_ = 1;
   std::uint64_t scene_bytes_ = 0;
   OpenClDemand demand_;
   OpenClMemoryPlan plan_;
   ClBuffer header_, words_, next_block_;
   ClBuffer photons_;  // the words of maps number `uploaded_`
   std::uint64_t uploaded_ = 0, photon_bytes_ = 0;
-  ClReserve paths_, slots_, out_, bad_, traced_photons_, photon_count_;
+  ClReserve paths_, slots_, out_, bad_, photon_paths_, traced_photons_, photon_count_;
+  int photon_room_ = 0, photon_items_ = 0;
   std::vector<BadSamples> counters_;
   std::vector<float> part_values_;
-  PhotonMaps photon_maps_;
 };
 
 }  // namespace

@@ -194,7 +194,9 @@ class Checker {
       require(in(photons, 0, MAX_PHOTONS), "an implausible number of photons");
     for (const float radius : {p.surface_radius, p.caustic_radius, p.volume_radius, p.emission_radius})
       require(radius > 0 && std::isfinite(radius), "photons with a radius that is no length");
-    require(in(p.gathering, GATHER_FIRST, GATHER_CAUSTICS), "photons are gathered in an unknown way");
+    const int other = p.photons == PHOTONS_FIXED ? GATHER_SECOND : GATHER_CAUSTICS;
+    require(p.gathering == GATHER_FIRST || p.gathering == other, "photons are gathered in an unknown way");
+    require(p.photons == PHOTONS_FIXED || p.caustic_photons == 0, "photons of a map that is not there");
     require(p.radius_alpha > 0 && p.radius_alpha <= 1, "radii of photon maps that do not shrink");
     require(p.samples_per_map > 0 && p.lookup_size > 0, "photon maps without samples or lookups");
     for (const LightMedia& at : table<LightMedia>(scene_, h_.tables.light_media))

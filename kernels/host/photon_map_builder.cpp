@@ -1,5 +1,7 @@
 #include "kernels/host/photon_map_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -28,6 +30,16 @@ std::vector<std::uint32_t> sort_by(std::vector<std::uint32_t>& order, std::span<
   for (const std::uint32_t i : order) sorted[next[keys[i]]++] = i;
   order = std::move(sorted);
   return starts;
+}
+
+// Radii up to this map are products; beyond it their relative error is 1e-6.
+constexpr std::uint32_t kMostFactors = 1 << 20;
+
+/// Of a number in (0, 1], by Newton's method: with the same bits on every machine, unlike std::cbrt.
+double cube_root(double x) {
+  double root = 1;
+  for (int i = 0; i < 100; ++i) root = (2 * root + x / (root * root)) / 3;
+  return root;
 }
 
 struct MapSize {
@@ -124,10 +136,18 @@ PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t>
 }  // namespace
 
 double progressive_radius(double initial, double alpha, std::uint32_t map, int dimensions) {
-  // r^d of map N - 1 is initial^d Gamma(N + alpha) / (Gamma(1 + alpha) Gamma(N + 1)).
-  const double n = double(map) + 1;
-  const double shrunk = std::lgamma(n + alpha) - std::lgamma(1 + alpha) - std::lgamma(n + 1);
-  return initial * std::exp(std::min(shrunk, 0.0) / dimensions);
+  // The square, in media the cube, of r_N / r_1 is the product of (i + alpha) / (i + 1) over i = 1 ... N - 1,
+  // which is Gamma(N + alpha) / (Gamma(1 + alpha) Gamma(N + 1)) and falls like N^(alpha - 1).
+  const std::uint32_t factors = std::min(map, kMostFactors);
+  double shrunk = 1;
+  for (std::uint32_t i = 1; i <= factors; ++i) shrunk *= (i + alpha) / (i + 1.0);
+  if (map > factors) shrunk *= exp_f(float(alpha - 1) * log_f(float(map) / float(factors)));
+  return initial * (dimensions == 2 ? std::sqrt(shrunk) : cube_root(shrunk));
+}
+
+Error too_many_photons() {
+  return {fmt::format("photons arrive at more than {} places; fewer photons, or a lower max_depth, would do",
+                      kMostPhotons)};
 }
 
 PhotonTask photon_task(const IntegratorParameters& integrator, std::uint32_t first_sample,

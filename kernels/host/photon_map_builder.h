@@ -2,10 +2,12 @@
 // scene, the random sequence and the map's number, so every machine that needs it can make it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "kernels/host/cache_aligned.h"
+#include "kernels/host/error.h"
 #include "kernels/photon/photon_task.h"
 #include "kernels/scene_types.h"
 
@@ -18,6 +20,10 @@ double progressive_radius(double initial, double alpha, std::uint32_t map, int d
 /// The photon paths for a unit whose first sample is `first_sample`; `sequence`: see Unit.
 PhotonTask photon_task(const IntegratorParameters& integrator, std::uint32_t first_sample,
                        std::uint32_t sequence);
+
+/// The most photons that the maps of a task may have together: offsets in them are of 32 bits.
+constexpr std::size_t kMostPhotons = std::size_t{1} << 26;
+Error too_many_photons();
 
 /// The words of all maps, see photon/photon_map.h. `photons`: in any order, but those of one path in the
 /// order of their edges. If one is not finite, so are all estimates of its map: samples count them.

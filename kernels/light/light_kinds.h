@@ -59,6 +59,10 @@ enum { COMPILED_LIGHT_KINDS = LIGHT_KINDS_MASK };
 FN bool is_point_of_light(int kind) {
   return (kind == LIGHT_POINT) | (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
 }
+/// Whether light of that kind comes from infinity.
+FN bool is_infinite_light(int kind) {
+  return (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_ENVIRONMENT) | (kind == LIGHT_ENVMAP);
+}
 #define HAS_LIGHT(NAME) (((LIGHT_KINDS_MASK) >> LIGHT_##NAME & 1u) != 0u)
 #define SCENE_LIGHT_KINDS(h) NEEDED(LIGHT_KINDS_MASK, (h)->light_kinds)
 #define NEEDS_LIGHT(scene, NAME) \

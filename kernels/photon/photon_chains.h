@@ -14,7 +14,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Drops light samples for the same reason: at surfaces without a diffuse part, behind a diffuse one.
+/// Drops light samples at surfaces without a diffuse part that the path reached from a diffuse one: photons
+/// bring their light to the diffuse one.
 STAGE void drop_photon_samples(const PRIVATE PathState* paths, int i,
                                const PRIVATE Closures* RESTRICT closures,
                                PRIVATE LightSamples* RESTRICT lights) {
@@ -89,10 +90,13 @@ CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (map == PHOTON_MAP_VOLUME && !NEEDS_MEDIA(scene)) continue;
     if (map == PHOTON_MAP_IRRADIANCE && h->integrator.gathering != GATHER_SECOND) continue;
     if (!request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request)) continue;
-    if (map == PHOTON_MAP_IRRADIANCE)
+    if (map == PHOTON_MAP_IRRADIANCE) {
       gather_irradiance(scene, &request, &step->surfaces, &step->closures, light);
-    else
+      for (request.map = PHOTON_MAP_SURFACE; request.map <= PHOTON_MAP_CAUSTIC; request.map++)
+        gather_photons(scene, &request, &step->surfaces, &step->closures, step->families, light);
+    } else {
       gather_photons(scene, &request, &step->surfaces, &step->closures, step->families, light);
+    }
   }
   add_photon_light(paths, i, light);
 }

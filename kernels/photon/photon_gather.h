@@ -4,6 +4,7 @@
 // that they are the same on every machine.
 #ifndef PENUMBRA_PHOTON_GATHER_H
 #define PENUMBRA_PHOTON_GATHER_H
+#include "kernels/bsdf/bend_normal.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/photon/photon_search.h"
 #include "kernels/photon/photon_surfaces.h"
@@ -37,7 +38,8 @@ FN void finish_pairs(const PRIVATE Scene* scene, uint families, PRIVATE PhotonPa
     const bool in_medium = s.primitive == IN_MEDIUM;
     const float cosine = max_f(FABS(dot3(s.geometric, wi)), LEAST_ARRIVAL_COSINE);
     const bool lit = in_medium | !is_beneath(s, wi);
-    const vec3 f = scale(LOAD_LANE_vec3(values.f_cos, q), in_medium ? 1.0f : 1.0f / cosine);
+    const float shadow = NEEDS(scene, BENT) ? bump_shadow(s, wi) : 1.0f;
+    const vec3 f = scale(LOAD_LANE_vec3(values.f_cos, q), in_medium ? 1.0f : shadow / cosine);
     const vec3 light = mul(f, LOAD_LANE_vec3(pairs->power, q));
     const int j = pairs->lane[q];
     STORE_LANE_vec3(sums, j, add(LOAD_LANE_vec3(sums, j), select3(lit, light, make_vec3(0.0f, 0.0f, 0.0f))));
@@ -77,14 +79,14 @@ STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonReques
   for (int j = 0; j < LANES; j++) {
     STORE_LANE_vec3(found, j, make_vec3(0.0f, 0.0f, 0.0f));
     weights[j] = 0.0f;
-    if (request->wanted[j] == 0 || table.map.count == 0) continue;
+    if (request->wanted[j] == 0) continue;
     const Surface s = load_surface(surfaces, j);
     const bool in_medium = s.primitive == IN_MEDIUM;
     PhotonSearch search = search_photons(&table, s.p, s.geometric, in_medium, request->most_edges[j]);
     if (request->lookup_size > 0 && request->lookup_size < table.map.count)
       search.radius2 = squared_lookup_radius(&table, search, request->lookup_size);
     weights[j] = table.map.share * inverse_extent(search.in_medium, search.radius2);
-    const bool diffuse = closures->family[j] == FAMILY_DIFFUSE;
+    const bool diffuse = closures->family[j] == FAMILY_DIFFUSE && !NEEDS(scene, BENT);
     vec3 light = make_vec3(0.0f, 0.0f, 0.0f);
     for (int i = next_photon(&table, &search); i >= 0; i = next_photon(&table, &search)) {
       if (diffuse)
@@ -100,16 +102,18 @@ STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonReques
     STORE_LANE_vec3(sums, j, add_scaled(LOAD_LANE_vec3(sums, j), weights[j], LOAD_LANE_vec3(found, j)));
 }
 
-/// The same for diffuse surfaces by the irradiance at the nearest photon that has one.
-STAGE void gather_irradiance(const PRIVATE Scene* scene, const PRIVATE PhotonRequest* request,
+/// The same for diffuse surfaces by the irradiance at the nearest photon that has one. Lanes of which none is
+/// within the radius stay wanted.
+STAGE void gather_irradiance(const PRIVATE Scene* scene, PRIVATE PhotonRequest* request,
                              const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures,
                              PRIVATE float* sums) {
   const PhotonTable table = photon_table(scene->photons, request->map);
   for (int j = 0; j < LANES; j++) {
-    if (request->wanted[j] == 0 || table.map.count == 0) continue;
+    if (request->wanted[j] == 0) continue;
     const Surface s = load_surface(surfaces, j);
     const int nearest = nearest_photon(&table, search_photons(&table, s.p, s.geometric, false, 0));
     if (nearest < 0) continue;
+    request->wanted[j] = 0;
     const vec3 reflectance = scale(LOAD_LANE_vec3(closures->diffuse, j), INV_PI_F);
     const vec3 irradiance = photon_vector(&table, table.powers, nearest);
     STORE_LANE_vec3(sums, j, add(LOAD_LANE_vec3(sums, j), mul(reflectance, irradiance)));

@@ -12,7 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define MOST_CELLS 65536.0f  // along an axis on each side of the origin: single precision tells them apart
 #define CELL_MARGIN 1.05f    // a cell over the diameter of an estimate, for rounding
 
-// The words of a photon in a map, and those arrays of them that follow each other.
+// The words of a photon in a map: positions, directions, normals, powers; edges.
 #define PHOTON_WORDS 13
 
 typedef struct {

@@ -23,7 +23,7 @@ typedef struct {
   float radius2;
   PhotonCell lowest;  ///< of the 2 x 2 x 2 cells
   int range;   ///< the next range of photons, of 8: two for each pair of cells that are neighbours in x
-  int k, end;  ///< the rest of the range before it
+  int k, end;  ///< photons of the range that are not yet tested
   uint near;   ///< the photons before k that are still to be returned: bit j for k - 8 + j
 } PhotonSearch;
 
@@ -141,13 +141,14 @@ FN float inverse_extent(bool in_medium, float radius2) {
   return in_medium ? 3.0f / (4.0f * PI_F * radius2 * SQRT(radius2)) : 1.0f / (PI_F * radius2);
 }
 
-/// The photon of the search that is nearest, or -1.
+/// The nearest photon of the search that is on the same side of the surface, or -1.
 FN int nearest_photon(const PRIVATE PhotonTable* table, PhotonSearch search) {
   int nearest = -1;
   float least = 0.0f;
   for (int i = next_photon(table, &search); i >= 0; i = next_photon(table, &search)) {
     const vec3 d = sub(photon_vector(table, table->p, i), search.p);
-    const bool nearer = (nearest < 0) | (dot3(d, d) < least);
+    const bool same_side = dot3(photon_vector(table, table->normals, i), search.normal) > 0.0f;
+    const bool nearer = same_side & ((nearest < 0) | (dot3(d, d) < least));
     least = nearer ? dot3(d, d) : least;
     nearest = nearer ? i : nearest;
   }

@@ -19,9 +19,9 @@ FN bool has_diffuse_part(Closure c) {
 }
 
 // The surfaces that scattered a path of the camera so far; and those of a photon.
-#define CHAIN_SPECULAR 0  // none with a diffuse part, or only its delta directions
-#define CHAIN_DIFFUSE 1   // the last one is diffuse
-#define CHAIN_CAUSTIC 2   // one before the last is diffuse, and the last is not
+#define CHAIN_SPECULAR 0        // none with a diffuse part, or only its delta directions
+#define CHAIN_DIFFUSE 1         // the last one is diffuse
+#define CHAIN_BEHIND_DIFFUSE 2  // an earlier one is diffuse, and the last is not
 
 STAGE void start_chains(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -29,14 +29,14 @@ STAGE void start_chains(const PRIVATE PathState* paths, int i) {
 }
 
 FN int next_chain(int chain, bool diffuse) {
-  return diffuse ? CHAIN_DIFFUSE : (chain == CHAIN_SPECULAR ? CHAIN_SPECULAR : CHAIN_CAUSTIC);
+  return diffuse ? CHAIN_DIFFUSE : (chain == CHAIN_SPECULAR ? CHAIN_SPECULAR : CHAIN_BEHIND_DIFFUSE);
 }
 
 /// Drops emission that photons bring to the last diffuse surface.
 STAGE void drop_photon_emission(const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const bool dropped = get_chain(paths, i + j) == CHAIN_CAUSTIC;
+      const bool dropped = get_chain(paths, i + j) == CHAIN_BEHIND_DIFFUSE;
       found->light[j] = dropped ? -1 : found->light[j];
     }
 }

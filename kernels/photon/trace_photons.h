@@ -60,8 +60,7 @@ STAGE void start_photons_in_media(const PRIVATE Scene* scene, const PRIVATE Ligh
       MediumStack media;
       media.low = at->low;
       media.high = at->high;
-      const bool infinite =
-          (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_ENVIRONMENT) | (kind == LIGHT_ENVMAP);
+      const bool infinite = is_infinite_light(kind);
       const float tmax = get_ray_tmax(&fields, i + j);
       set_media(&fields, i + j, media);
       set_ray_tmax(&fields, i + j, (infinite & (innermost(media) != 0)) ? -1.0f : tmax);
@@ -156,7 +155,7 @@ FN void store_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths
         is_hit(s) & (edges > 1) & (map >= 0) & (is_leaf | has_diffuse_part(load_closure(&step->closures, j)));
     if (!stored) continue;
     const int index = FETCH_AND_INCREMENT(store.count);
-    if (index >= store.capacity) continue;
+    if ((uint)index >= (uint)store.capacity) continue;
     Photon photon;
     photon.p = s.p;
     photon.wi = s.wo;
@@ -175,11 +174,12 @@ FN void store_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths
 /// For light that goes the other way the weight of a sampled direction has other factors: no square of the
 /// refractive index, and other cosines where the shading normal differs from the geometric one (Veach 1997,
 /// section 5.3).
-FN vec3 photon_weight(Surface s, BsdfSample next) {
+FN vec3 photon_weight(Surface s, BsdfSample next, bool bumps) {
   const float in = FABS(dot3(s.shading, s.wo)) * FABS(dot3(s.geometric, next.wi));
   const float out = FABS(dot3(s.geometric, s.wo)) * FABS(dot3(s.shading, next.wi));
   const bool bent = (s.primitive != IN_MEDIUM) & (out > 0.0f);
-  return scale(next.weight, sqr(next.eta) * (bent ? in / out : 1.0f));
+  const float shadow = bumps ? bump_shadow(s, s.wo) : 1.0f;  // towards the light
+  return scale(next.weight, shadow * sqr(next.eta) * (bent ? in / out : 1.0f));
 }
 
 /// Scatters the photons of LANES paths, or ends them. Russian roulette keeps the power of photons alike.
@@ -187,13 +187,14 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
                            const PRIVATE StepLanes* RESTRICT step) {
   const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
   const bool caustics = scene->header.integrator.gathering == GATHER_CAUSTICS;
+  const bool bumps = NEEDS(scene, BENT);
   const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
       const int depth = get_depth(&fields, i + j) + 1;
-      const vec3 weight = photon_weight(s, next);
+      const vec3 weight = photon_weight(s, next, bumps);
       const float strongest = max_component(weight);
       const bool roulette = depth >= rr_depth;
       const float lasts = 1.0f - 2.0f / ((float)(roulette ? depth - rr_depth : 0) + ROULETTE_LASTS);
@@ -229,7 +230,6 @@ CALLED_FN void step_photons(const PRIVATE Scene* scene, const PRIVATE PathState*
     store_photons(scene, paths, i, min_i(LANES, count - i), &step, store);
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
-    shade_bumps(scene, &step.surfaces, &step.samples);
     scatter_photons(scene, paths, i, &step);
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);

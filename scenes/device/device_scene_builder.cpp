@@ -121,6 +121,14 @@ class Builder {
   void need(std::uint64_t feature) { h_.features |= feature; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
+  /// Whether rays may pass both BSDFs of an inner node. The share of photons that arrive is not known there.
+  [[nodiscard]] bool passes_twice(const Material& m) const {
+    const auto some = [&](int child) {
+      return child >= 0 && records_.materials[std::size_t(child)].passes == PASSES_SOME;
+    };
+    return m.branches != 0 && some(m.first) && some(m.second);
+  }
+
   /// Position relative to the scene's centre. `reach`: the shape's extent around the position.
   vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
     const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
@@ -141,6 +149,8 @@ class Builder {
       Material m = material_of(bsdf, tables);
       set_passes(m, records_.materials);
       if (!media_->empty()) open_pane(m);
+      if (has_photons(scene_.integrator) && passes_twice(m))
+        return fail(bsdf.name + ": photon mapping has no blends of two BSDFs that both let rays pass");
       if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= 1u << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
       if (m.bend != BEND_NONE) {

@@ -82,7 +82,7 @@ void set_occlusion(const IntegratorSettings& integrator, double scene_radius, In
 
 // Rounding in single precision must not leave a shape outside of the sphere from which infinite lights shine.
 constexpr double kEmissionMargin = 1.0001;
-constexpr float kBestRadiusAlpha = 2.0f / 3.0f;  // see ALPHA of photon_map_radius
+constexpr float kBestRadiusAlpha = 2.0f / 3.0f;  // see progressive_radius
 
 void set_photons(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
   p.photons = PHOTONS_NONE;

@@ -122,10 +122,6 @@ vec3 emitting_point(const Scene& scene, const Light& light) {
   }
 }
 
-bool is_infinite(const Light& light) {
-  return light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT || light.kind == LIGHT_ENVMAP;
-}
-
 }  // namespace
 
 std::vector<LightMedia> light_media(const SceneHeader& header, const SceneRecords& records) {
@@ -138,7 +134,11 @@ std::vector<LightMedia> light_media(const SceneHeader& header, const SceneRecord
                                   normalize3(make_vec3(1.0f, 0.7f, 0.4f)));
   std::vector<LightMedia> media;
   for (const Light& light : records.lights) {
-    const vec3 to = is_infinite(light) ? outside : emitting_point(scene, light);
+    if (primitives.empty()) {
+      media.push_back({of_camera.low, of_camera.high});
+      continue;
+    }
+    const vec3 to = is_infinite_light(light.kind) ? outside : emitting_point(scene, light);
     const MediumStack at = media_at(scene, primitives, of_camera, header.camera.origin, to);
     media.push_back({at.low, at.high});
   }

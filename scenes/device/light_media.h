@@ -8,8 +8,8 @@
 namespace penumbra {
 
 /// One entry per light. The media follow from the boundaries between the camera, whose medium is known, and
-/// the light, as for a ray. `header`: complete but for the tables, of which those of primitives, lights and
-/// boundaries are complete.
+/// the light, as for a ray. A light has one: that at its middle, before its front. `header`: complete but for
+/// the tables, of which those of primitives, lights and boundaries are complete.
 std::vector<LightMedia> light_media(const SceneHeader& header, const SceneRecords& records);
 
 }  // namespace penumbra

@@ -312,6 +312,83 @@ TEST_P(Caustics, OfGlassAndMetalAreThoseThatPathsSee) {
   EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
 }
 
+// The irradiance on one side of a sheet is not seen from the other.
+TEST(PhotonMapping, FinalGatheringSeesNoLightThroughSheets) {
+  const auto scene_by = [](const IntegratorSettings& integrator) {
+    SceneDescription scene = empty_scene(4, 4, 64, 1);
+    scene.camera = look_at({0, -3, 0.5}, {0, 0, 0}, {0, 0, 1}, 30);
+    scene.integrator = integrator;
+    const int grey = add_diffuse(scene, 0.8f);
+    for (const double z : {0.0, 0.6}) {
+      scene.shapes.push_back(parallelogram({-1.5, -1.5, z}, {3, 0, 0}, {0, 3, 0}, grey));
+      scene.shapes.back().back_bsdf = grey;
+    }
+    scene.shapes.push_back(parallelogram({-1, 1.5, 0.8}, {2, 0, 0}, {0, 0, 1}, grey, 4.0f));
+    scene.shapes.push_back(parallelogram({-1.5, -1.5, 2}, {0, 3, 0}, {3, 0, 0}, grey));
+    return scene;
+  };
+  const statistics::Estimate a =
+      block_estimate(scene_by(fixed(200000, 0.05f, true)), 8, 10, 4, one_map_a_sample());
+  SceneDescription by_paths = scene_by(media::volpath());
+  by_paths.sampler.spp = 4096;
+  const statistics::Estimate b = block_estimate(by_paths, 8, 100, 4, media::big_passes());
+  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
+  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+}
+
+/// A waved sheet of glossy plastic with vertex normals between a wall and a window of light.
+SceneDescription smooth_sheet(const IntegratorSettings& integrator, bool bumps) {
+  SceneDescription scene = empty_scene(8, 8, 64, 1);
+  scene.camera = look_at({0, -2, 2}, {0, 0, 0}, {0, 0, 1}, 35);
+  scene.integrator = integrator;
+  const int grey = add_diffuse(scene, 0.7f);
+  scene.shapes.push_back(parallelogram({-1.5, 1, -1}, {3, 0, 0}, {0, 0, 3}, grey));
+  scene.shapes.push_back(parallelogram({-0.5, -0.5, 2}, {0, 1, 0}, {1, 0, 0}, grey, 5.0f));
+  scene.bsdfs.push_back({"glossy", PhongBsdf{glm::vec3(0.4f), glm::vec3(0.3f), 10}});
+  constexpr int kCells = 8;
+  Mesh mesh;
+  for (int i = 0; i <= kCells; ++i)
+    for (int j = 0; j <= kCells; ++j) {
+      const double x = -1 + 2.0 * i / kCells, y = -1 + 2.0 * j / kCells;
+      mesh.positions.emplace_back(x, y, 0.12 * std::sin(6 * x) * std::cos(5 * y));
+      mesh.normals.push_back(glm::normalize(
+          glm::dvec3(-0.72 * std::cos(6 * x) * std::cos(5 * y), 0.6 * std::sin(6 * x) * std::sin(5 * y), 1)));
+    }
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j) {
+      const unsigned at = unsigned(i * (kCells + 1) + j), next = at + kCells + 1;
+      mesh.triangles.emplace_back(at, next, next + 1);
+      mesh.triangles.emplace_back(at, next + 1, at + 1);
+    }
+  Shape sheet;
+  sheet.name = "sheet";
+  sheet.geometry = std::move(mesh);
+  sheet.front_bsdf = sheet.back_bsdf = int(scene.bsdfs.size()) - 1;
+  if (bumps) {
+    CheckerboardTexture normals;
+    normals.color0 = glm::vec3(0.75f, 0.5f, 0.9f);
+    normals.color1 = glm::vec3(0.5f, 0.3f, 0.9f);
+    scene.textures.push_back({"normals", normals});
+    scene.bsdfs.back().bend = {.kind = BendKind::kNormalMap, .texture = 0};
+  }
+  scene.shapes.push_back(sheet);
+  return scene;
+}
+
+// Shading normals, interpolated or from a map whose bumps shade each other, make BSDFs differ for light that
+// goes the other way (Veach 1997, section 5.3).
+TEST(ProgressivePhotonMapping, SeesSmoothAndBumpySurfacesAsPathsDo) {
+  for (const bool bumps : {false, true}) {
+    const statistics::Estimate a =
+        block_estimate(smooth_sheet(progressive(50000, 0.02f), bumps), 8, 10, 4, one_map_a_sample());
+    SceneDescription by_paths = smooth_sheet(media::volpath(), bumps);
+    by_paths.sampler.spp = 2048;
+    const statistics::Estimate b = block_estimate(by_paths, 8, 100, 4, media::big_passes());
+    const auto test = statistics::z_test(a, b, {.significance = kSignificance});
+    EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  }
+}
+
 /// A room with every kind of emitter; the sky is a map or a constant.
 SceneDescription room_of_emitters(const IntegratorSettings& integrator, bool map) {
   SceneDescription scene = empty_scene(8, 8, 32, 1);

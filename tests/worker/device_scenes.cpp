@@ -88,6 +88,50 @@ void add_everything(SceneDescription& scene, int sheet_cells) {
   scene.film.filter_radius = 2;
 }
 
+/// A ball of glass and one of fog.
+SceneDescription photons() {
+  SceneDescription scene = film_and_camera();
+  add_box(scene);
+  scene.bsdfs.push_back({"glass", DielectricBsdf{}});
+  scene.bsdfs.push_back({"inside", DielectricBsdf{}.other_side()});
+  scene.bsdfs.push_back({"nothing", NullBsdf{}});
+  scene.bsdfs.push_back({"glossy", PhongBsdf{glm::vec3(0.3f), glm::vec3(0.5f), 40}});
+  const int glossy = int(scene.bsdfs.size()) - 1, nothing = glossy - 1;
+  scene.media.push_back({.name = "fog",
+                         .extinction = glm::vec3(2, 3, 4),
+                         .albedo = glm::vec3(0.8f),
+                         .phase = {{PHASE_HG, 0.4f, 1}}});
+  const auto add_ball = [&](const dvec3& center, int front, int back) {
+    Shape ball;
+    ball.name = "ball";
+    ball.geometry = Sphere{.center = center, .radius = 0.3};
+    ball.front_bsdf = front;
+    ball.back_bsdf = back;
+    scene.shapes.push_back(ball);
+  };
+  add_ball(dvec3(-0.4, -0.5, 0), nothing - 2, nothing - 1);
+  add_ball(dvec3(0.4, -0.5, 0.2), glossy, glossy);
+  add_ball(dvec3(0.3, 0.3, 0), nothing, nothing);
+  scene.shapes.back().interior = 0;
+  ProgressivePhotonIntegrator ppm;
+  ppm.photon_count = 60;
+  ppm.initial_radius = 0.3f;
+  scene.integrator.method = ppm;
+  return scene;
+}
+
+SceneDescription photons_of_one_map() {
+  SceneDescription scene = photons();
+  PhotonMapIntegrator maps;
+  maps.global_photons = 60;
+  maps.caustic_photons = maps.volume_photons = 40;
+  maps.photon_radius = 0.4f;
+  maps.lookup_size = 5;
+  maps.final_gather = true;
+  scene.integrator.method = maps;
+  return scene;
+}
+
 }  // namespace
 
 SceneDescription diffuse_box() {
@@ -229,7 +273,9 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"Instances", instances},
                                               {"LightsInAHierarchy", lights_in_a_hierarchy},
                                               {"Emitters", emitters},
-                                              {"EnvironmentAlone", environment_alone}};
+                                              {"EnvironmentAlone", environment_alone},
+                                              {"Photons", photons},
+                                              {"PhotonsOfOneMap", photons_of_one_map}};
   return scenes;
 }
 

@@ -303,7 +303,7 @@ TEST(IntegratorBuilder, PhotonMapsHaveTheirRadii) {
   EXPECT_EQ(fixed.integrator.caustic_photons, 20);
   EXPECT_EQ(fixed.integrator.volume_photons, 30);
   EXPECT_EQ(fixed.integrator.lookup_size, 40);
-  EXPECT_EQ(fixed.integrator.final_gather, 1);
+  EXPECT_EQ(fixed.integrator.gathering, GATHER_SECOND);
   // The floor reaches from -1 to -0.5 and the square, one above it, from 0 to 0.5.
   const double radius = 0.5 * glm::length(dvec3(1.5, 1, 0.5));
   EXPECT_FLOAT_EQ(fixed.integrator.surface_radius, float(0.05 * radius));
@@ -323,6 +323,8 @@ TEST(IntegratorBuilder, PhotonMapsHaveTheirRadii) {
   EXPECT_EQ(progressive.integrator.caustic_photons, 0);
   EXPECT_EQ(progressive.integrator.volume_photons, 50);
   EXPECT_EQ(progressive.integrator.surface_radius, 0.5f);
+  EXPECT_EQ(progressive.integrator.gathering, GATHER_FIRST);
+  EXPECT_EQ(with(ProgressivePhotonIntegrator{.caustics_only = true}).integrator.gathering, GATHER_CAUSTICS);
   EXPECT_EQ(progressive.integrator.radius_alpha, 0.7f);
   EXPECT_EQ(with(ProgressivePhotonIntegrator{.alpha = std::nullopt}).integrator.radius_alpha, 2.0f / 3.0f);
   EXPECT_GT(with(ProgressivePhotonIntegrator{}).integrator.surface_radius, 0.0f) << "automatic";
