@@ -188,7 +188,8 @@ class OpenClDevice final : public Device {
   // --- Memory
 
   Expected<OpenClMemoryPlan> plan(const RenderUnit& unit) {
-    demand_ = {.scene_bytes = scene_bytes_ + photon_bytes_,
+    demand_ = {.scene_bytes = scene_bytes_,
+               .photon_bytes = photon_bytes_,
                .path_words = std::uint64_t(path_words(features_)),
                .slot_words = std::uint64_t(slot_words(features_)),
                .planes = std::uint64_t(device_plane_count(features_, unit.sample_count)),

@@ -14,7 +14,7 @@ constexpr int kMostSlots = 1 << 20;
 constexpr int kMostFinishingItems = 1 << 15;
 
 bool fits(const OpenClMemoryPlan& plan, const OpenClDemand& demand, const OpenClLimits& limits) {
-  std::uint64_t sum = demand.scene_bytes;
+  std::uint64_t sum = demand.scene_bytes + demand.photon_bytes;
   bool each = true;
   for (const std::uint64_t bytes : {plan.path_bytes(demand), plan.slot_bytes(demand), plan.bad_bytes(demand),
                                     plan.result_bytes(demand)}) {
@@ -96,9 +96,11 @@ std::uint64_t OpenClMemoryPlan::result_bytes(const OpenClDemand& demand) const {
 
 Expected<OpenClMemoryPlan> plan_opencl_memory(const BlockShape& shape, const OpenClDemand& demand,
                                               const OpenClLimits& limits, const std::string& device) {
-  if (demand.scene_bytes > limits.allocation || demand.scene_bytes > limits.memory)
-    return fail(fmt::format("the scene takes {} bytes, and {} allows {} in one buffer and {} altogether",
-                            demand.scene_bytes, device, limits.allocation, limits.memory));
+  const std::uint64_t scene_bytes = demand.scene_bytes + demand.photon_bytes;
+  if (std::max(demand.scene_bytes, demand.photon_bytes) > limits.allocation || scene_bytes > limits.memory)
+    return fail(fmt::format("{} {} bytes, and {} allows {} in one buffer and {} altogether",
+                            demand.photon_bytes > 0 ? "the scene and its photons take" : "the scene takes",
+                            scene_bytes, device, limits.allocation, limits.memory));
   OpenClMemoryPlan plan = largest_plan(shape, demand);
   while (!fits(plan, demand, limits)) {
     if (!shrink(plan, shape, demand)) {
@@ -108,7 +110,7 @@ Expected<OpenClMemoryPlan> plan_opencl_memory(const BlockShape& shape, const Ope
           fmt::format("one pixel of {} samples takes {} bytes beside the scene's {}, and {} allows {} in one "
                       "buffer and {} "
                       "altogether; fewer samples in a pass (--pass) take less",
-                      demand.samples, needed, demand.scene_bytes, device, limits.allocation, limits.memory));
+                      demand.samples, needed, scene_bytes, device, limits.allocation, limits.memory));
     }
   }
   return plan;

@@ -29,13 +29,14 @@ struct OpenClLimits {
 /// What must fit.
 struct OpenClDemand {
   std::uint64_t scene_bytes = 0;
-  std::uint64_t path_words = 0;  ///< words of 4 bytes per path under way
-  std::uint64_t slot_words = 0;  ///< words per sample until its pixel is finished
-  std::uint64_t planes = 0;      ///< floats per pixel of the result
-  std::uint64_t bad_bytes = 0;   ///< counters per work item
-  int width = 0, height = 0;     ///< the unit's size in pixels
-  int samples = 0;               ///< samples per pixel
-  int items = 1;                 ///< CPU: work items that keep the device busy
+  std::uint64_t photon_bytes = 0;  ///< photon maps, in a buffer of their own
+  std::uint64_t path_words = 0;    ///< words of 4 bytes per path under way
+  std::uint64_t slot_words = 0;    ///< words per sample until its pixel is finished
+  std::uint64_t planes = 0;        ///< floats per pixel of the result
+  std::uint64_t bad_bytes = 0;     ///< counters per work item
+  int width = 0, height = 0;       ///< the unit's size in pixels
+  int samples = 0;                 ///< samples per pixel
+  int items = 1;                   ///< CPU: work items that keep the device busy
 };
 
 struct OpenClMemoryPlan {
