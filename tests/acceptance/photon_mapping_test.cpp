@@ -336,6 +336,29 @@ TEST(PhotonMapping, FinalGatheringSeesNoLightThroughSheets) {
   EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
 }
 
+// Volumetric caustics: what the glass and the ring focus in fog.
+TEST_P(Caustics, InFogAreThoseThatPathsSee) {
+  const auto in_fog = [](const IntegratorSettings& integrator) {
+    SceneDescription scene = caustics(integrator);
+    if (auto* ppm = std::get_if<ProgressivePhotonIntegrator>(&scene.integrator.method))
+      *ppm = {.photon_count = 20000, .initial_radius = 0.05f, .caustics_only = ppm->caustics_only};
+    if (auto* maps = std::get_if<PhotonMapIntegrator>(&scene.integrator.method))
+      maps->global_photons = maps->caustic_photons = maps->volume_photons = 30000;
+    scene.sampler.spp = 24;
+    const int nothing = media::add_null(scene);
+    const int fog =
+        media::add_medium(scene, media::medium(glm::vec3(0.1f, 0.2f, 0.3f), glm::vec3(0.9f), 0.3f));
+    media::bound(scene, media::box({-2.5, -1.9, 0.05}, {2.5, 1.9, 2}, nothing), fog);
+    return scene;
+  };
+  const statistics::Estimate a = block_estimate(in_fog(GetParam().second), 8, 10, 8, one_map_a_sample());
+  SceneDescription by_paths = in_fog(media::volpath());
+  by_paths.sampler.spp = 512;
+  const statistics::Estimate b = block_estimate(by_paths, 8, 100, 8, media::big_passes());
+  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
+  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+}
+
 /// A waved sheet of glossy plastic with vertex normals between a wall and a window of light.
 SceneDescription smooth_sheet(const IntegratorSettings& integrator, bool bumps) {
   SceneDescription scene = empty_scene(8, 8, 64, 1);
