@@ -56,6 +56,16 @@ void expect_mean(const statistics::Sample& sample, double truth, double toleranc
       << sample.mean() << " +- " << sample.standard_error() << ", expected " << truth;
 }
 
+/// Blocks of `block` pixels have the means of `by_paths`, of `path_spp` samples.
+void expect_as_paths(const SceneDescription& by_photons, SceneDescription by_paths, int block,
+                     std::uint32_t path_spp) {
+  by_paths.sampler.spp = path_spp;
+  const statistics::Estimate a = block_estimate(by_photons, 8, 10, block, one_map_a_sample());
+  const statistics::Estimate b = block_estimate(by_paths, 8, 100, block, media::big_passes());
+  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
+  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+}
+
 /// The inside of a cube of side 2 about the origin that emits 1 everywhere; the camera looks at the middle of
 /// a side through almost no angle.
 SceneDescription furnace(float reflectance, std::uint32_t spp, const IntegratorSettings& integrator) {
@@ -143,12 +153,8 @@ TEST(PhotonMapping, StartsPhotonsInTheMediumOfTheirLight) {
     scene.shapes.push_back(lamp);
     return scene;
   };
-  const statistics::Estimate a =
-      block_estimate(scene_by(progressive(20000, 0.05f, 6)), 8, 10, 4, one_map_a_sample());
-  const statistics::Estimate b =
-      block_estimate(scene_by(media::volpath(DirectSampling::kMis, 6)), 8, 100, 4, media::big_passes());
-  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  expect_as_paths(scene_by(progressive(20000, 0.05f, 6)), scene_by(media::volpath(DirectSampling::kMis, 6)),
+                  4, 64);
 }
 
 /// A point light below a mirror at height 1 that shines upwards only: on the floor its photons look like
@@ -304,12 +310,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Caustics, testing::ValuesIn(methods_with_caust
 // The radius is below a tenth of a block of pixels, so that the density of a block hardly loses light at the
 // edge of the caustics, and none on the whole.
 TEST_P(Caustics, OfGlassAndMetalAreThoseThatPathsSee) {
-  const statistics::Estimate a = block_estimate(caustics(GetParam().second), 8, 10, 8, one_map_a_sample());
-  SceneDescription by_paths = caustics(media::volpath());
-  by_paths.sampler.spp = 1024;
-  const statistics::Estimate b = block_estimate(by_paths, 8, 100, 8, media::big_passes());
-  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  expect_as_paths(caustics(GetParam().second), caustics(media::volpath()), 8, 1024);
 }
 
 // The irradiance on one side of a sheet is not seen from the other.
@@ -327,13 +328,7 @@ TEST(PhotonMapping, FinalGatheringSeesNoLightThroughSheets) {
     scene.shapes.push_back(parallelogram({-1.5, -1.5, 2}, {0, 3, 0}, {3, 0, 0}, grey));
     return scene;
   };
-  const statistics::Estimate a =
-      block_estimate(scene_by(fixed(200000, 0.05f, true)), 8, 10, 4, one_map_a_sample());
-  SceneDescription by_paths = scene_by(media::volpath());
-  by_paths.sampler.spp = 4096;
-  const statistics::Estimate b = block_estimate(by_paths, 8, 100, 4, media::big_passes());
-  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  expect_as_paths(scene_by(fixed(200000, 0.05f, true)), scene_by(media::volpath()), 4, 4096);
 }
 
 // Volumetric caustics: what the glass and the ring focus in fog.
@@ -351,12 +346,7 @@ TEST_P(Caustics, InFogAreThoseThatPathsSee) {
     media::bound(scene, media::box({-2.5, -1.9, 0.05}, {2.5, 1.9, 2}, nothing), fog);
     return scene;
   };
-  const statistics::Estimate a = block_estimate(in_fog(GetParam().second), 8, 10, 8, one_map_a_sample());
-  SceneDescription by_paths = in_fog(media::volpath());
-  by_paths.sampler.spp = 512;
-  const statistics::Estimate b = block_estimate(by_paths, 8, 100, 8, media::big_passes());
-  const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  expect_as_paths(in_fog(GetParam().second), in_fog(media::volpath()), 8, 512);
 }
 
 /// A waved sheet of glossy plastic with vertex normals between a wall and a window of light.
@@ -402,13 +392,8 @@ SceneDescription smooth_sheet(const IntegratorSettings& integrator, bool bumps) 
 // goes the other way (Veach 1997, section 5.3).
 TEST(ProgressivePhotonMapping, SeesSmoothAndBumpySurfacesAsPathsDo) {
   for (const bool bumps : {false, true}) {
-    const statistics::Estimate a =
-        block_estimate(smooth_sheet(progressive(50000, 0.02f), bumps), 8, 10, 4, one_map_a_sample());
-    SceneDescription by_paths = smooth_sheet(media::volpath(), bumps);
-    by_paths.sampler.spp = 2048;
-    const statistics::Estimate b = block_estimate(by_paths, 8, 100, 4, media::big_passes());
-    const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-    EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+    expect_as_paths(smooth_sheet(progressive(50000, 0.02f), bumps), smooth_sheet(media::volpath(), bumps), 4,
+                    2048);
   }
 }
 
@@ -441,12 +426,8 @@ SceneDescription room_of_emitters(const IntegratorSettings& integrator, bool map
 // Photons of each kind of light, textured and not, with radii at which the bias is far below the noise.
 TEST(ProgressivePhotonMapping, EmitsFromEveryLightWhatPathsFind) {
   for (const bool map : {false, true}) {
-    const statistics::Estimate a =
-        block_estimate(room_of_emitters(progressive(40000, 0.03f, 4), map), 8, 10, 4, one_map_a_sample());
-    const statistics::Estimate b = block_estimate(
-        room_of_emitters(media::volpath(DirectSampling::kMis, 4), map), 8, 100, 4, media::big_passes());
-    const auto test = statistics::z_test(a, b, {.significance = kSignificance});
-    EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+    expect_as_paths(room_of_emitters(progressive(40000, 0.03f, 4), map),
+                    room_of_emitters(media::volpath(DirectSampling::kMis, 4), map), 4, 32);
   }
 }
 
