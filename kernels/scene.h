@@ -21,7 +21,7 @@ typedef struct {
 #ifdef EXTERNAL_TRACER
   Tracer tracer;  ///< with null functions, kernels use the portable intersector
 #endif
-  GLOBAL const uint* photons;  ///< FEATURE_PHOTONS: the photon maps, see photon/photon_map.h
+  GLOBAL const uint* photons;  ///< the photon maps, see NEEDS_PHOTONS and photon/photon_map.h
 #define TABLE_POINTER(_, name, record, least, what) GLOBAL const record* name;
   SCENE_TABLES(TABLE_POINTER, _)
 #undef TABLE_POINTER
@@ -46,6 +46,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
 // Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
+// Whether the scene has photon maps. If so, `photons` are they.
+#define NEEDS_PHOTONS(scene) (NEEDS(scene, PHOTONS) && (scene)->header.integrator.photons != PHOTONS_NONE)
 // Whether the scene has a table of light edges and the current camera is the one that it was made for.
 #define NEEDS_LIGHT_EDGES(scene) (NEEDS(scene, LIGHT_EDGES) && (scene)->header.sees_edges != 0)
 

@@ -16,7 +16,7 @@ bool is_same(const PhotonTask& a, const PhotonTask& b) {
 }  // namespace
 
 Expected<const MadePhotonMaps*> PhotonMaps::of_unit(const SceneHeader& header, const RenderUnit& unit) {
-  if ((header.features & FEATURE_PHOTONS) == 0u) return nullptr;
+  if (header.integrator.photons == PHOTONS_NONE) return nullptr;
   const PhotonTask task = photon_task(header.integrator, unit.first_sample, unit.sequence);
   const auto known = std::ranges::find_if(kept_, [&](const auto& kept) { return is_same(kept.task, task); });
   if (known != kept_.end()) {

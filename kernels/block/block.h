@@ -191,7 +191,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
-    if (NEEDS(scene, PHOTONS)) start_chains(paths, i);
+    if (NEEDS_PHOTONS(scene)) start_chains(paths, i);
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
     if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);

@@ -13,7 +13,8 @@
 
 namespace penumbra {
 
-/// See render_block of block.h. `photons`: the maps, see photon/photon_map.h; null without FEATURE_PHOTONS.
+/// See render_block of block.h. `photons`: the maps, see photon/photon_map.h; null for scenes without
+/// photons.
 using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const uint* photons,
                                const Tracer& tracer, const Unit& unit, int first_pixel, int pixels,
                                const Block& block, float* out, BadSamples* bad);

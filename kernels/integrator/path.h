@@ -36,7 +36,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (NEEDS(scene, POLYGONS) && finds) drop_controlled(paths, i, &step.emissions, &step.found);
     if (NEEDS(scene, POLYGONS)) note_controlled(scene, paths, i, &step.closures);
     if (NEEDS(scene, PARTS) && finds) drop_found_parts(scene, paths, i, &step.found);
-    if (NEEDS(scene, PHOTONS) && finds) drop_photon_emission(paths, i, &step.found);
+    if (NEEDS_PHOTONS(scene) && finds) drop_photon_emission(paths, i, &step.found);
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (!scatters) {
       end_paths(paths, i);
@@ -46,7 +46,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     // Next-event estimation: a point on a light, and the shadow ray to it.
     sample_step_lights(scene, &step);
     if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
-    if (NEEDS(scene, PHOTONS)) drop_photon_samples(paths, i, &step.closures, &step.lights);
+    if (NEEDS_PHOTONS(scene)) drop_photon_samples(paths, i, &step.closures, &step.lights);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
     request_light(scene, paths, i, &step);
@@ -54,7 +54,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
 
     // Indirect light from photon maps.
-    if (NEEDS(scene, PHOTONS)) add_photons(scene, paths, i, &step);
+    if (NEEDS_PHOTONS(scene)) add_photons(scene, paths, i, &step);
 
     // The next direction, by BSDF sampling, and Russian roulette.
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
@@ -62,7 +62,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     shade_bumps(scene, &step.surfaces, &step.samples);
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
     continue_paths(scene, paths, i, &step);
-    if (NEEDS(scene, PHOTONS)) follow_chains(scene, paths, i, &step.surfaces, &step.closures);
+    if (NEEDS_PHOTONS(scene)) follow_chains(scene, paths, i, &step.surfaces, &step.closures);
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
   }

@@ -148,7 +148,7 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   find_emissions(scene, &found, balances & (step > 0), &emissions);
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
   if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
-  if (NEEDS(scene, PHOTONS)) drop_photon_emission(paths, i, &found);
+  if (NEEDS_PHOTONS(scene)) drop_photon_emission(paths, i, &found);
   add_emissions(scene, paths, i, &found, &emissions);
 }
 
@@ -223,6 +223,19 @@ STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE S
     }
 }
 
+/// The next ray of path i, in a direction that the surface's BSDF sampled. `alive`: the path goes on.
+FN void set_next_ray(const PRIVATE PathState* paths, int i, Surface s, BsdfSample next, vec3 throughput,
+                     bool alive) {
+  set_ray_origin(paths, i, leave_surface(s.p, s.geometric, s.error, next.wi));
+  set_ray_direction(paths, i, next.wi);
+  set_throughput(paths, i, throughput);
+  set_ray_tmax(paths, i, NO_LIMIT);
+  set_direction_pdf(paths, i, next.pdf);
+  set_ray_skip(paths, i, s.primitive);
+  set_depth(paths, i, get_depth(paths, i) + 1);
+  set_alive(paths, i, alive);
+}
+
 /// Requests the next rays, or ends the paths.
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE StepLanes* RESTRICT step) {
@@ -238,14 +251,7 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const float survival = path_survival(rr_depth, depth, strongest, step->eta[j]);
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
-      set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
-      set_ray_direction(&fields, i + j, next.wi);
-      set_throughput(&fields, i + j, scale(throughput, 1.0f / (alive ? survival : 1.0f)));
-      set_ray_tmax(&fields, i + j, NO_LIMIT);
-      set_direction_pdf(&fields, i + j, next.pdf);
-      set_ray_skip(&fields, i + j, s.primitive);
-      set_depth(&fields, i + j, depth);
-      set_alive(&fields, i + j, alive);
+      set_next_ray(&fields, i + j, s, next, scale(throughput, 1.0f / (alive ? survival : 1.0f)), alive);
     }
 }
 

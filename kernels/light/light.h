@@ -156,31 +156,43 @@ FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
   return among & SCENE_LIGHT_KINDS(&scene->header) & LIGHT_KINDS_MASK;
 }
 
+/// Chooses a light for each receiver by `number` and `fine`, see choose_light, or as the samplings say; the
+/// remainder of `number` and `v` will sample a point on it. `of_grid` (LANES numbers) replaces `v` in scenes
+/// with FEATURE_LIGHT_TEXTURES. Returns a mask of the chosen kinds.
+FN uint choose_lane_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
+                           const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
+                           PRIVATE LightSamplings* samplings, PRIVATE ChosenLights* chosen,
+                           PRIVATE float* of_grid) {
+  const uint kinds = SCENE_LIGHT_KINDS(&scene->header);
+  const int kind = kinds != 0u ? LOWEST_BIT(kinds) : 0;
+  if (has_one_light(scene))
+    choose_only_light(scene, kind, receivers, number, fine, samplings, chosen);
+  else
+    choose_lights(scene, kind, receivers, number, fine, samplings, chosen);
+  const bool one_kind = (kinds & (kinds - 1u)) == 0u;
+  if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
+    detail_choices(scene, receivers, chosen);
+  const uint among = kinds_among(scene, chosen->kind);
+  if (NEEDS(scene, LIGHT_TEXTURES)) {
+    for (int j = 0; j < LANES; j++) of_grid[j] = v[j];
+    choose_by_light_grids(scene, chosen->light, chosen->u, of_grid, chosen->pmf);
+    v = of_grid;
+  }
+  if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
+    choose_envmap_cells(scene, chosen->kind, chosen->u, v, samplings);
+  return among;
+}
+
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and samples a point on it by
 /// the remainder of `number` and by `v`; or as the samplings say.
 CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
                              const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
                              PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
-  const uint kinds = SCENE_LIGHT_KINDS(&scene->header);
-  const int kind = kinds != 0u ? LOWEST_BIT(kinds) : 0;
-  const bool one = has_one_light(scene);
-  if (one)
-    choose_only_light(scene, kind, receivers, number, fine, samplings, &chosen);
-  else
-    choose_lights(scene, kind, receivers, number, fine, samplings, &chosen);
-  const bool one_kind = (kinds & (kinds - 1u)) == 0u;
-  if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
-    detail_choices(scene, receivers, &chosen);
-  const uint among = kinds_among(scene, chosen.kind);
   float of_grid[LANES];
-  if (NEEDS(scene, LIGHT_TEXTURES)) {
-    for (int j = 0; j < LANES; j++) of_grid[j] = v[j];
-    choose_by_light_grids(scene, chosen.light, chosen.u, of_grid, chosen.pmf);
-    v = of_grid;
-  }
-  if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
-    choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
+  const uint among = choose_lane_lights(scene, receivers, number, v, fine, samplings, &chosen, of_grid);
+  const bool one = has_one_light(scene);
+  if (NEEDS(scene, LIGHT_TEXTURES)) v = of_grid;
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, strategies, description)                                          \
   if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                             \

@@ -161,25 +161,15 @@ CALLED_FN void emit_rays(const PRIVATE Scene* scene, const PRIVATE float* number
   ChosenLights chosen;
   LightSamplings samplings;
   float of_grid[LANES];
-  for (int j = 0; j < LANES; j++) {
-    store_surface(&nowhere, j, surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f)));
-    of_grid[j] = v[j];
-  }
+  for (int j = 0; j < LANES; j++) store_surface(&nowhere, j, surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f)));
   clear_light_samplings(&samplings);
-  if (has_one_light(scene))
-    choose_only_light(scene, 0, &nowhere, number, fine, &samplings, &chosen);
-  else
-    choose_lights(scene, 0, &nowhere, number, fine, &samplings, &chosen);
-  detail_choices(scene, &nowhere, &chosen);
-  if (NEEDS(scene, LIGHT_TEXTURES)) choose_by_light_grids(scene, chosen.light, chosen.u, of_grid, chosen.pmf);
-  const uint among = kinds_among(scene, chosen.kind);
-  if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
-    choose_envmap_cells(scene, chosen.kind, chosen.u, of_grid, &samplings);
+  const uint among = choose_lane_lights(scene, &nowhere, number, v, fine, &samplings, &chosen, of_grid);
+  if (NEEDS(scene, LIGHT_TEXTURES)) v = of_grid;
   bool first = true;
-#define EMIT_KIND(name, NAME, number, strategies, description)                    \
-  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                     \
-    emit_##name##_lights(scene, &chosen, of_grid, s, t, &samplings, first, rays); \
-    first = false;                                                                \
+#define EMIT_KIND(name, NAME, number, strategies, description)              \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {               \
+    emit_##name##_lights(scene, &chosen, v, s, t, &samplings, first, rays); \
+    first = false;                                                          \
   }
   LIGHT_KINDS(EMIT_KIND)
 #undef EMIT_KIND

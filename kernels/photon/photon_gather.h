@@ -86,7 +86,7 @@ STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonReques
     if (request->lookup_size > 0 && request->lookup_size < table.map.count)
       search.radius2 = squared_lookup_radius(&table, search, request->lookup_size);
     weights[j] = table.map.share * inverse_extent(search.in_medium, search.radius2);
-    const bool diffuse = closures->family[j] == FAMILY_DIFFUSE && !NEEDS(scene, BENT);
+    const bool diffuse = (closures->family[j] == FAMILY_DIFFUSE) & (s.bumps == 0.0f);
     vec3 light = make_vec3(0.0f, 0.0f, 0.0f);
     for (int i = next_photon(&table, &search); i >= 0; i = next_photon(&table, &search)) {
       if (diffuse)

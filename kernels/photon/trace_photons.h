@@ -100,8 +100,7 @@ FN int map_of_photon(const PRIVATE SceneHeader* h, bool in_medium, int chain, in
 
 /// The fractions of photons that arrive at these surfaces, for surfaces that let the others pass: the density
 /// of those that arrive must not depend on the mask, which paths of the camera take into account.
-FN void arriving_shares(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                        const PRIVATE Surfaces* surfaces, PRIVATE float* shares) {
+FN void arriving_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* shares) {
   Surfaces whole = *surfaces;
   PassingShares descents;
   float numbers[LANES], passing[LANES];
@@ -143,7 +142,7 @@ FN void store_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths
                       const PRIVATE StepLanes* step, PhotonStore store) {
   float shares[LANES];
   for (int j = 0; j < LANES; j++) shares[j] = 1.0f;
-  if (NEEDS(scene, NESTED)) arriving_shares(scene, paths, i, &step->surfaces, shares);
+  if (NEEDS(scene, NESTED)) arriving_shares(scene, &step->surfaces, shares);
   for (int j = 0; j < lanes; j++) {  // no lane loop: photons are scattered
     const Surface s = load_surface(&step->surfaces, j);
     const bool in_medium = s.primitive == IN_MEDIUM;
@@ -205,15 +204,8 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
       const bool alive = is_hit(s) & (depth + 2 <= max_depth) & !(diffuse & caustics) & (next.pdf > 0.0f) &
                          (max_component(power) > 0.0f) & !is_beneath(s, next.wi) &
                          (lane_number(step, DIM_ROULETTE, j) < survival);
-      set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
-      set_ray_direction(&fields, i + j, next.wi);
-      set_throughput(&fields, i + j, scale(power, 1.0f / (alive ? survival : 1.0f)));
-      set_ray_tmax(&fields, i + j, NO_LIMIT);
-      set_direction_pdf(&fields, i + j, next.pdf);
-      set_ray_skip(&fields, i + j, s.primitive);
-      set_depth(&fields, i + j, depth);
+      set_next_ray(&fields, i + j, s, next, scale(power, 1.0f / (alive ? survival : 1.0f)), alive);
       set_chain(&fields, i + j, next_chain(get_chain(&fields, i + j), diffuse));
-      set_alive(&fields, i + j, alive);
     }
 }
 

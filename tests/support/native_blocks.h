@@ -1,9 +1,11 @@
 // Calls one native variant of the kernels block by block, without a device.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "kernels/host/cache_aligned.h"
 #include "kernels/host/native_kernels.h"
 #include "worker/device.h"
 
@@ -14,6 +16,12 @@ namespace penumbra {
 struct NativeBlock {
   int first_pixel = 0, row = 0;
 };
+
+/// The words of the photon maps for a unit with that first sample, of photons that this variant traces in the
+/// block; empty for scenes without photons.
+AlignedVector<std::uint32_t> native_photon_maps(const NativeKernel& kernel, const DeviceScene& scene,
+                                                const Block& block, std::uint32_t first_sample,
+                                                const Tracer& tracer = {});
 
 /// The unit's planes, those that the scene's features ask for, by this variant whatever a device would
 /// choose: on this thread, `paths` paths under way at once, with memory for all features. `tracer` as in

@@ -20,10 +20,10 @@
 
 #include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
-#include "kernels/host/photon_map_builder.h"
 #include "kernels/host/view.h"
 #include "tests/support/film_layers.h"
 #include "tests/support/integrator_parameters.h"
+#include "tests/support/native_blocks.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"
@@ -324,21 +324,6 @@ class NativeVariants : public testing::TestWithParam<NamedScene> {};
 INSTANTIATE_TEST_SUITE_P(All, NativeVariants, testing::ValuesIn(device_scenes()),
                          [](const auto& tested) { return tested.param.name; });
 
-/// The words of the scene's photon maps, of photons that this variant traced.
-AlignedVector<std::uint32_t> photon_words(const NativeKernel& kernel, const DeviceScene& scene,
-                                          const Block& block) {
-  if ((scene.header.features & FEATURE_PHOTONS) == 0u) return {};
-  const PhotonTask task = photon_task(scene.header.integrator, 0, 0);
-  std::vector<Photon> photons(10'000);
-  int count = 0;
-  for (int first = 0; first < task.paths; first += block.paths.capacity)
-    kernel.trace_photons(scene.header, scene.words.data(), Tracer{}, task, first,
-                         std::min(block.paths.capacity, task.paths - first), block,
-                         {photons.data(), &count, int(photons.size())});
-  photons.resize(std::size_t(count));
-  return build_photon_maps(scene.header, task, photons);
-}
-
 /// The whole film by one variant, without a device.
 SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int capacity) {
   const RenderUnit unit = whole_film(scene, 0, 4);
@@ -353,7 +338,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   const Block block = memory.block();
   BadSamples bad[BAD_KINDS] = {};
   const Unit whole = kernel_unit(unit);
-  const AlignedVector<std::uint32_t> photons = photon_words(kernel, scene, block);
+  const AlignedVector<std::uint32_t> photons = native_photon_maps(kernel, scene, block, 0);
   kernel.render_block(scene.header, scene.words.data(), photons.data(), Tracer{}, whole, 0, pixels, block,
                       buffer.values.data(), bad);
   buffer.flagged[BAD_NAN] = flagged_samples(whole, bad[BAD_NAN]);
