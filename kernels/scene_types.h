@@ -89,6 +89,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PASSES_NONE 0
 #define PASSES_ALL 1
 #define PASSES_SOME 2
+#define MOST_PASSING_LEAVES 4096  // of a material tree: shadow rays visit them all
 
 #define MAX_MEDIA 255             // including record 0, the vacuum
 #define MAX_VOLUME_CELLS 1048576  // along one axis: floats hold cell indices exactly
@@ -186,17 +187,18 @@ PENUMBRA_NAMESPACE_BEGIN
 // A material is a tree of BSDFs. A leaf scatters by its closure. An inner node chooses `first` or `second` at
 // random at each point; both have lower indices than the node, or are -1: rays pass through. A texture may
 // bend (normal map, bump map) a leaf's shading normal.
-#define MATERIAL_TREE_FIELDS(F)                                                                    \
-  F(int, passes)       /* PASSES_* */                                                              \
-  F(int, first)        /* index of a material, or -1 */                                            \
-  F(int, second)       /* likewise; -1 in a leaf, whose `branches` is 0 */                         \
-  F(int, branches)     /* 1: an inner node */                                                      \
-  F(float, weight)     /* probability of `second`; textured values are clamped to [0, 1] */        \
-  F(int, bend)         /* BEND_*: what bends the normal of a leaf */                               \
-  F(float, bend_scale) /* strength, see bend_normal.h; negative: bumps seen from the other side */ \
-  F(float, bend_step)  /* difference of texture coordinates at which heights are compared */       \
-  F(int, bend_shadows) /* 1: bumps shadow each other, see bump_shadow */                           \
-  F(float, pane)       /* relative index of a thin pane, which rays pass at random; else 0 */
+#define MATERIAL_TREE_FIELDS(F)                                                                      \
+  F(int, passes)         /* PASSES_* */                                                              \
+  F(int, passing_leaves) /* leaves of the tree that let rays pass, 0 to MOST_PASSING_LEAVES */       \
+  F(int, first)          /* index of a material, or -1 */                                            \
+  F(int, second)         /* likewise; -1 in a leaf, whose `branches` is 0 */                         \
+  F(int, branches)       /* 1: an inner node */                                                      \
+  F(float, weight)       /* probability of `second`; textured values are clamped to [0, 1] */        \
+  F(int, bend)           /* BEND_*: what bends the normal of a leaf */                               \
+  F(float, bend_scale)   /* strength, see bend_normal.h; negative: bumps seen from the other side */ \
+  F(float, bend_step)    /* difference of texture coordinates at which heights are compared */       \
+  F(int, bend_shadows)   /* 1: bumps shadow each other, see bump_shadow */                           \
+  F(float, pane)         /* relative index of a thin pane, which rays pass at random; else 0 */
 
 #define MATERIAL_FIELDS(F)               \
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \

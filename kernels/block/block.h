@@ -240,7 +240,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
         step_occlusion(scene, paths, count, step, slots);
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
-      if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
+      if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count);
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
       if (HAS(POLYGONS) && control) add_light_with_control(scene, has_lobe_control(scene), paths, count);
       if (!control) add_light(paths, count);

@@ -63,46 +63,33 @@ STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
-/// Multiplies the tints of shadow rays by the mean tint of the light that passes: all that passes is
-/// `shares`, of which the sum in `walks` is untinted and the rest has the colour of panes.
-STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
-                            const PRIVATE PassingShares* RESTRICT walks, const PRIVATE float* RESTRICT shares,
-                            const PRIVATE PaneTints* RESTRICT tints) {
+/// Multiplies the tints of shadow rays by the mean tint of the light that passes.
+STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT shares,
+                            const PRIVATE PaneTints* RESTRICT light) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 before = get_shadow_tint(&fields, i + j);
-      const float white = load_passing_share(walks, j).sum, whole = shares[j];
-      const bool through = (get_ray_tmax(&fields, i + j) > 0.0f) & (whole > 0.0f);
-      const float share = through ? white / whole : 1.0f;
-      const vec3 tint =
-          add_scaled(make_vec3(share, share, share), 1.0f - share, load_pane_tint(tints, j).colour);
+      const vec3 before = get_shadow_tint(&fields, i + j), colour = load_pane_tint(light, j).colour;
+      const float share = shares[j];
+      const bool through = (get_ray_tmax(&fields, i + j) > 0.0f) & (share > 0.0f);
+      const float over = 1.0f / (through ? share : 1.0f);
+      const vec3 tint = select3(through, scale(colour, over), make_vec3(1.0f, 1.0f, 1.0f));
       set_shadow_tint(&fields, i + j, mul(before, tint));
     }
 }
 
-FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
-  const PRIVATE SceneHeader* h = &scene->header;
-  PairPoint point = met_point(PAIR_SHADOW_SURFACES, k);
-  const int kind = h->integrator.kind;
-  if (kind == INTEGRATOR_DIRECT || kind == INTEGRATOR_OCCLUSION)
-    point = nth_point(point, h->integrator.emitter_samples, step);
+FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   Surfaces surfaces;
-  float numbers[LANES], others[LANES], shares[LANES];
+  PaneTints light;
+  float shares[LANES];
   int passes[LANES];
-  for (int j = 0; j < LANES; j++) numbers[j] = 0.0f;
   find_hit_surfaces(scene, paths, i, &surfaces);
-  if (any_branch(scene, surfaces.material))
-    sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
-  PassingShares walks;
-  passing_shares(scene, &surfaces, numbers, &walks, shares);
-  if (NEEDS_MEDIA(scene) && any_pane(scene, walks.material)) {
-    PaneTints tints;
-    find_tints(scene, &surfaces, walks.material, &tints);
-    tint_shadow_rays(paths, i, &walks, shares, &tints);
-  }
+  passing_light(scene, &surfaces, shares, &light);
   float lengths[LANES];
-  if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
+  if (NEEDS_MEDIA(scene)) {
+    tint_shadow_rays(paths, i, shares, &light);
+    dim_flights(scene, paths, i, &surfaces, lengths);
+  }
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
   if (NEEDS_MEDIA(scene)) follow_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
@@ -110,8 +97,7 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
 }
 
 /// After occlude_block: traces shadow rays on through the surfaces that stopped them.
-CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
-                                  int step) {
+CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
   int most = MOST_PASSED;
   if (NEEDS_MEDIA(scene)) {
@@ -125,7 +111,7 @@ CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE Path
     pad_hits(scene, paths, count);
     any = false;
     for (int i = 0; i < count; i += LANES)
-      if (any_ray(paths, i)) any = pass_light(scene, paths, i, step, k) | any;
+      if (any_ray(paths, i)) any = pass_light(scene, paths, i) | any;
   }
   if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
   leave_shadow_rays(paths, count);

@@ -137,7 +137,7 @@ FN bool any_passed_light(const PRIVATE Surfaces* surfaces, const PRIVATE int* pa
 /// The random point for the k-th surfaces that the rays of a step meet. Directions that the direct integrator
 /// samples have depth 0, like the camera ray; an offset gives them numbers of their own.
 FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
-  PairPoint point = met_point(PAIR_RAY_SURFACES, k);
+  PairPoint point = met_point(k);
   if (scene->header.integrator.kind != INTEGRATOR_DIRECT || step == 0) return point;
   point.pair += MOST_PASSED;
   return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);

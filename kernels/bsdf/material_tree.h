@@ -164,75 +164,6 @@ STAGE void pass_leaves(const PRIVATE float* RESTRICT numbers, const PRIVATE floa
     }
 }
 
-// State of a descent for the fraction of light that passes a material: it is sum + factor * the fraction that
-// `material` passes.
-#define PASSING_SHARE_FIELDS(F, a) \
-  F(a, float, sum)                 \
-  F(a, float, factor)              \
-  F(a, int, material)
-LANE_RECORD(PassingShare, PassingShares, passing_share, PASSING_SHARE_FIELDS)
-
-STAGE void start_shares(const PRIVATE int* RESTRICT materials, PRIVATE PassingShares* RESTRICT shares) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      PassingShare share;
-      share.sum = 0.0f;
-      share.factor = 1.0f;
-      share.material = materials[j];
-      store_passing_share(shares, j, share);
-    }
-}
-
-/// One step: exact if at most one child passes a part of the light; if both do, the number chooses one.
-STAGE void descend_shares(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT weights,
-                          PRIVATE float* RESTRICT numbers, PRIVATE PassingShares* RESTRICT shares) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const PassingShare before = load_passing_share(shares, j);
-      GLOBAL const Material* m = scene->materials + (before.material >= 0 ? before.material : 0);
-      const int first = m->first, second = m->second, branches = m->branches;
-      const bool branch = (before.material >= 0) & (branches != 0);
-      const int by_first = passes_of(scene, first), by_second = passes_of(scene, second);
-      const float number = numbers[j], weight = weights[j];
-      const bool both = (by_first == PASSES_SOME) & (by_second == PASSES_SOME);
-      const bool below = number < weight;
-      const float rest = rest_of_number(number, weight, below);
-      const bool to_second = both ? below : by_second == PASSES_SOME;
-      const float whole =
-          (by_first == PASSES_ALL ? 1.0f - weight : 0.0f) + (by_second == PASSES_ALL ? weight : 0.0f);
-      const bool goes_on = (by_first == PASSES_SOME) | (by_second == PASSES_SOME);
-      PassingShare after;
-      after.sum = before.sum + before.factor * whole;
-      after.factor = before.factor * (goes_on ? (both ? 1.0f : (to_second ? weight : 1.0f - weight)) : 0.0f);
-      after.material = goes_on ? (to_second ? second : first) : 0;
-      numbers[j] = (branch & both) ? rest : number;
-      store_passing_share(shares, j, select_passing_share(branch, after, before));
-    }
-}
-
-STAGE void finish_shares(const PRIVATE PassingShares* RESTRICT shares, PRIVATE float* RESTRICT passing) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const PassingShare share = load_passing_share(shares, j);
-      const float leaf = passing[j];
-      passing[j] = share.sum + share.factor * leaf;
-    }
-}
-
-/// The fractions of light that pass the surfaces, in [0, 1]; unbiased where numbers choose. `shares` are the
-/// descents, which end at leaves.
-FN void passing_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
-                       PRIVATE PassingShares* shares, PRIVATE float* passing) {
-  float weights[LANES];
-  start_shares(surfaces->material, shares);
-  while (any_branch(scene, shares->material)) {
-    branch_weights(scene, surfaces, shares->material, weights);
-    descend_shares(scene, weights, numbers, shares);
-  }
-  leaf_shares(scene, surfaces, shares->material, passing);
-  finish_shares(shares, passing);
-}
-
 #define PANE_TINT_FIELDS(F, a) F(a, vec3, colour)
 LANE_RECORD(PaneTint, PaneTints, pane_tint, PANE_TINT_FIELDS)
 
@@ -278,6 +209,99 @@ FN void find_tints(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
     TextureLanes found;
     eval_textures(scene, surfaces, textures, &found);
     textured_tints(textures, &found, tints);
+  }
+}
+
+// The descent from a material to one of its leaves that let light pass, the `leaf`-th of them from the left.
+// `factor` is the product of the branches' probabilities.
+#define PASSING_DESCENT_FIELDS(F, a) \
+  F(a, int, material)                \
+  F(a, int, leaf)                    \
+  F(a, float, factor)
+LANE_RECORD(PassingDescent, PassingDescents, passing_descent, PASSING_DESCENT_FIELDS)
+
+/// The number of leaves of a material (an index, or -1) that let light pass.
+FN int passing_leaves_of(const PRIVATE Scene* scene, int material) {
+  const int leaves = scene->materials[material >= 0 ? material : 0].passing_leaves;
+  return material >= 0 ? leaves : 1;
+}
+
+/// Starts the descents to the `leaf`-th leaves. Returns whether any of the materials has that many.
+STAGE bool start_descents(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, int leaf,
+                          PRIVATE PassingDescents* RESTRICT descents) {
+  int any = 0;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int material = materials[j];
+      const bool has_leaf = leaf < passing_leaves_of(scene, material);
+      PassingDescent descent;
+      descent.material = has_leaf ? material : 0;
+      descent.leaf = leaf;
+      descent.factor = has_leaf ? 1.0f : 0.0f;
+      store_passing_descent(descents, j, descent);
+      any |= has_leaf ? 1 : 0;
+    }
+  return any != 0;
+}
+
+STAGE void descend_to_passing(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT weights,
+                              PRIVATE PassingDescents* RESTRICT descents) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const PassingDescent before = load_passing_descent(descents, j);
+      GLOBAL const Material* m = scene->materials + (before.material >= 0 ? before.material : 0);
+      const int first = m->first, second = m->second, branches = m->branches;
+      const bool branch = (before.material >= 0) & (branches != 0);
+      const int of_first = passing_leaves_of(scene, first);
+      const float weight = weights[j];
+      const bool to_second = before.leaf >= of_first;
+      PassingDescent after;
+      after.material = to_second ? second : first;
+      after.leaf = before.leaf - (to_second ? of_first : 0);
+      after.factor = before.factor * (to_second ? weight : 1.0f - weight);
+      store_passing_descent(descents, j, select_passing_descent(branch, after, before));
+    }
+}
+
+STAGE void start_passing(PRIVATE float* RESTRICT shares, PRIVATE PaneTints* RESTRICT light) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      PaneTint none;
+      none.colour = make_vec3(0.0f, 0.0f, 0.0f);
+      store_pane_tint(light, j, none);
+      shares[j] = 0.0f;
+    }
+}
+
+STAGE void add_passing(const PRIVATE PassingDescents* RESTRICT descents,
+                       const PRIVATE float* RESTRICT leaf_shares, const PRIVATE PaneTints* RESTRICT tints,
+                       PRIVATE float* RESTRICT shares, PRIVATE PaneTints* RESTRICT light) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float share = descents->factor[j] * leaf_shares[j], before = shares[j];
+      PaneTint sum = load_pane_tint(light, j);
+      sum.colour = add_scaled(sum.colour, share, load_pane_tint(tints, j).colour);
+      store_pane_tint(light, j, sum);
+      shares[j] = before + share;
+    }
+}
+
+/// The fractions of light that pass the surfaces, in [0, 1] but for rounding, and that light in colour: sums
+/// over the leaves.
+FN void passing_light(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* shares,
+                      PRIVATE PaneTints* light) {
+  float weights[LANES], of_leaves[LANES];
+  PassingDescents descents;
+  PaneTints tints;
+  start_passing(shares, light);
+  for (int k = 0; start_descents(scene, surfaces->material, k, &descents); k++) {
+    while (any_branch(scene, descents.material)) {
+      branch_weights(scene, surfaces, descents.material, weights);
+      descend_to_passing(scene, weights, &descents);
+    }
+    leaf_shares(scene, surfaces, descents.material, of_leaves);
+    find_tints(scene, surfaces, descents.material, &tints);
+    add_passing(&descents, of_leaves, &tints, shares, light);
   }
 }
 

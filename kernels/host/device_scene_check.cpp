@@ -215,6 +215,13 @@ class Checker {
               i > 0 ? "a material holds one that does not come before it"
                     : "the first material, where walks end, holds others");
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
+      const auto leaves_of = [&](int child) {
+        return child < 0 ? 1 : child < i ? materials[std::size_t(child)].passing_leaves : 0;
+      };
+      require(in(m.passing_leaves, 0, MOST_PASSING_LEAVES) &&
+                  m.passing_leaves == (m.branches == 0 ? int(m.passes != PASSES_NONE)
+                                                       : leaves_of(m.first) + leaves_of(m.second)),
+              "a material with a wrong number of leaves that let rays pass");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NONE, BEND_BUMP_MAP), "a normal is bent in an unknown way");
       require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_MEDIA) &&

@@ -102,18 +102,18 @@ FN int map_of_photon(const PRIVATE SceneHeader* h, bool in_medium, int chain, in
 /// of those that arrive must not depend on the mask, which paths of the camera take into account.
 FN void arriving_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* shares) {
   Surfaces whole = *surfaces;
-  PassingShares descents;
-  float numbers[LANES], passing[LANES];
+  PaneTints light;
+  float passing[LANES];
   for (int j = 0; j < LANES; j++) {
     const SideMaterials sides = side_materials(scene, surfaces->primitive[j]);
     const int side = surfaces->front[j] ? sides.front : sides.back;
     whole.material[j] = surfaces->primitive[j] >= 0 ? side : 0;
-    numbers[j] = 0.0f;
   }
-  passing_shares(scene, &whole, numbers, &descents, passing);
+  passing_light(scene, &whole, passing, &light);
   for (int j = 0; j < LANES; j++) {
     const bool masked = surfaces->primitive[j] >= 0;
-    shares[j] = (masked & (passing[j] < 1.0f)) ? 1.0f - passing[j] : 1.0f;
+    const float passed = passing[j];
+    shares[j] = (masked & (passed < 1.0f)) ? 1.0f - passed : 1.0f;
   }
 }
 

@@ -298,12 +298,10 @@ FN PairPoint one_point(uint pair) {
 #define MOST_PASSED 4096
 #define MOST_CROSSED 65536  // including boundaries of media, which need no numbers
 #define PAIR_RAY_SURFACES 0x80000000u
-#define PAIR_SHADOW_SURFACES 0xc0000000u
 
-/// The point for the k-th surface that a ray meets after it left a surface of the path's depth; `pairs` is
-/// one of PAIR_*_SURFACES.
-FN PairPoint met_point(uint pairs, int k) {
-  PairPoint point = one_point(pairs + (uint)k);
+/// The point for the k-th surface that a ray meets after it left a surface of the path's depth.
+FN PairPoint met_point(int k) {
+  PairPoint point = one_point(PAIR_RAY_SURFACES + (uint)k);
   point.per_depth = MOST_PASSED;
   return point;
 }

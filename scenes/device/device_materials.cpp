@@ -10,7 +10,12 @@
 namespace penumbra {
 
 void set_passes(Material& m, const std::vector<Material>& before) {
+  m.passing_leaves = m.passes == PASSES_NONE ? 0 : 1;
   if (m.branches == 0) return;
+  const auto leaves_of = [&](int child) {
+    return child < 0 ? 1 : before.at(std::size_t(child)).passing_leaves;
+  };
+  m.passing_leaves = leaves_of(m.first) + leaves_of(m.second);
   const auto of = [&](int child) { return child < 0 ? PASSES_ALL : before.at(std::size_t(child)).passes; };
   const bool plain = m.weight_texture == kNoTexture;
   const int first = plain && m.weight >= 1.0f ? of(m.second) : of(m.first);

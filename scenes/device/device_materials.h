@@ -8,8 +8,8 @@
 
 namespace penumbra {
 
-/// Sets the fraction of rays that pass through a material, from its children. The children come before it in
-/// the list.
+/// Sets which rays pass through a material, and through how many of its leaves, from its children. The
+/// children come before it in the list.
 void set_passes(Material& m, const std::vector<Material>& before);
 
 /// For scenes with media: a thin pane lets rays pass straight through with some probability, and acts as a

@@ -121,14 +121,6 @@ class Builder {
   void need(std::uint64_t feature) { h_.features |= feature; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
-  /// Whether rays may pass both BSDFs of an inner node. The share of photons that arrive is not known there.
-  [[nodiscard]] bool passes_twice(const Material& m) const {
-    const auto some = [&](int child) {
-      return child >= 0 && records_.materials[std::size_t(child)].passes == PASSES_SOME;
-    };
-    return m.branches != 0 && some(m.first) && some(m.second);
-  }
-
   /// Position relative to the scene's centre. `reach`: the shape's extent around the position.
   vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
     const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
@@ -147,10 +139,11 @@ class Builder {
     MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m = material_of(bsdf, tables);
-      set_passes(m, records_.materials);
       if (!media_->empty()) open_pane(m);
-      if (has_photons(scene_.integrator) && passes_twice(m))
-        return fail(bsdf.name + ": photon mapping has no blends of two BSDFs that both let rays pass");
+      set_passes(m, records_.materials);
+      if (m.passing_leaves > MOST_PASSING_LEAVES)
+        return fail(
+            fmt::format("{}: rays may pass more than {} BSDFs within it", bsdf.name, MOST_PASSING_LEAVES));
       if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= 1u << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
       if (m.bend != BEND_NONE) {
