@@ -48,6 +48,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
 // Whether the scene has photon maps. If so, `photons` are they.
 #define NEEDS_PHOTONS(scene) (NEEDS(scene, PHOTONS) && (scene)->header.integrator.photons != PHOTONS_NONE)
+// Whether the paths are those of photons: there are no maps yet.
+#define TRACES_PHOTONS(scene) (NEEDS_PHOTONS(scene) && (scene)->photons == 0)
 // Whether the scene has a table of light edges and the current camera is the one that it was made for.
 #define NEEDS_LIGHT_EDGES(scene) (NEEDS(scene, LIGHT_EDGES) && (scene)->header.sees_edges != 0)
 

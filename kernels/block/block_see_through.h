@@ -16,6 +16,7 @@
 #include "kernels/bsdf/material_tree.h"
 #include "kernels/integrator/direct.h"
 #include "kernels/integrator/path_stages.h"
+#include "kernels/photon/photon_beams.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -175,7 +176,7 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
   if (HAS(MEDIA) && panes) find_tints(scene, surfaces, leaves, &tints);
   pass_leaves(numbers, shares, leaves);
   note_leaves(scene, paths, i, surfaces, leaves, passes);
-  if (any_passed_light(surfaces, passes)) {
+  if (!TRACES_PHOTONS(scene) && any_passed_light(surfaces, passes)) {
     Surfaces seen = *surfaces;
     see_from_starts(paths, i, &seen);
     add_passed_light(scene, paths, i, step, &seen, passes);
@@ -210,6 +211,7 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (HAS(MEDIA) && flies) {
     float reaches[LANES];
     int decided[LANES];
+    if (NEEDS_PHOTONS(scene) && !TRACES_PHOTONS(scene)) add_beams(scene, paths, i, lengths);
     for (int j = 0; j < LANES; j++) {
       reaches[j] = -1.0f;
       decided[j] = 0;

@@ -44,6 +44,7 @@ double cube_root(double x) {
 
 struct MapSize {
   double radius;
+  double beam_radius;  ///< 0: no estimates along beams
   int paths;
 };
 
@@ -53,13 +54,16 @@ MapSize size_of(const IntegratorParameters& p, const PhotonTask& task, int map) 
   };
   switch (map) {
     case PHOTON_MAP_CAUSTIC:
-      return {radius(p.caustic_radius, 2), p.caustic_photons};
+      return {radius(p.caustic_radius, 2), 0, p.caustic_photons};
     case PHOTON_MAP_VOLUME:
-      return {radius(p.volume_radius, 3), p.volume_photons};
+      return {radius(p.volume_radius, 3), p.photons == PHOTONS_PROGRESSIVE ? radius(p.volume_radius, 2) : 0,
+              p.volume_photons};
     default:
-      return {radius(p.surface_radius, 2), p.surface_photons};
+      return {radius(p.surface_radius, 2), 0, p.surface_photons};
   }
 }
+
+float map_radius(double radius) { return std::max(float(radius), kLeastRadius); }
 
 bool is_finite(const Photon& photon) {
   return is_finite3(photon.p) && is_finite3(photon.wi) && is_finite3(photon.power);
@@ -106,6 +110,41 @@ std::vector<Photon> irradiance_photons(std::span<const Photon> photons, std::spa
   return chosen;
 }
 
+void set_bounds(std::span<const Photon> photons, std::span<const std::uint32_t> order, PhotonMap& map) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  map.low = {kFar, kFar, kFar};
+  map.high = {-kFar, -kFar, -kFar};
+  for (const std::uint32_t i : order) {
+    map.low = min3(map.low, photons[i].p);
+    map.high = max3(map.high, photons[i].p);
+  }
+}
+
+int bucket_of(const Photon& photon, const PhotonMap& map) {
+  return photon_bucket(photon_cell(photon.p, map.cells), map.buckets);
+}
+
+/// The mean number of photons that a photon has in its bucket, itself included; from every kStride-th photon.
+double crowd(std::span<const Photon> photons, std::span<const std::uint32_t> order, const PhotonMap& map) {
+  constexpr std::size_t kStride = 16;
+  std::vector<std::uint32_t> sizes(std::size_t(map.buckets), 0);
+  double others = 0, counted = 0;
+  for (std::size_t k = 0; k < order.size(); k += kStride, ++counted)
+    others += 2 * sizes[std::size_t(bucket_of(photons[order[k]], map))]++;
+  return 1 + kStride * others / std::max(counted, 1.0);
+}
+
+/// Larger cells for beams, which visit many: it takes longer to visit a cell than to test a few photons.
+void widen_cells(std::span<const Photon> photons, std::span<const std::uint32_t> order, PhotonMap& map) {
+  constexpr double kCrowd = 64;
+  const float smallest = map.cells, longest = max_component(sub(map.high, map.low));
+  const float evenly =
+      float(1 / cube_root(kCrowd / std::max(kCrowd, double(order.size()))));  // cells in a cube
+  map.cells = std::min(smallest, evenly / std::max(longest, kLeastRadius));
+  while (map.cells < smallest && crowd(photons, order, map) > kCrowd)
+    map.cells = std::min(smallest, 1.5f * map.cells);
+}
+
 /// Appends the map of those photons that `order` lists, sorted by path and edges.
 PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t> order, const MapSize& size,
                      float scene_radius, AlignedVector<std::uint32_t>& words) {
@@ -116,12 +155,14 @@ PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t>
                                : 0.0f;
   map.count = int(order.size());
   map.buckets = int(std::bit_ceil(std::max(kLeastBuckets, std::uint32_t(order.size()))));
-  map.radius = std::max(float(size.radius), kLeastRadius);
+  map.radius = map_radius(size.radius);
+  map.beam_radius = map_radius(size.beam_radius);
+  set_bounds(photons, order, map);
   map.cells = cells_per_unit(map.radius, scene_radius);
+  if (size.beam_radius > 0) widen_cells(photons, order, map);
   map.offset = std::uint32_t(words.size());
   std::vector<std::uint32_t> buckets(photons.size());
-  for (const std::uint32_t i : order)
-    buckets[i] = std::uint32_t(photon_bucket(photon_cell(photons[i].p, map.cells), map.buckets));
+  for (const std::uint32_t i : order) buckets[i] = std::uint32_t(bucket_of(photons[i], map));
   const std::vector<std::uint32_t> starts = sort_by(order, buckets, std::size_t(map.buckets));
   words.resize(words.size() + order.size() * PHOTON_WORDS);
   for (std::size_t k = 0; k < order.size(); ++k) {

@@ -1,7 +1,7 @@
 // A packed vector of three floats: 12 bytes in every language (OpenCL's float3 takes 16).
 #ifndef PENUMBRA_VEC3_H
 #define PENUMBRA_VEC3_H
-#include "kernels/lang.h"
+#include "kernels/math/math.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -37,6 +37,8 @@ FN vec3 negate(vec3 a) { return make_vec3(-a.x, -a.y, -a.z); }
 FN vec3 add_scaled(vec3 a, float s, vec3 b) { return add(a, scale(b, s)); }
 /// Interpolates from a (t = 0) to b (t = 1), both exactly.
 FN vec3 mix3(vec3 a, vec3 b, float t) { return add(scale(a, 1.0f - t), scale(b, t)); }
+FN vec3 min3(vec3 a, vec3 b) { return make_vec3(min_f(a.x, b.x), min_f(a.y, b.y), min_f(a.z, b.z)); }
+FN vec3 max3(vec3 a, vec3 b) { return make_vec3(max_f(a.x, b.x), max_f(a.y, b.y), max_f(a.z, b.z)); }
 FN vec3 abs3(vec3 a) { return make_vec3(FABS(a.x), FABS(a.y), FABS(a.z)); }
 FN float dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 /// Exactly antisymmetric in its arguments, since nothing here is contracted to fma.

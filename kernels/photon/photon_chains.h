@@ -50,9 +50,10 @@ FN bool takes_photons(const PRIVATE SceneHeader* h, int map, int chain, float di
 }
 
 /// The photons of one map that the paths take at these surfaces. Returns whether any path takes some.
-FN bool request_photons(const PRIVATE SceneHeader* h, int map, const PRIVATE PathState* paths, int i,
+FN bool request_photons(const PRIVATE Scene* scene, int map, const PRIVATE PathState* paths, int i,
                         const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures,
                         PRIVATE PhotonRequest* request) {
+  const PRIVATE SceneHeader* h = &scene->header;
   int any = 0;
   request->map = map;
   request->lookup_size = h->integrator.photons == PHOTONS_FIXED ? h->integrator.lookup_size : 0;
@@ -60,9 +61,10 @@ FN bool request_photons(const PRIVATE SceneHeader* h, int map, const PRIVATE Pat
     const Closure c = load_closure(closures, j);
     const int depth = get_depth(paths, i + j);
     const bool in_medium = surfaces->primitive[j] == IN_MEDIUM;
-    const bool wanted = (surfaces->primitive[j] != NOTHING_HIT) & (depth + 1 < h->integrator.max_depth) &
-                        (in_medium == (map == PHOTON_MAP_VOLUME)) &
-                        takes_photons(h, map, get_chain(paths, i + j), surfaces->distance[j], c);
+    const bool wanted =
+        (surfaces->primitive[j] != NOTHING_HIT) & (depth + 1 < h->integrator.max_depth) &
+        (map == PHOTON_MAP_VOLUME ? in_medium && !has_beam(scene, paths, i + j) : !in_medium) &
+        takes_photons(h, map, get_chain(paths, i + j), surfaces->distance[j], c);
     request->wanted[j] = wanted ? 1 : 0;
     request->most_edges[j] = wanted ? h->integrator.max_depth - (depth + 1) : 0;
     any |= wanted ? 1 : 0;
@@ -89,7 +91,8 @@ CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (map == PHOTON_MAP_CAUSTIC && h->integrator.photons != PHOTONS_FIXED) continue;
     if (map == PHOTON_MAP_VOLUME && !NEEDS_MEDIA(scene)) continue;
     if (map == PHOTON_MAP_IRRADIANCE && h->integrator.gathering != GATHER_SECOND) continue;
-    if (!request_photons(h, map, paths, i, &step->surfaces, &step->closures, &request)) continue;
+    if (is_empty_map(scene->photons, map)) continue;
+    if (!request_photons(scene, map, paths, i, &step->surfaces, &step->closures, &request)) continue;
     if (map == PHOTON_MAP_IRRADIANCE) {
       gather_irradiance(scene, &request, &step->surfaces, &step->closures, light);
       for (request.map = PHOTON_MAP_SURFACE; request.map <= PHOTON_MAP_CAUSTIC; request.map++)

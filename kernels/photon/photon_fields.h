@@ -23,12 +23,15 @@
 // One map in the array of words that holds all. Its photons are sorted by bucket, path and edges. Arrays, one
 // after the other from `offset` on: x, y, z of the positions, then of wi, normals and powers; edges; and the
 // first photon of each bucket, with the end.
-#define PHOTON_MAP_FIELDS(F)                                                  \
-  F(int, count)                                                               \
-  F(int, buckets)  /* a power of two */                                       \
-  F(float, radius) /* of density estimates */                                 \
-  F(float, cells)  /* 1 / the side of a cell, which is longer than 2 radii */ \
-  F(float, share)  /* 1 / the number of paths of photons */                   \
-  F(uint, offset)  /* in words from the start of the array */
+#define PHOTON_MAP_FIELDS(F)                                                 \
+  F(int, count)                                                              \
+  F(int, buckets)       /* a power of two */                                 \
+  F(float, radius)      /* of density estimates */                           \
+  F(float, beam_radius) /* of estimates along beams, in media */             \
+  F(vec3, low)          /* bounds of the photons */                          \
+  F(vec3, high)                                                              \
+  F(float, cells) /* 1 / the side of a cell, which is longer than 2 radii */ \
+  F(float, share) /* 1 / the number of paths of photons */                   \
+  F(uint, offset) /* in words from the start of the array */
 
 #endif

@@ -11,7 +11,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// Photons whose BSDF values are still to be computed, for LANES pairs of a path and a photon.
+// Photons whose BSDF values are still to be computed, for LANES pairs of a path and a photon. Slots keep the
+// path of their last pair (its lane, or -1), so that many photons of one path are quick to add.
 typedef struct {
   Surfaces surfaces;
   Closures closures;
@@ -20,6 +21,11 @@ typedef struct {
   int lane[LANES];
   int count;
 } PhotonPairs;
+
+FN void start_pairs(PRIVATE PhotonPairs* pairs) {
+  for (int q = 0; q < LANES; q++) pairs->lane[q] = -1;
+  pairs->count = 0;
+}
 
 /// Adds the light of the pairs to `sums`, a lane vec3.
 FN void finish_pairs(const PRIVATE Scene* scene, uint families, PRIVATE PhotonPairs* pairs,
@@ -30,6 +36,7 @@ FN void finish_pairs(const PRIVATE Scene* scene, uint families, PRIVATE PhotonPa
     store_surface(&pairs->surfaces, q, load_surface(&pairs->surfaces, 0));
     store_closure(&pairs->closures, q, load_closure(&pairs->closures, 0));
     STORE_LANE_vec3(pairs->wi, q, LOAD_LANE_vec3(pairs->wi, 0));
+    pairs->lane[q] = pairs->lane[0];
   }
   eval_bsdfs(scene, families, &pairs->closures, &pairs->surfaces, pairs->wi, &values);
   for (int q = 0; q < pairs->count; q++) {
@@ -51,11 +58,13 @@ FN void add_pair(const PRIVATE Scene* scene, uint families, const PRIVATE Surfac
                  const PRIVATE Closures* closures, int j, vec3 wi, vec3 power, PRIVATE PhotonPairs* pairs,
                  PRIVATE float* sums) {
   const int q = pairs->count++;
-  store_surface(&pairs->surfaces, q, load_surface(surfaces, j));
-  store_closure(&pairs->closures, q, load_closure(closures, j));
+  if (pairs->lane[q] != j) {
+    store_surface(&pairs->surfaces, q, load_surface(surfaces, j));
+    store_closure(&pairs->closures, q, load_closure(closures, j));
+    pairs->lane[q] = j;
+  }
   STORE_LANE_vec3(pairs->wi, q, wi);
   STORE_LANE_vec3(pairs->power, q, power);
-  pairs->lane[q] = j;
   if (pairs->count == LANES) finish_pairs(scene, families, pairs, sums);
 }
 
@@ -75,7 +84,7 @@ STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonReques
   const PhotonTable table = photon_table(scene->photons, request->map);
   float found[3 * LANES], weights[LANES];
   PhotonPairs pairs;
-  pairs.count = 0;
+  start_pairs(&pairs);
   for (int j = 0; j < LANES; j++) {
     STORE_LANE_vec3(found, j, make_vec3(0.0f, 0.0f, 0.0f));
     weights[j] = 0.0f;

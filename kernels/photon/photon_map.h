@@ -66,5 +66,11 @@ FN PhotonTable photon_table(GLOBAL const uint* words, int index) {
   return t;
 }
 
+/// Whether no photons arrived, rather than only some that are not finite.
+FN bool is_empty_map(GLOBAL const uint* words, int index) {
+  GLOBAL const PhotonMap* map = (GLOBAL const PhotonMap*)words + index;
+  return (map->count == 0) & (map->share >= 0.0f);
+}
+
 PENUMBRA_NAMESPACE_END
 #endif

@@ -69,8 +69,10 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"edges of lights that are not there", [&](DeviceScene& s) { pixels(s)[0].edge_count = 0x7fffffff; }},
       {"edges of lights that are not there",
        [&](DeviceScene& s) { pixels(s).back().first_edge = s.header.tables.light_edges.count; }},
-      {"a polygon that is not there",
-       [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
+      {"a polygon that is not there", [](DeviceScene& s) {
+         s.header.features |= FEATURE_POLYGONS;
+         records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20;
+       }}};
   for (const Broken& one : broken) {
     DeviceScene scene = scene_of_area_lights();
     one.change(scene);
