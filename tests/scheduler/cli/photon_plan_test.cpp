@@ -36,6 +36,12 @@ class PhotonPlan : public ::testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   }
+  /// That s.exr is what an undisturbed render makes.
+  void expect_image_of(Arguments more) {
+    more.insert(more.end(), {"-o", "undisturbed.exr"});
+    ASSERT_EQ(render(more).exit_code, 0);
+    EXPECT_TRUE(contents("undisturbed.exr") == contents("s.exr"));
+  }
   [[nodiscard]] nlohmann::json json(const std::string& name) const {
     return nlohmann::json::parse(file_contents(folder_ / name));
   }
@@ -62,7 +68,7 @@ TEST_F(PhotonPlan, HasItsOwnDefaults) {
 TEST_F(PhotonPlan, TheImageIsTheSameForAllTilesAndWorkers) {
   ASSERT_EQ(render({"-o", "a.exr"}).exit_code, 0);
   ASSERT_EQ(
-      render({"-o", "b.exr", "--tile", "5", "--workers", "3", "--threads", "1", "--verify", "0.2"}).exit_code,
+      render({"-o", "b.exr", "--tile", "5", "--workers", "5", "--threads", "1", "--verify", "0.2"}).exit_code,
       0);
   EXPECT_TRUE(contents("a.exr") == contents("b.exr"));
   ASSERT_EQ(render({"-o", "p.exr", "--pixel", "7,9"}).exit_code, 0);
@@ -89,21 +95,38 @@ TEST_F(PhotonPlan, AnEstimateMeasuresItsPasses) {
   }
 }
 
+/// Many units, of maps that are quickly made.
+const Arguments kManyMaps{"--spp", "1200", "--set", "integrator.photon_count=5000"};
+Arguments by_workers(const std::string& workers) {
+  Arguments all{"render",    "s.xml", "--integrator",          "ppm", "--tile", "8", "--workers", workers,
+                "--threads", "1",     "--checkpoint-interval", "0.02"};
+  all.insert(all.end(), kManyMaps.begin(), kManyMaps.end());
+  return all;
+}
+
 TEST_F(PhotonPlan, ACheckpointIsOfItsPasses) {
-  const Arguments begun{
-      "render",    "s.xml", "--integrator",          "ppm", "--spp", "1200", "--tile", "8", "--workers", "2",
-      "--threads", "1",     "--checkpoint-interval", "0.02"};
-  kill_after(folder_.path(), begun, "s.exr.checkpoint", 50ms);
-  Arguments other = begun;
+  kill_after(folder_.path(), by_workers("2"), "s.exr.checkpoint", 50ms);
+  Arguments other = by_workers("2");
   other.insert(other.end(), {"--pass", "2", "--resume"});
   const ProgramResult refused = run(other);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err, HasSubstr("samples_per_pass: 1 there, 2 here"));
-  const ProgramResult resumed = run(begun);
+  const ProgramResult resumed = run(by_workers("2"));
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_THAT(resumed.err, HasSubstr("going on with s.exr.checkpoint"));
-  ASSERT_EQ(render({"--spp", "1200", "-o", "a.exr"}).exit_code, 0);
-  EXPECT_TRUE(contents("a.exr") == contents("s.exr"));
+  expect_image_of(kManyMaps);
+}
+
+TEST_F(PhotonPlan, TheImageIsTheSameIfWorkersDie) {
+  Program program(folder_.path(), by_workers("5"));
+  ASSERT_TRUE(comes(folder_ / "s.exr.checkpoint"));
+  const std::vector<pid_t> workers = children_of(program.pid());
+  ASSERT_EQ(workers.size(), 5u);
+  for (const std::size_t worker : {1, 4}) kill(workers[worker], SIGKILL);
+  ASSERT_EQ(program.wait().exit_code, 0);
+  const auto known = json("s.json")["workers"];
+  EXPECT_GE(std::ranges::count_if(known, [](const auto& worker) { return !worker["ended"].is_null(); }), 2);
+  expect_image_of(kManyMaps);
 }
 
 TEST_F(PhotonPlan, ATimeBudgetLeavesTheFirstUnits) {
