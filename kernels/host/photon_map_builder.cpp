@@ -137,10 +137,11 @@ double crowd(std::span<const Photon> photons, std::span<const std::uint32_t> ord
 /// Larger cells for beams, which visit many: it takes longer to visit a cell than to test a few photons.
 void widen_cells(std::span<const Photon> photons, std::span<const std::uint32_t> order, PhotonMap& map) {
   constexpr double kCrowd = 64;
-  const float smallest = map.cells, longest = max_component(sub(map.high, map.low));
-  const float evenly =
-      float(1 / cube_root(kCrowd / std::max(kCrowd, double(order.size()))));  // cells in a cube
-  map.cells = std::min(smallest, evenly / std::max(longest, kLeastRadius));
+  constexpr float kMostAlong = 512;  // cells along a beam
+  const float longest = std::max(max_component(sub(map.high, map.low)), kLeastRadius);
+  const float smallest = std::min(map.cells, kMostAlong / longest);
+  const double evenly = std::max(1.0, double(order.size()) / kCrowd);  // cells of a cube
+  map.cells = std::min(smallest, float(1 / cube_root(1 / evenly)) / longest);
   while (map.cells < smallest && crowd(photons, order, map) > kCrowd)
     map.cells = std::min(smallest, 1.5f * map.cells);
 }

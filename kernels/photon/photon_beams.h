@@ -1,7 +1,7 @@
 // Beam estimates: the light that the photons of a homogeneous medium scatter towards the camera along whole
 // segments of rays, where a density estimate has that of one point only (Jarosz, Zwicker and Jensen 2008; its
 // progressive form: Jarosz et al. 2011). A photon counts with the transmittance from the start of the segment
-// to the photon, in a disk of constant weight across the ray.
+// to the photon, in a disk of constant weight across the ray. Segments of thin media are beams at random.
 //
 // The map's cells are visited in slabs across the ray's main axis, and each slab in the order of its cells.
 #ifndef PENUMBRA_PHOTON_BEAMS_H
@@ -23,10 +23,10 @@ typedef struct {
   int most_edges;  ///< of photons
 } PhotonBeam;
 
-/// The cells within the radius of a piece of a beam, in boxes of cells; `start`: the beam there.
+/// A box of cells that holds what is within the radius of a piece of a beam.
 typedef struct {
   PhotonCell low, high;
-  vec3 start;
+  vec3 start;  ///< of the piece
 } BeamSlab;
 
 /// Shortens the beam to where it may meet photons.
@@ -52,6 +52,13 @@ FN int main_axis(vec3 d) {
 
 FN int cell_along(PhotonCell cell, int axis) { return axis == 0 ? cell.x : (axis == 1 ? cell.y : cell.z); }
 
+FN PhotonCell with_cell_along(PhotonCell cell, int axis, int k) {
+  cell.x = axis == 0 ? k : cell.x;
+  cell.y = axis == 1 ? k : cell.y;
+  cell.z = axis == 2 ? k : cell.z;
+  return cell;
+}
+
 /// The cells that may hold photons within the radius of the beam between two distances.
 FN BeamSlab beam_cells(const PRIVATE PhotonMap* map, PhotonBeam beam, float from, float to) {
   // A part of a cell more, because photons and beams are rounded.
@@ -74,12 +81,8 @@ FN BeamSlab beam_slab(const PRIVATE PhotonMap* map, PhotonBeam beam, int axis, i
   const float from = clamp_f(min_f(a, b), beam.first, beam.last),
               to = clamp_f(max_f(a, b), beam.first, beam.last);
   BeamSlab slab = beam_cells(map, beam, from, to);
-  slab.low.x = axis == 0 ? k : slab.low.x;
-  slab.high.x = axis == 0 ? k : slab.high.x;
-  slab.low.y = axis == 1 ? k : slab.low.y;
-  slab.high.y = axis == 1 ? k : slab.high.y;
-  slab.low.z = axis == 2 ? k : slab.low.z;
-  slab.high.z = axis == 2 ? k : slab.high.z;
+  slab.low = with_cell_along(slab.low, axis, k);
+  slab.high = with_cell_along(slab.high, axis, k);
   return slab;
 }
 
