@@ -220,7 +220,7 @@ class Checker {
                     : "the first material, where walks end, holds others");
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
       const auto leaves_of = [&](int child) {
-        return child < 0 ? 1 : child < i ? materials[std::size_t(child)].passing_leaves : 0;
+        return std::int64_t{child < 0 ? 1 : child < i ? materials[std::size_t(child)].passing_leaves : 0};
       };
       require(in(m.passing_leaves, 0, MOST_PASSING_LEAVES) &&
                   m.passing_leaves == (m.branches == 0 ? int(m.passes != PASSES_NONE)
