@@ -11,6 +11,7 @@
 #include <numeric>
 #include <vector>
 
+#include "kernels/host/bounds.h"
 #include "kernels/photon/photon_search.h"
 
 namespace penumbra {
@@ -110,16 +111,6 @@ std::vector<Photon> irradiance_photons(std::span<const Photon> photons, std::spa
   return chosen;
 }
 
-void set_bounds(std::span<const Photon> photons, std::span<const std::uint32_t> order, PhotonMap& map) {
-  constexpr float kFar = std::numeric_limits<float>::max();
-  map.low = {kFar, kFar, kFar};
-  map.high = {-kFar, -kFar, -kFar};
-  for (const std::uint32_t i : order) {
-    map.low = min3(map.low, photons[i].p);
-    map.high = max3(map.high, photons[i].p);
-  }
-}
-
 int bucket_of(const Photon& photon, const PhotonMap& map) {
   return photon_bucket(photon_cell(photon.p, map.cells), map.buckets);
 }
@@ -134,10 +125,16 @@ double crowd(std::span<const Photon> photons, std::span<const std::uint32_t> ord
   return 1 + kStride * others / std::max(counted, 1.0);
 }
 
-/// Larger cells for beams, which visit many: it takes longer to visit a cell than to test a few photons.
-void widen_cells(std::span<const Photon> photons, std::span<const std::uint32_t> order, PhotonMap& map) {
+/// Sets what beams need: the bounds, and larger cells, because they visit many, and it takes longer to visit
+/// a cell than to test a few photons.
+void prepare_for_beams(std::span<const Photon> photons, std::span<const std::uint32_t> order,
+                       PhotonMap& map) {
   constexpr double kCrowd = 64;
   constexpr float kMostAlong = 512;  // cells along a beam
+  Box bounds;
+  for (const std::uint32_t i : order) bounds.include(photons[i].p);
+  map.low = make_vec3(bounds.low[0], bounds.low[1], bounds.low[2]);
+  map.high = make_vec3(bounds.high[0], bounds.high[1], bounds.high[2]);
   const float longest = std::max(max_component(sub(map.high, map.low)), kLeastRadius);
   const float smallest = std::min(map.cells, kMostAlong / longest);
   const double evenly = std::max(1.0, double(order.size()) / kCrowd);  // cells of a cube
@@ -158,9 +155,8 @@ PhotonMap append_map(std::span<const Photon> photons, std::vector<std::uint32_t>
   map.buckets = int(std::bit_ceil(std::max(kLeastBuckets, std::uint32_t(order.size()))));
   map.radius = map_radius(size.radius);
   map.beam_radius = map_radius(size.beam_radius);
-  set_bounds(photons, order, map);
   map.cells = cells_per_unit(map.radius, scene_radius);
-  if (size.beam_radius > 0) widen_cells(photons, order, map);
+  if (size.beam_radius > 0) prepare_for_beams(photons, order, map);
   map.offset = std::uint32_t(words.size());
   std::vector<std::uint32_t> buckets(photons.size());
   for (const std::uint32_t i : order) buckets[i] = std::uint32_t(bucket_of(photons[i], map));

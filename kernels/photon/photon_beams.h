@@ -171,24 +171,28 @@ FN float beam_probability(GLOBAL const Medium* medium, float length) {
   return min_f(BEAMS_PER_SCATTERING * -expm1_f(-max_component(extinction) * length), 1.0f);
 }
 
-/// Sets the points that scatter along the beams of LANES paths under way, over `lengths`, and whether they
-/// have beams.
-FN void find_scattering_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+/// Sets the points that scatter along the beams of LANES paths under way, over `lengths`, and with which
+/// chances they have beams; 0: they have none. Returns whether any has one.
+FN bool find_scattering_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                const PRIVATE float* lengths, PRIVATE Surfaces* surfaces,
-                               PRIVATE int* wanted) {
+                               PRIVATE float* chances) {
+  int any = 0;
   for (int j = 0; j < LANES; j++) {
     const int medium = innermost(get_media(paths, i + j));
     const vec3 direction = get_ray_direction(paths, i + j);
     Surface s =
         surface_in_medium(add_scaled(get_kept_origin(paths, i + j), get_way(paths, i + j), direction));
     const float chance = beam_probability(scene->media + medium, lengths[j]);
-    wanted[j] = (medium != 0) & (ray_number(paths, i + j, 0x9b05688cu) < chance) &
-                (get_ray_tmax(paths, i + j) > 0.0f) & has_beam(scene, paths, i + j) &
-                (get_depth(paths, i + j) + 1 < scene->header.integrator.max_depth);
+    const bool wanted = (medium != 0) & (ray_number(paths, i + j, 0x9b05688cu) < chance) &
+                        (get_ray_tmax(paths, i + j) > 0.0f) & has_beam(scene, paths, i + j) &
+                        (most_photon_edges(&scene->header, paths, i + j) > 0);
     s.wo = negate(direction);
-    s.material = wanted[j] != 0 ? scene->media[medium].material : 0;
+    s.material = wanted ? scene->media[medium].material : 0;
+    chances[j] = wanted ? chance : 0.0f;
+    any |= wanted ? 1 : 0;
     store_surface(surfaces, j, s);
   }
+  return any != 0;
 }
 
 /// Adds the light of photons along LANES rays, from their last boundaries over `lengths`.
@@ -199,9 +203,8 @@ CALLED_FN void add_beams(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   Surfaces surfaces;
   Closures closures;
   PhotonPairs pairs;
-  int wanted[LANES];
-  float sums[3 * LANES];
-  find_scattering_points(scene, paths, i, lengths, &surfaces, wanted);
+  float chances[LANES], sums[3 * LANES];
+  if (!find_scattering_points(scene, paths, i, lengths, &surfaces, chances)) return;
   for (int j = 0; j < LANES; j++) {
     store_closure(&closures, j, black_closure());
     STORE_LANE_vec3(sums, j, make_vec3(0.0f, 0.0f, 0.0f));
@@ -210,23 +213,23 @@ CALLED_FN void add_beams(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   start_pairs(&pairs);
   const BeamSums into = {&surfaces, &closures, families_among(&closures), &pairs, sums};
   for (int j = 0; j < LANES; j++) {
-    if (wanted[j] == 0) continue;
+    if (chances[j] == 0.0f) continue;
     PhotonBeam beam;
     beam.origin = LOAD_LANE_vec3(surfaces.p, j);
     beam.direction = get_ray_direction(paths, i + j);
     beam.first = 0.0f;
     beam.last = lengths[j];
     beam.extinction = load3(&scene->media[innermost(get_media(paths, i + j))].extinction);
-    beam.most_edges = scene->header.integrator.max_depth - (get_depth(paths, i + j) + 1);
+    beam.most_edges = most_photon_edges(&scene->header, paths, i + j);
     gather_along(scene, &table, clip_beam(&table.map, beam), j, &into);
   }
   finish_pairs(scene, into.families, &pairs, sums);
   const float weight = table.map.share * inverse_extent(false, sqr(table.map.beam_radius));
   for (int j = 0; j < LANES; j++) {
-    if (wanted[j] == 0) continue;
+    if (chances[j] == 0.0f) continue;
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
-    const vec3 scattering = scale(mul(load3(&medium->extinction), load3(&medium->albedo)),
-                                  weight / beam_probability(medium, lengths[j]));
+    const vec3 scattering =
+        scale(mul(load3(&medium->extinction), load3(&medium->albedo)), weight / chances[j]);
     const vec3 light = mul(get_throughput(paths, i + j), mul(scattering, LOAD_LANE_vec3(sums, j)));
     set_radiance(paths, i + j, add(get_radiance(paths, i + j), light));
   }

@@ -59,14 +59,14 @@ FN bool request_photons(const PRIVATE Scene* scene, int map, const PRIVATE PathS
   request->lookup_size = h->integrator.photons == PHOTONS_FIXED ? h->integrator.lookup_size : 0;
   for (int j = 0; j < LANES; j++) {
     const Closure c = load_closure(closures, j);
-    const int depth = get_depth(paths, i + j);
+    const int edges = most_photon_edges(h, paths, i + j);
     const bool in_medium = surfaces->primitive[j] == IN_MEDIUM;
     const bool wanted =
-        (surfaces->primitive[j] != NOTHING_HIT) & (depth + 1 < h->integrator.max_depth) &
+        (surfaces->primitive[j] != NOTHING_HIT) & (edges > 0) &
         (map == PHOTON_MAP_VOLUME ? in_medium && !has_beam(scene, paths, i + j) : !in_medium) &
         takes_photons(h, map, get_chain(paths, i + j), surfaces->distance[j], c);
     request->wanted[j] = wanted ? 1 : 0;
-    request->most_edges[j] = wanted ? h->integrator.max_depth - (depth + 1) : 0;
+    request->most_edges[j] = wanted ? edges : 0;
     any |= wanted ? 1 : 0;
   }
   return any != 0;

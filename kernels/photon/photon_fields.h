@@ -28,7 +28,7 @@
   F(int, buckets)       /* a power of two */                                 \
   F(float, radius)      /* of density estimates */                           \
   F(float, beam_radius) /* of estimates along beams, in media */             \
-  F(vec3, low)          /* bounds of the photons */                          \
+  F(vec3, low)          /* bounds of the photons, for beams */               \
   F(vec3, high)                                                              \
   F(float, cells) /* 1 / the side of a cell, which is longer than 2 radii */ \
   F(float, share) /* 1 / the number of paths of photons */                   \

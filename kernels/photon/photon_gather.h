@@ -76,6 +76,12 @@ typedef struct {
   int most_edges[LANES];  ///< of photons
 } PhotonRequest;
 
+/// The most edges that photons may have where path i arrives with its next edge; 0: it takes none there.
+FN int most_photon_edges(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
+  const int left = h->integrator.max_depth - (get_depth(paths, i) + 1);
+  return left > 0 ? left : 0;
+}
+
 /// Adds to `sums`, a lane vec3, the radiance that photons scatter towards wo; in media over the scattering
 /// coefficient, which is part of the path's weight.
 STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonRequest* request,
