@@ -39,7 +39,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PARTS, "parts of the light of paths alone")                        \
   X(MEDIA, "participating media")                                      \
   X(LIGHT_EDGES, "edges of lights that the camera sees")               \
-  X(PHOTONS, "photon maps")
+  X(PHOTONS, "photon maps")                                            \
+  X(DENOISING, "half buffers and variances of layers, for denoising")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -12,23 +12,33 @@ PENUMBRA_NAMESPACE_BEGIN
 //   samples   the slot field (block/path_state.h) that is averaged; 0: another stage writes the plane
 //   mean      FILTERED: weighted by the film's filter, or UNFILTERED
 //   layer, channels   name in images and letters of the channels, see scheduler/record/film_image.h
-#define PENUMBRA_FILM_LAYERS(X)                                                                         \
-  /* reflectance at the first hit, 0 where nothing is hit */                                            \
-  X(ALBEDO, 3, FEATURE_LAYERS, slots->albedo, FILTERED, "albedo", "RGB")                                \
-  /* world-space shading normal at the first hit */                                                     \
-  X(NORMAL, 3, FEATURE_LAYERS, slots->normal, FILTERED, "normal", "XYZ")                                \
-  /* distance from the camera to the first hit */                                                       \
-  X(DEPTH, 1, FEATURE_LAYERS, slots->distance, FILTERED, "depth", "Z")                                  \
-  /* closed form: unshadowed radiance from polygon lights */                                            \
-  X(ANALYTIC, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "analytic", "RGB")                     \
-  /* their estimate minus that closed form: mostly shadows, at most 0 in expectation */                 \
-  X(DIFFERENCE, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "difference", "RGB")                 \
-  /* light samples of polygon lights, summed over channels, with and without shadows; images show their \
-     quotient */                                                                                        \
-  X(SHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "visibility", "Y")                   \
-  X(UNSHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "", "")                            \
-  /* fraction of samples that hit a surface or a visible sky. It is not filtered: with filter weights a \
-     fully covered pixel would have alpha 1 only in expectation */                                      \
+#define PENUMBRA_FILM_LAYERS(X)                                                                              \
+  /* reflectance at the first hit, 0 where nothing is hit */                                                 \
+  X(ALBEDO, 3, FEATURE_LAYERS, slots->albedo, FILTERED, "albedo", "RGB")                                     \
+  /* world-space shading normal at the first hit */                                                          \
+  X(NORMAL, 3, FEATURE_LAYERS, slots->normal, FILTERED, "normal", "XYZ")                                     \
+  /* distance from the camera to the first hit */                                                            \
+  X(DEPTH, 1, FEATURE_LAYERS, slots->distance, FILTERED, "depth", "Z")                                       \
+  /* variances of the means of those three. Results hold standard deviations of the samples, films sums of   \
+     squared deviations */                                                                                   \
+  X(ALBEDO_VARIANCE, 3, FEATURE_LAYERS | FEATURE_DENOISING, 0, FILTERED, "albedo_variance", "RGB")           \
+  X(NORMAL_VARIANCE, 3, FEATURE_LAYERS | FEATURE_DENOISING, 0, FILTERED, "normal_variance", "XYZ")           \
+  X(DEPTH_VARIANCE, 1, FEATURE_LAYERS | FEATURE_DENOISING, 0, FILTERED, "depth_variance", "Z")               \
+  /* closed form: unshadowed radiance from polygon lights */                                                 \
+  X(ANALYTIC, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "analytic", "RGB")                          \
+  /* their estimate minus that closed form: mostly shadows, at most 0 in expectation */                      \
+  X(DIFFERENCE, 3, FEATURE_LAYERS | FEATURE_POLYGONS, 0, FILTERED, "difference", "RGB")                      \
+  /* light samples of polygon lights, summed over channels, with and without shadows; images show their      \
+     quotient */                                                                                             \
+  X(SHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "visibility", "Y")                        \
+  X(UNSHADOWED, 1, FEATURE_LAYERS | FEATURE_POLYGONS, 0, UNFILTERED, "", "")                                 \
+  /* radiance of half of the samples and of the others, and the share of the first half. A half is stored as \
+     its sum over the number of all samples; images show its mean */                                         \
+  X(HALF_A, 3, FEATURE_DENOISING, 0, FILTERED, "half_a", "RGB")                                              \
+  X(HALF_B, 3, FEATURE_DENOISING, 0, FILTERED, "half_b", "RGB")                                              \
+  X(HALF_SHARE, 1, FEATURE_DENOISING, 0, UNFILTERED, "", "")                                                 \
+  /* fraction of samples that hit a surface or a visible sky. It is not filtered: with filter weights a      \
+     fully covered pixel would have alpha 1 only in expectation */                                           \
   X(COVERAGE, 1, FEATURE_COVERAGE, slots->coverage, UNFILTERED, "", "A")
 
 #define ENUMERATE_LAYER(NAME, planes, needs, samples, mean, layer, channels) LAYER_##NAME,
@@ -59,6 +69,9 @@ CONSTANT_FN int layer_plane(ulong features, int layer) {
 #undef LAYER_BEFORE
   return plane;
 }
+
+/// The planes of ALBEDO, NORMAL and DEPTH, the first of the layers. As many planes of variances follow them.
+#define FEATURE_PLANES 7
 
 CONSTANT_FN int plane_count(ulong features) { return layer_plane(features, FILM_LAYERS); }
 

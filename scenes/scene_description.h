@@ -97,6 +97,10 @@ enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kLanczos };
 
 enum class PixelFormat { kRgb, kRgba };
 
+/// How the image is denoised. Except for kOff, the render has the layers that this needs; kLayers: nothing
+/// else.
+enum class Denoise { kOff, kLayers, kNlMeans, kNfor, kOidn };
+
 struct Film {
   int width = 768;
   int height = 576;
@@ -111,9 +115,15 @@ struct Film {
   float filter_c = 1.0f / 3.0f;    ///< Mitchell-Netravali C
   bool closed_light_edges = true;  ///< visible edges of lights are integrated without noise where possible
   bool alpha = false;              ///< the image has an alpha channel
-  bool half = false;               ///< colours in EXR files have 16 bits
+  Denoise denoise = Denoise::kOff;
+  bool half = false;  ///< colours in EXR files have 16 bits
   ExrCompression compression = ExrCompression::kZip;
 };
+
+/// Whether a denoised image is written.
+inline bool is_denoised(const Film& film) {
+  return film.denoise != Denoise::kOff && film.denoise != Denoise::kLayers;
+}
 
 enum class SamplerKind { kIndependent, kStratified, kHalton, kSobol };
 

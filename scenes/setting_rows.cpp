@@ -55,6 +55,15 @@ void add_file_rows(std::vector<Setting>& table) {
   add("film.pixel_format", OneOf<bool>{{{"rgb", false}, {"rgba", true}}}, &Film::alpha,
       "channels of the image; rgba has alpha, the share of a pixel's samples that met a surface or a visible "
       "sky");
+  add("film.denoise",
+      OneOf<Denoise>{{{"off", Denoise::kOff},
+                      {"layers", Denoise::kLayers},
+                      {"nlmeans", Denoise::kNlMeans},
+                      {"nfor", Denoise::kNfor},
+                      {"oidn", Denoise::kOidn}}},
+      &Film::denoise,
+      "denoised image beside the image, and the layers that this needs; layers: these alone, for penumbra "
+      "denoise");
   add("film.component_format", OneOf<bool>{{{"float32", false}, {"float16", true}}}, &Film::half,
       "precision of an EXR's colours and normals; variance, depth and counts keep 32 bits");
   add("film.compression",

@@ -265,6 +265,11 @@ CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* uni
   }
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, slots, features, out, bad);
+  if (NEEDS(scene, DENOISING)) {
+    const bool shares = scene->header.integrator.photons == PHOTONS_PROGRESSIVE;
+    const int shared = shares ? scene->header.integrator.samples_per_map : 1;
+    accumulate_halves(unit, first_pixel, pixels, slots, features, (uint)max_i(shared, 1), out);
+  }
   if (NEEDS_MEDIA(scene)) note_contradictions(unit, first_pixel, pixels, slots, bad);
   if (NEEDS(scene, MATTES)) accumulate_mattes(unit, first_pixel, pixels, slots, features, out);
   if (block->probe != 0)

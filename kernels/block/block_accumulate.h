@@ -194,11 +194,53 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
   }
 }
 
+/// Which half of the samples a sample belongs to (0 or 1): the parity of the bits of its index. Each aligned
+/// pair of samples has one of either half. In sequences of low discrepancy both halves cover the pixel
+/// evenly; by even and odd indices they would cover different parts of it.
+FN uint half_of_sample(uint sample) { return (uint)BIT_COUNT(sample) & 1u; }
+
+/// Means of those samples of a slot field that are in that half, over the number of all samples. Samples that
+/// share a photon map are in the same half.
+STAGE void accumulate_half(const GLOBAL float* RESTRICT values, int pitch, int pixels,
+                           const PRIVATE Unit* unit, uint samples_per_map, uint half,
+                           GLOBAL float* RESTRICT means) {
+  const float share = 1.0f / (float)unit->sample_count;
+  for (int p = 0; p < pixels; p++) means[p] = 0.0f;
+  for (uint s = 0; s < unit->sample_count; s++) {
+    if (half_of_sample((unit->first_sample + s) / samples_per_map) != half) continue;
+    const GLOBAL float* RESTRICT of_sample = values + (int)s * pitch;
+    LANE_LOOP
+      for (int p = 0; p < pixels; p++) means[p] = within_floats(means[p] + of_sample[p] * share);
+  }
+}
+
+/// The layers of FEATURE_DENOISING for which there are no slot fields.
+STAGE void accumulate_halves(const PRIVATE Unit* unit, int first_pixel, int pixels,
+                             const PRIVATE SlotState* slots, ulong features, uint samples_per_map,
+                             GLOBAL float* RESTRICT out) {
+  const int n = (int)unit->sample_count, area = unit->width * unit->height;
+  const int pitch = slot_pixels(slots->capacity, n, LANES);
+  GLOBAL float* pixel = out + first_pixel;
+  for (int c = 0; c < RADIANCE_VALUES; c++) {
+    const GLOBAL float* samples = slots->sample + c * slots->capacity;
+    accumulate_half(samples, pitch, pixels, unit, samples_per_map, 0u,
+                    pixel + (layer_plane(features, LAYER_HALF_A) + c) * area);
+    accumulate_half(samples, pitch, pixels, unit, samples_per_map, 1u,
+                    pixel + (layer_plane(features, LAYER_HALF_B) + c) * area);
+  }
+  int in_a = 0;
+  for (int s = 0; s < n; s++)
+    in_a += half_of_sample((unit->first_sample + (uint)s) / samples_per_map) == 0u ? 1 : 0;
+  GLOBAL float* share = pixel + layer_plane(features, LAYER_HALF_SHARE) * area;
+  for (int p = 0; p < pixels; p++) share[p] = (float)in_a / (float)n;
+}
+
 /// Statistics of the block's pixels, in sample order, without non-finite samples.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, const PRIVATE SlotState* slots,
                       ulong features, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int pitch = slot_pixels(slots->capacity, n, LANES);
+  const bool has_variances = has_layer(features, LAYER_ALBEDO_VARIANCE);
   bool bad_ones = false;
   for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
     GLOBAL float* samples = filtered_value(slots, features, k).samples;
@@ -211,7 +253,11 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
     const SampleValue value = filtered_value(slots, features, k);
     GLOBAL float* means = out + value.plane * area + first_pixel;
-    GLOBAL float* deviations = k < RADIANCE_VALUES ? means + RADIANCE_VALUES * area : 0;
+    const int layer_value_index = value.plane - RADIANCE_PLANES;
+    GLOBAL float* deviations = 0;
+    if (k < RADIANCE_VALUES) deviations = means + RADIANCE_VALUES * area;
+    if (has_variances & (layer_value_index >= 0) & (layer_value_index < FEATURE_PLANES))
+      deviations = means + FEATURE_PLANES * area;
     accumulate_field(value.samples, pitch, pixels, n, means, deviations);
   }
   for (int k = 0; layer_value(slots, features, UNFILTERED, k).samples != 0; k++) {

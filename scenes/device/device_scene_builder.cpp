@@ -85,6 +85,7 @@ class Builder {
     need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
+    if (scene_.film.denoise != Denoise::kOff) need(FEATURE_DENOISING);
     if (scene_.film.alpha) need(FEATURE_COVERAGE);
     if (wants_uv()) {
       need(FEATURE_UV);

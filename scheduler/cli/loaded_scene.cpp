@@ -31,6 +31,11 @@ std::vector<std::pair<std::string, std::string>> split_assignments(
   return pairs;
 }
 
+/// The option that sets the setting.
+std::string option_of(const Setting& setting) {
+  return setting.option.empty() ? setting.name() : setting.option;
+}
+
 /// Error if an option and a --set give different values for the same setting, because one of them would have
 /// no effect.
 Expected<void> check_they_agree(std::string_view key, std::string_view value,
@@ -38,7 +43,7 @@ Expected<void> check_they_agree(std::string_view key, std::string_view value,
   for (const auto& [set, text] : settings)
     if (to_snake_case(set) == key && text != value)
       return fail(fmt::format("--{} {} and --set {}={} contradict each other; give one of them",
-                              find_setting(key)->option, value, set, text));
+                              option_of(*find_setting(key)), value, set, text));
   return {};
 }
 
@@ -59,6 +64,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
       {"sampler.type", options.sampler},
       {"sampler.sample_count", number(options.spp)},
       {"sampler.seed", number(options.seed)},
+      {"film.denoise", options.denoise.empty() ? std::nullopt : std::optional(options.denoise)},
   };
   for (const auto& [key, value] : overrides) {
     if (!value) continue;

@@ -55,6 +55,7 @@ ExitCode run(int argc, char** argv) {
   add_convert_command(app, chosen);
   add_plugins_command(app, chosen);
   add_settings_command(app, chosen);
+  add_denoise_command(app, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
   add_sibling_commands(app);

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> OutputFiles::all() const {
   std::vector<fs::path> paths;
-  for (const auto& file : {exr, png, statistics}) {
+  for (const auto& file : {exr, png, statistics, denoised_exr, denoised_png}) {
     if (file) paths.push_back(*file);
   }
   return paths;
@@ -45,6 +45,15 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
     return fail(fmt::format("--statistics {}: that is the image's own name", options.statistics));
   }
   return files;
+}
+
+fs::path denoised_name(const fs::path& image) {
+  return image.parent_path() / (image.stem().string() + "-denoised" + image.extension().string());
+}
+
+void add_denoised_files(OutputFiles& files) {
+  if (files.exr) files.denoised_exr = denoised_name(*files.exr);
+  if (files.png) files.denoised_png = denoised_name(*files.png);
 }
 
 Expected<void> make_folders(const OutputFiles& files) {

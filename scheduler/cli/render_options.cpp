@@ -126,6 +126,14 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
 void add_layer_options(CLI::App& command, SceneOptions& options) {
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers")
       ->group(group::kOutput);
+  command
+      .add_flag(
+          "--denoise{nfor}", options.denoise,
+          "Write a denoised image too, NAME-denoised.exr and .png; =nlmeans and =oidn are other methods, "
+          "=layers adds only the layers for `penumbra denoise`")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember(find_setting("film.denoise")->choices))
+      ->group(group::kOutput);
 }
 
 void add_device_options(CLI::App& command, RenderOptions& options) {
@@ -363,6 +371,10 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           ->group(kEstimate);
   command.add_flag("--json", options.json, "Print the estimate as JSON")->needs(estimate)->group(kEstimate);
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
+}
+
+void add_denoise_device_options(CLI::App& command, RenderOptions& options) {
+  add_device_options(command, options);
 }
 
 void add_preview_options(CLI::App& command, RenderOptions& options) {

@@ -28,6 +28,7 @@ struct SceneOptions {
   std::string intersector = "auto";
   bool no_features = false;
   bool cryptomatte = false;
+  std::string denoise;  ///< one of the names of film.denoise; empty: the scene's
 
   friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };
@@ -75,6 +76,9 @@ struct RenderOptions {
   bool force = false;   ///< render also what is already there and unchanged
   std::string summary;  ///< file with the result of each render; empty: beside the images
 };
+
+/// --threads, --backend, --opencl-device, --isa.
+void add_denoise_device_options(CLI::App& command, RenderOptions& options);
 
 /// The plan with the defaults of this integrator.
 PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator);

@@ -13,6 +13,7 @@
 #include "kernels/host/process.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/scene_costs.h"
+#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/record/camera_attributes.h"
@@ -26,18 +27,32 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+using OptionalPath = std::optional<std::filesystem::path>;
+
 /// Adds image files in the film's format. Each is encoded on its own thread; the image must stay valid until
 /// then.
-void add_images(const Image& image, const Film& format, const OutputFiles& files, OutputBatch& batch) {
-  if (files.exr)
-    batch.add_aside(*files.exr, [&image, encoding = ExrEncoding{format.compression, format.half}] {
+void add_images(const Image& image, const Film& format, const OptionalPath& exr, const OptionalPath& png,
+                OutputBatch& batch) {
+  if (exr)
+    batch.add_aside(*exr, [&image, encoding = ExrEncoding{format.compression, format.half}] {
       return encode_exr(image, encoding);
     });
-  if (files.png) batch.add_aside(*files.png, [&image] { return encode_png(image); });
-  if (const std::uint64_t beyond = files.exr && format.half ? values_beyond_half(image) : 0; beyond > 0)
+  if (png) batch.add_aside(*png, [&image] { return encode_png(image); });
+  if (const std::uint64_t beyond = exr && format.half ? values_beyond_half(image) : 0; beyond > 0)
     print_warning(fmt::format("{} more than 16 bits hold and 65504 in {}; component_format float32 has them",
                               beyond == 1 ? "1 value is" : fmt::format("{} values are", beyond),
-                              files.exr->string()));
+                              exr->string()));
+}
+
+/// Denoises the image on all cores and writes the result. Native code is everywhere, and has the same bits.
+Expected<void> write_denoised(const Image& image, const Film& film, const OutputFiles& files) {
+  const DenoiseOptions options{
+      .method = film.denoise, .nl_means = {}, .device = {.threads = 0, .isa = best_isa()}};
+  const auto denoised = denoise_image(image, options);
+  if (!denoised) return fail("it cannot be denoised: " + denoised.error().message);
+  OutputBatch batch;
+  add_images(denoised->image, film, files.denoised_exr, files.denoised_png, batch);
+  return batch.finish();
 }
 
 void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
@@ -159,7 +174,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
     if (mattes != nullptr)
       std::ranges::move(cryptomatte_metadata(*mattes), std::back_inserter(image.metadata));
     image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
-    add_images(image, statistics.record.film, files, batch);
+    add_images(image, statistics.record.film, files.exr, files.png, batch);
   }
   statistics.command_line = command_line;
   statistics.job = &prepared.job;
@@ -183,7 +198,11 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
     add_end(json, seconds_since(begin));
     add_statistics(json, *files.statistics, batch);
   }
-  return batch.finish();
+  if (auto written = batch.finish(); !written) return written;
+  // The image is safe before it is denoised, and one that was stopped is not worth the time.
+  return is_denoised(statistics.record.film) && outcome.complete
+             ? write_denoised(image, statistics.record.film, files)
+             : Expected<void>();
 }
 
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,

@@ -11,6 +11,7 @@
 #include "scenes/device/scene_inventory.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
+#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/output_check.h"
@@ -44,20 +45,14 @@ Expected<Isa> choose_isa(const std::optional<std::string>& name) {
 }
 
 Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {
-  DeviceOptions device;
-  device.backend = backend_from_name(options.backend);
-  const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device,
-                                          options.isa.value_or(""));
-  if (!used) return std::unexpected(used.error());
+  auto checked = denoise_device_options(options);
+  if (!checked) return checked;
+  DeviceOptions device = std::move(*checked);
   if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
     return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
   }
   const int cores = std::max(1, int(std::thread::hardware_concurrency()));
   device.threads = options.threads > 0 ? options.threads : std::max(1, cores / options.workers);
-  device.opencl_device = options.opencl_device;
-  const auto isa = choose_isa(options.isa);
-  if (!isa) return std::unexpected(isa.error());
-  device.isa = *isa;
   return device;
 }
 
@@ -104,6 +99,20 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
 }
 
 }  // namespace
+
+Expected<DeviceOptions> denoise_device_options(const RenderOptions& options) {
+  DeviceOptions device;
+  device.backend = backend_from_name(options.backend);
+  const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device,
+                                          options.isa.value_or(""));
+  if (!used) return std::unexpected(used.error());
+  device.threads = options.threads;
+  device.opencl_device = options.opencl_device;
+  const auto isa = choose_isa(options.isa);
+  if (!isa) return std::unexpected(isa.error());
+  device.isa = *isa;
+  return device;
+}
 
 FarmOptions farm_of(const RenderOptions& options) {
   FarmOptions farm;
@@ -167,6 +176,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
       return fail("--tev: " + address.error().message);
   auto scene = shared != nullptr ? shared->load(options.scene) : load_reduced(options);
   if (!scene) return std::unexpected(scene.error());
+  if (is_denoised(scene->description.film)) add_denoised_files(*files);
   if (auto checked = check_outputs(files->all(), scene->description.files); !checked)
     return std::unexpected(checked.error());
   const auto film = cropped_film(options, scene->description.film);
@@ -206,6 +216,8 @@ std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptio
   if (!prepared) return complain(prepared.error(), kBadInput);
   if (const auto device = check_device(prepared->job.device); !device)
     return complain(device.error(), kBadInput);
+  if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser)
+    return complain(denoiser.error(), kBadInput);
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
   const auto worker = find_program("penumbra-worker");
   if (!worker) return complain(worker.error(), kIncomplete);

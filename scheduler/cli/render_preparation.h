@@ -39,6 +39,9 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 /// that the requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
+/// Checks the options of add_denoise_device_options.
+Expected<DeviceOptions> denoise_device_options(const RenderOptions& options);
+
 /// The farm's options for the render, except keys and the worker's executable.
 FarmOptions farm_of(const RenderOptions& options);
 

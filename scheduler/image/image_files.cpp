@@ -229,9 +229,10 @@ std::uint8_t linear_byte(float value) {
 
 bool is_half_channel(std::string_view name) {
   const std::string_view layer = name.substr(0, name.find('.'));
-  return layer.size() == name.size() ? name != "Z"
-                                     : layer == "albedo" || layer == "normal" || layer == "analytic" ||
-                                           layer == "difference" || layer == "visibility";
+  return layer.size() == name.size()
+             ? name != "Z"
+             : layer == "albedo" || layer == "normal" || layer == "analytic" || layer == "difference" ||
+                   layer == "visibility" || layer == "half_a" || layer == "half_b";
 }
 
 std::uint64_t values_beyond_half(const Image& image) {

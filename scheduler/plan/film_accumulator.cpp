@@ -27,10 +27,10 @@ MergeWeights merge_weights(std::uint64_t count_a, std::uint64_t count_b) {
 
 // T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a pairwise algorithm for computing sample
 // variances" (1979), eq. 2.1: mean and sum of squared deviations of the union of two sets of samples.
-void merge_radiance(PixelStatistics& pixel, int channel, double mean, double m2, MergeWeights weights) {
-  const double difference = mean - pixel.mean[channel];
-  pixel.mean[channel] += difference * weights.share;
-  pixel.m2[channel] += m2 + difference * difference * weights.squares;
+void merge_statistics(double& merged, double& merged_m2, double mean, double m2, MergeWeights weights) {
+  const double difference = mean - merged;
+  merged += difference * weights.share;
+  merged_m2 += m2 + difference * difference * weights.squares;
 }
 
 void merge_mean(double& merged, double mean, MergeWeights weights) {
@@ -53,6 +53,8 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
   const bool complete = result.planes == layers_.planes();
   const std::size_t layer_count = complete ? layer_planes() : 0;
+  // The first layers, which the planes of their variances follow.
+  const std::size_t with_variances = complete && layers_.has(LAYER_ALBEDO_VARIANCE) ? FEATURE_PLANES : 0;
   std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
     if (mattes_.is_kept() && !mattes.empty())
@@ -64,11 +66,18 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
       for (int c = 0; c < 3; ++c) {
         const double deviation = value[(kDeviationR + c) * plane];
-        merge_radiance(*pixel, c, value[(kMeanR + c) * plane], deviation * deviation * result.sample_count,
-                       weights);
+        merge_statistics(pixel->mean[c], pixel->m2[c], value[(kMeanR + c) * plane],
+                         deviation * deviation * result.sample_count, weights);
       }
-      for (std::size_t k = 0; k < layer_count; ++k)
-        merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
+      const float* of_layers = value + kRadiancePlanes * plane;
+      for (std::size_t k = 0; k < with_variances; ++k) {
+        const double deviation = of_layers[(FEATURE_PLANES + k) * plane];
+        merge_statistics(layer[k], layer[FEATURE_PLANES + k], of_layers[k * plane],
+                         deviation * deviation * result.sample_count, weights);
+      }
+      for (std::size_t k = 2 * with_variances; k < layer_count; ++k)
+        merge_mean(layer[k], of_layers[k * plane], weights);
+      layer += layer_count;
       pixel->count += result.sample_count;
     }
   }
@@ -93,8 +102,11 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
 void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b) {
   clear(a.x_, a.y_, a.width_, a.height_);
   const std::size_t planes = layer_planes();
-  const auto variance = [](const PixelStatistics& pixel, int c) {
-    return pixel.count < 2 ? 0 : pixel.m2[c] / (double(pixel.count) * double(pixel.count - 1));
+  const auto variance = [](std::uint64_t count, double m2) {
+    return count < 2 ? 0 : m2 / (double(count) * double(count - 1));
+  };
+  const auto is_variance = [&](std::size_t plane) {
+    return layers_.has(LAYER_ALBEDO_VARIANCE) && plane >= FEATURE_PLANES && plane < 2 * FEATURE_PLANES;
   };
   for (int y = a.y_; y < a.y_ + a.height_; ++y) {
     for (int x = a.x_; x < a.x_ + a.width_; ++x) {
@@ -103,15 +115,21 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
       PixelStatistics& mean = pixels_[index(x, y)];
       mean.count = of_a.count + of_b.count;
       const double n = double(mean.count);
+      const auto mean_m2 = [&](double m2_a, double m2_b) {
+        return (weight * weight * variance(of_a.count, m2_a) +
+                (1 - weight) * (1 - weight) * variance(of_b.count, m2_b)) *
+               n * std::max(n - 1, 0.0);
+      };
       for (int c = 0; c < 3; ++c) {
         mean.mean[c] = weight * of_a.mean[c] + (1 - weight) * of_b.mean[c];
-        mean.m2[c] = (weight * weight * variance(of_a, c) + (1 - weight) * (1 - weight) * variance(of_b, c)) *
-                     n * std::max(n - 1, 0.0);
+        mean.m2[c] = mean_m2(of_a.m2[c], of_b.m2[c]);
       }
       const double *layer_a = a.layer_means_.data() + a.index(x, y) * planes,
                    *layer_b = b.layer_means_.data() + b.index(x, y) * planes;
       double* layer = layer_means_.data() + index(x, y) * planes;
-      for (std::size_t k = 0; k < planes; ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
+      for (std::size_t k = 0; k < planes; ++k)
+        layer[k] = is_variance(k) ? mean_m2(layer_a[k], layer_b[k])
+                                  : weight * layer_a[k] + (1 - weight) * layer_b[k];
       const auto scale = [n](double share, const PixelStatistics& of) {
         return of.count == 0 ? 0 : share * (n / double(of.count));
       };

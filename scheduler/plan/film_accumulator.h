@@ -59,7 +59,8 @@ class FilmAccumulator {
   [[nodiscard]] const FilmLayers& layers() const { return layers_; }
   /// The pixel at film coordinates.
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
-  /// The mean of a plane of an existing layer (LAYER_… of kernels/film_layers.h) at film coordinates.
+  /// The mean of a plane of an existing layer (LAYER_… of kernels/film_layers.h) at film coordinates; of a
+  /// variance the sum of squared deviations.
   [[nodiscard]] double layer(int film_x, int film_y, int layer, int plane = 0) const;
   /// The mattes hit by the pixel's samples, by ascending ID. Empty for a film without mattes.
   [[nodiscard]] std::span<const MatteWeight> mattes(int film_x, int film_y) const {
@@ -99,7 +100,8 @@ class FilmAccumulator {
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
   FilmLayers layers_;
   std::vector<PixelStatistics> pixels_;
-  std::vector<double> layer_means_;  // means of the layers' planes, pixel by pixel
+  // Pixel by pixel the planes of the layers: means, or sums of squared deviations (…_VARIANCE).
+  std::vector<double> layer_means_;
   FilmMattes mattes_;
   // Keyed by the corner of the results that contain invalid samples.
   std::map<std::pair<int, int>, FlaggedByKind> flagged_;

@@ -20,6 +20,27 @@ void add_channels(const FilmLayerInfo& layer, std::vector<std::string>& channels
                                           : fmt::format("{}.{}", layer.name, channel));
 }
 
+/// What an image shows of a layer.
+double shown_value(const FilmAccumulator& film, int x, int y, int layer, int plane) {
+  const double value = film.layer(x, y, layer, plane);
+  const auto share = [&] { return film.layer(x, y, LAYER_HALF_SHARE); };
+  const auto mean = [value](double of_samples) { return of_samples > 0 ? value / of_samples : 0; };
+  switch (layer) {
+    case LAYER_SHADOWED:
+      return film.visibility(x, y);
+    case LAYER_ALBEDO_VARIANCE:
+    case LAYER_NORMAL_VARIANCE:
+    case LAYER_DEPTH_VARIANCE:
+      return variance_of_mean(film.at(x, y).count, value);
+    case LAYER_HALF_A:
+      return mean(share());
+    case LAYER_HALF_B:
+      return mean(1 - share());
+    default:
+      return value;
+  }
+}
+
 }  // namespace
 
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const MatteNames* mattes) {
@@ -53,10 +74,7 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
       for (int layer = 0; layer < FILM_LAYERS; ++layer)
         for (int plane = 0; layers.has(layer) && plane < int(kFilmLayers[layer].channels.size()); ++plane)
-          if (layer == LAYER_SHADOWED)
-            image.values.push_back(float(film.visibility(x, y)));
-          else if (layer != LAYER_COVERAGE)
-            image.values.push_back(float(film.layer(x, y, layer, plane)));
+          if (layer != LAYER_COVERAGE) image.values.push_back(float(shown_value(film, x, y, layer, plane)));
       image.values.push_back(float(pixel.count));
       if (cryptomatte) cryptomatte->append(film, x, y, image.values);
     }

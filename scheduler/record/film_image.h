@@ -30,6 +30,9 @@ std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 ///      variance.R/G/B    variance of that mean
 ///      albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
 ///                        the layers of kernels/film_layers.h that the film has
+///      albedo_variance.R/G/B, normal_variance.X/Y/Z, depth_variance.Z, half_a.R/G/B, half_b.R/G/B
+///                        with FEATURE_DENOISING: variances of these means, and the means of two halves of
+///                        the samples; a half without samples is 0
 ///      samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
 ///      CryptoObject00.R … CryptoMaterial02.A
 ///                        with `mattes`, which must belong to the film's scene: see cryptomatte.h

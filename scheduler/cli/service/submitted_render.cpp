@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/render_job_check.h"
 
 namespace penumbra {
@@ -38,6 +39,9 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
   if (files.exr) submission.files.push_back(stored_name(*files.exr, ".exr"));
   if (files.png) submission.files.push_back(stored_name(*files.png, ".png"));
   if (files.statistics) submission.files.push_back(stored_name(*files.statistics, ".json"));
+  // Denoised images come after those that they are made of.
+  if (files.denoised_exr) submission.files.push_back(stored_name(*files.denoised_exr, ".exr"));
+  if (files.denoised_png) submission.files.push_back(stored_name(*files.denoised_png, ".png"));
   return submission;
 }
 
@@ -53,12 +57,15 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
   const bool has_mattes = (header.features & FEATURE_MATTES) != 0u;
   if (record.cryptomatte != has_mattes || submission.mattes.mattes.size() != std::size_t(header.matte_count))
     return fail("the scene's mattes are not those of the settings");
+  if (const auto denoiser = check_denoiser(record.film.denoise); !denoiser)
+    return std::unexpected(denoiser.error());
   PreparedRender prepared;
   for (const std::string& name : submission.files) {
     const std::filesystem::path path = folder / name;
-    (path.extension() == ".exr"   ? prepared.files.exr
-     : path.extension() == ".png" ? prepared.files.png
-                                  : prepared.files.statistics) = path;
+    OutputFiles& files = prepared.files;
+    (path.extension() == ".exr"   ? (files.exr ? files.denoised_exr : files.exr)
+     : path.extension() == ".png" ? (files.png ? files.denoised_png : files.png)
+                                  : files.statistics) = path;
   }
   DeviceOptions device = submission.device;
   device.threads = threads;

@@ -22,6 +22,7 @@
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/sets/set_summary.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/content_hash.h"
@@ -164,6 +165,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   auto prepared = prepare_render(options, &scenes_);
   if (!prepared) return std::unexpected(prepared.error());
   if (const auto device = check_device(prepared->job.device); !device) return device;
+  if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser) return denoiser;
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
   keys_[index] = key_of(*prepared, worker_, options.strict_numerics);
   prepared->job.priority = plan_.members[index].priority;

@@ -1,0 +1,102 @@
+// The weights of non-local means: how similar the patches around two pixels are, given their noise.
+//
+// F. Rousselle, C. Knaus, M. Zwicker, "Adaptive Rendering with Non-Local Means Filtering" (2012), eq. 2 to 5.
+#ifndef PENUMBRA_PATCH_WEIGHTS_H
+#define PENUMBRA_PATCH_WEIGHTS_H
+#include "kernels/denoise/denoise_task.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#define DISTANCE_EPSILON 1e-8f
+// Smaller weights are 0: all neighbours of a pixel together would add less than 1 %.
+#define LEAST_WEIGHT 1e-5f
+
+/// Which of the two pixels of an offset the weight belongs to: the one whose noise is removed.
+enum { CENTRE_IS_PIXEL, CENTRE_IS_NEIGHBOUR };
+
+/// Squared differences of pixels and their neighbours at `shift`, relative to their noise, in the sum over
+/// channels:
+///   ((u_p - u_q)^2 - (Var_c + min(Var_p, Var_q))) / (epsilon + k^2 (Var_p + Var_q)),   c: the centre
+/// All three fractions have one division. Images are scaled so that the products do not overflow.
+STAGE void pixel_distances(const GLOBAL float* RESTRICT guide, int plane, int pixel, int shift, int count,
+                           float k2, float of_neighbour, GLOBAL float* RESTRICT distances) {
+  const GLOBAL float* RESTRICT p = guide + pixel;
+  const GLOBAL float* RESTRICT q = guide + pixel + shift;
+  LANE_LOOP
+    for (int i = 0; i < count; i++) {
+      float numerator[GUIDE_CHANNELS], denominator[GUIDE_CHANNELS];
+      UNROLL
+      for (int c = 0; c < GUIDE_CHANNELS; c++) {
+        const float difference = p[c * plane + i] - q[c * plane + i];
+        const float of_p = p[(GUIDE_CHANNELS + c) * plane + i], of_q = q[(GUIDE_CHANNELS + c) * plane + i];
+        const float of_centre = of_p + of_neighbour * (of_q - of_p);
+        numerator[c] = difference * difference - (of_centre + min_f(of_p, of_q));
+        denominator[c] = DISTANCE_EPSILON + k2 * (of_p + of_q);
+      }
+      const float product = denominator[0] * denominator[1];
+      const float sum = (numerator[0] * denominator[1] + numerator[1] * denominator[0]) * denominator[2] +
+                        numerator[2] * product;
+      const float both = p[VALID_PLANE * plane + i] * q[VALID_PLANE * plane + i];
+      distances[i] = both * (sum / (product * denominator[2]));
+    }
+}
+
+/// sums[i] = values[i] + values[i + step] + ..., `terms` of them.
+STAGE void sum_of_shifted(const GLOBAL float* RESTRICT values, int step, int terms, int count,
+                          GLOBAL float* RESTRICT sums) {
+  LANE_LOOP
+    for (int i = 0; i < count; i++) sums[i] = values[i] + values[i + step];
+  for (int k = 2; k < terms; k++) {
+    const GLOBAL float* RESTRICT shifted = values + k * step;
+    LANE_LOOP
+      for (int i = 0; i < count; i++) sums[i] += shifted[i];
+  }
+}
+
+/// exp(-max(0, d^2)), 0 for neighbours that do not exist.
+STAGE void weights_of_distances(const GLOBAL float* RESTRICT sums, float scale,
+                                const GLOBAL float* RESTRICT valid, GLOBAL float* RESTRICT weights) {
+  LANE_LOOP
+    for (int i = 0; i < DENOISE_TILE_WIDTH; i++) {
+      const float weight = exp_f(-max_f(sums[i] * scale, 0.0f)) * valid[i];
+      weights[i] = weight < LEAST_WEIGHT ? 0.0f : weight;
+    }
+}
+
+/// Floats of scratch memory that patch_weights needs.
+#define PATCH_PITCH (DENOISE_TILE_WIDTH + 16)
+#define PATCH_ROWS (DENOISE_TILE_HEIGHT + 2 * MAX_PATCH_RADIUS)
+#define PATCH_SCRATCH (2 * PATCH_PITCH * PATCH_ROWS)
+
+/// The weights of all pixels of a tile for their neighbours at the offset (dx, dy), row by row without
+/// border. `guide`: GUIDE_PLANES planes of the tile with border. A pixel's weight for itself is 1.
+STAGE void patch_weights(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile* tile,
+                         const GLOBAL float* RESTRICT guide, int dx, int dy, int centre,
+                         GLOBAL float* RESTRICT scratch, GLOBAL float* RESTRICT weights) {
+  const int f = task->patch_radius, side = 2 * f + 1, plane = tile->pitch * tile->rows;
+  const int shift = dy * tile->pitch + dx;
+  const int rows = DENOISE_TILE_HEIGHT + 2 * f;
+  GLOBAL float* distances = scratch;
+  GLOBAL float* sums = scratch + PATCH_PITCH * PATCH_ROWS;
+  for (int row = 0; row < rows; row++) {
+    const int pixel = (tile->border - f + row) * tile->pitch + tile->border - f;
+    pixel_distances(guide, plane, pixel, shift, PATCH_PITCH, sqr(task->strength),
+                    centre == CENTRE_IS_NEIGHBOUR ? 1.0f : 0.0f, distances);
+    if (f > 0) sum_of_shifted(distances, 1, side, DENOISE_TILE_WIDTH, sums + row * DENOISE_TILE_WIDTH);
+    for (int i = 0; f == 0 && i < DENOISE_TILE_WIDTH; i++) sums[row * DENOISE_TILE_WIDTH + i] = distances[i];
+  }
+  const float scale = 1.0f / (float)(GUIDE_CHANNELS * side * side);
+  for (int row = 0; row < DENOISE_TILE_HEIGHT; row++) {
+    const GLOBAL float* of_patch = sums + row * DENOISE_TILE_WIDTH;
+    if (f > 0) {
+      sum_of_shifted(of_patch, DENOISE_TILE_WIDTH, side, DENOISE_TILE_WIDTH, distances);
+      of_patch = distances;
+    }
+    const int neighbour = (tile->border + row) * tile->pitch + tile->border + shift;
+    weights_of_distances(of_patch, scale, guide + VALID_PLANE * plane + neighbour,
+                         weights + row * DENOISE_TILE_WIDTH);
+  }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,286 @@
+// First-order regression: around each pixel, colour is fitted as a linear function of features (albedo,
+// normal, depth), with the weights of non-local means. Each pixel then becomes the mean of what the models of
+// its neighbourhood predict for it.
+//
+// B. Bitterli et al., "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings"
+// (2016), sections 3 and 5.2.
+#ifndef PENUMBRA_REGRESSION_TILE_H
+#define PENUMBRA_REGRESSION_TILE_H
+#include "kernels/denoise/filter_tile.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// The normal matrix X^T W X, row by row above its diagonal, then the right sides X^T W Y.
+#define NORMAL_ENTRIES (REGRESSION_TERMS * (REGRESSION_TERMS + 1) / 2)
+#define NORMAL_ROWS (NORMAL_ENTRIES + REGRESSION_COLORS * REGRESSION_TERMS)
+FN int normal_entry(int row, int column) {
+  return row * REGRESSION_TERMS - row * (row - 1) / 2 + column - row;
+}
+FN int right_entry(int color, int term) { return NORMAL_ENTRIES + color * REGRESSION_TERMS + term; }
+
+// A slope is damped where a feature varies in a neighbourhood by less than this, in units of the feature's
+// range in the image; and all slopes by this share.
+#define FEATURE_FLOOR 1e-3f
+#define RELATIVE_RIDGE 1e-3f
+
+// The weights for half the bandwidth are those for the whole one to the power of 4.
+FN float weight_at_bandwidth(float weight, int bandwidth) {
+  const float square = weight * weight, narrow = square * square;
+  return bandwidth == 0 ? (narrow < LEAST_WEIGHT ? 0.0f : narrow) : weight;
+}
+
+/// Whether any of LANES weights is not 0 at the bandwidth.
+STAGE bool any_weight(const GLOBAL float* RESTRICT weights, int bandwidth) {
+  uint bits = 0u;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) bits |= FLOAT_BITS(weight_at_bandwidth(weights[j], bandwidth));
+  return bits != 0u;
+}
+
+/// Adds a neighbour of LANES pixels to their normal equations. `features` and `colors` point to the pixels;
+/// the neighbour is at `shift`.
+STAGE void add_neighbour(const GLOBAL float* RESTRICT weights, int bandwidth,
+                         const GLOBAL float* RESTRICT features, const GLOBAL float* RESTRICT colors,
+                         int plane, int shift, GLOBAL float* RESTRICT normal) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float w = weight_at_bandwidth(weights[j], bandwidth);
+      float x[REGRESSION_TERMS];
+      x[0] = 1.0f;
+      UNROLL
+      for (int k = 0; k < REGRESSION_FEATURES; k++)
+        x[1 + k] = features[k * plane + shift + j] - features[k * plane + j];
+      UNROLL
+      for (int a = 0; a < REGRESSION_TERMS; a++) {
+        const float wx = a == 0 ? w : w * x[a];
+        UNROLL
+        for (int b = a; b < REGRESSION_TERMS; b++)
+          normal[normal_entry(a, b) * LANES + j] += b == 0 ? wx : wx * x[b];
+        UNROLL
+        for (int c = 0; c < REGRESSION_COLORS; c++)
+          normal[right_entry(c, a) * LANES + j] += wx * colors[c * plane + shift + j];
+      }
+    }
+}
+
+/// Solves the normal equations of LANES pixels by Cholesky's method, in place: the right sides become the
+/// models. `noise`: the features' variances.
+STAGE void solve_normal(const GLOBAL float* RESTRICT noise, int plane, GLOBAL float* RESTRICT normal) {
+  for (int k = 1; k < REGRESSION_TERMS; k++) {
+    const GLOBAL float* RESTRICT of_feature = noise + (k - 1) * plane;
+    GLOBAL float* RESTRICT diagonal = normal + normal_entry(k, k) * LANES;
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++)
+        diagonal[j] = diagonal[j] * (1.0f + RELATIVE_RIDGE) +
+                      normal[j] * (FEATURE_FLOOR * FEATURE_FLOOR + of_feature[j]);
+  }
+  // U^T U, with the inverse of U's diagonal in the diagonal.
+  for (int row = 0; row < REGRESSION_TERMS; row++) {
+    GLOBAL float* RESTRICT diagonal = normal + normal_entry(row, row) * LANES;
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) diagonal[j] = 1.0f / SQRT(max_f(diagonal[j], 1e-20f));
+    for (int column = row + 1; column < REGRESSION_TERMS; column++) {
+      GLOBAL float* RESTRICT entry = normal + normal_entry(row, column) * LANES;
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) entry[j] *= diagonal[j];
+    }
+    for (int a = row + 1; a < REGRESSION_TERMS; a++)
+      for (int b = a; b < REGRESSION_TERMS; b++) {
+        const GLOBAL float* RESTRICT u = normal + normal_entry(row, a) * LANES;
+        const GLOBAL float* RESTRICT v = normal + normal_entry(row, b) * LANES;
+        GLOBAL float* RESTRICT entry = normal + normal_entry(a, b) * LANES;
+        LANE_LOOP
+          for (int j = 0; j < LANES; j++) entry[j] -= u[j] * v[j];
+      }
+  }
+  for (int c = 0; c < REGRESSION_COLORS; c++) {
+    for (int row = 0; row < REGRESSION_TERMS; row++) {
+      GLOBAL float* RESTRICT right = normal + right_entry(c, row) * LANES;
+      for (int k = 0; k < row; k++) {
+        const GLOBAL float* RESTRICT u = normal + normal_entry(k, row) * LANES;
+        const GLOBAL float* RESTRICT known = normal + right_entry(c, k) * LANES;
+        LANE_LOOP
+          for (int j = 0; j < LANES; j++) right[j] -= u[j] * known[j];
+      }
+      const GLOBAL float* RESTRICT inverse = normal + normal_entry(row, row) * LANES;
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) right[j] *= inverse[j];
+    }
+    for (int row = REGRESSION_TERMS - 1; row >= 0; row--) {
+      GLOBAL float* RESTRICT right = normal + right_entry(c, row) * LANES;
+      for (int k = row + 1; k < REGRESSION_TERMS; k++) {
+        const GLOBAL float* RESTRICT u = normal + normal_entry(row, k) * LANES;
+        const GLOBAL float* RESTRICT known = normal + right_entry(c, k) * LANES;
+        LANE_LOOP
+          for (int j = 0; j < LANES; j++) right[j] -= u[j] * known[j];
+      }
+      const GLOBAL float* RESTRICT inverse = normal + normal_entry(row, row) * LANES;
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) right[j] *= inverse[j];
+    }
+  }
+}
+
+/// What the models of LANES neighbours at `shift` predict for pixels, added to `sums` (colours of one
+/// bandwidth, DENOISE_TILE_PIXELS apart). `models`: the planes of the bandwidth.
+STAGE void add_prediction(const GLOBAL float* RESTRICT weights, int bandwidth,
+                          const GLOBAL float* RESTRICT features, const GLOBAL float* RESTRICT models,
+                          int plane, int shift, GLOBAL float* RESTRICT weight_sums,
+                          GLOBAL float* RESTRICT sums) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float w = weight_at_bandwidth(weights[j], bandwidth);
+      float x[REGRESSION_TERMS];
+      UNROLL
+      for (int k = 0; k < REGRESSION_FEATURES; k++)
+        x[1 + k] = features[k * plane + j] - features[k * plane + shift + j];
+      weight_sums[j] += w;
+      UNROLL
+      for (int c = 0; c < REGRESSION_COLORS; c++) {
+        const GLOBAL float* RESTRICT model = models + c * REGRESSION_TERMS * plane + shift;
+        float color = model[j];
+        UNROLL
+        for (int k = 1; k < REGRESSION_TERMS; k++) color += model[k * plane + j] * x[k];
+        sums[c * DENOISE_TILE_PIXELS + j] += w * color;
+      }
+    }
+}
+
+/// Stores the weights of a tile for neighbour `n` of `neighbours`, so that the weights of LANES pixels for
+/// all neighbours follow each other.
+STAGE void keep_weights(const GLOBAL float* RESTRICT weights, int n, int neighbours,
+                        GLOBAL float* RESTRICT kept) {
+  for (int group = 0; group < DENOISE_TILE_PIXELS / LANES; group++) {
+    const GLOBAL float* RESTRICT from = weights + group * LANES;
+    GLOBAL float* RESTRICT to = kept + (group * neighbours + n) * LANES;
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) to[j] = from[j];
+  }
+}
+
+FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
+  return (2 * task->search_radius + 1) * (2 * task->search_radius + 1);
+}
+
+FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
+  const int border = task->search_radius + task->patch_radius;
+  const int plane = denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+  return PATCH_SCRATCH + NORMAL_ROWS * 16 +
+         DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task) + MODEL_PLANES) +
+         (GUIDE_PLANES + 2 * REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
+}
+
+/// Fits the models of a tile's pixels. `sources`: the planes of features, their variances, colours. `models`:
+/// MODEL_PLANES planes with rows from task->model_row on.
+FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
+                 const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
+  const DenoiseTile tile = denoise_tile(task, number);
+  const int r = task->search_radius, plane = tile.pitch * tile.rows, neighbours = denoise_neighbours(task);
+  const ulong image = (ulong)task->width * (ulong)task->height;
+  GLOBAL float* patches = scratch;
+  GLOBAL float* normal = patches + PATCH_SCRATCH;
+  GLOBAL float* row_weights = normal + NORMAL_ROWS * 16;
+  GLOBAL float* weights =
+      row_weights + DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours
+  GLOBAL float* tile_models = weights + neighbours * DENOISE_TILE_PIXELS;
+  GLOBAL float* tile_guide = tile_models + MODEL_PLANES * DENOISE_TILE_PIXELS;
+  GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
+  GLOBAL float* noise = features + REGRESSION_FEATURES * plane;
+  GLOBAL float* colors = noise + REGRESSION_FEATURES * plane;
+  for (int k = 0; k < GUIDE_PLANES; k++)
+    load_tile(&tile, guide + (ulong)k * image, task->width, 0, task->height, k == VALID_PLANE ? 0.0f : -1.0f,
+              tile_guide + k * plane);
+  for (int k = 0; k < 2 * REGRESSION_FEATURES + REGRESSION_COLORS; k++)
+    load_tile(&tile, sources + (ulong)k * image, task->width, 0, task->height, -1.0f, features + k * plane);
+  for (int n = 0; n < neighbours; n++) {
+    const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
+    patch_weights(task, &tile, tile_guide, dx, dy, CENTRE_IS_PIXEL, patches, row_weights);
+    keep_weights(row_weights, n, neighbours, weights);
+  }
+  for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
+    const int pixel =
+        (tile.border + first / DENOISE_TILE_WIDTH) * tile.pitch + tile.border + first % DENOISE_TILE_WIDTH;
+    const GLOBAL float* of_group = weights + first * neighbours;
+    for (int bandwidth = 0; bandwidth < REGRESSION_BANDWIDTHS; bandwidth++) {
+      for (int i = 0; i < NORMAL_ROWS * LANES; i++) normal[i] = 0.0f;
+      for (int n = 0; n < neighbours; n++) {
+        const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
+        if (any_weight(of_group + n * LANES, bandwidth))
+          add_neighbour(of_group + n * LANES, bandwidth, features + pixel, colors + pixel, plane,
+                        dy * tile.pitch + dx, normal);
+      }
+      solve_normal(noise + pixel, plane, normal);
+      const int first_plane = bandwidth * REGRESSION_COLORS * REGRESSION_TERMS;
+      for (int k = 0; k < REGRESSION_COLORS * REGRESSION_TERMS; k++)
+        for (int j = 0; j < LANES; j++)
+          tile_models[(first_plane + k) * DENOISE_TILE_PIXELS + first + j] =
+              normal[(NORMAL_ENTRIES + k) * LANES + j];
+    }
+  }
+  for (int k = 0; k < MODEL_PLANES; k++)
+    store_tile(task, &tile, tile_models + k * DENOISE_TILE_PIXELS, task->model_row,
+               models + (ulong)k * (ulong)task->width * (ulong)task->model_rows);
+}
+
+FN int predict_scratch_floats(const GLOBAL DenoiseTask* task) {
+  const int border = task->search_radius + task->patch_radius;
+  const int plane = denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+  return PATCH_SCRATCH + DENOISE_TILE_PIXELS * (1 + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
+         (GUIDE_PLANES + REGRESSION_FEATURES + MODEL_PLANES) * plane;
+}
+
+/// Computes REGRESSION_COLORS planes for each bandwidth. `sources` as for fit_tile.
+FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
+                     const GLOBAL float* sources, const GLOBAL float* models, GLOBAL float* scratch,
+                     GLOBAL float* out) {
+  const DenoiseTile tile = denoise_tile(task, number);
+  const int r = task->search_radius, plane = tile.pitch * tile.rows;
+  const ulong image = (ulong)task->width * (ulong)task->height;
+  GLOBAL float* patches = scratch;
+  GLOBAL float* weights = patches + PATCH_SCRATCH;
+  GLOBAL float* weight_sums = weights + DENOISE_TILE_PIXELS;
+  GLOBAL float* sums = weight_sums + REGRESSION_BANDWIDTHS * DENOISE_TILE_PIXELS;
+  GLOBAL float* tile_guide = sums + REGRESSION_BANDWIDTHS * REGRESSION_COLORS * DENOISE_TILE_PIXELS;
+  GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
+  GLOBAL float* tile_models = features + REGRESSION_FEATURES * plane;
+  for (int k = 0; k < GUIDE_PLANES; k++)
+    load_tile(&tile, guide + (ulong)k * image, task->width, 0, task->height, k == VALID_PLANE ? 0.0f : -1.0f,
+              tile_guide + k * plane);
+  for (int k = 0; k < REGRESSION_FEATURES; k++)
+    load_tile(&tile, sources + (ulong)k * image, task->width, 0, task->height, -1.0f, features + k * plane);
+  for (int k = 0; k < MODEL_PLANES; k++)
+    load_tile(&tile, models + (ulong)k * (ulong)task->width * (ulong)task->model_rows, task->width,
+              task->model_row, task->model_rows, -1.0f, tile_models + k * plane);
+  for (int i = 0; i < REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS; i++)
+    weight_sums[i] = 0.0f;
+  for (int dy = -r; dy <= r; dy++)
+    for (int dx = -r; dx <= r; dx++) {
+      patch_weights(task, &tile, tile_guide, dx, dy, CENTRE_IS_NEIGHBOUR, patches, weights);
+      for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
+        if (!any_weight(weights + first, REGRESSION_BANDWIDTHS - 1)) continue;
+        const int pixel = (tile.border + first / DENOISE_TILE_WIDTH) * tile.pitch + tile.border +
+                          first % DENOISE_TILE_WIDTH;
+        for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
+          if (any_weight(weights + first, b))
+            add_prediction(weights + first, b, features + pixel,
+                           tile_models + b * REGRESSION_COLORS * REGRESSION_TERMS * plane + pixel, plane,
+                           dy * tile.pitch + dx, weight_sums + b * DENOISE_TILE_PIXELS + first,
+                           sums + b * REGRESSION_COLORS * DENOISE_TILE_PIXELS + first);
+      }
+    }
+  for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
+    for (int c = 0; c < REGRESSION_COLORS; c++) {
+      GLOBAL float* means = sums + (b * REGRESSION_COLORS + c) * DENOISE_TILE_PIXELS;
+      // A pixel's own model always has weight, except that of a pixel that does not exist or is not finite.
+      for (int row = 0; row < DENOISE_TILE_HEIGHT; row++)
+        divide_by_weights(weight_sums + b * DENOISE_TILE_PIXELS + row * DENOISE_TILE_WIDTH,
+                          tile_models + (b * REGRESSION_COLORS + c) * REGRESSION_TERMS * plane +
+                              (tile.border + row) * tile.pitch + tile.border,
+                          means + row * DENOISE_TILE_WIDTH);
+      store_tile(task, &tile, means, task->out_row,
+                 out + (ulong)(b * REGRESSION_COLORS + c) * (ulong)task->width * (ulong)task->out_rows);
+    }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

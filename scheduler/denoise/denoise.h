@@ -1,0 +1,48 @@
+// Denoises images: non-local means (Rousselle et al. 2012) and first-order regression (NFOR, Bitterli et al.
+// 2016).
+#pragma once
+
+#include <optional>
+
+#include "kernels/host/error.h"
+#include "scheduler/denoise/denoise_device.h"
+#include "scheduler/denoise/planes.h"
+
+namespace penumbra {
+
+/// What is known of a noisy image. Values are finite; pixels that are not to be used are 0 in `valid`.
+struct DenoiseInput {
+  Planes color;     ///< 3 planes: the mean radiance
+  Planes variance;  ///< 3 planes: the variance of that mean
+  /// 3 planes each: the means of two halves of the samples. Without planes: there are none.
+  Planes half_a, half_b;
+  Planes features;          ///< REGRESSION_FEATURES planes: albedo, normal, depth; 0 where there are none
+  Planes feature_variance;  ///< their variances; 0 where they are not known
+  Planes valid;             ///< 1 plane
+
+  [[nodiscard]] bool has_halves() const { return half_a.count > 0; }
+};
+
+struct NlMeansOptions {
+  int search_radius = 10;  ///< r, at most MAX_SEARCH_RADIUS
+  int patch_radius = 3;    ///< f, at most MAX_PATCH_RADIUS
+  float strength = 0.45f;  ///< k
+};
+
+struct DenoisedImage {
+  Planes color;  ///< 3 planes
+  /// 3 planes: (A - B)^2 / 4 of the two denoised halves, the variance that is left. It does not tell bias.
+  /// Without planes: there were no halves.
+  Planes residual_variance;
+};
+
+/// Each half is filtered with the weights of the other. Without halves the image is filtered with its own
+/// weights. Errors are those of the device.
+Expected<DenoisedImage> nl_means(DenoiseDevice& device, const DenoiseInput& input,
+                                 const NlMeansOptions& options);
+
+/// First-order regression on the features, which are filtered first. The bandwidth is chosen by the error
+/// that the halves show.
+Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input);
+
+}  // namespace penumbra

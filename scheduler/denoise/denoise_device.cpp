@@ -1,0 +1,19 @@
+#include "scheduler/denoise/denoise_device.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "scheduler/denoise/denoise_devices.h"
+#include "worker/native_device.h"
+
+namespace penumbra {
+Expected<std::unique_ptr<DenoiseDevice>> make_denoise_device(const DeviceOptions& options) {
+  const int threads =
+      options.threads > 0 ? options.threads : std::max(1, int(std::thread::hardware_concurrency()));
+  if (options.backend != Backend::kOpenCl) return native_denoise_device(kernel_target(options.isa), threads);
+  const Expected<OpenClDeviceInfo> info = find_opencl_device(options.opencl_device);
+  if (!info) return std::unexpected(info.error());
+  return opencl_denoise_device(*info, threads);
+}
+
+}  // namespace penumbra

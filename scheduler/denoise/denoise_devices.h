@@ -1,0 +1,16 @@
+// The implementations of DenoiseDevice.
+#pragma once
+
+#include <memory>
+
+#include "kernels/host/native_kernels.h"
+#include "scheduler/denoise/denoise_device.h"
+#include "worker/opencl_devices.h"
+
+namespace penumbra {
+
+/// The target must be one of native_kernels() that this machine can run.
+std::unique_ptr<DenoiseDevice> native_denoise_device(KernelTarget target, int threads);
+Expected<std::unique_ptr<DenoiseDevice>> opencl_denoise_device(const OpenClDeviceInfo& info, int threads);
+
+}  // namespace penumbra

@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+
+#include "kernels/denoise/denoise_task.h"
+#include "scenes/names.h"
+#include "scheduler/denoise/denoise_image.h"
+#include "scheduler/denoise/guide.h"
+
+namespace penumbra {
+namespace {
+
+/// The channels of a layer: those whose name ends in "LAYER.C" for each of the letters, whatever case, and
+/// whatever stands before a dot. Empty: there is no such layer.
+std::vector<std::size_t> find_layer(const Image& image, std::initializer_list<std::string_view> layers,
+                                    std::initializer_list<std::string_view> letters) {
+  for (const std::string_view layer : layers)
+    for (const std::string_view of_channels : letters) {
+      std::vector<std::size_t> found;
+      for (const char letter : of_channels) {
+        const std::string ending = to_lower_case(fmt::format("{}.{}", layer, letter));
+        for (std::size_t k = 0; k < image.channels.size(); ++k) {
+          const std::string name = to_lower_case(image.channels[k]);
+          if (name == ending || name.ends_with("." + ending)) {
+            found.push_back(k);
+            break;
+          }
+        }
+      }
+      if (found.size() == of_channels.size()) return found;
+    }
+  return {};
+}
+
+/// Copies channels into planes; values that are not finite become 0, and their pixels invalid.
+void copy_channels(const Image& image, std::span<const std::size_t> channels, float scale, Planes& to,
+                   int first_plane, std::span<float> valid) {
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    const std::span<float> plane = to.plane(first_plane + int(k));
+    for (std::size_t i = 0; i < image.pixels(); ++i) {
+      const float value = image.values[i * image.channels.size() + channels[k]] * scale;
+      plane[i] = std::isfinite(value) ? value : 0;
+      if (!valid.empty() && !std::isfinite(value)) valid[i] = 0;
+    }
+  }
+}
+
+/// A power of two, so that the result does not depend on the exposure: the inverse of the median brightness.
+float brightness_scale(const Image& image, std::span<const std::size_t> channels) {
+  std::vector<float> brightness;
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    float sum = 0;
+    for (const std::size_t k : channels) sum += image.values[i * image.channels.size() + k];
+    if (std::isfinite(sum) && sum > 0) brightness.push_back(sum / 3);
+  }
+  if (brightness.empty()) return 1;
+  const auto middle = brightness.begin() + std::ptrdiff_t(brightness.size() / 2);
+  std::ranges::nth_element(brightness, middle);
+  return std::ldexp(1.0f, -std::clamp(std::ilogb(*middle), -100, 100));
+}
+
+/// The variance of noise in an image of which nothing else is known: the mean square, over 7 x 7 pixels, of a
+/// second difference that is 0 for linear functions. J. Immerkaer, "Fast Noise Variance Estimation" (1996).
+Planes variance_from_neighbours(const Planes& color) {
+  Planes squares(color.width, color.height, color.count);
+  for (int k = 0; k < color.count; ++k)
+    for (int y = 0; y < color.height; ++y)
+      for (int x = 0; x < color.width; ++x) {
+        float difference = 0;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            const int at_x = std::clamp(x + dx, 0, color.width - 1),
+                      at_y = std::clamp(y + dy, 0, color.height - 1);
+            const float weight = float((dx == 0 ? 2 : -1) * (dy == 0 ? 2 : -1));
+            difference +=
+                weight * color.plane(k)[std::size_t(at_y) * std::size_t(color.width) + std::size_t(at_x)];
+          }
+        squares.plane(k)[std::size_t(y) * std::size_t(color.width) + std::size_t(x)] =
+            difference * difference / 36;  // the sum of the squared weights
+      }
+  return box_mean(squares, 3);
+}
+
+/// Divides depths by their largest finite value, and infinite ones, where nothing was hit, are 0.
+void scale_depth(Planes& features, Planes& variances) {
+  const std::span<float> depth = features.plane(6), variance = variances.plane(6);
+  const float most = *std::ranges::max_element(depth);
+  if (!(most > 0)) return;
+  for (float& d : depth) d /= most;
+  for (float& v : variance) v /= most * most;
+}
+
+}  // namespace
+
+Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>* remarks) {
+  const auto say = [&](std::string text) {
+    if (remarks != nullptr) remarks->push_back(std::move(text));
+  };
+  const auto beauty = noisy.beauty_channels();
+  std::vector<std::size_t> rgb;
+  if (beauty)
+    rgb.assign(beauty->begin(), beauty->end());
+  else
+    rgb = find_layer(noisy, {"combined"}, {"RGB"});
+  if (rgb.empty()) return fail("it has no channels R, G, B");
+  if (noisy.pixels() == 0) return fail("it has no pixels");
+
+  const int width = noisy.data.width, height = noisy.data.height;
+  ScaledInput result;
+  result.scale = brightness_scale(noisy, rgb);
+  std::ranges::copy(rgb, result.channels.begin());
+  DenoiseInput& input = result.input;
+  input.valid = Planes(width, height, 1, 1.0f);
+  input.color = Planes(width, height, 3);
+  const std::span<float> valid = input.valid.plane(0);
+  copy_channels(noisy, rgb, result.scale, input.color, 0, valid);
+
+  const auto half_a = find_layer(noisy, {"half_a"}, {"RGB"}), half_b = find_layer(noisy, {"half_b"}, {"RGB"});
+  if (!half_a.empty() && !half_b.empty()) {
+    input.half_a = input.half_b = Planes(width, height, 3);
+    copy_channels(noisy, half_a, result.scale, input.half_a, 0, valid);
+    copy_channels(noisy, half_b, result.scale, input.half_b, 0, valid);
+  } else {
+    say("it has no halves of the samples (half_a, half_b), which `penumbra render --denoise=layers` writes: "
+        "it is "
+        "filtered by its own noise, and there is no error estimate");
+  }
+  const auto variance = find_layer(noisy, {"variance"}, {"RGB"});
+  if (!variance.empty()) {
+    input.variance = Planes(width, height, 3);
+    copy_channels(noisy, variance, result.scale * result.scale, input.variance, 0, valid);
+    for (float& v : input.variance.values) v = std::max(v, 0.0f);
+  } else if (input.has_halves()) {
+    input.variance = box_mean(quarter_of_squared_difference(input.half_a, input.half_b), 3);
+    say("it has no variance: that of its halves is used");
+  } else {
+    input.variance = variance_from_neighbours(input.color);
+    say("it has no variance (variance.R, .G, .B): noise is estimated from neighbouring pixels");
+  }
+
+  input.features = input.feature_variance = Planes(width, height, REGRESSION_FEATURES);
+  struct Feature {
+    const char* name;
+    std::vector<std::size_t> channels, variances;
+    int plane;
+  };
+  const Feature features[] = {
+      {"albedo", find_layer(noisy, {"albedo", "denoising albedo"}, {"RGB"}),
+       find_layer(noisy, {"albedo_variance"}, {"RGB"}), 0},
+      {"normal", find_layer(noisy, {"normal", "denoising normal", "sh_normal", "ns", "n"}, {"XYZ", "RGB"}),
+       find_layer(noisy, {"normal_variance"}, {"XYZ"}), 3},
+      {"depth", find_layer(noisy, {"depth", "denoising depth"}, {"Z", "V", "Y", "T"}),
+       find_layer(noisy, {"depth_variance"}, {"Z"}), 6}};
+  std::string missing, unknown;
+  for (const Feature& feature : features) {
+    copy_channels(noisy, feature.channels, 1, input.features, feature.plane, {});
+    if (!feature.channels.empty())
+      copy_channels(noisy, feature.variances, 1, input.feature_variance, feature.plane, {});
+    if (feature.channels.empty()) missing += std::string(missing.empty() ? "" : ", ") + feature.name;
+    if (!feature.channels.empty() && feature.variances.empty())
+      unknown += std::string(unknown.empty() ? "" : ", ") + feature.name;
+  }
+  if (!missing.empty()) say("layers that it lacks: " + missing);
+  if (!unknown.empty()) say("layers without variance, taken as free of noise: " + unknown);
+  for (float& v : input.feature_variance.values) v = std::max(v, 0.0f);
+  scale_depth(input.features, input.feature_variance);
+  return result;
+}
+
+}  // namespace penumbra

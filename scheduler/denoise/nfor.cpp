@@ -1,0 +1,124 @@
+#include <algorithm>
+
+#include "kernels/denoise/denoise_task.h"
+#include "scheduler/denoise/guide.h"
+
+namespace penumbra {
+namespace {
+
+constexpr NlMeansOptions kFeatureFilter{.search_radius = 5, .patch_radius = 3, .strength = 0.5f};
+constexpr NlMeansOptions kErrorFilter{.search_radius = 9, .patch_radius = 1, .strength = 1.0f};
+constexpr int kRegressionRadius = 9, kRegressionPatch = 3;
+// Models take much memory, so an image is processed in bands of so many rows.
+constexpr int kBandRows = 4 * DENOISE_TILE_HEIGHT;
+
+/// Albedo, normal and depth, each filtered with its own weights.
+Expected<Planes> filtered_features(DenoiseDevice& device, const DenoiseInput& input) {
+  Planes features = input.features;
+  for (const auto& [first, count] : {std::pair(0, 3), std::pair(3, 3), std::pair(6, 1)}) {
+    const Planes noisy = some_planes(input.features, first, count);
+    const Planes guide = make_guide(noisy, some_planes(input.feature_variance, first, count), 1, input.valid);
+    const auto smooth = filter(device, guide, noisy, kFeatureFilter);
+    if (!smooth) return smooth;
+    for (int k = 0; k < count; ++k) std::ranges::copy(smooth->plane(k), features.plane(first + k).begin());
+  }
+  return features;
+}
+
+/// The colours at both bandwidths: 6 planes. Weights are those of `guide`; `colors` are regressed on
+/// `features`, whose variances are `noise`.
+Expected<Planes> regress(DenoiseDevice& device, const Planes& guide, const Planes& features,
+                         const Planes& noise, const Planes& colors) {
+  const int width = colors.width, height = colors.height;
+  Planes sources(width, height, 2 * REGRESSION_FEATURES + REGRESSION_COLORS);
+  std::ranges::copy(features.values, sources.values.begin());
+  std::ranges::copy(noise.values, sources.plane(REGRESSION_FEATURES).begin());
+  std::ranges::copy(colors.values, sources.plane(2 * REGRESSION_FEATURES).begin());
+  Planes out(width, height, REGRESSION_BANDWIDTHS * REGRESSION_COLORS);
+  for (int row = 0; row < height; row += kBandRows) {
+    const int end = std::min(row + kBandRows, height);
+    DenoiseTask task{.stage = DENOISE_FIT,
+                     .width = width,
+                     .height = height,
+                     .first_row = std::max(0, row - kRegressionRadius),
+                     .end_row = std::min(height, end + kRegressionRadius),
+                     .model_row = std::max(0, row - kRegressionRadius),
+                     .model_rows = 0,
+                     .out_row = row,
+                     .out_rows = end - row,
+                     .search_radius = kRegressionRadius,
+                     .patch_radius = kRegressionPatch,
+                     .sources = 0,
+                     .strength = 1};
+    task.model_rows = task.end_row - task.first_row;
+    Planes models(width, task.model_rows, MODEL_PLANES);
+    if (auto done = device.run(task, guide.values, sources.values, models.values, {}); !done)
+      return std::unexpected(done.error());
+    task.stage = DENOISE_PREDICT;
+    task.first_row = row;
+    task.end_row = end;
+    Planes band(width, end - row, out.count);
+    if (auto done = device.run(task, guide.values, sources.values, models.values, band.values); !done)
+      return std::unexpected(done.error());
+    for (int k = 0; k < out.count; ++k)
+      std::ranges::copy(band.plane(k), out.plane(k).begin() + std::ptrdiff_t(row) * width);
+  }
+  return out;
+}
+
+/// The squared error of a denoised half, as the noisy half that its weights come from shows it: unbiased, but
+/// noisy. Adds its mean over channels, for each bandwidth.
+void add_error(const Planes& denoised, const Planes& noisy, const Planes& variance, Planes& error) {
+  for (int b = 0; b < REGRESSION_BANDWIDTHS; ++b)
+    for (int c = 0; c < REGRESSION_COLORS; ++c)
+      for (std::size_t i = 0; i < error.pixels(); ++i) {
+        const float difference = denoised.plane(b * REGRESSION_COLORS + c)[i] - noisy.plane(c)[i];
+        error.plane(b)[i] += (difference * difference - 2 * variance.plane(c)[i]) / (2 * REGRESSION_COLORS);
+      }
+}
+
+}  // namespace
+
+Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input) {
+  const auto features = filtered_features(device, input);
+  if (!features) return std::unexpected(features.error());
+  const Planes &half_a = input.has_halves() ? input.half_a : input.color,
+               &half_b = input.has_halves() ? input.half_b : input.color;
+  const float of_half = input.has_halves() ? 2 : 1;  // variance of a half, in that of the mean of both
+  const Planes guide_a = make_guide(half_a, input.variance, of_half, input.valid),
+               guide_b = make_guide(half_b, input.variance, of_half, input.valid);
+  Planes noise(input.color.width, input.color.height, REGRESSION_FEATURES);
+  const auto a = regress(device, guide_b, *features, noise, half_a);
+  if (!a) return std::unexpected(a.error());
+  if (!input.has_halves())
+    return DenoisedImage{.color = some_planes(*a, 0, REGRESSION_COLORS), .residual_variance = {}};
+  const auto b = regress(device, guide_a, *features, noise, half_b);
+  if (!b) return std::unexpected(b.error());
+
+  Planes error(input.color.width, input.color.height, REGRESSION_BANDWIDTHS);
+  add_error(*a, half_b, input.variance, error);
+  add_error(*b, half_a, input.variance, error);
+  const Planes guide = make_guide(input.color, input.variance, 1, input.valid);
+  const auto smooth_error = filter(device, guide, error, kErrorFilter);
+  if (!smooth_error) return std::unexpected(smooth_error.error());
+  Planes choice(input.color.width, input.color.height, 1);
+  for (std::size_t i = 0; i < choice.pixels(); ++i)
+    choice.values[i] = smooth_error->plane(1)[i] < smooth_error->plane(0)[i] ? 1 : 0;
+  const auto weight = filter(device, guide, choice, kErrorFilter);
+  if (!weight) return std::unexpected(weight.error());
+
+  const auto chosen = [&](const Planes& of) {
+    Planes mix(of.width, of.height, REGRESSION_COLORS);
+    for (int c = 0; c < REGRESSION_COLORS; ++c)
+      for (std::size_t i = 0; i < mix.pixels(); ++i) {
+        const float w = weight->values[i];
+        mix.plane(c)[i] = (1 - w) * of.plane(c)[i] + w * of.plane(REGRESSION_COLORS + c)[i];
+      }
+    return mix;
+  };
+  const Planes final_a = chosen(*a), final_b = chosen(*b);
+  return DenoisedImage{.color = mean_of(final_a, final_b),
+                       .residual_variance = quarter_of_squared_difference(final_a, final_b)};
+}
+
+}  // namespace penumbra
