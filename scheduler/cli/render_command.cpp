@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/estimate_text.h"
 #include "scheduler/cli/one_render.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/program_path.h"
@@ -13,21 +15,26 @@
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/job_file.h"
 #include "scheduler/cli/sets/render_set.h"
+#include "scheduler/cli/sets/set_estimate.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/record/film_image.h"
 
 namespace penumbra {
 namespace {
 
-constexpr double kEstimateSeconds = 10;
-
 ExitCode estimate(const RenderOptions& options) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
-  const auto estimate = measure_estimate(*prepared, kEstimateSeconds, stop);
+  const auto estimate = measure_estimate(options, *prepared, kEstimateSeconds, stop);
   if (!estimate) return print_error(estimate.error()), kIncomplete;
-  print_answer(options.json ? estimate_json(*estimate, prepared->record) : estimate_text(*estimate));
+  if (options.json) {
+    nlohmann::ordered_json json = {{"scene", prepared->record.scene}};
+    json.update(estimate_json(*estimate));
+    print_answer(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  } else {
+    print_answer(estimate_text(*estimate));
+  }
   return stop ? kIncomplete : kAllDone;
 }
 
@@ -112,9 +119,7 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
     options->scene.scene = options->scenes.front();
     chosen = [options, command, &command_line] {
       const bool is_set = options->scenes.size() > 1 || is_job_file(options->scenes.front());
-      if (options->estimate && is_set)
-        return print_error({"--estimate is of one scene at a time"}), kBadInput;
-      if (options->estimate) return estimate(*options);
+      if (options->estimate) return is_set ? estimate_set(*options, *command) : estimate(*options);
       return is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
     };
   });

@@ -3,20 +3,23 @@
 
 #include <atomic>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "scheduler/cli/render_preparation.h"
 
 namespace penumbra {
 
+constexpr double kEstimateSeconds = 10;  ///< that a render is measured
+
 /// Figures that follow from the job alone; they do not depend on the machine.
 struct PlannedWork {
+  std::uint64_t pixels = 0;
   std::uint64_t samples = 0;  ///< over all pixels
   std::uint32_t tiles = 0, passes = 0;
   std::uint64_t units = 0;
   std::uint64_t result_bytes = 0;            ///< total size of all results, from workers to the scheduler
   std::uint64_t scene_bytes = 0;             ///< bytes sent to each worker, without a cache
+  std::uint64_t image_bytes = 0;             ///< of the EXR file without compression; 0: none is written
   std::uint64_t scheduler_memory_bytes = 0;  ///< for the image, its files and the scene
 };
 PlannedWork planned_work(const RenderJob& job);
@@ -24,11 +27,12 @@ PlannedWork planned_work(const RenderJob& job);
 /// Measurements of some passes of the job on this machine.
 struct MeasuredWork {
   std::uint64_t samples = 0;
-  double covered = 0;        ///< fraction of the image's pixels that were rendered
-  double seconds = 0;        ///< of rendering, without start-up
-  double start_seconds = 0;  ///< until a worker was ready
-  double core_seconds = 0;   ///< time of all worker threads; for a GPU that of the device
-  int threads = 1;           ///< per worker
+  int width = 0, height = 0;  ///< of the measured image
+  double covered = 0;         ///< fraction of its pixels that were rendered
+  double seconds = 0;         ///< of rendering, without start-up
+  double start_seconds = 0;   ///< until a worker was ready
+  double core_seconds = 0;    ///< time of all worker threads; for a GPU that of the device
+  int threads = 1;            ///< per worker
   std::uint64_t worker_memory_bytes = 0;
   double relative_error = 0;  ///< of the measured image; see FilmAccumulator; NaN: unknown
   double spp = 0;             ///< mean samples per pixel of that image
@@ -54,11 +58,10 @@ struct RenderEstimate {
 RenderEstimate estimate_of(const PlannedWork& plan, const MeasuredWork& measured, double target_error,
                            int workers);
 
-/// Renders for at most about `seconds`: first one sample per pixel, then more. Writes no files.
-Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double seconds,
-                                          const std::atomic<bool>& stop);
-
-std::string estimate_text(const RenderEstimate& estimate);
-std::string estimate_json(const RenderEstimate& estimate, const RenderRecord& record);
+/// Renders for at most about `seconds`: first one sample per pixel, then more. If there is no time for many
+/// samples of each pixel, the second image is smaller, so that all of the scene is measured and the error is
+/// known. `options` are those of `prepared`, whose job is used up. Writes no files.
+Expected<RenderEstimate> measure_estimate(const RenderOptions& options, PreparedRender& prepared,
+                                          double seconds, const std::atomic<bool>& stop);
 
 }  // namespace penumbra

@@ -364,9 +364,11 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_checkpoint_options(command, options);
   CLI::Option* estimate =
       command
-          .add_flag("--estimate", options.estimate,
-                    "Render some passes for about ten seconds, and print what the whole render would take: "
-                    "core and wall time, memory, units, bytes, error. No image is written")
+          .add_flag(
+              "--estimate", options.estimate,
+              "Render some passes for about ten seconds, and print what the whole render would take: "
+              "core and wall time, memory, units, bytes, error; of several renders also the totals. No image "
+              "is written")
           ->excludes("--pixel")
           ->group(kEstimate);
   command.add_flag("--json", options.json, "Print the estimate as JSON")->needs(estimate)->group(kEstimate);

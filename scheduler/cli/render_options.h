@@ -69,6 +69,7 @@ struct RenderOptions {
   bool quiet = false;
   bool estimate = false;  ///< print the expected cost, and render no image
   bool json = false;      ///< print the estimate as JSON
+  double film_scale = 1;  ///< at most 1; a smaller film, with its crop, for an estimate
   bool resume = false;    ///< print a note if there is no checkpoint to resume from
   bool restart = false;   ///< ignore and replace an existing checkpoint
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: no checkpoints

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
@@ -23,10 +26,34 @@ namespace {
 
 constexpr Seconds kPreviewLease = 60;
 
+/// Part [from, to) of a film's side, in a side that is scaled to `size`; not empty.
+std::pair<int, int> scaled_part(int from, int to, double scale, int size) {
+  const int first = std::min(int(from * scale), size - 1);
+  return {first, std::clamp(int(std::ceil(to * scale)), first + 1, size)};
+}
+
+Film scaled_film(Film film, double scale) {
+  const int width = std::max(1, int(std::lround(film.width * scale)));
+  const int height = std::max(1, int(std::lround(film.height * scale)));
+  const auto [x0, x1] = scaled_part(film.crop_x, film.crop_x + film.crop_width, scale, width);
+  const auto [y0, y1] = scaled_part(film.crop_y, film.crop_y + film.crop_height, scale, height);
+  film.width = width;
+  film.height = height;
+  film.crop_x = x0;
+  film.crop_y = y0;
+  film.crop_width = x1 - x0;
+  film.crop_height = y1 - y0;
+  return film;
+}
+
 /// The film whose crop window is the rectangle given by the options.
 Expected<Film> cropped_film(const RenderOptions& options, Film film) {
   std::optional<CropRectangle> crop = options.crop;
   if (options.pixel) crop = {options.pixel->x, options.pixel->y, options.pixel->x + 1, options.pixel->y + 1};
+  if (crop && options.film_scale != 1) {
+    std::tie(crop->x0, crop->x1) = scaled_part(crop->x0, crop->x1, options.film_scale, film.width);
+    std::tie(crop->y0, crop->y1) = scaled_part(crop->y0, crop->y1, options.film_scale, film.height);
+  }
   if (!crop) return film;
   if (crop->x1 > film.width || crop->y1 > film.height) {
     const char* option = options.pixel ? "--pixel" : "--crop";
@@ -155,7 +182,11 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 namespace {
 
 Expected<LoadedScene> load_reduced(const RenderOptions& options) {
-  auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
+  std::function<void(SceneDescription&)> adjust;
+  if (options.interactive) adjust = preview_adjustment(options.scene);
+  if (options.film_scale != 1)
+    adjust = [&](SceneDescription& scene) { scene.film = scaled_film(scene.film, options.film_scale); };
+  auto scene = load_scene(options.scene, adjust);
   if (scene) reduce(*scene);
   return scene;
 }

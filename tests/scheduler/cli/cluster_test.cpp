@@ -183,7 +183,15 @@ TEST_F(Cluster, AnEstimateIsBoundedHoweverLargeTheJob) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("core-hours"), HasSubstr("with 128 x")));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 60s) << "of a busy machine; some ten else";
-  EXPECT_EQ(run({"render", "s.xml", "other.xml", "--estimate", "-o", "out/"}).exit_code, 2);
+  const ProgramResult cropped =
+      run({"render", "s.xml", "--spp", "1000000000", "--estimate", "--json", "--set", "film.width=6000",
+           "--set", "film.height=5000", "--crop", "1000,500,5000,3000"});
+  ASSERT_EQ(cropped.exit_code, 0) << cropped.err;
+  const auto measured = nlohmann::json::parse(cropped.out)["measured"];
+  const double width = measured["width"], height = measured["height"];
+  EXPECT_LT(width, 4000) << "a smaller image";
+  EXPECT_NEAR(width / height, 4000.0 / 2500, 0.15);
+  EXPECT_TRUE(measured["relative_error"].is_number());
 }
 
 }  // namespace

@@ -1,0 +1,109 @@
+#include "scheduler/cli/sets/set_estimate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/console.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/render_preparation.h"
+#include "scheduler/cli/sets/estimate_totals.h"
+#include "scheduler/cli/sets/set_plan.h"
+#include "scheduler/cli/stop_signal.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kSetSeconds = 60;  // of measuring all renders
+
+/// The scene and all parameters except the seed.
+using MeasurementKey = std::pair<std::string, std::vector<std::pair<std::string, std::string>>>;
+
+MeasurementKey key_of(const SetMember& member) {
+  MeasurementKey key{member.options.scene.scene, member.choices};
+  std::erase_if(key.second, [](const auto& choice) { return choice.first == "seed"; });
+  return key;
+}
+
+class SetEstimator {
+ public:
+  SetEstimator(const SetPlan& plan, std::string worker, const RenderOptions& options,
+               const std::atomic<bool>& stop)
+      : plan_(plan), worker_(std::move(worker)), options_(options), stop_(stop), scenes_(scenes_of(plan)) {
+    for (const SetMember& member : plan.members) measured_[key_of(member)];
+    seconds_ = std::min(kEstimateSeconds, kSetSeconds / double(measured_.size()));
+  }
+
+  ExitCode run() {
+    std::size_t width = 6;
+    for (const SetMember& member : plan_.members) width = std::max(width, member.name.size());
+    if (!options_.json) print_answer(estimate_heading(width));
+    for (const SetMember& member : plan_.members) {
+      if (stop_) break;
+      SetMemberEstimate& estimated =
+          estimates_.emplace_back(SetMemberEstimate{member.name, member.options.scene.scene, member.choices});
+      try {
+        estimate(member, estimated);
+      } catch (const std::exception& error) {  // usually out of memory; other renders may need less
+        fail_member(estimated, {error.what()}, kIncomplete);
+      }
+      if (!options_.json) print_answer(estimate_row(estimated, width));
+    }
+    print_answer(options_.json ? set_estimate_json(estimates_)
+                               : totals_text(totals_of(estimates_), plan_.members.size()));
+    if (stop_) print_error({"stopped by a signal before all renders were measured"});
+    return stop_ ? kIncomplete : exit_code_;
+  }
+
+ private:
+  void estimate(const SetMember& member, SetMemberEstimate& estimated) {
+    auto prepared = prepare_render(member.options, &scenes_);
+    if (!prepared) return fail_member(estimated, prepared.error(), kBadInput);
+    if (const auto device = check_device(prepared->job.device); !device)
+      return fail_member(estimated, device.error(), kBadInput);
+    estimated.pieces = prepared->job.manifest->pieces;
+    std::optional<RenderEstimate>& measured = measured_[key_of(member)];
+    if (!measured) {
+      for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+      prepared->farm.worker_executable = worker_;
+      auto result = measure_estimate(member.options, *prepared, seconds_, stop_);
+      if (!result) return fail_member(estimated, result.error(), kIncomplete);
+      measured = std::move(*result);
+    }
+    estimated.estimate = measured;
+  }
+
+  void fail_member(SetMemberEstimate& estimated, const Error& error, ExitCode code) {
+    print_error({fmt::format("{}: {}", estimated.name, error.message)});
+    estimated.error = error.message;
+    exit_code_ = std::max(exit_code_, code);
+  }
+
+  const SetPlan& plan_;
+  const std::string worker_;
+  const RenderOptions& options_;
+  const std::atomic<bool>& stop_;
+  SharedScenes scenes_;
+  std::map<MeasurementKey, std::optional<RenderEstimate>> measured_;
+  double seconds_ = 0;  // for each measurement
+  std::vector<SetMemberEstimate> estimates_;
+  ExitCode exit_code_ = kAllDone;
+};
+
+}  // namespace
+
+ExitCode estimate_set(const RenderOptions& options, const CLI::App& command) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  const auto plan = plan_set(options, command);
+  if (!plan) return print_error(plan.error()), kBadInput;
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return print_error(worker.error()), kIncomplete;
+  return SetEstimator(*plan, worker->string(), options, stop).run();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,17 @@
+// `penumbra render --estimate` with several scenes, or with job files.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/render_options.h"
+
+namespace penumbra {
+
+/// Measures the renders of plan_set one after the other, and prints a row for each and the totals. Together
+/// they are measured for about a minute. Renders that differ only in the seed cost the same and are measured
+/// once. Renders whose images are already there count as well. A scene that cannot be read is an error
+/// (kBadInput) and does not stop the others.
+ExitCode estimate_set(const RenderOptions& options, const CLI::App& command);
+
+}  // namespace penumbra
