@@ -15,6 +15,7 @@ constexpr ActionInfo kActions[] = {
     {Action::kShowAnalytic, "2", "show the closed form, which knows no shadows", false},
     {Action::kShowDifference, "3", "show what samples add to the closed form", false},
     {Action::kShowError, "4", "show the standard error", false},
+    {Action::kToggleDenoising, "n", "remove noise from the image, or stop", false},
     {Action::kToggleOutlines, "o", "outline the tiles that workers have in hand", false},
     {Action::kBrighter, "plus", "more exposure", true},
     {Action::kDarker, "minus", "less exposure", true},

@@ -16,6 +16,7 @@ enum class Action {
   kShowAnalytic,
   kShowDifference,
   kShowError,
+  kToggleDenoising,
   kToggleOutlines,
   kBrighter,
   kDarker,

@@ -186,6 +186,15 @@ PixelRectangle CompositePass::show(const FilmTextures& film, const DisplaySettin
   return place;
 }
 
+void CompositePass::replace_values(const PixelRectangle& area, std::span<const float> values) {
+  if (values.size() != 3 * std::size_t(area.width) * std::size_t(area.height)) return;
+  glActiveTexture(GL_TEXTURE0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glBindTexture(GL_TEXTURE_2D, values_.name());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, area.x, area.y, area.width, area.height, GL_RGB, GL_FLOAT, values.data());
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
 std::vector<float> CompositePass::read_linear() const {
   std::vector<float> values(3 * std::size_t(width_) * std::size_t(height_));
   if (values.empty()) return values;

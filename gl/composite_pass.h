@@ -56,6 +56,9 @@ class CompositePass {
   Expected<void> compose(const FilmTextures& film, const AnalyticTextures& analytic,
                          const DisplaySettings& settings);
 
+  /// Replaces the composed values of a rectangle of the film: red, green and blue, row by row from the top.
+  void replace_values(const PixelRectangle& area, std::span<const float> values);
+
   /// Draws the last composed values into `target`, letterboxed, and outlines of the workers' tiles if the
   /// settings want them. Returns where the film is.
   PixelRectangle show(const FilmTextures& film, const DisplaySettings& settings,

@@ -60,6 +60,7 @@ Expected<FilmTextures> FilmTextures::create(int width, int height) {
 
 void FilmTextures::clear(std::uint32_t view) {
   view_ = view;
+  ++version_;
   has_difference_ = false;
   std::ranges::fill(radiance_, 0.0f);
   std::ranges::fill(difference_, 0.0f);
@@ -83,6 +84,7 @@ bool FilmTextures::apply(const TileSnapshot& tile) {
       standard_error_[to] = tile.standard_error[from];
     }
   }
+  ++version_;
   has_difference_ = has_difference_ || !tile.difference.empty();
   upload(tile.x, tile.y, tile.width, tile.height);
   return true;

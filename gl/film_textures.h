@@ -27,6 +27,8 @@ class FilmTextures {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] std::uint32_t view() const { return view_; }
+  /// Changes with every change of the film.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
   /// Whether any tile of this view had a difference.
   [[nodiscard]] bool has_difference() const { return has_difference_; }
 
@@ -48,6 +50,7 @@ class FilmTextures {
 
   int width_, height_;
   std::uint32_t view_ = 0;
+  std::uint64_t version_ = 0;
   bool has_difference_ = false;
   Texture radiance_texture_, difference_texture_, standard_error_texture_;
   std::vector<float> radiance_, difference_, standard_error_;

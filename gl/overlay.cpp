@@ -160,6 +160,11 @@ void draw_picture_settings(DisplaySettings& settings, const ViewStatus& status, 
   ImGui::SameLine(second);
   layer_button(settings, status, Layer::kError, "standard error",
                "Of the mean of each pixel, from two samples on", Action::kShowError);
+  {
+    const DisabledWhile off(settings.layer == Layer::kComposite ? "" : "Only the image is denoised.");
+    ImGui::Checkbox("denoise", &settings.denoise);
+    off.tooltip(with_key("Non-local means, by the standard error of each pixel", Action::kToggleDenoising));
+  }
   draw_legend(settings);
   if (settings.layer == Layer::kError) {
     if (ImGui::RadioButton("relative", settings.relative_error)) settings.relative_error = true;

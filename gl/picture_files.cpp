@@ -70,8 +70,8 @@ Expected<std::vector<std::uint8_t>> exr_of(const Picture& picture) {
 }  // namespace
 
 Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
-                                  const AnalyticTextures& analytic, const DisplaySettings& settings,
-                                  const ViewStatus& status) {
+                                  const AnalyticTextures& analytic, const DenoisedArea& denoised,
+                                  const DisplaySettings& settings, const ViewStatus& status) {
   Picture picture;
   picture.width = film.width();
   picture.height = film.height();
@@ -90,6 +90,7 @@ Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
   picture.samples = every(film.radiance(), 3, 1);
 
   if (auto done = pass.compose(film, analytic, settings); !done) return std::unexpected(done.error());
+  if (!denoised.values.empty()) pass.replace_values(denoised.area, denoised.values);
   auto display = pass.read_display(film, settings);
   if (!display) return std::unexpected(display.error());
   picture.display = std::move(*display);

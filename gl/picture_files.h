@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,11 +27,18 @@ struct Picture {
   std::vector<std::pair<std::string, MetadataValue>> metadata;  ///< of the EXR file
 };
 
-/// All that can be saved of the current view. Afterwards the layer of `settings` is composed. Workers' values
-/// are taken from memory as received, not through OpenGL. Errors: those of CompositePass.
+/// Denoised values of a rectangle of the film; none: the picture is shown as it is.
+struct DenoisedArea {
+  PixelRectangle area;
+  std::span<const float> values;  ///< three per pixel
+};
+
+/// All that can be saved of the current view; Picture::display shows the denoised values. Afterwards the
+/// layer of `settings` is composed. Workers' values are taken from memory as received, not through OpenGL.
+/// Errors: those of CompositePass.
 Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
-                                  const AnalyticTextures& analytic, const DisplaySettings& settings,
-                                  const ViewStatus& status);
+                                  const AnalyticTextures& analytic, const DenoisedArea& denoised,
+                                  const DisplaySettings& settings, const ViewStatus& status);
 
 /// Saves by the extension of `path`; case is ignored:
 ///   .exr  `linear` as R, G, B; difference.R/G/B, analytic.R/G/B, standard_error.Y, samples.Y; metadata

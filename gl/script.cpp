@@ -149,7 +149,7 @@ class ScriptParser {
   }
 
   bool wait() {
-    const Word* what = take("samples, analytic, finished or connected");
+    const Word* what = take("samples, analytic, finished, connected or denoised");
     if (!what) return false;
     WaitCommand wait{.line = line_};
     if (what->text == "samples") {
@@ -164,8 +164,11 @@ class ScriptParser {
       wait.what = WaitFor::kFinished;
     } else if (what->text == "connected") {
       wait.what = WaitFor::kConnected;
+    } else if (what->text == "denoised") {
+      wait.what = WaitFor::kDenoised;
     } else {
-      return unknown(*what, "thing to wait for", {"samples", "analytic", "finished", "connected"});
+      return unknown(*what, "thing to wait for",
+                     {"samples", "analytic", "finished", "connected", "denoised"});
     }
     if (next_ < words_.size()) {
       const Word word = words_[next_++];

@@ -36,9 +36,10 @@ enum class WaitFor {
   kAnalytic,   ///< so many frames of the current view's closed form have been drawn
   kFinished,   ///< all requested samples have arrived
   kConnected,  ///< the scheduler has answered
+  kDenoised,   ///< the picture is denoised with all samples that have arrived
 };
 
-/// `wait samples N | analytic [FRAMES] | finished | connected [timeout SECONDS]`
+/// `wait samples N | analytic [FRAMES] | finished | connected | denoised [timeout SECONDS]`
 struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;

@@ -25,6 +25,8 @@ const char* name_of(WaitFor what) {
       return "the end of what was asked for";
     case WaitFor::kConnected:
       return "the scheduler";
+    case WaitFor::kDenoised:
+      return "the denoised picture";
   }
   return "";
 }
@@ -72,13 +74,16 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
              viewer_->samples_there() >= status.samples_total;
     case WaitFor::kConnected:
       return status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded;
+    case WaitFor::kDenoised:
+      return viewer_->is_denoised();
   }
   return false;
 }
 
 Expected<bool> ScriptRunner::run(const WaitCommand& command) {
   if (is_there(command)) return true;
-  if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic)
+  if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic &&
+      command.what != WaitFor::kDenoised)
     return fail(fmt::format("the render is over, with {} of every pixel",
                             counted(viewer_->least_samples(), "sample")));
   const double waited = seconds_since(since_);

@@ -20,6 +20,7 @@ struct DisplaySettings {
   bool outlines = false;       ///< of the tiles that workers are rendering, in a colour per worker
   bool automatic = false;      ///< keep refining
   bool relative_error = true;  ///< kError: standard error over brightness; else times 2^exposure
+  bool denoise = false;        ///< kComposite: the denoised picture
   bool panel = true, help = false;
 };
 

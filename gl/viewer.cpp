@@ -19,6 +19,18 @@ constexpr std::size_t kMessagesKept = 100;
 constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has a worker
 constexpr std::chrono::seconds kPatienceWithTiles{1};
 
+/// A rectangle of an image of that width.
+std::vector<float> cut(std::span<const float> image, int width, std::size_t per_pixel,
+                       const PixelRectangle& area) {
+  std::vector<float> part;
+  for (int y = area.y; y < area.y + area.height; ++y) {
+    const std::size_t first = per_pixel * (std::size_t(y) * std::size_t(width) + std::size_t(area.x));
+    const std::span<const float> row = image.subspan(first, per_pixel * std::size_t(area.width));
+    part.insert(part.end(), row.begin(), row.end());
+  }
+  return part;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::string& address,
@@ -275,6 +287,7 @@ Expected<void> Viewer::draw() {
     if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
     if (Expected<void> composed = composite_.compose(*film_, analytic_textures(), settings_); !composed)
       return composed;
+    denoise_composed();
     composite_.show(*film_, settings_, status_.workers,
                     {.framebuffer = window_.framebuffer(),
                      .width = window_.width(),
@@ -293,11 +306,37 @@ Expected<void> Viewer::draw() {
   return {};
 }
 
+PixelRectangle Viewer::rendered_area() const {
+  return job_ ? PixelRectangle{job_->x, job_->y, job_->width, job_->height} : PixelRectangle{};
+}
+
+std::span<const float> Viewer::denoised_values() {
+  if (!settings_.denoise || settings_.layer != Layer::kComposite) return {};
+  return denoised_.values(denoised_view_);
+}
+
+void Viewer::denoise_composed() {
+  if (!settings_.denoise || settings_.layer != Layer::kComposite) return;
+  if (const std::string error = denoised_.take_error(); !error.empty())
+    say("warning: the picture cannot be denoised: " + error);
+  const PixelRectangle area = rendered_area();
+  if (denoised_.wants(denoised_view_, film_->version()) && least_samples() > 0)
+    denoised_.submit({.view = denoised_view_,
+                      .version = film_->version(),
+                      .width = area.width,
+                      .height = area.height,
+                      .values = cut(composite_.read_linear(), film_->width(), 3, area),
+                      .standard_error = cut(film_->standard_error(), film_->width(), 1, area)});
+  if (const std::span<const float> values = denoised_values(); !values.empty())
+    composite_.replace_values(area, values);
+}
+
 Expected<void> Viewer::save(const std::filesystem::path& path) {
   if (!film_) return fail("there is nothing to save yet");
   if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
   const Expected<Picture> picture =
-      capture_picture(composite_, *film_, analytic_textures(), settings_, status_);
+      capture_picture(composite_, *film_, analytic_textures(),
+                      DenoisedArea{rendered_area(), denoised_values()}, settings_, status_);
   if (!picture) return std::unexpected(picture.error());
   return save_picture(path, *picture);
 }

@@ -11,6 +11,7 @@
 #include "gl/analytic_pass.h"
 #include "gl/camera_control.h"
 #include "gl/composite_pass.h"
+#include "gl/denoised_picture.h"
 #include "gl/film_textures.h"
 #include "gl/local_scheduler.h"
 #include "gl/overlay.h"
@@ -49,7 +50,9 @@ class Viewer {
 
   [[nodiscard]] bool wants_to_quit() const { return quit_; }
   /// Whether something has changed since the last frame, or there is more to draw.
-  [[nodiscard]] bool is_stale() const { return stale_ || refines_closed_form(); }
+  [[nodiscard]] bool is_stale() const {
+    return stale_ || refines_closed_form() || (settings_.denoise && denoised_.has_news());
+  }
   [[nodiscard]] const ViewStatus& status() const { return status_; }
   [[nodiscard]] const CameraPose& pose() const { return pose_; }
   /// The scene's centre in world space.
@@ -60,6 +63,10 @@ class Viewer {
   }
   /// Samples that every pixel of the current view has.
   [[nodiscard]] std::uint32_t least_samples() const;
+  /// Whether the picture is denoised with all samples that have arrived.
+  [[nodiscard]] bool is_denoised() const {
+    return settings_.denoise && film_ && denoised_.shows(denoised_view_, film_->version());
+  }
   /// Samples of the current view that have arrived, over all pixels.
   [[nodiscard]] std::uint64_t samples_there() const;
   /// Exit code of the local scheduler, if it ended before anything could be shown.
@@ -92,6 +99,11 @@ class Viewer {
   void save_beside_scene();
   void say(std::string text);
   Expected<void> draw_closed_form();
+  /// Replaces the composed picture by the newest denoised one, and has the present one denoised.
+  void denoise_composed();
+  [[nodiscard]] PixelRectangle rendered_area() const;
+  /// The newest denoised values of the rendered area, if the picture is to be denoised.
+  [[nodiscard]] std::span<const float> denoised_values();
   [[nodiscard]] bool refines_closed_form() const;
   [[nodiscard]] bool can_steer() const { return status_.interactive && header_.has_value(); }
   [[nodiscard]] AnalyticTextures analytic_textures() const;
@@ -103,6 +115,8 @@ class Viewer {
   CompositePass composite_;
   std::unique_ptr<AnalyticPass> analytic_;
   std::optional<FilmTextures> film_;
+  DenoisedPicture denoised_;
+  std::uint64_t denoised_view_ = 1;  // incremented whenever the samples are forgotten
 
   DisplaySettings settings_;
   ViewStatus status_;

@@ -38,6 +38,9 @@ bool change_display(Action action, bool has_closed_form, DisplaySettings& settin
     case Action::kShowError:
       settings.layer = Layer::kError;
       return true;
+    case Action::kToggleDenoising:
+      settings.denoise = !settings.denoise;
+      return true;
     case Action::kToggleOutlines:
       settings.outlines = !settings.outlines;
       return true;
@@ -147,6 +150,7 @@ void Viewer::show_pose() {
 
 void Viewer::forget_samples() {
   film_->clear(0);
+  ++denoised_view_;
   analytic_is_old_ = true;
   asked_.reset();
   status_.spp_done = status_.spp_wanted = requested_spp_ = 0;

@@ -69,6 +69,7 @@
 #endif
 #define SQRT_D(x) sqrt((double)(x))
 #define FABS_D(x) fabs((double)(x))
+#define BIT_COUNT(x) popcount(x)
 #define LOWEST_BIT(x) (31 - (int)clz((uint)(x) & (0u - (uint)(x))))
 #ifdef __has_builtin
   #if __has_builtin(__builtin_bitreverse32)

@@ -199,15 +199,15 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
 /// evenly; by even and odd indices they would cover different parts of it.
 FN uint half_of_sample(uint sample) { return (uint)BIT_COUNT(sample) & 1u; }
 
-/// Means of those samples of a slot field that are in that half, over the number of all samples. Samples that
-/// share a photon map are in the same half.
+/// Sums of those samples of a slot field that are in half `which`, over the number of all samples. Samples
+/// that share a photon map are in the same half.
 STAGE void accumulate_half(const GLOBAL float* RESTRICT values, int pitch, int pixels,
-                           const PRIVATE Unit* unit, uint samples_per_map, uint half,
+                           const PRIVATE Unit* unit, uint samples_per_map, uint which,
                            GLOBAL float* RESTRICT means) {
   const float share = 1.0f / (float)unit->sample_count;
   for (int p = 0; p < pixels; p++) means[p] = 0.0f;
   for (uint s = 0; s < unit->sample_count; s++) {
-    if (half_of_sample((unit->first_sample + s) / samples_per_map) != half) continue;
+    if (half_of_sample((unit->first_sample + s) / samples_per_map) != which) continue;
     const GLOBAL float* RESTRICT of_sample = values + (int)s * pitch;
     LANE_LOOP
       for (int p = 0; p < pixels; p++) means[p] = within_floats(means[p] + of_sample[p] * share);

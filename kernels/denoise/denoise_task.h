@@ -66,6 +66,12 @@ typedef struct {
 
 FN int denoise_pitch(int border) { return (DENOISE_TILE_WIDTH + 2 * border + 16 + 15) / 16 * 16; }
 
+/// Floats of one plane of a tile with its border.
+FN int tile_plane_floats(const GLOBAL DenoiseTask* task) {
+  const int border = task->search_radius + task->patch_radius;
+  return denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+}
+
 FN DenoiseTile denoise_tile(const GLOBAL DenoiseTask* task, int number) {
   DenoiseTile tile;
   tile.x = number % denoise_tiles_across(task) * DENOISE_TILE_WIDTH;
@@ -88,8 +94,8 @@ STAGE void fill_floats(float value, int count, GLOBAL float* RESTRICT to) {
 
 /// Copies a tile with its border from a plane that begins with row `first_row` of the image. Pixels outside
 /// of the plane are those at its edge, or `outside` if that is not negative.
-STAGE void load_tile(const PRIVATE DenoiseTile* tile, const GLOBAL float* RESTRICT plane, int width,
-                     int first_row, int rows, float outside, GLOBAL float* RESTRICT to) {
+STAGE void load_plane(const PRIVATE DenoiseTile* tile, const GLOBAL float* RESTRICT plane, int width,
+                      int first_row, int rows, float outside, GLOBAL float* RESTRICT to) {
   const int x = tile->x - tile->border, left = min_i(max_i(-x, 0), tile->pitch);
   const int end = max_i(min_i(width - x, tile->pitch), left);
   for (int row = 0; row < tile->rows; row++) {
@@ -104,6 +110,22 @@ STAGE void load_tile(const PRIVATE DenoiseTile* tile, const GLOBAL float* RESTRI
       copy_floats(from + x + left, end - left, to_row + left);
     fill_floats(outside >= 0.0f ? outside : from[width - 1], tile->pitch - end, to_row + end);
   }
+}
+
+/// Loads `count` planes that follow each other, both in the image and in the tile.
+FN void load_planes(const PRIVATE DenoiseTile* tile, const GLOBAL float* planes, int count, int width,
+                    int first_row, int rows, GLOBAL float* to) {
+  for (int k = 0; k < count; k++)
+    load_plane(tile, planes + (ulong)k * (ulong)width * (ulong)rows, width, first_row, rows, -1.0f,
+               to + k * tile->pitch * tile->rows);
+}
+
+/// Loads the guide. Pixels outside of the image are not valid.
+FN void load_guide(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile* tile, const GLOBAL float* guide,
+                   GLOBAL float* to) {
+  load_planes(tile, guide, VALID_PLANE, task->width, 0, task->height, to);
+  load_plane(tile, guide + (ulong)VALID_PLANE * (ulong)task->width * (ulong)task->height, task->width, 0,
+             task->height, 0.0f, to + VALID_PLANE * tile->pitch * tile->rows);
 }
 
 /// Copies the tile's rows of a plane without border to a plane that begins with row `first_row` of the image.

@@ -28,8 +28,7 @@ STAGE void divide_by_weights(const GLOBAL float* RESTRICT weights, const GLOBAL 
 }
 
 FN int filter_scratch_floats(const GLOBAL DenoiseTask* task) {
-  const int border = task->search_radius + task->patch_radius;
-  const int plane = denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+  const int plane = tile_plane_floats(task);
   return PATCH_SCRATCH + (2 + task->sources) * DENOISE_TILE_PIXELS + (GUIDE_PLANES + task->sources) * plane;
 }
 
@@ -38,19 +37,14 @@ FN void filter_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL flo
                     const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* out) {
   const DenoiseTile tile = denoise_tile(task, number);
   const int r = task->search_radius, plane = tile.pitch * tile.rows;
-  const ulong image = (ulong)task->width * (ulong)task->height;
   GLOBAL float* patches = scratch;
   GLOBAL float* weights = patches + PATCH_SCRATCH;
   GLOBAL float* weight_sums = weights + DENOISE_TILE_PIXELS;
   GLOBAL float* sums = weight_sums + DENOISE_TILE_PIXELS;
   GLOBAL float* tile_guide = sums + task->sources * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_sources = tile_guide + GUIDE_PLANES * plane;
-  for (int k = 0; k < GUIDE_PLANES; k++)
-    load_tile(&tile, guide + (ulong)k * image, task->width, 0, task->height, k == VALID_PLANE ? 0.0f : -1.0f,
-              tile_guide + k * plane);
-  for (int k = 0; k < task->sources; k++)
-    load_tile(&tile, sources + (ulong)k * image, task->width, 0, task->height, -1.0f,
-              tile_sources + k * plane);
+  load_guide(task, &tile, guide, tile_guide);
+  load_planes(&tile, sources, task->sources, task->width, 0, task->height, tile_sources);
   for (int i = 0; i < (1 + task->sources) * DENOISE_TILE_PIXELS; i++) weight_sums[i] = 0.0f;
   for (int dy = -r; dy <= r; dy++)
     for (int dx = -r; dx <= r; dx++) {

@@ -37,7 +37,8 @@ STAGE void pixel_distances(const GLOBAL float* RESTRICT guide, int plane, int pi
       const float sum = (numerator[0] * denominator[1] + numerator[1] * denominator[0]) * denominator[2] +
                         numerator[2] * product;
       const float both = p[VALID_PLANE * plane + i] * q[VALID_PLANE * plane + i];
-      distances[i] = both * (sum / (product * denominator[2]));
+      const float distance = sum / (product * denominator[2]);
+      distances[i] = both > 0.0f ? distance : 0.0f;
     }
 }
 

@@ -163,8 +163,7 @@ FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
 }
 
 FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
-  const int border = task->search_radius + task->patch_radius;
-  const int plane = denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+  const int plane = tile_plane_floats(task);
   return PATCH_SCRATCH + NORMAL_ROWS * 16 +
          DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task) + MODEL_PLANES) +
          (GUIDE_PLANES + 2 * REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
@@ -176,7 +175,6 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
                  const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
   const DenoiseTile tile = denoise_tile(task, number);
   const int r = task->search_radius, plane = tile.pitch * tile.rows, neighbours = denoise_neighbours(task);
-  const ulong image = (ulong)task->width * (ulong)task->height;
   GLOBAL float* patches = scratch;
   GLOBAL float* normal = patches + PATCH_SCRATCH;
   GLOBAL float* row_weights = normal + NORMAL_ROWS * 16;
@@ -187,11 +185,9 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
   GLOBAL float* noise = features + REGRESSION_FEATURES * plane;
   GLOBAL float* colors = noise + REGRESSION_FEATURES * plane;
-  for (int k = 0; k < GUIDE_PLANES; k++)
-    load_tile(&tile, guide + (ulong)k * image, task->width, 0, task->height, k == VALID_PLANE ? 0.0f : -1.0f,
-              tile_guide + k * plane);
-  for (int k = 0; k < 2 * REGRESSION_FEATURES + REGRESSION_COLORS; k++)
-    load_tile(&tile, sources + (ulong)k * image, task->width, 0, task->height, -1.0f, features + k * plane);
+  load_guide(task, &tile, guide, tile_guide);
+  load_planes(&tile, sources, 2 * REGRESSION_FEATURES + REGRESSION_COLORS, task->width, 0, task->height,
+              features);
   for (int n = 0; n < neighbours; n++) {
     const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
     patch_weights(task, &tile, tile_guide, dx, dy, CENTRE_IS_PIXEL, patches, row_weights);
@@ -223,8 +219,7 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
 }
 
 FN int predict_scratch_floats(const GLOBAL DenoiseTask* task) {
-  const int border = task->search_radius + task->patch_radius;
-  const int plane = denoise_pitch(border) * (DENOISE_TILE_HEIGHT + 2 * border);
+  const int plane = tile_plane_floats(task);
   return PATCH_SCRATCH + DENOISE_TILE_PIXELS * (1 + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
          (GUIDE_PLANES + REGRESSION_FEATURES + MODEL_PLANES) * plane;
 }
@@ -235,7 +230,6 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
                      GLOBAL float* out) {
   const DenoiseTile tile = denoise_tile(task, number);
   const int r = task->search_radius, plane = tile.pitch * tile.rows;
-  const ulong image = (ulong)task->width * (ulong)task->height;
   GLOBAL float* patches = scratch;
   GLOBAL float* weights = patches + PATCH_SCRATCH;
   GLOBAL float* weight_sums = weights + DENOISE_TILE_PIXELS;
@@ -243,14 +237,9 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
   GLOBAL float* tile_guide = sums + REGRESSION_BANDWIDTHS * REGRESSION_COLORS * DENOISE_TILE_PIXELS;
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
   GLOBAL float* tile_models = features + REGRESSION_FEATURES * plane;
-  for (int k = 0; k < GUIDE_PLANES; k++)
-    load_tile(&tile, guide + (ulong)k * image, task->width, 0, task->height, k == VALID_PLANE ? 0.0f : -1.0f,
-              tile_guide + k * plane);
-  for (int k = 0; k < REGRESSION_FEATURES; k++)
-    load_tile(&tile, sources + (ulong)k * image, task->width, 0, task->height, -1.0f, features + k * plane);
-  for (int k = 0; k < MODEL_PLANES; k++)
-    load_tile(&tile, models + (ulong)k * (ulong)task->width * (ulong)task->model_rows, task->width,
-              task->model_row, task->model_rows, -1.0f, tile_models + k * plane);
+  load_guide(task, &tile, guide, tile_guide);
+  load_planes(&tile, sources, REGRESSION_FEATURES, task->width, 0, task->height, features);
+  load_planes(&tile, models, MODEL_PLANES, task->width, task->model_row, task->model_rows, tile_models);
   for (int i = 0; i < REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS; i++)
     weight_sums[i] = 0.0f;
   for (int dy = -r; dy <= r; dy++)

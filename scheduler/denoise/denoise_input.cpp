@@ -37,17 +37,30 @@ std::vector<std::size_t> find_layer(const Image& image, std::initializer_list<st
   return {};
 }
 
-/// Copies channels into planes; values that are not finite become 0, and their pixels invalid.
-void copy_channels(const Image& image, std::span<const std::size_t> channels, float scale, Planes& to,
-                   int first_plane, std::span<float> valid) {
+// Beyond any use; their squares, and sums of those, do not overflow.
+constexpr float kMostRadiance = 1e15f, kMostNoise = 1e30f, kMostFeature = 1e3f;
+
+/// Copies channels into planes, limited to ±`most`. Values that are not finite become 0, and their pixels
+/// invalid.
+void copy_channels(const Image& image, std::span<const std::size_t> channels, float scale, float most,
+                   Planes& to, int first_plane, std::span<float> valid) {
   for (std::size_t k = 0; k < channels.size(); ++k) {
     const std::span<float> plane = to.plane(first_plane + int(k));
     for (std::size_t i = 0; i < image.pixels(); ++i) {
       const float value = image.values[i * image.channels.size() + channels[k]] * scale;
-      plane[i] = std::isfinite(value) ? value : 0;
+      plane[i] = std::isfinite(value) ? std::clamp(value, -most, most) : 0;
       if (!valid.empty() && !std::isfinite(value)) valid[i] = 0;
     }
   }
+}
+
+/// The median of positive values; 0 if there are none.
+float median(std::vector<float> values) {
+  std::erase_if(values, [](float value) { return !(value > 0); });
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
 
 /// A power of two, so that the result does not depend on the exposure: the inverse of the median brightness.
@@ -55,13 +68,11 @@ float brightness_scale(const Image& image, std::span<const std::size_t> channels
   std::vector<float> brightness;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     float sum = 0;
-    for (const std::size_t k : channels) sum += image.values[i * image.channels.size() + k];
-    if (std::isfinite(sum) && sum > 0) brightness.push_back(sum / 3);
+    for (const std::size_t k : channels) sum += image.values[i * image.channels.size() + k] / 3;
+    if (std::isfinite(sum)) brightness.push_back(sum);
   }
-  if (brightness.empty()) return 1;
-  const auto middle = brightness.begin() + std::ptrdiff_t(brightness.size() / 2);
-  std::ranges::nth_element(brightness, middle);
-  return std::ldexp(1.0f, -std::clamp(std::ilogb(*middle), -100, 100));
+  const float middle = median(std::move(brightness));
+  return middle > 0 ? std::ldexp(1.0f, -std::clamp(std::ilogb(middle), -100, 100)) : 1;
 }
 
 /// The variance of noise in an image of which nothing else is known: the mean square, over 7 x 7 pixels, of a
@@ -86,13 +97,16 @@ Planes variance_from_neighbours(const Planes& color) {
   return box_mean(squares, 3);
 }
 
-/// Divides depths by their largest finite value, and infinite ones, where nothing was hit, are 0.
+/// Divides depths by twice their median, and limits them to twice that: a background far away must not make
+/// all other differences small.
 void scale_depth(Planes& features, Planes& variances) {
   const std::span<float> depth = features.plane(6), variance = variances.plane(6);
-  const float most = *std::ranges::max_element(depth);
-  if (!(most > 0)) return;
-  for (float& d : depth) d /= most;
-  for (float& v : variance) v /= most * most;
+  const float unit = 2 * median({depth.begin(), depth.end()});
+  if (!(unit > 0)) return;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    variance[i] = depth[i] > 2 * unit ? 0 : variance[i] / (unit * unit);
+    depth[i] = std::min(depth[i] / unit, 2.0f);
+  }
 }
 
 }  // namespace
@@ -118,13 +132,13 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
   input.valid = Planes(width, height, 1, 1.0f);
   input.color = Planes(width, height, 3);
   const std::span<float> valid = input.valid.plane(0);
-  copy_channels(noisy, rgb, result.scale, input.color, 0, valid);
+  copy_channels(noisy, rgb, result.scale, kMostRadiance, input.color, 0, valid);
 
   const auto half_a = find_layer(noisy, {"half_a"}, {"RGB"}), half_b = find_layer(noisy, {"half_b"}, {"RGB"});
   if (!half_a.empty() && !half_b.empty()) {
     input.half_a = input.half_b = Planes(width, height, 3);
-    copy_channels(noisy, half_a, result.scale, input.half_a, 0, valid);
-    copy_channels(noisy, half_b, result.scale, input.half_b, 0, valid);
+    copy_channels(noisy, half_a, result.scale, kMostRadiance, input.half_a, 0, valid);
+    copy_channels(noisy, half_b, result.scale, kMostRadiance, input.half_b, 0, valid);
   } else {
     say("it has no halves of the samples (half_a, half_b), which `penumbra render --denoise=layers` writes: "
         "it is "
@@ -133,7 +147,7 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
   const auto variance = find_layer(noisy, {"variance"}, {"RGB"});
   if (!variance.empty()) {
     input.variance = Planes(width, height, 3);
-    copy_channels(noisy, variance, result.scale * result.scale, input.variance, 0, valid);
+    copy_channels(noisy, variance, result.scale * result.scale, kMostNoise, input.variance, 0, valid);
     for (float& v : input.variance.values) v = std::max(v, 0.0f);
   } else if (input.has_halves()) {
     input.variance = box_mean(quarter_of_squared_difference(input.half_a, input.half_b), 3);
@@ -148,19 +162,21 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
     const char* name;
     std::vector<std::size_t> channels, variances;
     int plane;
+    float most;
   };
   const Feature features[] = {
       {"albedo", find_layer(noisy, {"albedo", "denoising albedo"}, {"RGB"}),
-       find_layer(noisy, {"albedo_variance"}, {"RGB"}), 0},
+       find_layer(noisy, {"albedo_variance"}, {"RGB"}), 0, kMostFeature},
       {"normal", find_layer(noisy, {"normal", "denoising normal", "sh_normal", "ns", "n"}, {"XYZ", "RGB"}),
-       find_layer(noisy, {"normal_variance"}, {"XYZ"}), 3},
+       find_layer(noisy, {"normal_variance"}, {"XYZ"}), 3, kMostFeature},
       {"depth", find_layer(noisy, {"depth", "denoising depth"}, {"Z", "V", "Y", "T"}),
-       find_layer(noisy, {"depth_variance"}, {"Z"}), 6}};
+       find_layer(noisy, {"depth_variance"}, {"Z"}), 6, kMostRadiance}};
   std::string missing, unknown;
   for (const Feature& feature : features) {
-    copy_channels(noisy, feature.channels, 1, input.features, feature.plane, {});
+    copy_channels(noisy, feature.channels, 1, feature.most, input.features, feature.plane, {});
     if (!feature.channels.empty())
-      copy_channels(noisy, feature.variances, 1, input.feature_variance, feature.plane, {});
+      copy_channels(noisy, feature.variances, 1, feature.most * feature.most, input.feature_variance,
+                    feature.plane, {});
     if (feature.channels.empty()) missing += std::string(missing.empty() ? "" : ", ") + feature.name;
     if (!feature.channels.empty() && feature.variances.empty())
       unknown += std::string(unknown.empty() ? "" : ", ") + feature.name;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr NlMeansOptions kFeatureFilter{.search_radius = 5, .patch_radius = 3, .strength = 0.5f};
 constexpr NlMeansOptions kErrorFilter{.search_radius = 9, .patch_radius = 1, .strength = 1.0f};
-constexpr int kRegressionRadius = 9, kRegressionPatch = 3;
+constexpr int kRegressionRadius = 7, kRegressionPatch = 3;
 // Models take much memory, so an image is processed in bands of so many rows.
 constexpr int kBandRows = 4 * DENOISE_TILE_HEIGHT;
 

@@ -48,7 +48,7 @@ class PictureFilesTest : public HiddenWindowTest {
     HiddenWindowTest::TearDown();
   }
   Picture captured(const DisplaySettings& settings, const AnalyticTextures& analytic) {
-    auto picture = capture_picture(*pass_, *film_, analytic, settings, status_);
+    auto picture = capture_picture(*pass_, *film_, analytic, {}, settings, status_);
     EXPECT_TRUE(picture.has_value());
     return picture ? std::move(*picture) : Picture{};
   }

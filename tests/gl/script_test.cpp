@@ -108,7 +108,7 @@ TEST(Script, AnErrorShowsPlaceLineCaretAndTheNearestName) {
             "        ^");
   EXPECT_EQ(error_of("wait \"é\" x"),
             "test.script:1:6: error: unknown thing to wait for 'é'; there are: samples, analytic, finished, "
-            "connected\n"
+            "connected, denoised\n"
             "  wait \"é\" x\n"
             "       ^");
   EXPECT_EQ(error_of("resize 640"),
@@ -146,7 +146,7 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 0", 27, "'up' has no direction"},
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 -3", 27, "'up' is along the view"},
            Case{"camera from 0 0 0", 8, "unknown part of a camera 'from'; there are: eye, at, up"},
-           Case{"wait", 5, "samples, analytic, finished or connected is missing"},
+           Case{"wait", 5, "samples, analytic, finished, connected or denoised is missing"},
            Case{"wait finishd", 6, "did you mean 'finished'?"},
            Case{"wait samples", 13, "a number of samples is missing"},
            Case{"wait \"samples\"", 15, "a number of samples is missing"},

@@ -473,6 +473,30 @@ TEST_F(PenumbraViewTest, AnyIntegratorIsShownAsItConverges) {
   EXPECT_EQ(image("view.png").data.width, 1280);
 }
 
+/// The mean squared difference of two pictures of the same size.
+double squared_difference(const Image& a, const Image& b) {
+  EXPECT_EQ(a.values.size(), b.values.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i)
+    sum += std::pow(double(a.values[i]) - double(b.values[i]), 2);
+  return sum / double(a.values.size());
+}
+
+TEST_F(PenumbraViewTest, APictureIsDenoisedAndTheSamplesStayAsTheyAre) {
+  const ProgramResult result =
+      view({"scene.xml", "-D", "type=path", "--spp", "8"},
+           "wait finished\nsave noisy.exr\nsave noisy.png\nkey n\nwait denoised\nsave denoised.exr\n"
+           "save denoised.png\nscreenshot window.png\nkey n\nsave again.png\nquit\n");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult reference =
+      penumbra({"render", "scene.xml", "-D", "type=path", "--spp", "512", "-q", "-o", "reference.png"});
+  ASSERT_EQ(reference.exit_code, 0) << reference.err;
+  EXPECT_LT(squared_difference(image("denoised.png"), image("reference.png")),
+            0.5 * squared_difference(image("noisy.png"), image("reference.png")));
+  EXPECT_EQ(differing_bits(channels(image("denoised.exr"), ""), channels(image("noisy.exr"), "")), 0);
+  EXPECT_EQ(image("again.png").values, image("noisy.png").values);
+}
+
 TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
   write_text(path() / "bad.xml", "<scene version=\"3.0.0\"><shape type=\"rectangl\"/></scene>");
   const ProgramResult bad_scene = view({"bad.xml"}, "wait connected\n");
