@@ -4,7 +4,6 @@ namespace penumbra {
 
 NativeRenderBlock render_block_scalar, render_block_sse2, render_block_avx2, render_block_avx512;
 NativeTracePhotons trace_photons_scalar, trace_photons_sse2, trace_photons_avx2, trace_photons_avx512;
-NativeDenoiseTile denoise_tile_scalar, denoise_tile_sse2, denoise_tile_avx2, denoise_tile_avx512;
 
 namespace {
 
@@ -12,13 +11,13 @@ constexpr int kVectorLanes = 16;
 
 // CMakeLists.txt decides which of them this build has.
 constexpr NativeKernel kKernels[] = {
-    {KernelTarget::kScalar, 1, render_block_scalar, trace_photons_scalar, denoise_tile_scalar},
-    {KernelTarget::kSse2, kVectorLanes, render_block_sse2, trace_photons_sse2, denoise_tile_sse2},
+    {KernelTarget::kScalar, 1, render_block_scalar, trace_photons_scalar},
+    {KernelTarget::kSse2, kVectorLanes, render_block_sse2, trace_photons_sse2},
 #ifdef PENUMBRA_AVX2
-    {KernelTarget::kAvx2, kVectorLanes, render_block_avx2, trace_photons_avx2, denoise_tile_avx2},
+    {KernelTarget::kAvx2, kVectorLanes, render_block_avx2, trace_photons_avx2},
 #endif
 #ifdef PENUMBRA_AVX512
-    {KernelTarget::kAvx512, kVectorLanes, render_block_avx512, trace_photons_avx512, denoise_tile_avx512},
+    {KernelTarget::kAvx512, kVectorLanes, render_block_avx512, trace_photons_avx512},
 #endif
 };
 

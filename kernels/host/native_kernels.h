@@ -7,7 +7,6 @@
 #ifndef EXTERNAL_TRACER
   #define EXTERNAL_TRACER
 #endif
-#include "kernels/denoise/denoise_task.h"
 #include "kernels/photon/photon_task.h"
 #include "kernels/scene.h"
 #include "kernels/unit.h"
@@ -24,10 +23,6 @@ using NativeTracePhotons = void(const SceneHeader& header, const uint* words, co
                                 const PhotonTask& task, int first, int count, const Block& block,
                                 const PhotonStore& store);
 
-/// See denoise_tile_of of denoise/denoise.h.
-using NativeDenoiseTile = void(const DenoiseTask& task, int tile, const float* guide, const float* sources,
-                               float* models, float* scratch, float* out);
-
 /// kScalar: one lane, no vector instructions beyond the baseline's; used for debugging, with blocks of one
 /// path.
 enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };
@@ -37,7 +32,6 @@ struct NativeKernel {
   int lanes;
   NativeRenderBlock* render_block;
   NativeTracePhotons* trace_photons;
-  NativeDenoiseTile* denoise_tile;
 };
 
 /// All kernels in this binary: scalar, SSE2, and those that the build was configured for.

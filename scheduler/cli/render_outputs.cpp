@@ -158,6 +158,8 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line) {
   const auto begin = Clock::now();
+  // An image that was stopped is not worth the time.
+  if (!outcome.complete) prepared.files.denoised_exr = prepared.files.denoised_png = {};
   const OutputFiles& files = prepared.files;
   Image image;
   OutputBatch batch;  // declared after the image that it writes, so that it is destroyed first
@@ -189,8 +191,8 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
   statistics.contradictory_shape = shape_of_first(prepared, outcome.film.flagged()[BAD_BOUNDARY]);
   statistics.build_seconds = prepared.scene.seconds;
-  if (files.exr) statistics.files.push_back(*files.exr);
-  if (files.png) statistics.files.push_back(*files.png);
+  for (const OptionalPath& file : {files.exr, files.png, files.denoised_exr, files.denoised_png})
+    if (file) statistics.files.push_back(*file);
   // This runs while the images are encoded.
   nlohmann::ordered_json json = files.statistics ? statistics_json(statistics) : nlohmann::ordered_json();
   batch.wait();
@@ -199,10 +201,9 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
     add_statistics(json, *files.statistics, batch);
   }
   if (auto written = batch.finish(); !written) return written;
-  // The image is safe before it is denoised, and one that was stopped is not worth the time.
-  return is_denoised(statistics.record.film) && outcome.complete
-             ? write_denoised(image, statistics.record.film, files)
-             : Expected<void>();
+  // The image is safe before it is denoised.
+  return files.denoised_exr || files.denoised_png ? write_denoised(image, statistics.record.film, files)
+                                                  : Expected<void>();
 }
 
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,

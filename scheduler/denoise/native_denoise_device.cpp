@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernels/denoise/denoise.h"
-#include "kernels/host/native_kernels.h"
+#include "kernels/host/native_denoise.h"
 #include "scheduler/denoise/denoise_devices.h"
 
 namespace penumbra {
@@ -37,8 +37,7 @@ class NativeDenoiseDevice final : public DenoiseDevice {
 }  // namespace
 
 std::unique_ptr<DenoiseDevice> native_denoise_device(KernelTarget target, int threads) {
-  const NativeKernel* kernel = find_native_kernel(target);
-  return std::make_unique<NativeDenoiseDevice>(kernel->denoise_tile, std::max(threads, 1));
+  return std::make_unique<NativeDenoiseDevice>(native_denoise_tile(target), std::max(threads, 1));
 }
 
 }  // namespace penumbra

@@ -56,7 +56,7 @@ std::string port_in(const std::string& text) {
 
 TEST_F(Overnight, ABatchJobThatIsKilledOrCancelledGoesOnAndIsWatchedThroughATunnel) {
   constexpr int kSpp = 512;
-  const Arguments job = render("night.exr", {"--checkpoint-interval", "0.05"}, kSpp);
+  const Arguments job = render("night.exr", {"--checkpoint-interval", "0.05", "--denoise"}, kSpp);
   std::string command = PENUMBRA_BINARY_DIR "/penumbra";
   for (const std::string& word : job) command += " " + word;
   write_text(folder_ / "night.sbatch",
@@ -84,7 +84,8 @@ TEST_F(Overnight, ABatchJobThatIsKilledOrCancelledGoesOnAndIsWatchedThroughATunn
   ASSERT_TRUE(ends(submit("night.sbatch")));
   EXPECT_THAT(output(), AllOf(HasSubstr("going on with night.exr.checkpoint"), Not(HasSubstr("cannot"))));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "night.exr.checkpoint")) << output();
-  expect_same_as_here("night.exr", kSpp);
+  expect_same_as_here("night.exr", kSpp, {"--denoise"});
+  EXPECT_TRUE(file_contents(folder_ / "here-denoised.exr") == file_contents(folder_ / "night-denoised.exr"));
   const auto planned = nlohmann::json::parse(estimated.out)["plan"];
   EXPECT_EQ(statistics("here.json")["units"]["done"], planned["units"]);
   EXPECT_LE(file_contents(folder_ / "night.exr").size(), planned["image_bytes"].get<std::uint64_t>() + 20000)

@@ -43,9 +43,10 @@ class Slurm : public ::testing::Test {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  void expect_same_as_here(const std::string& image, int spp = 256) {
-    const ProgramResult here =
-        run_penumbra(folder_.path(), render("here.exr", {"--workers", "2", "-q"}, spp));
+  void expect_same_as_here(const std::string& image, int spp = 256, const Arguments& more = {}) {
+    Arguments options{"--workers", "2", "-q"};
+    options.insert(options.end(), more.begin(), more.end());
+    const ProgramResult here = run_penumbra(folder_.path(), render("here.exr", options, spp));
     ASSERT_EQ(here.exit_code, 0) << here.err;
     EXPECT_TRUE(file_contents(folder_ / "here.exr") == file_contents(folder_ / image)) << image;
   }

@@ -15,9 +15,9 @@ SPRING, CROWN = 8.4, 14.0  # of the vault
 START, END = -BAY, (BAYS - 1) * BAY
 
 SCENE.add("""
-<default name="spp" value="224"/>
-<default name="width" value="640"/>
-<default name="height" value="360"/>
+<default name="spp" value="96"/>
+<default name="width" value="800"/>
+<default name="height" value="450"/>
 <integrator type="ppm"><integer name="photon_count" value="60000"/><float name="initial_radius" value="0.4"/></integrator>
 <medium type="homogeneous" id="haze">
   <rgb name="sigma_t" value="0.03"/><float name="albedo" value="0.97"/>

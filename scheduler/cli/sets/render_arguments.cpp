@@ -63,7 +63,8 @@ const std::map<std::string, RenderOption, std::less<>>& render_options() {
       const std::string first = name_of(*option);
       if (first.empty() || first == "set" || is_shared_option(first)) continue;
       const AxisKind kind = option->get_items_expected_max() == 0 ? AxisKind::kFlag : AxisKind::kOption;
-      for (const std::string& name : option->get_lnames()) options[name] = {first, kind};
+      const bool has_values = kind == AxisKind::kFlag && option->get_flag_value(first, "") != "true";
+      for (const std::string& name : option->get_lnames()) options[name] = {first, kind, has_values};
     }
     return options;
   }();
@@ -88,7 +89,7 @@ void add_argument(std::vector<std::string>& arguments, const RenderAxis& axis, c
       arguments.push_back("--" + axis.name + "=" + value);
       break;
     case AxisKind::kFlag:
-      if (value == "true") arguments.push_back("--" + axis.name);
+      if (value != "false") arguments.push_back("--" + axis.name + (value == "true" ? "" : "=" + value));
       break;
   }
 }
@@ -122,7 +123,7 @@ const std::vector<std::string>& render_option_names() {
 bool is_shared_option(std::string_view name) { return std::ranges::find(kShared, name) != kShared.end(); }
 
 Expected<void> check_value(AxisKind kind, const std::string& name, const std::string& value) {
-  if (kind == AxisKind::kFlag && value != "true" && value != "false")
+  if (kind == AxisKind::kFlag && value != "true" && value != "false" && !find_render_option(name)->has_values)
     return fail(fmt::format("{} is true or false, not '{}'", name, value));
   if (kind == AxisKind::kSetting && find_setting(to_snake_case(name)) == nullptr) {
     RenderSettings none;
@@ -144,8 +145,7 @@ std::vector<RenderAxis> axes_of_command(const CLI::App& command) {
     else if (name == "set")
       add_assignments(axes, AxisKind::kSetting, option->results());
     else if (const RenderOption* known = find_render_option(name))
-      set_axis(axes,
-               {known->kind, name, {known->kind == AxisKind::kFlag ? "true" : option->results().back()}});
+      set_axis(axes, {known->kind, name, {option->results().back()}});
   }
   return axes;
 }

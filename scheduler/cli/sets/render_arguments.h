@@ -16,6 +16,7 @@ namespace penumbra {
 struct RenderOption {
   std::string name;  ///< the long name without dashes; if there are several, the first
   AxisKind kind;     ///< kOption or kFlag
+  bool has_values;   ///< kFlag: other values than true and false are accepted, too
 };
 
 /// The option with this long name. Null if it does not exist, or if all renders of a command share it.

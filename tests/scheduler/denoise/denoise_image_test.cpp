@@ -7,6 +7,9 @@
 #include <limits>
 #include <random>
 
+#include "scheduler/image/image_files.h"
+#include "tests/support/temporary_folder.h"
+
 namespace penumbra {
 namespace {
 
@@ -178,6 +181,28 @@ TEST(DenoiseImage, TakesASinglePixel) {
         (pixel.at(0, 0, *pixel.channel("half_a.R")) + pixel.at(0, 0, *pixel.channel("half_b.R"))) / 2;
     EXPECT_NEAR(outcome->image.at(0, 0, 0), mean, 1e-6);
   }
+}
+
+TEST(DenoiseImage, TakesDamagedFilesOrRefusesThem) {
+  const TemporaryFolder folder;
+  const auto good = encode_exr(image_of(16, 12, kAllChannels));
+  ASSERT_TRUE(good);
+  std::mt19937 random(1);
+  int taken = 0;
+  for (int i = 0; i < 200; ++i) {
+    std::string bad(good->begin(), good->end());
+    for (int k = 0; k < 1 + i % 5; ++k) bad[random() % bad.size()] = char(random());
+    if (i % 7 == 0) bad.resize(random() % bad.size());
+    write_text(folder / "bad.exr", bad);
+    const auto image = read_image(folder / "bad.exr");
+    if (!image || image->pixels() > 1000) continue;
+    for (const Denoise method : {Denoise::kNlMeans, Denoise::kNfor})
+      if (const auto outcome = denoise_image(*image, options_of(method))) {
+        EXPECT_EQ(outcome->image.pixels(), image->pixels());
+        ++taken;
+      }
+  }
+  EXPECT_GT(taken, 10) << "what is damaged are mostly pixels";
 }
 
 TEST(DenoiseImage, NeedsColours) {

@@ -147,6 +147,17 @@ TEST_F(Service, NamesOfObjectsTravelWithTheirJob) {
   EXPECT_TRUE(contents("out/a.exr") == contents("ref.exr"));
 }
 
+TEST_F(Service, DenoisedImagesComeWithTheirImages) {
+  serve();
+  const std::string job = submit({"--denoise", "--spp", "4", "-o", "a.exr"});
+  const ProgramResult fetched = run({"fetch", job, "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  EXPECT_THAT(fetched.out, AllOf(HasSubstr("out/a-denoised.exr"), HasSubstr("out/a-denoised.png")));
+  render({"--denoise", "--spp", "4"}, "ref.exr");
+  EXPECT_TRUE(contents("out/a.exr") == contents("ref.exr"));
+  EXPECT_TRUE(contents("out/a-denoised.exr") == contents("ref-denoised.exr"));
+}
+
 TEST_F(Service, AJobFileIsAsManyJobs) {
   write_text(folder_ / "jobs.toml",
              "[[render]]\nscene = 's.xml'\nseed = [1, 2]\nspp = 4\n[[render]]\nscene = 's.xml'\nspp = 2\n"

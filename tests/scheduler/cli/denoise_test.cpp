@@ -1,0 +1,141 @@
+// Tests `penumbra denoise` and `penumbra render --denoise`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "scheduler/image/image.h"
+#include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class DenoiseCommand : public ::testing::Test {
+ protected:
+  void SetUp() override { write_small_scene(folder_ / "s.xml"); }
+
+  ProgramResult penumbra(const std::vector<std::string>& arguments) {
+    return run_penumbra(folder_.path(), arguments);
+  }
+  void succeed(const std::vector<std::string>& arguments) {
+    const ProgramResult result = penumbra(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+  Image image(const std::string& name) {
+    auto read = read_image(folder_ / name);
+    EXPECT_TRUE(read) << read.error().message;
+    return read.value_or(Image{});
+  }
+  [[nodiscard]] bool exists(const std::string& name) const { return fs::exists(folder_ / name); }
+  [[nodiscard]] std::string contents(const std::string& name) const { return file_contents(folder_ / name); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(DenoiseCommand, ARenderWritesTheDenoisedImageBesideTheImage) {
+  succeed({"render", "s.xml", "--spp", "8", "--denoise", "-o", "a.exr"});
+  succeed({"render", "s.xml", "--spp", "8", "-o", "plain.exr"});
+  for (const char* channel : {"R", "G", "B"})
+    EXPECT_EQ(image("a.exr").at(2, 1, *image("a.exr").channel(channel)),
+              image("plain.exr").at(2, 1, *image("plain.exr").channel(channel)));
+  EXPECT_THAT(image("a.exr").channels, AllOf(Contains("half_a.R"), Contains("depth_variance.Z")));
+  EXPECT_THAT(image("plain.exr").channels, Not(Contains("half_a.R")));
+  EXPECT_THAT(image("a-denoised.exr").channels, AllOf(Contains("error.G"), Contains("albedo.R")));
+  EXPECT_TRUE(exists("a-denoised.png"));
+  // The command gives the same bytes.
+  succeed({"denoise", "a.exr", "-o", "again.exr"});
+  EXPECT_EQ(image("again.exr").values, image("a-denoised.exr").values);
+}
+
+TEST_F(DenoiseCommand, DevicesGiveTheSameFile) {
+  succeed({"render", "s.xml", "--spp", "8", "--denoise=layers", "-o", "a.exr"});
+  for (const char* method : {"nlmeans", "nfor"}) {
+    succeed({"denoise", "a.exr", "-o", "b.exr", "--method", method});
+    succeed({"denoise", "a.exr", "-o", "sse2.exr", "--method", method, "--threads", "1", "--isa", "sse2"});
+    EXPECT_TRUE(contents("sse2.exr") == contents("b.exr")) << method;
+    succeed({"denoise", "a.exr", "-o", "opencl.exr", "--method", method, "--backend", "opencl"});
+    EXPECT_TRUE(contents("opencl.exr") == contents("b.exr")) << method;
+  }
+}
+
+TEST_F(DenoiseCommand, LayersAloneAreForLater) {
+  succeed({"render", "s.xml", "--spp", "8", "--denoise=layers", "-o", "a.exr"});
+  EXPECT_FALSE(exists("a-denoised.exr"));
+  const ProgramResult result = penumbra({"denoise", "a.exr"});
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("wrote a-denoised.exr, a-denoised.png: nfor"), Not(HasSubstr("lacks"))));
+}
+
+TEST_F(DenoiseCommand, AJobFileChoosesTheMethod) {
+  write_text(
+      folder_ / "j.toml",
+      "[defaults]\nscene = \"s.xml\"\nspp = 4\n[[render]]\nout = \"a.exr\"\ndenoise = true\n"
+      "[[render]]\nout = \"b.exr\"\ndenoise = \"nlmeans\"\n[[render]]\nout = \"c.exr\"\ndenoise = false\n");
+  succeed({"render", "j.toml", "-q"});
+  const auto method = [&](const char* name) {
+    return std::get<std::string>(image(name).attribute("penumbra:denoised_by").value_or("none"));
+  };
+  EXPECT_EQ(method("a-denoised.exr"), "nfor");
+  EXPECT_EQ(method("b-denoised.exr"), "nlmeans");
+  EXPECT_FALSE(exists("c-denoised.exr"));
+  write_text(folder_ / "bad.toml", "[[render]]\nscene = \"s.xml\"\ndenoise = \"best\"\n");
+  const ProgramResult bad = penumbra({"render", "bad.toml"});
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.err, AllOf(HasSubstr("bad.toml:3"), HasSubstr("nlmeans")));
+}
+
+TEST_F(DenoiseCommand, TheRecordRepeatsIt) {
+  succeed({"render", "s.xml", "--spp", "4", "--denoise=nlmeans", "-o", "a.exr"});
+  EXPECT_THAT(std::get<std::string>(*image("a.exr").attribute("penumbra:command")),
+              HasSubstr("--denoise=nlmeans"));
+  succeed({"render", "s.xml", "--spp", "4", "-o", "b.exr"});
+  EXPECT_THAT(std::get<std::string>(*image("b.exr").attribute("penumbra:command")),
+              Not(HasSubstr("denoise")));
+}
+
+TEST_F(DenoiseCommand, WhatCannotWorkIsSaid) {
+  succeed({"render", "s.xml", "--spp", "2", "-o", "a.exr"});
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const ProgramResult result = penumbra(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(error({"denoise", "none.exr"}), HasSubstr("none.exr: no such file"));
+  EXPECT_THAT(error({"denoise", "a.exr", "-o", "a.exr"}), HasSubstr("a.exr"));
+  EXPECT_THAT(error({"denoise", "a.exr", "-o", "b.jpg"}), HasSubstr("must end in .exr or .png"));
+  EXPECT_THAT(error({"denoise", "a.exr", "--method", "best"}), HasSubstr("best"));
+  EXPECT_THAT(error({"denoise", "a.exr", "--patch-radius", "99"}), HasSubstr("--patch-radius"));
+  setenv("PENUMBRA_OIDN", "/none/libOpenImageDenoise.so", 1);
+  EXPECT_THAT(error({"denoise", "a.exr", "--method", "oidn"}), HasSubstr("Open Image Denoise is not there"));
+  EXPECT_THAT(error({"render", "s.xml", "--denoise=oidn"}), HasSubstr("Open Image Denoise is not there"));
+  unsetenv("PENUMBRA_OIDN");
+}
+
+TEST_F(DenoiseCommand, ImagesOfOtherFormatsAreTaken) {
+  succeed({"render", "s.xml", "--spp", "4", "-o", "a.png"});
+  const ProgramResult result = penumbra({"denoise", "a.png", "-o", "b.png"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("noise is estimated from neighbouring pixels"));
+}
+
+TEST_F(DenoiseCommand, OpenImageDenoiseRemovesNoise) {
+  if (penumbra({"render", "s.xml", "--spp", "1", "--denoise=oidn", "-q"}).exit_code != 0)
+    GTEST_SKIP() << "there is no library of Open Image Denoise; PENUMBRA_OIDN names one";
+  succeed({"render", "s.xml", "--spp", "8", "--denoise=oidn", "-o", "a.exr"});
+  const Image denoised = image("a-denoised.exr"), noisy = image("a.exr");
+  EXPECT_NE(denoised.values, noisy.values);
+  for (int y = 0; y < denoised.data.height; ++y)
+    for (int x = 0; x < denoised.data.width; ++x) EXPECT_TRUE(std::isfinite(denoised.at(x, y, 0)));
+}
+
+}  // namespace
+}  // namespace penumbra
