@@ -42,16 +42,26 @@ STAGE void pixel_distances(const GLOBAL float* RESTRICT guide, int plane, int pi
     }
 }
 
-/// sums[i] = values[i] + values[i + step] + ..., `terms` of them.
-STAGE void sum_of_shifted(const GLOBAL float* RESTRICT values, int step, int terms, int count,
-                          GLOBAL float* RESTRICT sums) {
+FN void sum_terms(const GLOBAL float* RESTRICT values, int step, int terms, int count,
+                  GLOBAL float* RESTRICT sums) {
   LANE_LOOP
-    for (int i = 0; i < count; i++) sums[i] = values[i] + values[i + step];
-  for (int k = 2; k < terms; k++) {
-    const GLOBAL float* RESTRICT shifted = values + k * step;
-    LANE_LOOP
-      for (int i = 0; i < count; i++) sums[i] += shifted[i];
-  }
+    for (int i = 0; i < count; i++) {
+      float sum = values[i];
+      UNROLL
+      for (int k = 1; k < terms; k++) sum += values[i + k * step];
+      sums[i] = sum;
+    }
+}
+
+/// sums[i] = values[i] + values[i + step] + ..., 2 patch_radius + 1 terms.
+STAGE void sum_of_shifted(const GLOBAL float* RESTRICT values, int step, int patch_radius, int count,
+                          GLOBAL float* RESTRICT sums) {
+  if (patch_radius == 0) sum_terms(values, step, 1, count, sums);
+  if (patch_radius == 1) sum_terms(values, step, 3, count, sums);
+  if (patch_radius == 2) sum_terms(values, step, 5, count, sums);
+  if (patch_radius == 3) sum_terms(values, step, 7, count, sums);
+  if (patch_radius == 4) sum_terms(values, step, 9, count, sums);
+  if (patch_radius == 5) sum_terms(values, step, 11, count, sums);
 }
 
 /// exp(-max(0, d^2)), 0 for neighbours that do not exist.
@@ -83,18 +93,13 @@ STAGE void patch_weights(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTi
     const int pixel = (tile->border - f + row) * tile->pitch + tile->border - f;
     pixel_distances(guide, plane, pixel, shift, PATCH_PITCH, sqr(task->strength),
                     centre == CENTRE_IS_NEIGHBOUR ? 1.0f : 0.0f, distances);
-    if (f > 0) sum_of_shifted(distances, 1, side, DENOISE_TILE_WIDTH, sums + row * DENOISE_TILE_WIDTH);
-    for (int i = 0; f == 0 && i < DENOISE_TILE_WIDTH; i++) sums[row * DENOISE_TILE_WIDTH + i] = distances[i];
+    sum_of_shifted(distances, 1, f, DENOISE_TILE_WIDTH, sums + row * DENOISE_TILE_WIDTH);
   }
   const float scale = 1.0f / (float)(GUIDE_CHANNELS * side * side);
   for (int row = 0; row < DENOISE_TILE_HEIGHT; row++) {
-    const GLOBAL float* of_patch = sums + row * DENOISE_TILE_WIDTH;
-    if (f > 0) {
-      sum_of_shifted(of_patch, DENOISE_TILE_WIDTH, side, DENOISE_TILE_WIDTH, distances);
-      of_patch = distances;
-    }
+    sum_of_shifted(sums + row * DENOISE_TILE_WIDTH, DENOISE_TILE_WIDTH, f, DENOISE_TILE_WIDTH, distances);
     const int neighbour = (tile->border + row) * tile->pitch + tile->border + shift;
-    weights_of_distances(of_patch, scale, guide + VALID_PLANE * plane + neighbour,
+    weights_of_distances(distances, scale, guide + VALID_PLANE * plane + neighbour,
                          weights + row * DENOISE_TILE_WIDTH);
   }
 }

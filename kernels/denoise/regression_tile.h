@@ -164,13 +164,39 @@ FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
 
 FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
-  return PATCH_SCRATCH + NORMAL_ROWS * 16 +
-         DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task) + MODEL_PLANES) +
+  return PATCH_SCRATCH + NORMAL_ROWS * 16 + DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task)) +
          (GUIDE_PLANES + 2 * REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
 }
 
-/// Fits the models of a tile's pixels. `sources`: the planes of features, their variances, colours. `models`:
-/// MODEL_PLANES planes with rows from task->model_row on.
+FN int tile_model_floats() { return MODEL_PLANES * DENOISE_TILE_PIXELS; }
+
+/// Loads the models of a tile with its border. Outside of the image they are arbitrary, but finite.
+STAGE void load_models(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile* tile,
+                       const GLOBAL float* RESTRICT models, GLOBAL float* RESTRICT to) {
+  const int across = denoise_tiles_across(task);
+  const int first = tile->x - tile->border;
+  for (int row = 0; row < tile->rows; row++) {
+    const int y = max_i(0, min_i(tile->y - tile->border + row - task->model_row, task->model_rows - 1));
+    for (int column = 0; column < tile->pitch;) {
+      // Up to the end of a tile of models, or of the columns that are before or behind all of them.
+      const int x = max_i(0, min_i(first + column, across * DENOISE_TILE_WIDTH - 1));
+      const int in_tile = x % DENOISE_TILE_WIDTH;
+      const bool is_inside = x == first + column;
+      const int count = is_inside ? min_i(DENOISE_TILE_WIDTH - in_tile, tile->pitch - column) : 1;
+      const GLOBAL float* from =
+          models +
+          (ulong)(y / DENOISE_TILE_HEIGHT * across + x / DENOISE_TILE_WIDTH) * (ulong)tile_model_floats() +
+          y % DENOISE_TILE_HEIGHT * DENOISE_TILE_WIDTH + in_tile;
+      for (int k = 0; k < MODEL_PLANES; k++)
+        copy_floats(from + k * DENOISE_TILE_PIXELS, count,
+                    to + (k * tile->rows + row) * tile->pitch + column);
+      column += count;
+    }
+  }
+}
+
+/// Fits the models of a tile's pixels. `sources`: the planes of features, their variances, colours. The
+/// models of tile `number` are written.
 FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
                  const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
   const DenoiseTile tile = denoise_tile(task, number);
@@ -180,8 +206,8 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
   GLOBAL float* row_weights = normal + NORMAL_ROWS * 16;
   GLOBAL float* weights =
       row_weights + DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours
-  GLOBAL float* tile_models = weights + neighbours * DENOISE_TILE_PIXELS;
-  GLOBAL float* tile_guide = tile_models + MODEL_PLANES * DENOISE_TILE_PIXELS;
+  GLOBAL float* tile_guide = weights + neighbours * DENOISE_TILE_PIXELS;
+  GLOBAL float* tile_models = models + (ulong)number * (ulong)tile_model_floats();
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
   GLOBAL float* noise = features + REGRESSION_FEATURES * plane;
   GLOBAL float* colors = noise + REGRESSION_FEATURES * plane;
@@ -213,9 +239,6 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
               normal[(NORMAL_ENTRIES + k) * LANES + j];
     }
   }
-  for (int k = 0; k < MODEL_PLANES; k++)
-    store_tile(task, &tile, tile_models + k * DENOISE_TILE_PIXELS, task->model_row,
-               models + (ulong)k * (ulong)task->width * (ulong)task->model_rows);
 }
 
 FN int predict_scratch_floats(const GLOBAL DenoiseTask* task) {
@@ -239,7 +262,7 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
   GLOBAL float* tile_models = features + REGRESSION_FEATURES * plane;
   load_guide(task, &tile, guide, tile_guide);
   load_planes(&tile, sources, REGRESSION_FEATURES, task->width, 0, task->height, features);
-  load_planes(&tile, models, MODEL_PLANES, task->width, task->model_row, task->model_rows, tile_models);
+  load_models(task, &tile, models, tile_models);
   for (int i = 0; i < REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS; i++)
     weight_sums[i] = 0.0f;
   for (int dy = -r; dy <= r; dy++)

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -40,16 +41,23 @@ std::vector<std::size_t> find_layer(const Image& image, std::initializer_list<st
 // Beyond any use; their squares, and sums of those, do not overflow.
 constexpr float kMostRadiance = 1e15f, kMostNoise = 1e30f, kMostFeature = 1e3f;
 
-/// Copies channels into planes, limited to ±`most`. Values that are not finite become 0, and their pixels
-/// invalid.
-void copy_channels(const Image& image, std::span<const std::size_t> channels, float scale, float most,
-                   Planes& to, int first_plane, std::span<float> valid) {
-  for (std::size_t k = 0; k < channels.size(); ++k) {
-    const std::span<float> plane = to.plane(first_plane + int(k));
-    for (std::size_t i = 0; i < image.pixels(); ++i) {
-      const float value = image.values[i * image.channels.size() + channels[k]] * scale;
-      plane[i] = std::isfinite(value) ? std::clamp(value, -most, most) : 0;
-      if (!valid.empty() && !std::isfinite(value)) valid[i] = 0;
+/// A channel of the image that becomes a plane, limited to ±`most`.
+struct PlaneSource {
+  std::size_t channel;
+  float scale, most;
+  std::span<float> plane;
+  bool decides;  ///< a value that is not finite makes the pixel invalid
+};
+
+/// Copies all planes in one pass over the image. Values that are not finite become 0.
+void copy_planes(const Image& image, const std::vector<PlaneSource>& sources, std::span<float> valid) {
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    const float* pixel = image.values.data() + i * image.channels.size();
+    for (const PlaneSource& source : sources) {
+      const float value = pixel[source.channel] * source.scale;
+      const bool is_finite = std::isfinite(value);
+      source.plane[i] = is_finite ? std::clamp(value, -source.most, source.most) : 0;
+      if (source.decides && !is_finite) valid[i] = 0;
     }
   }
 }
@@ -131,14 +139,19 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
   DenoiseInput& input = result.input;
   input.valid = Planes(width, height, 1, 1.0f);
   input.color = Planes(width, height, 3);
-  const std::span<float> valid = input.valid.plane(0);
-  copy_channels(noisy, rgb, result.scale, kMostRadiance, input.color, 0, valid);
+  std::vector<PlaneSource> sources;
+  const auto copy = [&](std::span<const std::size_t> channels, float scale, float most, Planes& to,
+                        int first_plane, bool decides) {
+    for (std::size_t k = 0; k < channels.size(); ++k)
+      sources.push_back({channels[k], scale, most, to.plane(first_plane + int(k)), decides});
+  };
+  copy(rgb, result.scale, kMostRadiance, input.color, 0, true);
 
   const auto half_a = find_layer(noisy, {"half_a"}, {"RGB"}), half_b = find_layer(noisy, {"half_b"}, {"RGB"});
   if (!half_a.empty() && !half_b.empty()) {
     input.half_a = input.half_b = Planes(width, height, 3);
-    copy_channels(noisy, half_a, result.scale, kMostRadiance, input.half_a, 0, valid);
-    copy_channels(noisy, half_b, result.scale, kMostRadiance, input.half_b, 0, valid);
+    copy(half_a, result.scale, kMostRadiance, input.half_a, 0, true);
+    copy(half_b, result.scale, kMostRadiance, input.half_b, 0, true);
   } else {
     say("it has no halves of the samples (half_a, half_b), which `penumbra render --denoise=layers` writes: "
         "it is "
@@ -147,14 +160,7 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
   const auto variance = find_layer(noisy, {"variance"}, {"RGB"});
   if (!variance.empty()) {
     input.variance = Planes(width, height, 3);
-    copy_channels(noisy, variance, result.scale * result.scale, kMostNoise, input.variance, 0, valid);
-    for (float& v : input.variance.values) v = std::max(v, 0.0f);
-  } else if (input.has_halves()) {
-    input.variance = box_mean(quarter_of_squared_difference(input.half_a, input.half_b), 3);
-    say("it has no variance: that of its halves is used");
-  } else {
-    input.variance = variance_from_neighbours(input.color);
-    say("it has no variance (variance.R, .G, .B): noise is estimated from neighbouring pixels");
+    copy(variance, result.scale * result.scale, kMostNoise, input.variance, 0, true);
   }
 
   input.features = input.feature_variance = Planes(width, height, REGRESSION_FEATURES);
@@ -171,20 +177,30 @@ Expected<ScaledInput> denoise_input(const Image& noisy, std::vector<std::string>
        find_layer(noisy, {"normal_variance"}, {"XYZ"}), 3, kMostFeature},
       {"depth", find_layer(noisy, {"depth", "denoising depth"}, {"Z", "V", "Y", "T"}),
        find_layer(noisy, {"depth_variance"}, {"Z"}), 6, kMostRadiance}};
-  std::string missing, unknown;
+  std::vector<std::string_view> missing, unknown;
   for (const Feature& feature : features) {
-    copy_channels(noisy, feature.channels, 1, feature.most, input.features, feature.plane, {});
-    if (!feature.channels.empty())
-      copy_channels(noisy, feature.variances, 1, feature.most * feature.most, input.feature_variance,
-                    feature.plane, {});
-    if (feature.channels.empty()) missing += std::string(missing.empty() ? "" : ", ") + feature.name;
-    if (!feature.channels.empty() && feature.variances.empty())
-      unknown += std::string(unknown.empty() ? "" : ", ") + feature.name;
+    if (feature.channels.empty()) {
+      missing.emplace_back(feature.name);
+      continue;
+    }
+    copy(feature.channels, 1, feature.most, input.features, feature.plane, false);
+    copy(feature.variances, 1, feature.most * feature.most, input.feature_variance, feature.plane, false);
+    if (feature.variances.empty()) unknown.emplace_back(feature.name);
   }
-  if (!missing.empty()) say("layers that it lacks: " + missing);
-  if (!unknown.empty()) say("layers without variance, taken as free of noise: " + unknown);
+  copy_planes(noisy, sources, input.valid.plane(0));
   for (float& v : input.feature_variance.values) v = std::max(v, 0.0f);
+  for (float& v : input.variance.values) v = std::max(v, 0.0f);
   scale_depth(input.features, input.feature_variance);
+  if (variance.empty() && input.has_halves()) {
+    input.variance = box_mean(quarter_of_squared_difference(input.half_a, input.half_b), 3);
+    say("it has no variance: that of its halves is used");
+  } else if (variance.empty()) {
+    input.variance = variance_from_neighbours(input.color);
+    say("it has no variance (variance.R, .G, .B): noise is estimated from neighbouring pixels");
+  }
+  if (!missing.empty()) say(fmt::format("layers that it lacks: {}", fmt::join(missing, ", ")));
+  if (!unknown.empty())
+    say(fmt::format("layers without variance, taken as free of noise: {}", fmt::join(unknown, ", ")));
   return result;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <vector>
 
 #include "kernels/denoise/denoise_task.h"
 #include "scheduler/denoise/guide.h"
@@ -7,10 +8,10 @@ namespace penumbra {
 namespace {
 
 constexpr NlMeansOptions kFeatureFilter{.search_radius = 5, .patch_radius = 3, .strength = 0.5f};
-constexpr NlMeansOptions kErrorFilter{.search_radius = 9, .patch_radius = 1, .strength = 1.0f};
-constexpr int kRegressionRadius = 7, kRegressionPatch = 3;
-// Models take much memory, so an image is processed in bands of so many rows.
-constexpr int kBandRows = 4 * DENOISE_TILE_HEIGHT;
+constexpr NlMeansOptions kErrorFilter{.search_radius = 5, .patch_radius = 1, .strength = 1.0f};
+constexpr int kRegressionRadius = 6, kRegressionPatch = 3;
+// Models take much memory, so an image is processed in bands. Their models fill whole tiles.
+constexpr int kBandRows = 8 * DENOISE_TILE_HEIGHT - 2 * kRegressionRadius;
 
 /// Albedo, normal and depth, each filtered with its own weights.
 Expected<Planes> filtered_features(DenoiseDevice& device, const DenoiseInput& input) {
@@ -35,6 +36,7 @@ Expected<Planes> regress(DenoiseDevice& device, const Planes& guide, const Plane
   std::ranges::copy(noise.values, sources.plane(REGRESSION_FEATURES).begin());
   std::ranges::copy(colors.values, sources.plane(2 * REGRESSION_FEATURES).begin());
   Planes out(width, height, REGRESSION_BANDWIDTHS * REGRESSION_COLORS);
+  std::vector<float> models;
   for (int row = 0; row < height; row += kBandRows) {
     const int end = std::min(row + kBandRows, height);
     DenoiseTask task{.stage = DENOISE_FIT,
@@ -51,14 +53,14 @@ Expected<Planes> regress(DenoiseDevice& device, const Planes& guide, const Plane
                      .sources = 0,
                      .strength = 1};
     task.model_rows = task.end_row - task.first_row;
-    Planes models(width, task.model_rows, MODEL_PLANES);
-    if (auto done = device.run(task, guide.values, sources.values, models.values, {}); !done)
+    models.resize(std::size_t(denoise_tiles_of(&task)) * MODEL_PLANES * DENOISE_TILE_PIXELS);
+    if (auto done = device.run(task, guide.values, sources.values, models, {}); !done)
       return std::unexpected(done.error());
     task.stage = DENOISE_PREDICT;
     task.first_row = row;
     task.end_row = end;
     Planes band(width, end - row, out.count);
-    if (auto done = device.run(task, guide.values, sources.values, models.values, band.values); !done)
+    if (auto done = device.run(task, guide.values, sources.values, models, band.values); !done)
       return std::unexpected(done.error());
     for (int k = 0; k < out.count; ++k)
       std::ranges::copy(band.plane(k), out.plane(k).begin() + std::ptrdiff_t(row) * width);

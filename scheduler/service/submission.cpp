@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "scenes/settings.h"
@@ -177,13 +178,17 @@ Expected<Submission> decode(const wire::Submission& message) {
   submission.command_line = {message.command_line().begin(), message.command_line().end()};
   submission.strict_numerics = message.strict_numerics();
   submission.files = {message.files().begin(), message.files().end()};
-  std::set<std::string_view> extensions;
+  // A denoised image comes after the image that it is made of.
+  const int most_images = is_denoised(submission.record.film) ? 2 : 1;
+  std::set<std::string_view> names;
+  std::map<std::string_view, int> of_kind;
   for (const std::string& name : submission.files) {
     if (!is_result_name(name))
       return fail(
           fmt::format("'{}' is no name of a result: NAME.exr, NAME.png or NAME.json without folders", name));
-    if (!extensions.insert(std::string_view(name).substr(name.rfind('.'))).second)
-      return fail("two results of one kind");
+    const std::string_view kind = std::string_view(name).substr(name.rfind('.'));
+    if (++of_kind[kind] > (kind == ".json" ? 1 : most_images)) return fail("two results of one kind");
+    if (!names.insert(name).second) return fail("two results of one name");
   }
   if (submission.files.empty()) return fail("there is no file to be written");
   auto mattes = decode(message.mattes());
