@@ -97,7 +97,8 @@ void add_denoise_command(CLI::App& app, Command& chosen) {
           "Intel Open Image Denoise, if its library is installed")
       ->transform(CLI::CheckedTransformer(methods).description(""))
       ->default_str("nfor")
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->group("Method");
   constexpr const char* kNlMeans = "Non-local means";
   NlMeansOptions& nl_means = options->denoise.nl_means;
   command->add_option("--search-radius", nl_means.search_radius, "Neighbours: (2N + 1)² pixels")
@@ -115,7 +116,7 @@ void add_denoise_command(CLI::App& app, Command& chosen) {
                    "Difference in standard deviations that still counts as noise")
       ->check(number_between(0.01, 100))
       ->default_str("0.45")
-      ->type_name("K")
+      ->type_name("N")
       ->group(kNlMeans);
   add_denoise_device_options(*command, options->device);
   command->footer(

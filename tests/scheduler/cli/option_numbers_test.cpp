@@ -26,6 +26,7 @@ const std::map<std::string, Arguments> kCommands = {
     {"settings", {}},
     {"plugins", {}},
     {"convert", {"none.xml", "none/none.xml"}},
+    {"denoise", {"none.exr"}},
     {"compare", {"none.exr", "none.exr"}},
     {"report", {"none.xml", "-o", "none"}},
     {"serve", {"--listen", "unix:none/none", "--spool", "none/none"}},

@@ -103,7 +103,7 @@ TEST(FilmAccumulator, FeaturesAreAveraged) {
   film.add(11, 20, result(1, 1));
   film.add(11, 20, result(4, 2));  // the mean of 1, 4, 4 is 3
   for (int layer = 0; layer < LAYER_COVERAGE; ++layer)
-    for (int plane = 0; plane < kFilmLayers[layer].planes; ++plane)
+    for (int plane = 0; kPolygonLayers.has(layer) && plane < kFilmLayers[layer].planes; ++plane)
       EXPECT_NEAR(film.layer(11, 20, layer, plane), 3.0 * (kPolygonLayers.plane(layer) + plane + 1), 1e-14);
   EXPECT_EQ(film.at(10, 20).count, 0u);
 }
