@@ -64,15 +64,13 @@ STAGE void add_neighbour(const GLOBAL float* RESTRICT weights, int bandwidth,
 }
 
 /// Solves the normal equations of LANES pixels by Cholesky's method, in place: the right sides become the
-/// models. `noise`: the features' variances.
-STAGE void solve_normal(const GLOBAL float* RESTRICT noise, int plane, GLOBAL float* RESTRICT normal) {
+/// models.
+STAGE void solve_normal(GLOBAL float* RESTRICT normal) {
   for (int k = 1; k < REGRESSION_TERMS; k++) {
-    const GLOBAL float* RESTRICT of_feature = noise + (k - 1) * plane;
     GLOBAL float* RESTRICT diagonal = normal + normal_entry(k, k) * LANES;
     LANE_LOOP
       for (int j = 0; j < LANES; j++)
-        diagonal[j] = diagonal[j] * (1.0f + RELATIVE_RIDGE) +
-                      normal[j] * (FEATURE_FLOOR * FEATURE_FLOOR + of_feature[j]);
+        diagonal[j] = diagonal[j] * (1.0f + RELATIVE_RIDGE) + normal[j] * (FEATURE_FLOOR * FEATURE_FLOOR);
   }
   // U^T U, with the inverse of U's diagonal in the diagonal.
   for (int row = 0; row < REGRESSION_TERMS; row++) {
@@ -165,7 +163,7 @@ FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
 FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
   return PATCH_SCRATCH + NORMAL_ROWS * 16 + DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task)) +
-         (GUIDE_PLANES + 2 * REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
+         (GUIDE_PLANES + REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
 }
 
 FN int tile_model_floats() { return MODEL_PLANES * DENOISE_TILE_PIXELS; }
@@ -195,7 +193,7 @@ STAGE void load_models(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile
   }
 }
 
-/// Fits the models of a tile's pixels. `sources`: the planes of features, their variances, colours. The
+/// Fits the models of a tile's pixels. `sources`: the planes of features, then of colours. The
 /// models of tile `number` are written.
 FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
                  const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
@@ -209,10 +207,9 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
   GLOBAL float* tile_guide = weights + neighbours * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_models = models + (ulong)number * (ulong)tile_model_floats();
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
-  GLOBAL float* noise = features + REGRESSION_FEATURES * plane;
-  GLOBAL float* colors = noise + REGRESSION_FEATURES * plane;
+  GLOBAL float* colors = features + REGRESSION_FEATURES * plane;
   load_guide(task, &tile, guide, tile_guide);
-  load_planes(&tile, sources, 2 * REGRESSION_FEATURES + REGRESSION_COLORS, task->width, 0, task->height,
+  load_planes(&tile, sources, REGRESSION_FEATURES + REGRESSION_COLORS, task->width, 0, task->height,
               features);
   for (int n = 0; n < neighbours; n++) {
     const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
@@ -231,7 +228,7 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
           add_neighbour(of_group + n * LANES, bandwidth, features + pixel, colors + pixel, plane,
                         dy * tile.pitch + dx, normal);
       }
-      solve_normal(noise + pixel, plane, normal);
+      solve_normal(normal);
       const int first_plane = bandwidth * REGRESSION_COLORS * REGRESSION_TERMS;
       for (int k = 0; k < REGRESSION_COLORS * REGRESSION_TERMS; k++)
         for (int j = 0; j < LANES; j++)

@@ -27,14 +27,13 @@ Expected<Planes> filtered_features(DenoiseDevice& device, const DenoiseInput& in
 }
 
 /// The colours at both bandwidths: 6 planes. Weights are those of `guide`; `colors` are regressed on
-/// `features`, whose variances are `noise`.
+/// `features`.
 Expected<Planes> regress(DenoiseDevice& device, const Planes& guide, const Planes& features,
-                         const Planes& noise, const Planes& colors) {
+                         const Planes& colors) {
   const int width = colors.width, height = colors.height;
-  Planes sources(width, height, 2 * REGRESSION_FEATURES + REGRESSION_COLORS);
+  Planes sources(width, height, REGRESSION_FEATURES + REGRESSION_COLORS);
   std::ranges::copy(features.values, sources.values.begin());
-  std::ranges::copy(noise.values, sources.plane(REGRESSION_FEATURES).begin());
-  std::ranges::copy(colors.values, sources.plane(2 * REGRESSION_FEATURES).begin());
+  std::ranges::copy(colors.values, sources.plane(REGRESSION_FEATURES).begin());
   Planes out(width, height, REGRESSION_BANDWIDTHS * REGRESSION_COLORS);
   std::vector<float> models;
   for (int row = 0; row < height; row += kBandRows) {
@@ -79,48 +78,56 @@ void add_error(const Planes& denoised, const Planes& noisy, const Planes& varian
       }
 }
 
+/// The weight of the whole bandwidth against half of it, from 0 to 1: where it has the smaller error,
+/// smoothed. `a` and `b` are the halves at both bandwidths.
+Expected<Planes> bandwidth_weights(DenoiseDevice& device, const DenoiseInput& input, const Planes& a,
+                                   const Planes& b) {
+  Planes error(input.color.width, input.color.height, REGRESSION_BANDWIDTHS);
+  add_error(a, input.half_b, input.variance, error);
+  add_error(b, input.half_a, input.variance, error);
+  const Planes guide = make_guide(input.color, input.variance, 1, input.valid);
+  const auto smooth_error = filter(device, guide, error, kErrorFilter);
+  if (!smooth_error) return smooth_error;
+  Planes choice(input.color.width, input.color.height, 1);
+  for (std::size_t i = 0; i < choice.pixels(); ++i)
+    choice.values[i] = smooth_error->plane(1)[i] < smooth_error->plane(0)[i] ? 1 : 0;
+  return filter(device, guide, choice, kErrorFilter);
+}
+
+/// The colours at the chosen bandwidths.
+Planes mix_bandwidths(const Planes& of_both, const Planes& weights) {
+  Planes mix(of_both.width, of_both.height, REGRESSION_COLORS);
+  for (int c = 0; c < REGRESSION_COLORS; ++c)
+    for (std::size_t i = 0; i < mix.pixels(); ++i) {
+      const float w = weights.values[i];
+      mix.plane(c)[i] = (1 - w) * of_both.plane(c)[i] + w * of_both.plane(REGRESSION_COLORS + c)[i];
+    }
+  return mix;
+}
+
 }  // namespace
 
 Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input) {
   const auto features = filtered_features(device, input);
   if (!features) return std::unexpected(features.error());
-  const Planes &half_a = input.has_halves() ? input.half_a : input.color,
-               &half_b = input.has_halves() ? input.half_b : input.color;
-  const float of_half = input.has_halves() ? 2 : 1;  // variance of a half, in that of the mean of both
-  const Planes guide_a = make_guide(half_a, input.variance, of_half, input.valid),
-               guide_b = make_guide(half_b, input.variance, of_half, input.valid);
-  Planes noise(input.color.width, input.color.height, REGRESSION_FEATURES);
-  const auto a = regress(device, guide_b, *features, noise, half_a);
+  if (!input.has_halves()) {
+    const Planes guide = make_guide(input.color, input.variance, 1, input.valid);
+    const auto color = regress(device, guide, *features, input.color);
+    if (!color) return std::unexpected(color.error());
+    return DenoisedImage{.color = some_planes(*color, 0, REGRESSION_COLORS), .residual_variance = {}};
+  }
+  // A half has twice the variance of the mean of both.
+  const auto a =
+      regress(device, make_guide(input.half_b, input.variance, 2, input.valid), *features, input.half_a);
   if (!a) return std::unexpected(a.error());
-  if (!input.has_halves())
-    return DenoisedImage{.color = some_planes(*a, 0, REGRESSION_COLORS), .residual_variance = {}};
-  const auto b = regress(device, guide_a, *features, noise, half_b);
+  const auto b =
+      regress(device, make_guide(input.half_a, input.variance, 2, input.valid), *features, input.half_b);
   if (!b) return std::unexpected(b.error());
-
-  Planes error(input.color.width, input.color.height, REGRESSION_BANDWIDTHS);
-  add_error(*a, half_b, input.variance, error);
-  add_error(*b, half_a, input.variance, error);
-  const Planes guide = make_guide(input.color, input.variance, 1, input.valid);
-  const auto smooth_error = filter(device, guide, error, kErrorFilter);
-  if (!smooth_error) return std::unexpected(smooth_error.error());
-  Planes choice(input.color.width, input.color.height, 1);
-  for (std::size_t i = 0; i < choice.pixels(); ++i)
-    choice.values[i] = smooth_error->plane(1)[i] < smooth_error->plane(0)[i] ? 1 : 0;
-  const auto weight = filter(device, guide, choice, kErrorFilter);
-  if (!weight) return std::unexpected(weight.error());
-
-  const auto chosen = [&](const Planes& of) {
-    Planes mix(of.width, of.height, REGRESSION_COLORS);
-    for (int c = 0; c < REGRESSION_COLORS; ++c)
-      for (std::size_t i = 0; i < mix.pixels(); ++i) {
-        const float w = weight->values[i];
-        mix.plane(c)[i] = (1 - w) * of.plane(c)[i] + w * of.plane(REGRESSION_COLORS + c)[i];
-      }
-    return mix;
-  };
-  const Planes final_a = chosen(*a), final_b = chosen(*b);
-  return DenoisedImage{.color = mean_of(final_a, final_b),
-                       .residual_variance = quarter_of_squared_difference(final_a, final_b)};
+  const auto weights = bandwidth_weights(device, input, *a, *b);
+  if (!weights) return std::unexpected(weights.error());
+  const Planes mixed_a = mix_bandwidths(*a, *weights), mixed_b = mix_bandwidths(*b, *weights);
+  return DenoisedImage{.color = mean_of(mixed_a, mixed_b),
+                       .residual_variance = quarter_of_squared_difference(mixed_a, mixed_b)};
 }
 
 }  // namespace penumbra
