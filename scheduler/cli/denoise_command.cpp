@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -53,6 +54,13 @@ ExitCode denoise(DenoiseCommandOptions options) {
   const auto device = denoise_device_options(options.device);
   if (!device) return print_error(device.error()), kBadInput;
   options.denoise.device = *device;
+  constexpr std::array<std::string_view, 3> kRadianceFormats{".exr", ".hdr", ".pfm"};
+  if (std::ranges::find(kRadianceFormats, extension_of(options.image)) == kRadianceFormats.end())
+    return print_error(
+               {fmt::format("{}: denoising takes radiance, from an EXR (or .hdr, .pfm); other formats "
+                            "hold what a display shows",
+                            options.image)}),
+           kBadInput;
   const auto noisy = read_image(options.image);
   if (!noisy) return print_error(noisy.error()), kBadInput;
   const auto begin = std::chrono::steady_clock::now();

@@ -51,6 +51,8 @@ Expected<void> check_denoiser(Denoise method) {
 }
 
 Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions& options) {
+  if (noisy.attribute("penumbra:denoised_by"))
+    return fail("it is denoised already: denoise the image that it was made from");
   DenoiseOutcome outcome;
   auto scaled = denoise_input(noisy, &outcome.remarks);
   if (!scaled) return std::unexpected(scaled.error());

@@ -33,7 +33,7 @@ std::string_view method_name(Denoise method);
 /// Whether the method can be used here. Error: kOidn without its library.
 Expected<void> check_denoiser(Denoise method);
 
-/// Errors: the image has no red, green and blue, or no pixel; the device's.
+/// Errors: the image has no red, green and blue, or no pixel, or is denoised already; the device's.
 Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions& options);
 
 /// What is known of an image, scaled by a power of two to a brightness of about 1, which `scale` undoes.
