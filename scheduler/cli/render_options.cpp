@@ -126,14 +126,6 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
 void add_layer_options(CLI::App& command, SceneOptions& options) {
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers")
       ->group(group::kOutput);
-  command
-      .add_flag(
-          "--denoise{nfor}", options.denoise,
-          "Write a denoised image too, NAME-denoised.exr and .png; =nlmeans and =oidn are other methods, "
-          "=layers adds only the layers for `penumbra denoise`")
-      ->type_name("METHOD")
-      ->check(CLI::IsMember(find_setting("film.denoise")->choices))
-      ->group(group::kOutput);
 }
 
 void add_device_options(CLI::App& command, RenderOptions& options) {
@@ -229,6 +221,14 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
   command
       .add_flag("--cryptomatte", options.scene.cryptomatte,
                 "Add object and material IDs to the EXR (Cryptomatte), by the scene's names")
+      ->group(group::kOutput);
+  command
+      .add_flag(
+          "--denoise{nfor}", options.scene.denoise,
+          "Write a denoised image too, NAME-denoised.exr and .png; =nlmeans and =oidn are other methods, "
+          "=layers adds only the layers for `penumbra denoise`")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember(find_setting("film.denoise")->choices))
       ->group(group::kOutput);
   command
       .add_flag("--strict-numerics", options.strict_numerics,
