@@ -32,9 +32,11 @@ FN float within_floats(float x) {
 /// removes the rounding error of the sum. They are in units of a power of ten, so that their squares do not
 /// overflow. If the sum or the differences might overflow, the samples are temporarily scaled by a power of
 /// two: both statistics of finite samples are finite. Pixel p's samples are values[p], values[p + pitch],
-/// ...; each lane has one pixel.
+/// ...; each lane has one pixel. `correction`: 1 adds the second correction of the mean, which only
+/// deviations bring; 0: the mean does not depend on whether there are any.
 STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int pixels, int count,
-                            GLOBAL float* RESTRICT means, GLOBAL float* RESTRICT deviations) {
+                            GLOBAL float* RESTRICT means, GLOBAL float* RESTRICT deviations,
+                            float correction) {
   const float n = (float)count;
   for (int p = 0; p < pixels; p += LANES) {
     float estimate[LANES], rest[LANES], unit[LANES], squares[LANES];
@@ -83,7 +85,7 @@ STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int 
     }
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        estimate[j] = within_floats((estimate[j] + unit[j] * (rest[j] / n)) * inverse[j]);
+        estimate[j] = within_floats((estimate[j] + correction * (unit[j] * (rest[j] / n))) * inverse[j]);
         squares[j] =
             within_floats(unit[j] * SQRT(max_f(squares[j] - rest[j] * (rest[j] / n), 0.0f) / n) * inverse[j]);
       }
@@ -258,11 +260,11 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
     if (k < RADIANCE_VALUES) deviations = means + RADIANCE_VALUES * area;
     if (has_variances & (layer_value_index >= 0) & (layer_value_index < FEATURE_PLANES))
       deviations = means + FEATURE_PLANES * area;
-    accumulate_field(value.samples, pitch, pixels, n, means, deviations);
+    accumulate_field(value.samples, pitch, pixels, n, means, deviations, k < RADIANCE_VALUES ? 1.0f : 0.0f);
   }
   for (int k = 0; layer_value(slots, features, UNFILTERED, k).samples != 0; k++) {
     const SampleValue value = layer_value(slots, features, UNFILTERED, k);
-    accumulate_field(value.samples, pitch, pixels, n, out + value.plane * area + first_pixel, 0);
+    accumulate_field(value.samples, pitch, pixels, n, out + value.plane * area + first_pixel, 0, 0.0f);
   }
 }
 

@@ -64,9 +64,9 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
   }
   for (int c = 0; c < 3 && layers; c++) {
     accumulate_field(slots->analytic + c * slots->capacity, pitch, pixels, n,
-                     out + (layer_plane(features, LAYER_ANALYTIC) + c) * area + first_pixel, 0);
+                     out + (layer_plane(features, LAYER_ANALYTIC) + c) * area + first_pixel, 0, 0.0f);
     accumulate_field(slots->shadowed + c * slots->capacity, pitch, pixels, n,
-                     out + (layer_plane(features, LAYER_DIFFERENCE) + c) * area + first_pixel, 0);
+                     out + (layer_plane(features, LAYER_DIFFERENCE) + c) * area + first_pixel, 0, 0.0f);
   }
 }
 
