@@ -86,7 +86,7 @@ STAGE void accumulate_quantity(GLOBAL const double* in, GLOBAL double* out, GLOB
   const int count = (int)in[0], period = (int)in[3];
   for (int i = 0; i < count; i++) values[i] = in_f(in, 1) + in_f(in, 2) * (float)(i % period);
   GLOBAL float* statistics = values + count + LANES;
-  accumulate_field(values, 1, 1, count, statistics, statistics + 1);
+  accumulate_field(values, 1, 1, count, statistics, statistics + 1, 1.0f);
   out[0] = statistics[0];
   out[1] = (double)statistics[1] * statistics[1] * count;
 }
