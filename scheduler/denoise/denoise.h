@@ -2,8 +2,6 @@
 // 2016).
 #pragma once
 
-#include <optional>
-
 #include "kernels/host/error.h"
 #include "scheduler/denoise/denoise_device.h"
 #include "scheduler/denoise/planes.h"

@@ -7,6 +7,7 @@
 #include "worker/native_device.h"
 
 namespace penumbra {
+
 Expected<std::unique_ptr<DenoiseDevice>> make_denoise_device(const DeviceOptions& options) {
   const int threads =
       options.threads > 0 ? options.threads : std::max(1, int(std::thread::hardware_concurrency()));

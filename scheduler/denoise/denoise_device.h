@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <span>
-#include <string>
 
 #include "kernels/denoise/denoise_task.h"
 #include "kernels/host/error.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenes/settings.h"
 #include "scheduler/denoise/oidn.h"
 
 namespace penumbra {
@@ -41,9 +42,10 @@ bool is_renderers(std::string_view name) {
 
 }  // namespace
 
-std::string_view method_name(Denoise method) {
-  constexpr std::string_view kNames[] = {"off", "layers", "nlmeans", "nfor", "oidn"};
-  return kNames[int(method)];
+std::string method_name(Denoise method) {
+  RenderSettings settings;
+  settings.film.denoise = method;
+  return print_setting(settings, "film.denoise");
 }
 
 Expected<void> check_denoiser(Denoise method) {
@@ -73,7 +75,7 @@ Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions&
     for (std::size_t i = 0; i < image.pixels(); ++i)
       image.values[i * image.channels.size() + scaled->channels[c]] = denoised->color.plane(int(c))[i] * back;
   std::erase_if(image.metadata, [](const auto& entry) { return !is_renderers(entry.first); });
-  image.metadata.emplace_back("penumbra:denoised_by", std::string(method_name(options.method)));
+  image.metadata.emplace_back("penumbra:denoised_by", method_name(options.method));
   return outcome;
 }
 

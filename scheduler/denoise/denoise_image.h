@@ -28,7 +28,7 @@ struct DenoiseOutcome {
 };
 
 /// The name of a method in film.denoise.
-std::string_view method_name(Denoise method);
+std::string method_name(Denoise method);
 
 /// Whether the method can be used here. Error: kOidn without its library.
 Expected<void> check_denoiser(Denoise method);

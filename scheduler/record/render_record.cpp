@@ -65,8 +65,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
   if (!record.feature_layers) command += " --no-features";
   if (record.cryptomatte) command += " --cryptomatte";
-  if (record.film.denoise != Denoise::kOff)
-    command += " --denoise=" + find_setting("film.denoise")->print(record);
+  if (record.film.denoise != Denoise::kOff) command += " --denoise=" + print_setting(record, "film.denoise");
   const Film& film = record.film;
   if (with_crop && has_crop(film)) {
     add("--crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y, film.crop_x + film.crop_width,
