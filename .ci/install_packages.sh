@@ -26,7 +26,7 @@ declare -A lists=(
     libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
     zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev
     libdraco-dev libmeshoptimizer-dev"
-  [window]="libglfw3-dev libepoxy-dev libimgui-dev"
+  [window]="libglfw3-dev libepoxy-dev libimgui-dev libfreetype-dev fonts-dejavu-core"
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"
   [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri"

@@ -20,6 +20,15 @@ constexpr ActionInfo kActions[] = {
     {Action::kBrighter, "plus", "more exposure", true},
     {Action::kDarker, "minus", "less exposure", true},
     {Action::kNextToneMap, "t", "next tone map", false},
+    {Action::kToggleFalseColor, "c", "show brightness as colours, or stop", false},
+    {Action::kNextLayer, "l", "next layer", false},
+    {Action::kZoomIn, "period", "larger picture", true},
+    {Action::kZoomOut, "comma", "smaller picture", true},
+    {Action::kActualSize, "z", "one screen pixel per pixel", false},
+    {Action::kFit, "f", "fit the picture into the window", false},
+    {Action::kKeepReference, "b", "keep the picture as reference", false},
+    {Action::kToggleReference, "x", "show the reference, or the picture again", false},
+    {Action::kNextComparison, "v", "show the difference to the reference, relative error, or neither", false},
     {Action::kAlphaUp, "right_bracket", "more of the closed form (alpha)", true},
     {Action::kAlphaDown, "left_bracket", "less of the closed form (alpha)", true},
     {Action::kForward, "w", "move forward", true},
@@ -37,9 +46,11 @@ constexpr ActionInfo kActions[] = {
     {Action::kResetCamera, "home", "back to the scene's own camera", false},
     {Action::kReload, "f5", "read the scene again", false},
     {Action::kSave, "p", "save the image as EXR and PNG", false},
+    {Action::kCopyView, "ctrl+c", "copy the view as settings of a render", false},
     {Action::kTogglePanel, "tab", "show or hide the panel", false},
     {Action::kToggleHelp, "h", "show or hide this help", false},
-    {Action::kQuit, "escape", "quit", false},
+    {Action::kClose, "escape", "close what is open, stop comparing, fit the picture", false},
+    {Action::kQuit, "ctrl+q", "quit", false},
 };
 constexpr std::size_t kActionCount = std::size(kActions);
 static_assert(kActionCount == std::size_t(Action::kQuit) + 1);
@@ -56,6 +67,8 @@ constexpr KeyAlias kAliases[] = {
     {"pageup", "page_up"},
     {"pagedown", "page_down"},
     {"f1", "h"},
+    {",", "comma"},
+    {".", "period"},
     {"esc", "escape"},
 };
 

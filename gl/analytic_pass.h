@@ -35,7 +35,7 @@ class AnalyticPass {
   /// kernels/light/light_unshadowed.h, except that no light illuminates itself; alpha is 1.
   [[nodiscard]] GLuint closed_form() const { return closed_form_.name(); }
   /// Likewise: the mean of the radiance that the camera sees directly, from emitters of all kinds and the
-  /// environment.
+  /// environment; alpha is the share of the pixel that they cover, by the film's filter.
   [[nodiscard]] GLuint emission() const { return emission_.name(); }
 
  private:

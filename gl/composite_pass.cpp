@@ -9,11 +9,12 @@
 #include <string>
 
 #include "gl/composite_shaders.h"
-#include "gl/error_scale.h"
 #include "scheduler/image/metrics/color_map.h"
 
 namespace penumbra {
 namespace {
+
+constexpr std::array<GLfloat, 4> kNothing{};
 
 std::string_view shader_text(std::string_view file) {
   for (const composite::EmbeddedFile& embedded : composite::shader_files()) {
@@ -60,6 +61,11 @@ void plain_state() {
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
+PixelRectangle intersection(const PixelRectangle& a, const PixelRectangle& b) {
+  const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
+  return {x, y, std::min(a.x + a.width, b.x + b.width) - x, std::min(a.y + a.height, b.y + b.height) - y};
+}
+
 bool has_size(GLuint texture, int width, int height) {
   if (texture == 0) return false;
   GLint found_width = 0, found_height = 0;
@@ -99,16 +105,60 @@ Expected<CompositePass> CompositePass::create() {
   return pass;
 }
 
+Expected<void> CompositePass::make_targets(int width, int height) {
+  if (width == width_ && height == height_) return {};
+  Texture values = make_texture(GL_RGBA32F, width, height, GL_RGBA, GL_FLOAT);
+  Texture lights = make_texture(GL_RGBA32F, width, height, GL_RGBA, GL_FLOAT);
+  auto target = make_framebuffer(std::array{values.name(), lights.name()});
+  if (!target) return std::unexpected(target.error());
+  values_ = std::move(values);
+  lights_ = std::move(lights);
+  values_target_ = std::move(*target);
+  width_ = width;
+  height_ = height;
+  return {};
+}
+
+bool CompositePass::is_on_film(const PixelRectangle& area) const {
+  return area.x >= 0 && area.y >= 0 && area.x + area.width <= width_ && area.y + area.height <= height_;
+}
+
+void CompositePass::clear_lights() {
+  glBindFramebuffer(GL_FRAMEBUFFER, values_target_.name());
+  glClearBufferfv(GL_COLOR, 1, kNothing.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+/// Without a layer no pixel has a value.
+void CompositePass::show_layer(const PictureLayer* layer, const PixelRectangle& area) {
+  glBindFramebuffer(GL_FRAMEBUFFER, values_target_.name());
+  glClearBufferfv(GL_COLOR, 0, kNothing.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  clear_lights();
+  if (layer == nullptr || !is_on_film(area)) return;
+  std::vector<float> values;
+  values.reserve(layer->values.size() / 3 * 4);
+  for (std::size_t i = 0; i + 2 < layer->values.size(); i += 3)
+    values.insert(values.end(), {layer->values[i], layer->values[i + 1], layer->values[i + 2],
+                                 layer->has_gaps && std::isnan(layer->values[i]) ? 0.0f : 1.0f});
+  glActiveTexture(GL_TEXTURE0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glBindTexture(GL_TEXTURE_2D, values_.name());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, area.x, area.y, area.width, area.height, GL_RGBA, GL_FLOAT,
+                  values.data());
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
 Expected<void> CompositePass::compose(const FilmTextures& film, const AnalyticTextures& analytic,
-                                      const DisplaySettings& settings) {
-  if (film.width() != width_ || film.height() != height_) {
-    Texture values = make_texture(GL_RGBA32F, film.width(), film.height(), GL_RGBA, GL_FLOAT);
-    auto target = make_framebuffer(std::array{values.name()});
-    if (!target) return std::unexpected(target.error());
-    values_ = std::move(values);
-    values_target_ = std::move(*target);
-    width_ = film.width();
-    height_ = film.height();
+                                      const DisplaySettings& settings, const LayeredPicture* layers) {
+  if (auto made = make_targets(film.width(), film.height()); !made) return made;
+  const bool has_layers = layers != nullptr && layers->width == width_ && layers->height == height_;
+  const PictureLayer* named = has_layers ? layers->layer(settings.named) : nullptr;
+  shown_ = shown_as(settings, named);
+  if (settings.layer == Layer::kNamed) {
+    plain_state();
+    show_layer(named, named == nullptr ? PixelRectangle{} : layers->area);
+    return {};
   }
   const bool hybrid =
       has_size(analytic.closed_form, width_, height_) && has_size(analytic.emission, width_, height_);
@@ -133,23 +183,24 @@ Expected<void> CompositePass::compose(const FilmTextures& film, const AnalyticTe
 }
 
 void CompositePass::draw_picture(const FilmTextures& film, const DisplaySettings& settings,
-                                 const PixelRectangle& place, int target_height, float scale) {
+                                 const PixelRectangle& place, const PixelRectangle& visible,
+                                 int target_height, float scale) {
   plain_state();
   const int top = target_height - place.y;  // OpenGL counts rows from below
-  glViewport(place.x, top - place.height, place.width, place.height);
+  glViewport(visible.x, target_height - visible.y - visible.height, visible.width, visible.height);
   glUseProgram(display_.name());
   bind_texture(display_, "linear_values", 0, values_.name());
   bind_texture(display_, "radiance", 1, film.radiance_texture());
   bind_texture(display_, "heat", 2, heat_.name());
-  const ErrorScale range = error_scale(settings);
+  bind_texture(display_, "lights", 3, lights_.name());
   set_uniform(display_, "origin", float(place.x), float(top));
   set_uniform(display_, "film_per_pixel", float(width_) / float(place.width),
               float(height_) / float(place.height));
-  set_uniform(display_, "layer", int(settings.layer));
+  set_uniform(display_, "display", int(shown_.display));
   set_uniform(display_, "tone_map", int(settings.tone_map));
   set_uniform(display_, "gain", std::exp2(settings.exposure));
-  set_uniform(display_, "relative_error", int(settings.relative_error));
-  set_uniform(display_, "error_range", range.log10_low, range.log10_high);
+  set_uniform(display_, "over_brightness", int(shown_.over_brightness));
+  set_uniform(display_, "heat_range", shown_.log10_low, shown_.log10_high);
   set_uniform(display_, "check_size", std::max(1.0f, std::round(8 * scale)));
   glBindVertexArray(nothing_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -175,13 +226,17 @@ void CompositePass::draw_outlines(const std::vector<OutlineVertex>& vertices, in
 
 PixelRectangle CompositePass::show(const FilmTextures& film, const DisplaySettings& settings,
                                    std::span<const WorkerView> workers, const DisplayTarget& target) {
-  const PixelRectangle place = letterboxed(target.area, width_, height_);
-  if (place.width < 1) return place;
+  const PixelRectangle place = film_place(settings.view, target.area, width_, height_);
+  const PixelRectangle visible = intersection(place, target.area);
+  if (visible.width < 1 || visible.height < 1) return place;
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-  draw_picture(film, settings, place, target.height, target.scale);
+  draw_picture(film, settings, place, visible, target.height, target.scale);
   if (settings.outlines) {
     const int thickness = std::max(1, int(std::lround(2 * target.scale)));
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(visible.x, target.height - visible.y - visible.height, visible.width, visible.height);
     draw_outlines(outline_triangles(workers, place, width_, height_, thickness), target.width, target.height);
+    glDisable(GL_SCISSOR_TEST);
   }
   return place;
 }
@@ -205,6 +260,52 @@ std::vector<float> CompositePass::read_linear() const {
   return values;
 }
 
+std::optional<std::array<float, 3>> CompositePass::read_pixel(int x, int y) const {
+  if (x < 0 || y < 0 || x >= width_ || y >= height_) return std::nullopt;
+  std::array<float, 4> value{};
+  glBindFramebuffer(GL_FRAMEBUFFER, values_target_.name());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(x, y, 1, 1, GL_RGBA, GL_FLOAT, value.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  if (value[3] == 0) return std::nullopt;
+  return std::array{value[0], value[1], value[2]};
+}
+
+Difference CompositePass::compare(const PictureLayer& reference, const PixelRectangle& area,
+                                  Comparison comparison) {
+  std::vector<float> values = read_linear();
+  if (values.empty() || !is_on_film(area)) return {};
+  std::vector<float> shown;
+  shown.reserve(reference.values.size());
+  double sum = 0, relative_squares = 0, count = 0;
+  for (std::size_t i = 0; i + 2 < reference.values.size(); i += 3) {
+    const int x = area.x + int(i / 3) % area.width, y = area.y + int(i / 3) / area.width;
+    const float* value = values.data() + 3 * (std::size_t(y) * std::size_t(width_) + std::size_t(x));
+    std::array<float, 3> less{};
+    float squares = 0, reference_squares = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float truth = reference.values[i + c];
+      less[c] = value[c] - truth;
+      squares += less[c] * less[c];
+      reference_squares += truth * truth;
+      if (!std::isfinite(less[c])) continue;
+      sum += double(less[c]);
+      relative_squares += double(less[c]) * double(less[c]) / (double(truth) * double(truth) + 0.01);
+      ++count;
+    }
+    const float relative = std::sqrt(squares / 3) / (std::sqrt(reference_squares / 3) + 0.01f);
+    for (std::size_t c = 0; c < 3; ++c)
+      shown.push_back(comparison == Comparison::kRelativeError ? relative
+                      : comparison == Comparison::kDifference  ? less[c]
+                                                               : reference.values[i + c]);
+  }
+  if (comparison != Comparison::kNone) {
+    replace_values(area, shown);
+    clear_lights();  // they are not the reference's
+  }
+  return count > 0 ? Difference{sum / count, relative_squares / count} : Difference{};
+}
+
 Expected<std::vector<std::uint8_t>> CompositePass::read_display(const FilmTextures& film,
                                                                 const DisplaySettings& settings) {
   std::vector<std::uint8_t> bytes(3 * std::size_t(width_) * std::size_t(height_));
@@ -213,7 +314,8 @@ Expected<std::vector<std::uint8_t>> CompositePass::read_display(const FilmTextur
   const auto target = make_framebuffer(std::array{picture.name()});
   if (!target) return std::unexpected(target.error());
   glBindFramebuffer(GL_FRAMEBUFFER, target->name());
-  draw_picture(film, settings, {0, 0, width_, height_}, height_, 1);
+  const PixelRectangle whole{0, 0, width_, height_};
+  draw_picture(film, settings, whole, whole, height_, 1);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);

@@ -1,5 +1,6 @@
 // penumbra-view: a window for a scene or for a running render.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <exception>
 #include <limits>
@@ -25,8 +26,11 @@
 namespace penumbra {
 namespace {
 
-// Interval of polling for news while nothing changes.
-constexpr double kIdleSeconds = 0.01;
+// News and input end the waiting; what else may happen (a child ends, a script's time is up) is looked for at
+// this interval.
+constexpr double kIdleSeconds = 0.25, kScriptSeconds = 0.01;
+// In narrower windows the picture begins without the panel beside it.
+constexpr int kLeastWidthForPanel = 640;
 constexpr std::uint64_t kMaxScriptBytes = std::uint64_t{1} << 20;
 
 Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
@@ -51,9 +55,10 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
 Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
   std::vector<std::filesystem::path> inputs, outputs;
   if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
-    if (auto found = check_scene_file(scene, {}); !found) return found;
+    if (auto found = check_scene_file(scene, {}); !found && !is_image_file(scene)) return found;
     inputs.emplace_back(scene);
   }
+  if (!options.reference.empty()) inputs.emplace_back(options.reference);
   if (!options.script.empty()) inputs.emplace_back(options.script);
   if (!options.screenshot.empty()) outputs.emplace_back(options.screenshot);
   for (const ScriptCommand& command : script) {
@@ -70,7 +75,7 @@ Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptC
 /// Runs until the user quits or the script is done.
 Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
   while (!viewer.wants_to_quit() && !stop) {
-    viewer.handle(window.poll(viewer.is_stale() ? 0 : kIdleSeconds));
+    viewer.handle(window.poll(viewer.is_stale() ? 0 : script != nullptr ? kScriptSeconds : kIdleSeconds));
     if (Expected<void> updated = viewer.update(); !updated) return updated;
     if (script != nullptr) {
       if (Expected<void> stepped = script->step(viewer, window); !stepped) return stepped;
@@ -92,9 +97,14 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
 
   const auto access = client_access(options.connect, options.preview.keys, KeyRole::kViewer);
   if (!access) return print_error(access.error()), kBadInput;
+  const bool shows_file = is_image_file(options.preview.scene.scene);
+  if (const auto unused = preview_arguments(app); shows_file && unused.size() > 1)
+    return print_error({fmt::format("{}: an image is shown as it is; options of renders do not apply: {}",
+                                    options.preview.scene.scene, fmt::join(unused, " "))}),
+           kBadInput;
   std::unique_ptr<LocalScheduler> local;
   std::string address = options.connect;
-  if (options.connect.empty()) {
+  if (options.connect.empty() && !shows_file) {
     const auto penumbra = find_program("penumbra");
     if (!penumbra) return print_error(penumbra.error()), kIncomplete;
     auto started = LocalScheduler::start(*penumbra, preview_arguments(app));
@@ -110,8 +120,13 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
   if (!window) return print_error(window.error()), kIncomplete;
-  auto viewer = Viewer::create(*window, address, *access, options.job, local.get());
-  if (!viewer) return print_error(viewer.error()), kIncomplete;
+  auto viewer = shows_file ? Viewer::show_file(*window, options.preview.scene.scene)
+                           : Viewer::create(*window, address, *access, options.job, local.get());
+  if (!viewer) return print_error(viewer.error()), shows_file ? kBadInput : kIncomplete;
+  if (!options.reference.empty())
+    if (const auto opened = (*viewer)->open_reference(options.reference); !opened)
+      return print_error(opened.error()), kBadInput;
+  (*viewer)->set_panel(options.width >= kLeastWidthForPanel);
 
   if (options.script.empty() && !options.screenshot.empty()) (*viewer)->refine_from_the_start();
   ScriptRunner runner(with_screenshot(std::move(*script), options), options.script);

@@ -9,31 +9,17 @@
 #include <string>
 
 #include "gl/overlay_help.h"
-#include "gl/overlay_legend.h"
+#include "gl/overlay_picture.h"
 #include "gl/overlay_text.h"
 #include "gl/overlay_widgets.h"
-#include "gl/worker_colors.h"
+#include "gl/overlay_workers.h"
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {
 
-constexpr float kPanelWidth = 336;     // in pixels of a plain display
+constexpr float kPanelWidth = 348;     // in pixels of a plain display
 constexpr float kLeastPicture = 0.4f;  // of the window's width; below it the panel is drawn over the picture
-constexpr float kLeastAlpha = -1, kMostAlpha = 2;
-constexpr float kAlphaSnap = 0.05f;  // a drag that ends this close to 0 or 1 snaps to it
-constexpr float kMostStops = 20;
-
-std::string with_key(std::string text, Action action) {
-  return fmt::format("{} (key: {})", text, key_text(info_of(action).key));
-}
-
-void wrapped(const ImVec4& color, const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, color);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::PopStyleColor();
-}
 
 void draw_connection(const ViewStatus& status) {
   const float unit = overlay_unit(), line = ImGui::GetTextLineHeight();
@@ -54,21 +40,36 @@ void draw_connection(const ViewStatus& status) {
   if (!about.empty()) wrapped(overlay_color::kDim, about);
 }
 
-void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
-  section("Progress");
+/// Against what the scene asks for, so that the end does not move while a window refines.
+struct ProgressText {
+  std::string text;
+  double share = 0;
+  bool done = false;
+};
+
+ProgressText progress_text(const DisplaySettings& settings, const ViewStatus& status) {
+  const bool keeps_refining = settings.automatic && status.interactive && status.scene_spp > 0;
+  if (keeps_refining) {
+    const double share = double(status.spp_done) / status.scene_spp;
+    if (share < 1) return {fmt::format("{} of {} samples", status.spp_done, status.scene_spp), share, false};
+    return {fmt::format("{} samples, {} asked for", status.spp_done, status.scene_spp), 1, true};
+  }
+  if (status.spp_wanted == 0) return {"no samples yet", 0, false};
   const double share =
       status.samples_total > 0 ? double(status.samples_done) / double(status.samples_total) : 0.0;
-  const std::string text = status.spp_wanted > 0
-                               ? fmt::format("{} of {} {}", status.spp_done, status.spp_wanted,
-                                             status.spp_wanted == 1 ? "sample" : "samples")
-                               : "no samples yet";
-  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, status.finished
-                                                    ? ImVec4{0.25f, 0.52f, 0.29f, 1}
-                                                    : ImGui::GetStyle().Colors[ImGuiCol_PlotHistogram]);
+  return {fmt::format("{} of {}{}", status.spp_done, counted(status.spp_wanted, "sample"),
+                      status.finished ? ", finished" : ""),
+          share, status.finished};
+}
+
+void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
+  if (!section("Progress")) return;
+  const auto [label, share, done] = progress_text(settings, status);
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, done ? ImVec4{0.25f, 0.52f, 0.29f, 1}
+                                                     : ImGui::GetStyle().Colors[ImGuiCol_PlotHistogram]);
   ImGui::ProgressBar(float(std::clamp(share, 0.0, 1.0)), {-1, 0}, "");
   ImGui::PopStyleColor();
   // Centred; ImGui would place it at the bar's end.
-  const std::string label = status.finished ? text + ", finished" : text;
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   const ImVec2 size = ImGui::CalcTextSize(label.c_str());
   ImGui::GetWindowDrawList()->AddText(
@@ -78,7 +79,7 @@ void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayR
                       count_text(double(status.samples_done)), count_text(double(status.samples_total)),
                       status.spp_done));
   if (ImGui::BeginTable("facts", 2)) {
-    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthFixed, 118 * overlay_unit());
+    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthFixed, 132 * overlay_unit());
     ImGui::TableSetupColumn("how much", ImGuiTableColumnFlags_WidthStretch);
     fact("samples a second", status.samples_per_second > 0 ? count_text(status.samples_per_second) : "none");
     fact("time left", status.finished ? "none" : duration_text(status.seconds_left));
@@ -101,148 +102,6 @@ void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayR
   more.tooltip(with_key("Ask for more samples as soon as the last are there", Action::kToggleAutomatic));
 }
 
-void layer_button(DisplaySettings& settings, const ViewStatus& status, Layer layer, const char* name,
-                  const char* about, Action action) {
-  const bool needs_closed_form = layer == Layer::kAnalytic || layer == Layer::kDifference;
-  const DisabledWhile off(needs_closed_form ? why_no_closed_form(status) : "");
-  if (ImGui::RadioButton(name, settings.layer == layer)) settings.layer = layer;
-  off.tooltip(with_key(about, action));
-}
-
-/// A slider that a right click resets to `usual`.
-bool slider(const char* name, float& value, float low, float high, const char* format, float usual) {
-  const bool changed = ImGui::SliderFloat(name, &value, low, high, format);
-  if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value != usual) {
-    value = usual;
-    return true;
-  }
-  if (changed && !std::isfinite(value)) value = usual;  // it may have been typed
-  return changed;
-}
-
-void draw_alpha(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
-  const DisabledWhile off(why_no_alpha(status));
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float button = ImGui::CalcTextSize("0").x + 2 * style.FramePadding.x;
-  labelled("alpha");
-  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - 2 * (button + style.ItemInnerSpacing.x),
-                                   30 * overlay_unit()));
-  const float before = settings.alpha;
-  result.alpha_changed |= slider("##alpha", settings.alpha, kLeastAlpha, kMostAlpha, "%.2f", 1);
-  if (ImGui::IsItemActive() && !ImGui::GetIO().WantTextInput) {
-    for (const float round : {0.0f, 1.0f}) {
-      if (std::abs(settings.alpha - round) < kAlphaSnap) settings.alpha = round;
-    }
-    result.alpha_changed = settings.alpha != before;
-  }
-  off.tooltip(with_key(
-      "How much of the closed form the estimate leans on: 0 is plain samples, 1 the usual control variate",
-      Action::kAlphaUp));
-  for (const float round : {0.0f, 1.0f}) {
-    ImGui::SameLine(0, style.ItemInnerSpacing.x);
-    if (ImGui::Button(round == 0 ? "0" : "1")) {
-      result.alpha_changed |= settings.alpha != round;
-      settings.alpha = round;
-    }
-    off.tooltip("");
-  }
-}
-
-void draw_picture_settings(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
-  section("Picture");
-  const float second = 0.5f * (ImGui::GetWindowContentRegionMin().x + ImGui::GetWindowContentRegionMax().x);
-  layer_button(settings, status, Layer::kComposite, "image", "What is rendered", Action::kShowComposite);
-  ImGui::SameLine(second);
-  layer_button(settings, status, Layer::kAnalytic, "closed form",
-               "Light without shadows and without noise, drawn here", Action::kShowAnalytic);
-  layer_button(settings, status, Layer::kDifference, "difference",
-               "What samples add to the closed form: grey is nothing", Action::kShowDifference);
-  ImGui::SameLine(second);
-  layer_button(settings, status, Layer::kError, "standard error",
-               "Of the mean of each pixel, from two samples on", Action::kShowError);
-  {
-    const DisabledWhile off(settings.layer == Layer::kComposite ? "" : "Only the image is denoised.");
-    ImGui::Checkbox("denoise", &settings.denoise);
-    off.tooltip(with_key("Non-local means, by the standard error of each pixel", Action::kToggleDenoising));
-  }
-  draw_legend(settings);
-  if (settings.layer == Layer::kError) {
-    if (ImGui::RadioButton("relative", settings.relative_error)) settings.relative_error = true;
-    tooltip("Over the brightness of the pixel");
-    ImGui::SameLine(second);
-    if (ImGui::RadioButton("absolute", !settings.relative_error)) settings.relative_error = false;
-    tooltip("In units of radiance; the scale goes with the exposure");
-  }
-  labelled("exposure");
-  ImGui::SetNextItemWidth(-1);
-  slider("##exposure", settings.exposure, -10, 10, "%+.2f stops", 0);
-  settings.exposure = std::clamp(settings.exposure, -kMostStops, kMostStops);
-  tooltip(fmt::format("Radiance times 2^exposure (keys: {} and {})", key_text(info_of(Action::kBrighter).key),
-                      key_text(info_of(Action::kDarker).key)));
-  {
-    static constexpr std::array<const char*, 3> kNames{"clamp", "Reinhard", "filmic"};
-    const DisabledWhile off(settings.layer == Layer::kComposite || settings.layer == Layer::kAnalytic
-                                ? ""
-                                : "Tone maps are for the image and the closed form.");
-    labelled("tone map");
-    int chosen = int(settings.tone_map);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::Combo("##tone map", &chosen, kNames.data(), int(kNames.size())))
-      settings.tone_map = ToneMap(chosen);
-    off.tooltip(with_key("How bright values fit the display", Action::kNextToneMap));
-  }
-  draw_alpha(settings, status, result);
-}
-
-void draw_workers(DisplaySettings& settings, const ViewStatus& status) {
-  section(fmt::format("Workers: {}", status.workers.size()).c_str());
-  ImGui::Checkbox("outline the tiles in hand", &settings.outlines);
-  tooltip(with_key("Each worker's tile in its colour", Action::kToggleOutlines));
-  if (status.workers.empty()) return wrapped(overlay_color::kDim, "none has come yet");
-  const float unit = overlay_unit(), line = ImGui::GetTextLineHeight();
-  constexpr int kRows = 6;
-  const float row = line + 2 * ImGui::GetStyle().CellPadding.y;
-  const float height = row * float(std::min(std::size_t(kRows), status.workers.size())) + 2 * unit;
-  constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingFixedFit;
-  if (!ImGui::BeginTable("workers", 4, kFlags, {0, height})) return;
-  ImGui::TableSetupColumn("colour", 0, 12 * unit);
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 3);
-  ImGui::TableSetupColumn("device", ImGuiTableColumnFlags_WidthStretch, 3);
-  ImGui::TableSetupColumn("units", 0, 44 * unit);
-  ImGuiListClipper clipper;
-  clipper.Begin(int(status.workers.size()), row);
-  while (clipper.Step()) {
-    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-      const WorkerView& worker = status.workers[std::size_t(i)];
-      ImGui::TableNextRow(0, row);
-      ImGui::TableNextColumn();
-      const ImVec2 corner = ImGui::GetCursorScreenPos();
-      const ImVec2 low{corner.x, corner.y + 0.5f * line - 5 * unit},
-          high{low.x + 10 * unit, low.y + 10 * unit};
-      const ImU32 color = packed(worker_color(worker.number));
-      if (worker.width > 0) {
-        ImGui::GetWindowDrawList()->AddRectFilled(low, high, color, 2 * unit);
-      } else {  // idle
-        ImGui::GetWindowDrawList()->AddRect(low, high, color, 2 * unit, 0, 1.5f * unit);
-      }
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(worker.name.c_str());
-      tooltip(fmt::format("{}, {}: {} units of work done, {}", worker.name, worker.device, worker.units,
-                          worker.width > 0 ? fmt::format("{} × {} pixels at {}, {} in hand", worker.width,
-                                                         worker.height, worker.x, worker.y)
-                                           : "idle"));
-      ImGui::TableNextColumn();
-      ImGui::TextColored(overlay_color::kDim, "%s", worker.device.c_str());
-      ImGui::TableNextColumn();
-      const std::string units = count_text(double(worker.units));
-      ImGui::SetCursorPosX(ImGui::GetCursorPosX() +
-                           std::max(0.0f, 42 * unit - ImGui::CalcTextSize(units.c_str()).x));
-      ImGui::TextUnformatted(units.c_str());
-    }
-  }
-  ImGui::EndTable();
-}
-
 void draw_buttons(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
   const float space = ImGui::GetStyle().ItemInnerSpacing.x;
   const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * space) / 3);
@@ -253,7 +112,7 @@ void draw_buttons(DisplaySettings& settings, const ViewStatus& status, OverlayRe
     return pressed;
   };
   ImGui::Dummy({0, 3 * overlay_unit()});
-  if (button("save", why_no_save(status), "The image as EXR and PNG", Action::kSave))
+  if (button("save", why_no_save(status), "The view as numbered EXR and PNG, with its camera", Action::kSave))
     result.actions.push_back(Action::kSave);
   ImGui::SameLine(0, space);
   if (button("reload", why_no_reload(status), "Read the scene again", Action::kReload))
@@ -261,17 +120,24 @@ void draw_buttons(DisplaySettings& settings, const ViewStatus& status, OverlayRe
   ImGui::SameLine(0, space);
   if (button("reset camera", why_no_camera(status), "Back to the scene's own camera", Action::kResetCamera))
     result.actions.push_back(Action::kResetCamera);
+  if (button("copy view", why_no_copy(status), "The camera as settings of a render", Action::kCopyView))
+    result.actions.push_back(Action::kCopyView);
+  if (ImGui::BeginPopupContextItem("formats")) {
+    for (const CameraFormat format :
+         {CameraFormat::kSettings, CameraFormat::kMitsuba, CameraFormat::kTinyRender})
+      if (ImGui::MenuItem(kCameraFormatNames[int(format)])) result.copy = format;
+    ImGui::EndPopup();
+  }
+  ImGui::SameLine(0, space);
   if (button("help", "", "All keys, and what the mouse does", Action::kToggleHelp))
     settings.help = !settings.help;
   ImGui::SameLine(0, space);
   if (button("hide", "", "The picture alone; the same key brings the panel back", Action::kTogglePanel))
     settings.panel = false;
-  ImGui::SameLine(0, space);
-  if (button("quit", "", "Close the window", Action::kQuit)) result.quit = true;
 }
 
 void draw_messages(const ViewStatus& status) {
-  section("Messages");
+  if (!section("Messages")) return;
   const float least = 4 * ImGui::GetTextLineHeightWithSpacing();
   const float height = std::max(ImGui::GetContentRegionAvail().y, least);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {6 * overlay_unit(), 4 * overlay_unit()});
@@ -291,8 +157,8 @@ void draw_messages(const ViewStatus& status) {
   ImGui::PopStyleVar();
 }
 
-void draw_panel(DisplaySettings& settings, const ViewStatus& status, float left, float width,
-                OverlayResult& result) {
+void draw_panel(DisplaySettings& settings, const ViewStatus& status, const ShownAs& shown, float left,
+                float width, OverlayResult& result) {
   ImGui::SetNextWindowPos({left, 0});
   ImGui::SetNextWindowSize({width, ImGui::GetIO().DisplaySize.y});
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
@@ -301,18 +167,34 @@ void draw_panel(DisplaySettings& settings, const ViewStatus& status, float left,
   // NoDecoration would remove the scroll bar.
   if (ImGui::Begin("Panel", nullptr, kFlags & ~ImGuiWindowFlags_NoScrollbar)) {
     draw_connection(status);
-    draw_progress(settings, status, result);
-    draw_picture_settings(settings, status, result);
-    draw_workers(settings, status);
+    if (status.connection != ConnectionState::kFile) draw_progress(settings, status, result);
+    draw_picture_settings(settings, status, shown, result);
+    draw_comparison(settings, status, result);
+    result.shows_histogram = draw_histogram(status);
+    if (status.connection != ConnectionState::kFile) draw_workers(settings, status);
     draw_buttons(settings, status, result);
     draw_messages(status);
   }
   ImGui::End();
 }
 
+/// What opens the panel, in the corner where it was; only while the mouse is in the window.
+void draw_handle(DisplaySettings& settings) {
+  if (!ImGui::IsMousePosValid()) return;
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize;
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x, 0}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowBgAlpha(0);
+  if (ImGui::Begin("Handle", nullptr, kFlags)) {
+    if (ImGui::Button("panel")) settings.panel = true;
+    tooltip(with_key("Show the panel", Action::kTogglePanel));
+  }
+  ImGui::End();
+}
+
 }  // namespace
 
-OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status) {
+OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status, const ShownAs& shown) {
   OverlayResult result;
   const ImGuiIO& io = ImGui::GetIO();
   const float width = std::min(std::floor(kPanelWidth * overlay_unit()), io.DisplaySize.x);
@@ -321,7 +203,9 @@ OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status) 
   const float free_width = beside ? left : io.DisplaySize.x;
   const bool panel = settings.panel;
   draw_banner(status, {0, 0}, {panel ? std::max(left, 1.0f) : free_width, io.DisplaySize.y});
-  if (panel) draw_panel(settings, status, left, width, result);
+  if (panel) draw_panel(settings, status, shown, left, width, result);
+  draw_pixel(status, {free_width, io.DisplaySize.y});
+  if (!panel) draw_handle(settings);
   draw_help(settings, {free_width, io.DisplaySize.y});
   const float pixels = io.DisplayFramebufferScale.x;
   result.picture_area = {0, 0, int(std::lround(free_width * pixels)),

@@ -1,9 +1,12 @@
 // The panel beside the picture, the help over it, and the banner about the connection.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "gl/actions.h"
+#include "gl/camera_text.h"
+#include "gl/shown_as.h"
 #include "gl/tile_outlines.h"
 #include "gl/view_model.h"
 
@@ -12,14 +15,16 @@ namespace penumbra {
 /// What the user requested with the mouse. What only needs settings (layer, exposure, tone map, outlines,
 /// automatic, panel, help) is already in the settings.
 struct OverlayResult {
-  std::vector<Action> actions;  ///< kOneMoreSample, kReload, kSave, kResetCamera
+  std::vector<Action> actions;       ///< those that settings do not tell: kOneMoreSample, kReload, kSave, …
+  std::optional<CameraFormat> copy;  ///< the view is to be copied in this form
+  bool shows_histogram = false;
   bool alpha_changed = false;   ///< settings.alpha has changed since the last frame
-  bool quit = false;
   PixelRectangle picture_area;  ///< the part of the framebuffer beside the panel, in pixels
 };
 
 /// To be called between Window::begin_frame and Window::end_frame. The panel is as high as the window, on its
 /// right. If the picture would get less than two fifths of the width, the panel is drawn over it.
-OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status);
+/// `shown`: how the picture is shown, for the legend.
+OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status, const ShownAs& shown = {});
 
 }  // namespace penumbra

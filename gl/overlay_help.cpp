@@ -16,9 +16,11 @@ constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
     {"left drag", "turn about the target"},
     {"middle drag", "move across the view"},
     {"shift + left drag", "the same"},
-    {"wheel", "closer, farther"},
+    {"wheel", "closer, farther; larger and smaller where the camera cannot move"},
+    {"ctrl + wheel", "larger, smaller"},
+    {"right drag", "move the picture"},
+    {"ctrl + left drag", "the same"},
     {"right click", "on a slider: back to its usual value"},
-    {"ctrl + click", "on a slider: type a number"},
 });
 
 /// Draws a key cap.
@@ -48,6 +50,8 @@ void help_row(const std::string& key, const std::string& help, bool cap) {
   ImGui::PopTextWrapPos();
 }
 
+void heading(const char* text) { ImGui::TextColored(overlay_color::kAccent, "%s", text); }
+
 bool begin_columns(const char* name, float first_width) {
   if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return false;
   ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, first_width);
@@ -56,7 +60,7 @@ bool begin_columns(const char* name, float first_width) {
 }
 
 void keys_of(std::span<const ActionInfo> actions, const char* name) {
-  if (!begin_columns(name, 72 * overlay_unit())) return;
+  if (!begin_columns(name, 88 * overlay_unit())) return;
   for (const ActionInfo& info : actions) help_row(key_text(info.key), std::string(info.help), true);
   ImGui::EndTable();
 }
@@ -80,7 +84,7 @@ void draw_help(DisplaySettings& settings, const ImVec2& free) {
                                       ImGuiWindowFlags_NoSavedSettings;
   if (ImGui::Begin("Help", &open, kFlags)) {
     const auto actions = all_actions();
-    section("Keys");
+    heading("Keys");
     if (wide) {
       // Keeps the camera's keys together.
       const auto camera = std::ranges::find(actions, Action::kForward, &ActionInfo::action);
@@ -95,7 +99,7 @@ void draw_help(DisplaySettings& settings, const ImVec2& free) {
     } else {
       keys_of(actions, "keys");
     }
-    section("Mouse");
+    heading("Mouse");
     if (begin_columns("mouse", 130 * unit)) {
       for (const auto& [what, help] : kMouse) help_row(what, help, false);
       ImGui::EndTable();
@@ -112,6 +116,7 @@ ImVec4 connection_color(const ViewStatus& status) {
       return overlay_color::kWarning;
     case ConnectionState::kConnected:
     case ConnectionState::kEnded:
+    case ConnectionState::kFile:
       return overlay_color::kGood;
     case ConnectionState::kLost:
       return overlay_color::kWarning;
@@ -122,7 +127,8 @@ ImVec4 connection_color(const ViewStatus& status) {
 }
 
 void draw_banner(const ViewStatus& status, const ImVec2& corner, const ImVec2& size) {
-  if (status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded)
+  if (status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded ||
+      status.connection == ConnectionState::kFile)
     return;
   const float unit = overlay_unit();
   const std::string text = connection_text(status) + (status.address.empty() ? "" : ": ") + status.address;

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "gl/error_scale.h"
 #include "gl/overlay_text.h"
 #include "gl/overlay_widgets.h"
 #include "scheduler/image/metrics/color_map.h"
@@ -55,15 +54,18 @@ std::array<float, 3> heat_signal(double t) {
   return color;
 }
 
-void draw_error_legend(const DisplaySettings& settings) {
-  const ErrorScale scale = error_scale(settings);
+void draw_heat_legend(const ShownAs& shown) {
   std::vector<Tick> ticks;
-  const double span = scale.log10_high - scale.log10_low;
+  const double low = double(shown.log10_low), span = double(shown.log10_high) - low;
+  const auto label = [&](double log10) {
+    const double value = std::pow(10.0, log10);
+    return shown.is_share ? percent_text(value) : fmt::format("{:.2g}", value);
+  };
+  // Decades, if the ends are some; else the ends and the middle.
   const int decades = int(std::lround(span));
-  for (int i = 0; i <= decades; ++i) {
-    const double value = std::pow(10.0, double(scale.log10_low) + i);
-    ticks.push_back({i / span, settings.relative_error ? percent_text(value) : fmt::format("{:.2g}", value)});
-  }
+  const bool is_whole = decades > 0 && decades <= 6 && std::abs(span - decades) < 1e-3;
+  const int steps = is_whole ? decades : 2;
+  for (int i = 0; i <= steps; ++i) ticks.push_back({double(i) / steps, label(low + span * i / steps)});
   draw_bar(heat_signal, ticks);
 }
 
@@ -79,9 +81,9 @@ void draw_difference_legend(const DisplaySettings& settings) {
 
 }  // namespace
 
-void draw_legend(const DisplaySettings& settings) {
-  if (settings.layer == Layer::kError) draw_error_legend(settings);
-  if (settings.layer == Layer::kDifference) draw_difference_legend(settings);
+void draw_legend(const DisplaySettings& settings, const ShownAs& shown) {
+  if (shown.display == Display::kHeat) draw_heat_legend(shown);
+  if (shown.display == Display::kSigned) draw_difference_legend(settings);
 }
 
 }  // namespace penumbra

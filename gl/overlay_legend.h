@@ -1,11 +1,11 @@
 // The colour scale of the layer that is shown.
 #pragma once
 
-#include "gl/view_model.h"
+#include "gl/shown_as.h"
 
 namespace penumbra {
 
-/// For the difference and the standard error; nothing for other layers. Requires a frame of ImGui.
-void draw_legend(const DisplaySettings& settings);
+/// For colour maps and differences; nothing for other layers. Requires a frame of ImGui.
+void draw_legend(const DisplaySettings& settings, const ShownAs& shown);
 
 }  // namespace penumbra

@@ -1,12 +1,36 @@
 #include "gl/overlay_style.h"
 
+#include <imgui_freetype.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 
 namespace penumbra {
 namespace {
 
-constexpr float kFontSize = 13;  // of ImGui's font, whose pixels match the display's at this size
+constexpr float kFontSize = 15;
+/// The font's place where this was built, and where distributions put it.
+constexpr std::array kFontFiles{PENUMBRA_FONT, "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                "/usr/share/fonts/TTF/DejaVuSans.ttf"};
+/// Pairs of first and last character: Latin, Greek, Cyrillic, punctuation, arrows, mathematics, shapes.
+constexpr std::array<ImWchar, 15> kCharacters{0x20,   0x24f,  0x370,  0x52f,  0x2010, 0x205e, 0x20a0, 0x20bf,
+                                              0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0};
+
+/// ImGui's own font, which has square pixels and Latin letters only, if there is no other.
+void add_font(ImFontAtlas& fonts, float pixels) {
+  ImFontConfig font;
+  font.SizePixels = pixels;
+  fonts.FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
+  for (const char* file : kFontFiles) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) continue;
+    if (fonts.AddFontFromFileTTF(file, pixels, &font, kCharacters.data()) != nullptr) return;
+  }
+  fonts.AddFontDefault(&font);
+}
 
 void set_colors(ImGuiStyle& style) {
   const ImVec4 field{0.17f, 0.18f, 0.21f, 1}, hovered{0.24f, 0.25f, 0.29f, 1}, active{0.31f, 0.32f, 0.37f, 1};
@@ -63,15 +87,9 @@ void apply_overlay_style(float content_scale, float pixels_per_coordinate) {
   style.WindowMinSize = {std::max(style.WindowMinSize.x, 1.0f), std::max(style.WindowMinSize.y, 1.0f)};
   ImGui::GetStyle() = style;
 
-  ImFontConfig font;
-  font.SizePixels = std::round(kFontSize * content_scale);
-  // At other sizes than integer multiples the font's square pixels need antialiasing.
-  const bool whole = content_scale == std::round(content_scale);
-  font.OversampleH = font.OversampleV = whole ? 1 : 3;
-  font.PixelSnapH = true;
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
-  io.Fonts->AddFontDefault(&font);
+  add_font(*io.Fonts, std::round(kFontSize * content_scale));
   io.FontGlobalScale = 1 / pixels_per_coordinate;
 }
 

@@ -1,4 +1,4 @@
-// The style of the panel: ImGui's own font at the display's scale, and colours.
+// The style of the panel: a font at the display's scale, and colours.
 #pragma once
 
 #include <imgui.h>

@@ -71,6 +71,8 @@ std::string connection_text(const ViewStatus& status) {
       return "connection refused";
     case ConnectionState::kEnded:
       return "the render is over";
+    case ConnectionState::kFile:
+      return "a file";
   }
   return kUnknown;
 }
@@ -82,6 +84,8 @@ std::string key_text(std::string_view key) {
       {"left_bracket", "["},
       {"right_bracket", "]"},
       {"escape", "esc"},
+      {"period", "."},
+      {"comma", ","},
   });
   for (const auto& [name, printed] : kPrinted) {
     if (key == name) return std::string(printed);
@@ -92,8 +96,12 @@ std::string key_text(std::string_view key) {
 }
 
 MessageKind message_kind(std::string_view message) {
-  if (starts_with_word(message, "error:")) return MessageKind::kError;
-  return starts_with_word(message, "warning:") ? MessageKind::kWarning : MessageKind::kPlain;
+  const auto is_of = [message](std::string_view kind) {
+    return starts_with_word(message, kind) ||
+           message.find(": " + std::string(kind)) != std::string_view::npos;
+  };
+  if (is_of("error:")) return MessageKind::kError;
+  return is_of("warning:") ? MessageKind::kWarning : MessageKind::kPlain;
 }
 
 std::string why_no_closed_form(const ViewStatus& status) {
@@ -109,11 +117,12 @@ std::string why_no_alpha(const ViewStatus& status) {
 
 std::string why_no_camera(const ViewStatus& status) {
   if (status.interactive) return {};
+  if (status.connection == ConnectionState::kFile) return "A file has no camera to move.";
   return "A batch render keeps the camera that it began with.";
 }
 
 std::string why_no_reload(const ViewStatus& status) {
-  if (status.interactive) return {};
+  if (status.interactive || status.connection == ConnectionState::kFile) return {};
   return "A batch render goes on with the scene that it began with.";
 }
 
@@ -121,6 +130,10 @@ std::string why_no_more_samples(const ViewStatus& status) {
   if (!status.interactive) return "A batch render takes the samples that it was asked for, and no others.";
   if (status.connection != ConnectionState::kConnected) return "There is no connection to the scheduler.";
   return {};
+}
+
+std::string why_no_copy(const ViewStatus& status) {
+  return status.has_camera ? "" : "The window does not know the camera of this picture.";
 }
 
 std::string why_no_save(const ViewStatus& status) {

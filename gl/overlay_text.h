@@ -34,6 +34,7 @@ std::string why_no_alpha(const ViewStatus& status);
 std::string why_no_camera(const ViewStatus& status);
 std::string why_no_reload(const ViewStatus& status);
 std::string why_no_more_samples(const ViewStatus& status);
+std::string why_no_copy(const ViewStatus& status);
 std::string why_no_save(const ViewStatus& status);
 
 }  // namespace penumbra

@@ -1,6 +1,11 @@
 #include "gl/overlay_widgets.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+
+#include "gl/overlay_text.h"
 
 namespace penumbra {
 
@@ -19,23 +24,54 @@ void tooltip(const std::string& text) {
 
 void DisabledWhile::tooltip(const std::string& text) const { penumbra::tooltip(why_.empty() ? text : why_); }
 
-void section(const char* title) {
-  ImGui::Dummy({0, 3 * overlay_unit()});
-  ImGui::TextColored(overlay_color::kAccent, "%s", title);
-  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  const float y = 0.5f * (low.y + high.y);
-  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
-  const float left = high.x + 8 * overlay_unit();
-  if (left < right) {
-    ImGui::GetWindowDrawList()->AddLine({left, y}, {right, y}, ImGui::GetColorU32(ImGuiCol_Separator),
-                                        std::max(1.0f, overlay_unit()));
+bool section(const char* title, bool open) {
+  ImGui::Dummy({0, 2 * overlay_unit()});
+  ImGui::PushStyleColor(ImGuiCol_Text, overlay_color::kAccent);
+  ImGui::PushStyleColor(ImGuiCol_Header, {0, 0, 0, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 2 * overlay_unit()});
+  const bool is_open = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor(2);
+  return is_open;
+}
+
+bool number_slider(const char* name, float& value, float low, float high, const char* format, float usual) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float before = value;
+  const float field = ImGui::CalcTextSize("+00.00").x + 2 * style.FramePadding.x;
+  const float slider = ImGui::GetContentRegionAvail().x - field - style.ItemInnerSpacing.x;
+  ImGui::PushID(name);
+  ImGui::BeginGroup();
+  if (slider > 2 * field / 3) {
+    ImGui::SetNextItemWidth(slider);
+    ImGui::SliderFloat("##slider", &value, low, high, "", ImGuiSliderFlags_NoInput);
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) value = usual;
+    ImGui::SameLine(0, style.ItemInnerSpacing.x);
   }
+  ImGui::SetNextItemWidth(std::min(field, ImGui::GetContentRegionAvail().x));
+  ImGui::InputFloat("##number", &value, 0, 0, format);
+  ImGui::EndGroup();
+  ImGui::PopID();
+  if (!std::isfinite(value)) value = usual;  // it may have been typed
+  return value != before;
+}
+
+void wrapped(const ImVec4& color, const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+}
+
+std::string with_key(std::string text, Action action) {
+  return fmt::format("{} (key: {})", text, key_text(info_of(action).key));
 }
 
 void labelled(const char* label) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(overlay_color::kDim, "%s", label);
-  ImGui::SameLine(74 * overlay_unit() + ImGui::GetStyle().WindowPadding.x);
+  ImGui::SameLine(80 * overlay_unit() + ImGui::GetStyle().WindowPadding.x);
 }
 
 void fact(const char* label, const std::string& value) {

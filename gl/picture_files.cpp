@@ -70,7 +70,8 @@ Expected<std::vector<std::uint8_t>> exr_of(const Picture& picture) {
 }  // namespace
 
 Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
-                                  const AnalyticTextures& analytic, const DenoisedArea& denoised,
+                                  const AnalyticTextures& analytic,
+                                  const std::function<Expected<void>()>& compose_shown,
                                   const DisplaySettings& settings, const ViewStatus& status) {
   Picture picture;
   picture.width = film.width();
@@ -89,8 +90,7 @@ Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
   picture.standard_error.assign(film.standard_error().begin(), film.standard_error().end());
   picture.samples = every(film.radiance(), 3, 1);
 
-  if (auto done = pass.compose(film, analytic, settings); !done) return std::unexpected(done.error());
-  if (!denoised.values.empty()) pass.replace_values(denoised.area, denoised.values);
+  if (auto done = compose_shown(); !done) return std::unexpected(done.error());
   auto display = pass.read_display(film, settings);
   if (!display) return std::unexpected(display.error());
   picture.display = std::move(*display);

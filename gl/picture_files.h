@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,17 +27,12 @@ struct Picture {
   std::vector<std::pair<std::string, MetadataValue>> metadata;  ///< of the EXR file
 };
 
-/// Denoised values of a rectangle of the film; none: the picture is shown as it is.
-struct DenoisedArea {
-  PixelRectangle area;
-  std::span<const float> values;  ///< three per pixel
-};
-
-/// All that can be saved of the current view; Picture::display shows the denoised values. Afterwards the
-/// layer of `settings` is composed. Workers' values are taken from memory as received, not through OpenGL.
+/// All that can be saved of the current view. `compose_shown` composes what the window shows, which is also
+/// composed afterwards. Workers' values are taken from memory as received, not through OpenGL.
 /// Errors: those of CompositePass.
 Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
-                                  const AnalyticTextures& analytic, const DenoisedArea& denoised,
+                                  const AnalyticTextures& analytic,
+                                  const std::function<Expected<void>()>& compose_shown,
                                   const DisplaySettings& settings, const ViewStatus& status);
 
 /// Saves by the extension of `path`; case is ignored:

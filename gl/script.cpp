@@ -86,7 +86,10 @@ class ScriptParser {
         {"wait", &ScriptParser::wait},     {"set", &ScriptParser::set},
         {"resize", &ScriptParser::resize}, {"screenshot", &ScriptParser::screenshot},
         {"save", &ScriptParser::save},     {"log", &ScriptParser::log},
-        {"quit", &ScriptParser::quit},
+        {"quit", &ScriptParser::quit},     {"layer", &ScriptParser::layer},
+        {"zoom", &ScriptParser::zoom},     {"reference", &ScriptParser::reference},
+        {"point", &ScriptParser::point},   {"compare", &ScriptParser::compare},
+        {"copy", &ScriptParser::copy},
     };
     const Word word = words_[next_++];
     for (const Entry& entry : kCommands) {
@@ -192,6 +195,54 @@ class ScriptParser {
       return take_number("stops", -kLargestExposure, kLargestExposure, value) &&
              add(SetExposureCommand{line_, value});
     return unknown(*what, "setting", {"alpha", "exposure"});
+  }
+
+  bool layer() {
+    const Word* name = take("the name of a layer");
+    return name && add(LayerCommand{line_, std::string(name->text)});
+  }
+
+  bool reference() {
+    const Word* file = take("a file name");
+    return file && add(ReferenceCommand{line_, std::string(file->text)});
+  }
+
+  bool compare() {
+    static constexpr std::array<std::pair<const char*, Comparison>, 4> kNames{
+        {{"none", Comparison::kNone},
+         {"reference", Comparison::kReference},
+         {"difference", Comparison::kDifference},
+         {"relative", Comparison::kRelativeError}}};
+    const Word* what = take("none, reference, difference or relative");
+    if (!what) return false;
+    for (const auto& [name, comparison] : kNames)
+      if (what->text == name) return add(CompareCommand{line_, comparison});
+    return unknown(*what, "comparison", {"none", "reference", "difference", "relative"});
+  }
+
+  bool zoom() {
+    ZoomCommand zoom{.line = line_};
+    if (next_ < words_.size() && words_[next_].text == "fit") return ++next_, add(zoom);
+    if (!take_number("fit, or screen pixels per pixel", kLeastZoom, kMostZoom, zoom.factor)) return false;
+    if (next_ == words_.size()) return add(zoom);
+    zoom.middle.emplace();
+    return take_number("a column of the image", 0, kLargestWindow, (*zoom.middle)[0]) &&
+           take_number("a row of the image", 0, kLargestWindow, (*zoom.middle)[1]) && add(zoom);
+  }
+
+  bool point() {
+    PointCommand point{.line = line_};
+    return take_number("a column of the window", 0, kLargestWindow, point.x) &&
+           take_number("a row of the window", 0, kLargestWindow, point.y) && add(point);
+  }
+
+  bool copy() {
+    const Word* what = take("settings, mitsuba or tinyrender");
+    if (!what) return false;
+    for (const CameraFormat format :
+         {CameraFormat::kSettings, CameraFormat::kMitsuba, CameraFormat::kTinyRender})
+      if (what->text == kCameraFormatNames[int(format)]) return add(CopyCommand{line_, format});
+    return unknown(*what, "format of a camera", {"settings", "mitsuba", "tinyrender"});
   }
 
   bool resize() {

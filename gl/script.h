@@ -1,6 +1,7 @@
 // The commands of a script for the window, one per line. A script is parsed completely before it runs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "gl/actions.h"
+#include "gl/camera_text.h"
+#include "gl/view_model.h"
 #include "kernels/host/error.h"
 
 namespace penumbra {
@@ -59,6 +62,43 @@ struct SetExposureCommand {
   double exposure = 0;
 };
 
+/// `layer NAME`: image, closed_form, difference, standard_error, or a layer of the render or the file
+struct LayerCommand {
+  int line = 0;
+  std::string name;
+};
+
+/// `reference FILE`: reads the image to compare with
+struct ReferenceCommand {
+  int line = 0;
+  std::string path;
+};
+
+/// `compare none | reference | difference | relative`
+struct CompareCommand {
+  int line = 0;
+  Comparison comparison = Comparison::kNone;
+};
+
+/// `zoom fit`, or `zoom FACTOR [X Y]`: screen pixels per film pixel, with that film pixel in the middle
+struct ZoomCommand {
+  int line = 0;
+  double factor = 0;  ///< 0: fit
+  std::optional<std::array<double, 2>> middle = {};
+};
+
+/// `point X Y`: the mouse is at that pixel of the window
+struct PointCommand {
+  int line = 0;
+  double x = 0, y = 0;
+};
+
+/// `copy settings | mitsuba | tinyrender`: the camera to the clipboard and to standard output
+struct CopyCommand {
+  int line = 0;
+  CameraFormat format = CameraFormat::kSettings;
+};
+
 /// `resize W H`: size of the window's picture, in pixels
 struct ResizeCommand {
   int line = 0;
@@ -92,7 +132,8 @@ struct QuitCommand {
 };
 
 using ScriptCommand =
-    std::variant<KeyCommand, CameraCommand, WaitCommand, SetAlphaCommand, SetExposureCommand, ResizeCommand,
+    std::variant<KeyCommand, CameraCommand, WaitCommand, SetAlphaCommand, SetExposureCommand, LayerCommand,
+                 ReferenceCommand, CompareCommand, ZoomCommand, PointCommand, CopyCommand, ResizeCommand,
                  ScreenshotCommand, SaveCommand, LogCommand, QuitCommand>;
 
 int line_of(const ScriptCommand& command);

@@ -73,7 +73,8 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
       return status.finished && viewer_->least_samples() >= status.spp_wanted &&
              viewer_->samples_there() >= status.samples_total;
     case WaitFor::kConnected:
-      return status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded;
+      return status.connection == ConnectionState::kConnected ||
+             status.connection == ConnectionState::kEnded || status.connection == ConnectionState::kFile;
     case WaitFor::kDenoised:
       return viewer_->is_denoised();
   }
@@ -104,6 +105,45 @@ Expected<bool> ScriptRunner::run(const SetExposureCommand& command) {
   return true;
 }
 
+Expected<bool> ScriptRunner::run(const LayerCommand& command) {
+  if (Expected<void> shown = viewer_->show_layer(command.name); !shown) return std::unexpected(shown.error());
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const ReferenceCommand& command) {
+  if (Expected<void> opened = viewer_->open_reference(command.path); !opened)
+    return std::unexpected(opened.error());
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const CompareCommand& command) {
+  viewer_->compare(command.comparison);
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const ZoomCommand& command) {
+  ImageView view{.zoom = command.factor};
+  const ViewStatus& status = viewer_->status();
+  if (command.middle && status.film_width > 0 && status.film_height > 0) {
+    view.x = ((*command.middle)[0] + 0.5) / status.film_width;
+    view.y = ((*command.middle)[1] + 0.5) / status.film_height;
+  }
+  viewer_->set_view(view);
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const PointCommand& command) {
+  window_->point_at(command.x, command.y);
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const CopyCommand& command) {
+  const Expected<std::string> text = viewer_->copy_view(command.format);
+  if (!text) return std::unexpected(text.error());
+  print_answer(text->ends_with('\n') ? *text : *text + "\n");
+  return true;
+}
+
 Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
   if (tries_ == 1) {
     if (Expected<void> resized = window_->resize(command.width, command.height); !resized)
@@ -114,9 +154,12 @@ Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
   return seconds_since(since_) > kPatienceWithDesktop;
 }
 
-/// Shows a frame that began after the previous command.
+/// Shows frames that began after the previous command.
 Expected<bool> ScriptRunner::run(const ScreenshotCommand& command) {
-  wants_frame_ = tries_ == 1;
+  // The panel says in one frame what the picture showed in the last, and ImGui lays some windows out over
+  // two.
+  constexpr int kFramesToSettle = 3;
+  wants_frame_ = tries_ <= kFramesToSettle;
   if (wants_frame_) return false;
   if (Expected<void> written = write_screenshot(*window_, command.path); !written)
     return std::unexpected(written.error());

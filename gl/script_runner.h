@@ -32,6 +32,12 @@ class ScriptRunner {
   Expected<bool> run(const WaitCommand& command);
   Expected<bool> run(const SetAlphaCommand& command);
   Expected<bool> run(const SetExposureCommand& command);
+  Expected<bool> run(const LayerCommand& command);
+  Expected<bool> run(const ReferenceCommand& command);
+  Expected<bool> run(const CompareCommand& command);
+  Expected<bool> run(const ZoomCommand& command);
+  Expected<bool> run(const PointCommand& command);
+  Expected<bool> run(const CopyCommand& command);
   Expected<bool> run(const ResizeCommand& command);
   Expected<bool> run(const ScreenshotCommand& command);
   Expected<bool> run(const SaveCommand& command);

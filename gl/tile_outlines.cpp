@@ -49,14 +49,6 @@ int screen_edge(int film, int film_size, int origin, int size) {
 
 }  // namespace
 
-PixelRectangle letterboxed(const PixelRectangle& area, int film_width, int film_height) {
-  if (area.width < 1 || area.height < 1 || film_width < 1 || film_height < 1) return {};
-  const double scale = std::min(double(area.width) / film_width, double(area.height) / film_height);
-  const int width = std::clamp(int(std::lround(film_width * scale)), 1, area.width);
-  const int height = std::clamp(int(std::lround(film_height * scale)), 1, area.height);
-  return {area.x + (area.width - width) / 2, area.y + (area.height - height) / 2, width, height};
-}
-
 std::vector<OutlineVertex> outline_triangles(std::span<const WorkerView> workers,
                                              const PixelRectangle& picture, int film_width, int film_height,
                                              int thickness) {

@@ -4,19 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "gl/image_view.h"
 #include "gl/view_model.h"
 
 namespace penumbra {
-
-/// Pixels from the upper left corner of the target; y grows downwards.
-struct PixelRectangle {
-  int x = 0, y = 0, width = 0, height = 0;
-  bool operator==(const PixelRectangle&) const = default;
-};
-
-/// The largest rectangle with the film's aspect ratio in the middle of `area`, at least one pixel in each
-/// direction. Empty if the area or the film is empty.
-PixelRectangle letterboxed(const PixelRectangle& area, int film_width, int film_height);
 
 struct OutlineVertex {
   float x, y;              ///< pixels, as in PixelRectangle

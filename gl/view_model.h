@@ -1,20 +1,32 @@
 // What the window shows and how: plain values that the connection, the drawing passes and the panel share.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "gl/histogram.h"
+#include "gl/image_view.h"
+#include "scheduler/image/tone_map.h"
+
 namespace penumbra {
 
-/// The layer that is shown. Without a closed form only kComposite (the image itself) and kError are
-/// meaningful.
-enum class Layer { kComposite, kAnalytic, kDifference, kError };
-enum class ToneMap { kClamp, kReinhard, kFilmic };
+/// The layer that is shown. Without a closed form only kComposite (the image itself), kError and kNamed are
+/// meaningful. kNamed: the PictureLayer of the settings' name.
+enum class Layer { kComposite, kAnalytic, kDifference, kError, kNamed };
+
+/// What is shown of a layer and its reference: the layer, the reference, the layer minus the reference, or
+/// the relative error.
+enum class Comparison { kNone, kReference, kDifference, kRelativeError };
 
 struct DisplaySettings {
   Layer layer = Layer::kComposite;
-  ToneMap tone_map = ToneMap::kClamp;
+  std::string named = {};  ///< kNamed: the layer
+  Comparison comparison = Comparison::kNone;
+  ToneOperator tone_map = ToneOperator::kClamp;
+  bool false_color = false;    ///< colours show the luminance of an image, not its tone map
   float exposure = 0;          ///< stops: radiance is multiplied by 2^exposure
   float alpha = 1;             ///< of the control variate
   bool outlines = false;       ///< of the tiles that workers are rendering, in a colour per worker
@@ -22,10 +34,11 @@ struct DisplaySettings {
   bool relative_error = true;  ///< kError: standard error over brightness; else times 2^exposure
   bool denoise = false;        ///< kComposite: the denoised picture
   bool panel = true, help = false;
+  ImageView view = {};
 };
 
-/// kEnded: the render is finished, and everything has arrived.
-enum class ConnectionState { kStarting, kConnected, kLost, kRefused, kEnded };
+/// kEnded: the render is finished, and everything has arrived. kFile: a file is shown, not a render.
+enum class ConnectionState { kStarting, kConnected, kLost, kRefused, kEnded, kFile };
 
 /// A worker, for the panel's list and the outline of its tile.
 struct WorkerView {
@@ -35,13 +48,30 @@ struct WorkerView {
   std::uint64_t units = 0;
 };
 
-/// The state of the watched render.
+/// The film pixel below the mouse.
+struct PixelValue {
+  int x = 0, y = 0;
+  std::array<float, 3> value{};  ///< what is shown there, linear
+  float samples = 0;
+  float standard_error = 0;  ///< NaN: unknown
+  bool operator==(const PixelValue&) const = default;
+};
+
+/// How a layer differs from the reference, over the pixels that both have and whose values are finite.
+struct Difference {
+  double mean = 0;    ///< of layer minus reference, over channels
+  double relmse = 0;  ///< mean of (layer - reference)² / (reference² + 0.01)
+  bool operator==(const Difference&) const = default;
+};
+
+/// The state of the watched render, or of the file.
 struct ViewStatus {
   ConnectionState connection = ConnectionState::kStarting;
   std::string address;
   std::string scene, integrator;
   bool hybrid = false;       ///< the closed form is drawn here, the difference comes from workers
   bool interactive = false;  ///< the camera can be moved
+  bool has_camera = false;   ///< the camera is known
   bool finished = false;     ///< all requested samples are merged
   int film_width = 0, film_height = 0;
   std::uint64_t samples_done = 0, samples_total = 0;  ///< of all pixels, in the current view
@@ -51,10 +81,15 @@ struct ViewStatus {
   double relative_error = 0;   ///< NaN: unknown
   double latency_seconds = 0;  ///< from requesting samples to their first tile; NaN: none yet
   double frames_per_second = 0;
-  int analytic_frames = 0;  ///< frames of the closed form averaged for antialiasing
+  int analytic_frames = 0;      ///< frames of the closed form averaged for antialiasing
+  std::uint32_t scene_spp = 0;  ///< samples per pixel that the scene asks for; 0: unknown
+  std::vector<std::string> named_layers;
+  std::string reference;  ///< name of the picture to compare with; empty: none
+  std::optional<Difference> difference;
+  std::optional<PixelValue> pixel;
+  Histogram histogram;
   std::vector<WorkerView> workers;
-  std::vector<std::string>
-      messages;  ///< newest last; "error:" or "warning:" at the start decides how it is shown
+  std::vector<std::string> messages;  ///< newest last; how it is shown: see message_kind
 };
 
 }  // namespace penumbra

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <string_view>
 
+#include "scenes/names.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/keys/access_options.h"
 #include "scheduler/keys/tcp_address.h"
@@ -37,7 +40,8 @@ std::string check_screenshot(const std::string& path) {
 void add_view_options(CLI::App& app, ViewOptions& options) {
   add_preview_options(app, options.preview);
   CLI::Option* scene = app.get_option("SCENE");
-  scene->required(false)->description("Scene file: a scheduler and workers are started for it");
+  scene->required(false)->description(
+      "Scene file: a scheduler and workers are started for it. Or an image: EXR, PNG, …");
   // The window's own scheduler listens on a private socket; for others, and over TCP, use `penumbra preview`.
   app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
@@ -55,6 +59,10 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   app.get_option("--keys")->group(kOwn)->description(
       "For a scheduler at HOST:PORT with TLS: the folder that `penumbra keys` made, or its part for windows");
   add_token_refusal(app);
+  app.add_option("--reference", options.reference, "Image to compare with")
+      ->type_name("FILE")
+      ->check(CLI::Validator(CLI::ExistingFile).description(""))
+      ->group(kOwn);
   app.add_option("--script", options.script, "Run the commands of this file, one a line, and end")
       ->type_name("FILE")
       ->check(CLI::Validator(CLI::ExistingFile).description(""))
@@ -78,6 +86,12 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
       ->group(kOwn);
   app.add_flag("--gl-debug", options.gl_debug, "Let OpenGL check every call; exit code 1 if it complains")
       ->group(kOwn);
+}
+
+bool is_image_file(const std::string& path) {
+  static constexpr std::array<std::string_view, 9> kExtensions{".exr",  ".hdr", ".pfm",  ".png", ".jpg",
+                                                               ".jpeg", ".tif", ".tiff", ".tga"};
+  return std::ranges::find(kExtensions, extension_of(path)) != kExtensions.end();
 }
 
 std::vector<std::string> preview_arguments(const CLI::App& app) {

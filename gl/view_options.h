@@ -15,11 +15,15 @@ struct ViewOptions {
   std::string connect;
   JobId job = 0;  ///< of a service at `connect`; 0: the oldest unfinished one
   std::string script, screenshot;
+  std::string reference;  ///< image to compare with
   int width = 1280, height = 800;
   bool hidden = false, gl_debug = false;
 };
 
 void add_view_options(CLI::App& app, ViewOptions& options);
+
+/// Whether the window shows the file as it is and renders nothing, by its extension.
+bool is_image_file(const std::string& path);
 
 /// The arguments that the user gave for `penumbra preview`.
 std::vector<std::string> preview_arguments(const CLI::App& app);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "gl/histogram.h"
+#include "gl/overlay_text.h"
 #include "gl/picture_files.h"
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
@@ -38,18 +40,21 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::stri
                                                  LocalScheduler* local) {
   Expected<CompositePass> composite = CompositePass::create();
   if (!composite) return std::unexpected(composite.error());
-  return std::unique_ptr<Viewer>(new Viewer(window, address, access, job, local, std::move(*composite)));
+  std::unique_ptr<Viewer> viewer(new Viewer(window, std::move(*composite)));
+  viewer->local_ = local;
+  viewer->access_ = access;
+  viewer->status_.address = address;
+  viewer->connect(job);
+  return viewer;
 }
 
-Viewer::Viewer(Window& window, const std::string& address, const ClientAccess& access, JobId job,
-               LocalScheduler* local, CompositePass composite)
-    : window_(window),
-      local_(local),
-      access_(access),
-      client_(std::make_unique<WatchClient>(address, access.token, access.keys, job)),
-      composite_(std::move(composite)) {
+void Viewer::connect(JobId job) {
+  client_ = std::make_unique<WatchClient>(status_.address, access_.token, access_.keys, job, &Window::wake,
+                                          local_ != nullptr);
+}
+
+Viewer::Viewer(Window& window, CompositePass composite) : window_(window), composite_(std::move(composite)) {
   view_.adjustable.alpha = settings_.alpha;
-  status_.address = address;
   status_.latency_seconds = status_.seconds_left = status_.relative_error =
       std::numeric_limits<double>::quiet_NaN();
 }
@@ -57,6 +62,7 @@ Viewer::Viewer(Window& window, const std::string& address, const ClientAccess& a
 // --- News
 
 Expected<void> Viewer::update() {
+  if (client_ == nullptr) return {};
   for (WatchNews& news : client_->take()) {
     stale_ = true;
     if (Expected<void> done = std::visit([this](auto& content) { return on(content); }, news); !done)
@@ -79,6 +85,14 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   }
   scene_ = std::move(news.scene);
   header_ = scene_ ? std::optional(scene_->header) : std::nullopt;
+  layers_ = {.name = job.title,
+             .width = job.film_width,
+             .height = job.film_height,
+             .area = {0, 0, job.film_width, job.film_height},
+             .layers = {}};
+  wanted_layers_.clear();
+  status_.named_layers = job.layers;
+  status_.named_layers.insert(status_.named_layers.end(), {"samples", "variance"});
   analytic_.reset();
   status_.hybrid = job.hybrid && scene_ != nullptr;
   if (status_.hybrid) {
@@ -93,6 +107,8 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   status_.scene = job.title;
   status_.integrator = job.integrator;
   status_.interactive = job.interactive;
+  status_.scene_spp = job.scene_spp;
+  status_.has_camera = header_.has_value();
   status_.film_width = job.film_width;
   status_.film_height = job.film_height;
   const glm::dvec3 center{job.center[0], job.center[1], job.center[2]};
@@ -115,6 +131,8 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   const bool needs_closed_form = settings_.layer == Layer::kAnalytic || settings_.layer == Layer::kDifference;
   if (needs_closed_form && !status_.hybrid) settings_.layer = Layer::kComposite;
   job_ = job;
+  if (samples_before_connection_ > 0 && can_steer())
+    want_samples(std::exchange(samples_before_connection_, 0));
   // A restarted scheduler shows the scene's own view.
   if (can_steer() && (moved_ || settings_.alpha != header_->adjustable.alpha)) show_pose();
   return {};
@@ -194,6 +212,7 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
 
 Expected<void> Viewer::on(const TileSnapshot& tile) {
   if (!film_ || !film_->apply(tile)) return {};
+  take_layers(tile);
   if (asked_ && tile.samples >= asked_spp_) {
     status_.latency_seconds = seconds_since(*asked_);
     asked_.reset();
@@ -202,7 +221,12 @@ Expected<void> Viewer::on(const TileSnapshot& tile) {
 }
 
 Expected<void> Viewer::look_after_scheduler() {
-  const std::optional<ChildExit> end = local_ == nullptr ? std::nullopt : local_->ended();
+  if (local_ == nullptr) return {};
+  // Once it is connected its messages come over the connection.
+  for (const std::string& line : local_->take_lines())
+    if (status_.connection != ConnectionState::kConnected && message_kind(line) != MessageKind::kPlain)
+      note(line);
+  const std::optional<ChildExit> end = local_->ended();
   if (!end) return {};
   stale_ = true;
   status_.connection = ConnectionState::kLost;
@@ -213,8 +237,7 @@ Expected<void> Viewer::look_after_scheduler() {
     return fail(fmt::format("the scheduler ended: {}", end->how));
   }
   if (is_hopeless) {
-    say(fmt::format("error: the scheduler ended ({}); why is on the terminal. Reload (F5) tries again",
-                    end->how));
+    say(fmt::format("error: the scheduler ended ({}). Reload (F5) tries again", end->how));
     return {};
   }
   say(fmt::format("warning: the scheduler ended ({}); starting it again", end->how));
@@ -244,6 +267,10 @@ std::uint64_t Viewer::samples_there() const {
 
 void Viewer::say(std::string text) {
   print_message("penumbra-view: " + text);
+  note(std::move(text));
+}
+
+void Viewer::note(std::string text) {
   status_.messages.push_back(std::move(text));
   if (status_.messages.size() > kMessagesKept) status_.messages.erase(status_.messages.begin());
   stale_ = true;
@@ -278,22 +305,23 @@ Expected<void> Viewer::draw_closed_form() {
 Expected<void> Viewer::draw() {
   window_.begin_frame();
   status_.analytic_frames = analytic_frames();
-  const OverlayResult overlay = draw_overlay(settings_, status_);
+  const OverlayResult overlay = draw_overlay(settings_, status_, composite_.shown());
+  stale_ = false;
+  picture_area_ = overlay.picture_area;
   for (const Action action : overlay.actions) act(action);
   if (overlay.alpha_changed) set_alpha(settings_.alpha);
-  quit_ |= overlay.quit;
-  stale_ = false;
+  if (overlay.copy)
+    if (const auto copied = copy_view(*overlay.copy); !copied) say("warning: " + copied.error().message);
   if (film_) {
     if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
-    if (Expected<void> composed = composite_.compose(*film_, analytic_textures(), settings_); !composed)
-      return composed;
-    denoise_composed();
-    composite_.show(*film_, settings_, status_.workers,
-                    {.framebuffer = window_.framebuffer(),
-                     .width = window_.width(),
-                     .height = window_.height(),
-                     .area = overlay.picture_area,
-                     .scale = window_.content_scale()});
+    if (Expected<void> composed = compose_shown(); !composed) return composed;
+    const PixelRectangle place = composite_.show(*film_, settings_, status_.workers,
+                                                 {.framebuffer = window_.framebuffer(),
+                                                  .width = window_.width(),
+                                                  .height = window_.height(),
+                                                  .area = overlay.picture_area,
+                                                  .scale = window_.content_scale()});
+    note_what_is_shown(place, overlay.shows_histogram);
   }
   window_.end_frame();
   ++frames_this_second_;
@@ -304,6 +332,27 @@ Expected<void> Viewer::draw() {
     second_began_ = now;
   }
   return {};
+}
+
+Expected<void> Viewer::compose_shown() {
+  if (auto composed = composite_.compose(*film_, analytic_textures(), settings_, shown_layers()); !composed)
+    return composed;
+  denoise_composed();
+  compare_composed();
+  return {};
+}
+
+/// The panel is laid out before the picture is drawn: what it says of the picture is that of the last frame,
+/// unless it has changed.
+void Viewer::note_what_is_shown(const PixelRectangle& place, bool shows_histogram) {
+  const std::optional<PixelValue> pixel = status_.pixel;
+  look_at_pixel(place);
+  if (pixel != status_.pixel || shown_difference_ != status_.difference) stale_ = true;
+  shown_difference_ = status_.difference;
+  if (!shows_histogram) return;
+  const Histogram histogram = histogram_of(composite_.read_linear(), std::exp2(settings_.exposure));
+  if (histogram != status_.histogram) stale_ = true;
+  status_.histogram = histogram;
 }
 
 PixelRectangle Viewer::rendered_area() const {
@@ -334,10 +383,10 @@ void Viewer::denoise_composed() {
 Expected<void> Viewer::save(const std::filesystem::path& path) {
   if (!film_) return fail("there is nothing to save yet");
   if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
-  const Expected<Picture> picture =
-      capture_picture(composite_, *film_, analytic_textures(),
-                      DenoisedArea{rendered_area(), denoised_values()}, settings_, status_);
+  Expected<Picture> picture = capture_picture(
+      composite_, *film_, analytic_textures(), [this] { return compose_shown(); }, settings_, status_);
   if (!picture) return std::unexpected(picture.error());
+  add_camera(picture->metadata);
   return save_picture(path, *picture);
 }
 

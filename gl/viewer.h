@@ -6,15 +6,19 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 
 #include "gl/analytic_pass.h"
 #include "gl/camera_control.h"
+#include "gl/camera_text.h"
 #include "gl/composite_pass.h"
 #include "gl/denoised_picture.h"
 #include "gl/film_textures.h"
 #include "gl/local_scheduler.h"
 #include "gl/overlay.h"
+#include "gl/picture_layers.h"
 #include "gl/view_model.h"
 #include "gl/window.h"
 #include "scheduler/keys/client_access.h"
@@ -33,6 +37,12 @@ class Viewer {
                                                   const ClientAccess& access, JobId job,
                                                   LocalScheduler* local);
 
+  /// Shows an image file.
+  static Expected<std::unique_ptr<Viewer>> show_file(Window& window, const std::filesystem::path& path);
+
+  /// Reads an image to compare with. Errors: those of read_image.
+  Expected<void> open_reference(const std::filesystem::path& path);
+
   /// Processes what has arrived since the last call. Errors: nothing more can arrive, and there is nothing to
   /// show.
   Expected<void> update();
@@ -43,6 +53,14 @@ class Viewer {
   void set_pose(const CameraPose& pose);
   void set_alpha(float alpha);
   void set_exposure(float stops) { settings_.exposure = stops; }
+  void set_view(const ImageView& view) { settings_.view = view; }
+  void set_panel(bool panel) { settings_.panel = panel; }
+  void compare(Comparison comparison);
+  /// "image", "closed_form", "difference", "standard_error", or a named layer. Errors: there is no such
+  /// layer.
+  Expected<void> show_layer(const std::string& name);
+  /// The camera as text, which is also put into the clipboard. Errors: it is not known.
+  Expected<std::string> copy_view(CameraFormat format);
   /// Draws one frame, with the panel.
   Expected<void> draw();
   /// Saves the current render; the extension decides the format.
@@ -77,6 +95,9 @@ class Viewer {
 
   Viewer(Window& window, const std::string& address, const ClientAccess& access, JobId job,
          LocalScheduler* local, CompositePass composite);
+  Viewer(Window& window, CompositePass composite);
+  void connect(JobId job);
+  Expected<void> read_file();
 
   Expected<void> on(watch_news::Connected& news);
   Expected<void> on(const watch_news::Said& news);
@@ -96,7 +117,25 @@ class Viewer {
   void show_pose();
   void forget_samples();
   void reload();
-  void save_beside_scene();
+  void save_view();
+  void keep_reference();
+  void next_layer();
+  void next_comparison();
+  void zoom(double factor, double x, double y);
+  void close_what_is_open();
+  [[nodiscard]] std::string repeat_command() const;
+  [[nodiscard]] double distance_to_target() const;
+  /// The named layer that is shown, brought up to date; null if another layer is shown.
+  const LayeredPicture* shown_layers();
+  void take_layers(const TileSnapshot& tile);
+  void compare_composed();
+  void note_what_is_shown(const PixelRectangle& place, bool shows_histogram);
+  void note(std::string text);
+  void add_camera(std::vector<std::pair<std::string, MetadataValue>>& metadata) const;
+  /// Composes what is shown: layer, denoised picture, comparison.
+  Expected<void> compose_shown();
+  [[nodiscard]] std::string shown_layer_name() const;
+  void look_at_pixel(const PixelRectangle& place);
   void say(std::string text);
   Expected<void> draw_closed_form();
   /// Replaces the composed picture by the newest denoised one, and has the present one denoised.
@@ -109,12 +148,18 @@ class Viewer {
   [[nodiscard]] AnalyticTextures analytic_textures() const;
 
   Window& window_;
-  LocalScheduler* local_;
+  std::filesystem::path file_;  // the file that is shown; empty: a render
+  LocalScheduler* local_ = nullptr;
   ClientAccess access_;
-  std::unique_ptr<WatchClient> client_;
+  std::unique_ptr<WatchClient> client_;  // null: a file is shown
   CompositePass composite_;
   std::unique_ptr<AnalyticPass> analytic_;
   std::optional<FilmTextures> film_;
+  LayeredPicture layers_;                // of the file; of the render, those that have arrived
+  std::set<std::string> wanted_layers_;  // requested from the scheduler
+  std::optional<LayeredPicture> reference_;
+  PixelRectangle picture_area_;                 // of the last frame
+  std::optional<Difference> shown_difference_;  // on the panel
   DenoisedPicture denoised_;
   std::uint64_t denoised_view_ = 1;  // incremented whenever the samples are forgotten
 
@@ -132,6 +177,7 @@ class Viewer {
 
   std::optional<Clock::time_point> asked_;  // when samples were requested of which no tile has arrived
   std::uint32_t asked_spp_ = 0;
+  std::uint32_t samples_before_connection_ = 0;  // requested when there was none yet
   std::uint32_t requested_spp_ = 0;  // samples per pixel of the current view that this window requested
   int starts_without_success_ = 0;
   bool has_had_workers_ = false;

@@ -2,11 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <numbers>
 
 #include "gl/viewer.h"
+#include "scheduler/files/quoting.h"
 
 namespace penumbra {
 namespace {
@@ -21,7 +24,11 @@ constexpr const char* kNoFurtherSamples =
 constexpr float kAlphaStep = 0.1f, kExposureStep = 0.25f;
 constexpr double kRadiansPerHeight = std::numbers::pi;  // of a drag as long as the window is high
 
-ToneMap next(ToneMap tone_map) { return ToneMap((int(tone_map) + 1) % (int(ToneMap::kFilmic) + 1)); }
+constexpr double kZoomStep = 1.41421356237309505;  // per key press and notch of the wheel
+
+ToneOperator next(ToneOperator tone_map) {
+  return ToneOperator((std::size_t(tone_map) + 1) % kToneOperatorNames.size());
+}
 
 /// Changes how the picture is shown, without new samples. Returns whether the action does that.
 bool change_display(Action action, bool has_closed_form, DisplaySettings& settings) {
@@ -52,6 +59,12 @@ bool change_display(Action action, bool has_closed_form, DisplaySettings& settin
       return true;
     case Action::kNextToneMap:
       settings.tone_map = next(settings.tone_map);
+      return true;
+    case Action::kToggleFalseColor:
+      settings.false_color = !settings.false_color;
+      return true;
+    case Action::kFit:
+      settings.view = {};
       return true;
     case Action::kTogglePanel:
       settings.panel = !settings.panel;
@@ -161,11 +174,21 @@ void Viewer::forget_samples() {
 }
 
 void Viewer::handle(const WindowEvents& events) {
+  stale_ |= events.pointer_moved;
   if (!events.any()) return;
   stale_ = true;
   for (const Action action : events.actions) act(action);
   if (events.close) quit_ = true;
-  if (!can_steer()) return;
+  const std::array<double, 2> pointer = window_.pointer().value_or(std::array{0.0, 0.0});
+  // What moves the camera moves the picture where there is none.
+  const bool steers = can_steer();
+  const double notches = events.zoom + (steers ? 0 : events.wheel);
+  if (notches != 0) zoom(std::pow(kZoomStep, notches), pointer[0], pointer[1]);
+  const double x = events.picture_x + (steers ? 0 : events.orbit_x + events.pan_x);
+  const double y = events.picture_y + (steers ? 0 : events.orbit_y + events.pan_y);
+  if ((x != 0 || y != 0) && film_)
+    settings_.view = panned(settings_.view, picture_area_, film_->width(), film_->height(), x, y);
+  if (!steers) return;
   const double side = film_is_mirrored(*header_) ? -1 : 1;
   const double per_pixel = 1.0 / std::max(window_.height(), 1);
   if (events.orbit_x != 0 || events.orbit_y != 0)
@@ -185,6 +208,8 @@ void Viewer::act(Action action) {
   if (change_display(action, status_.hybrid, settings_)) return;
   const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
   if (const auto pose = step_camera(action, pose_, step_length(pose_, extent_), side)) return set_pose(*pose);
+  const std::array<double, 2> middle{picture_area_.x + 0.5 * picture_area_.width,
+                                     picture_area_.y + 0.5 * picture_area_.height};
   switch (action) {
     case Action::kOneMoreSample:
       return take_one_more_sample();
@@ -199,7 +224,30 @@ void Viewer::act(Action action) {
     case Action::kReload:
       return reload();
     case Action::kSave:
-      return save_beside_scene();
+      return save_view();
+    case Action::kCopyView:
+      if (const auto copied = copy_view(CameraFormat::kSettings); !copied)
+        say("warning: " + copied.error().message);
+      return;
+    case Action::kNextLayer:
+      return next_layer();
+    case Action::kZoomIn:
+    case Action::kZoomOut:
+      return zoom(action == Action::kZoomIn ? kZoomStep : 1 / kZoomStep, middle[0], middle[1]);
+    case Action::kActualSize:
+      if (film_)
+        zoom(1 / shown_zoom(settings_.view, picture_area_, film_->width(), film_->height()), middle[0],
+             middle[1]);
+      return;
+    case Action::kKeepReference:
+      return keep_reference();
+    case Action::kToggleReference:
+      return compare(settings_.comparison == Comparison::kReference ? Comparison::kNone
+                                                                    : Comparison::kReference);
+    case Action::kNextComparison:
+      return next_comparison();
+    case Action::kClose:
+      return close_what_is_open();
     case Action::kQuit:
       quit_ = true;
       return;
@@ -209,9 +257,11 @@ void Viewer::act(Action action) {
 }
 
 void Viewer::take_one_more_sample() {
-  if (can_steer())
+  if (!job_)
+    ++samples_before_connection_;
+  else if (can_steer())
     want_samples(status_.spp_wanted + 1);
-  else if (job_)
+  else
     say(kNoFurtherSamples);
 }
 
@@ -228,6 +278,10 @@ void Viewer::reset_camera() {
 }
 
 void Viewer::reload() {
+  if (client_ == nullptr) {
+    const Expected<void> read = read_file();
+    return say(read ? "read the file again" : "error: " + read.error().message);
+  }
   if (local_ == nullptr) {
     say("warning: the scene belongs to the scheduler, which was not started from here: it cannot be "
         "reloaded");
@@ -239,17 +293,81 @@ void Viewer::reload() {
   // A new client, which cannot have talked to the scheduler that has ended.
   client_.reset();
   if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
-  client_ = std::make_unique<WatchClient>(status_.address, access_.token, access_.keys);
+  connect(0);
 }
 
-void Viewer::save_beside_scene() {
+// --- What is kept of a view
+
+std::string Viewer::repeat_command() const {
+  if (!job_ || job_->command.empty()) return "";
+  std::string command = job_->command;
+  const auto set = [&command](const std::string& value) { command += " --set " + shell_quoted(value); };
+  if (moved_) set(camera_text(view_.camera, center_, distance_to_target(), CameraFormat::kSettings));
+  if (status_.hybrid) set(fmt::format("integrator.alpha={}", settings_.alpha));
+  if (status_.interactive && status_.spp_done > 0 && status_.spp_done < job_->spp)
+    command += fmt::format(" --stop-after {}", status_.spp_done);
+  return command;
+}
+
+double Viewer::distance_to_target() const { return glm::length(pose_.at - pose_.eye); }
+
+void Viewer::add_camera(std::vector<std::pair<std::string, MetadataValue>>& metadata) const {
+  if (header_) {
+    const std::string text =
+        camera_text(view_.camera, center_, distance_to_target(), CameraFormat::kSettings);
+    const std::size_t equals = text.find('=');
+    metadata.emplace_back("penumbra:" + text.substr(0, equals), text.substr(equals + 1));
+  }
+  // A moved camera goes through text, and the closed form was drawn in single precision.
+  const std::string command = repeat_command();
+  if (!command.empty())
+    metadata.emplace_back(moved_ || status_.hybrid ? "penumbra:nearest_command" : "penumbra:command",
+                          command);
+}
+
+Expected<std::string> Viewer::copy_view(CameraFormat format) {
+  if (!header_) return fail("the window does not know the camera of this picture");
+  std::string text = camera_text(view_.camera, center_, distance_to_target(), format);
+  if (format == CameraFormat::kSettings) {
+    text = "--set " + shell_quoted(text);
+    if (status_.hybrid) text += " --set " + shell_quoted(fmt::format("integrator.alpha={}", settings_.alpha));
+  }
+  window_.set_clipboard(text);
+  note(fmt::format("copied: {}", text));
+  return text;
+}
+
+/// Numbered, so that no file is overwritten.
+void Viewer::save_view() {
   if (!film_) return;
   const std::string stem = std::filesystem::path(status_.scene).stem().string();
+  const auto name = [&](int number, const char* extension) {
+    return fmt::format("{}-view-{:03}.{}", stem.empty() ? "render" : stem, number, extension);
+  };
+  int number = 1;
+  while (std::filesystem::exists(name(number, "exr")) || std::filesystem::exists(name(number, "png")))
+    ++number;
   for (const char* extension : {"exr", "png"}) {
-    const std::string name = fmt::format("{}-view.{}", stem.empty() ? "render" : stem, extension);
-    const Expected<void> saved = save(name);
-    say(saved ? "wrote " + name : "error: " + saved.error().message);
+    const Expected<void> saved = save(name(number, extension));
+    say(saved ? "wrote " + name(number, extension) : "error: " + saved.error().message);
   }
+}
+
+// --- The picture's place
+
+void Viewer::zoom(double factor, double x, double y) {
+  if (film_)
+    settings_.view = zoomed(settings_.view, picture_area_, film_->width(), film_->height(), factor, x, y);
+  stale_ = true;
+}
+
+void Viewer::close_what_is_open() {
+  if (settings_.help)
+    settings_.help = false;
+  else if (settings_.comparison != Comparison::kNone)
+    settings_.comparison = Comparison::kNone;
+  else
+    settings_.view = {};
 }
 
 }  // namespace penumbra

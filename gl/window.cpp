@@ -162,6 +162,8 @@ GLuint Window::framebuffer() const { return state_->target.name(); }
 GLFWwindow* Window::handle() const { return state_->window; }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(state_->window, title.c_str()); }
 
+void Window::set_clipboard(const std::string& text) { glfwSetClipboardString(state_->window, text.c_str()); }
+
 void Window::begin_frame() {
   State& state = *state_;
   GLint width = 0, height = 0;

@@ -1,6 +1,7 @@
 // A GLFW window with OpenGL 3.3 core and Dear ImGui: input, a framebuffer to draw into, and display.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,16 +28,19 @@ struct WindowOptions {
 /// Events since the last poll, without those for the panel. Distances are in framebuffer pixels, to the right
 /// and downwards.
 struct WindowEvents {
-  std::vector<Action> actions;      ///< from keys, in order
-  double orbit_x = 0, orbit_y = 0;  ///< drags with the left button
-  double pan_x = 0, pan_y = 0;      ///< drags with the middle button, or with shift and the left button
-  double wheel = 0;                 ///< notches; positive: away from the user, the camera moves closer
+  std::vector<Action> actions;          ///< from keys, in order
+  double orbit_x = 0, orbit_y = 0;      ///< drags with the left button
+  double pan_x = 0, pan_y = 0;          ///< drags with the middle button, or with shift and the left button
+  double picture_x = 0, picture_y = 0;  ///< drags with the right button, or with control and the left button
+  double wheel = 0;                     ///< notches; positive: away from the user, the camera moves closer
+  double zoom = 0;                      ///< notches with control
+  bool pointer_moved = false;           ///< also without a drag, and over the panel; not counted by any()
   bool resized = false;
   bool close = false;
 
   [[nodiscard]] bool any() const {
-    return !actions.empty() || orbit_x != 0 || orbit_y != 0 || pan_x != 0 || pan_y != 0 || wheel != 0 ||
-           resized || close;
+    return !actions.empty() || orbit_x != 0 || orbit_y != 0 || pan_x != 0 || pan_y != 0 || picture_x != 0 ||
+           picture_y != 0 || wheel != 0 || zoom != 0 || resized || close;
   }
 };
 
@@ -57,9 +61,15 @@ class Window {
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
 
-  /// Waits up to `wait_seconds` for events. Keys are looked up in all_actions() by their labels, unless Ctrl,
-  /// Alt or the system's key is held.
+  /// Waits up to `wait_seconds` for events, or until wake(). Keys are looked up in all_actions() by their
+  /// labels, unless Alt or the system's key is held; with Ctrl as "ctrl+" and the label.
   WindowEvents poll(double wait_seconds = 0);
+  /// Ends the waiting of poll(). May be called on any thread while a window exists.
+  static void wake();
+  /// The mouse's place, in framebuffer pixels; nothing while it is over the panel or outside.
+  [[nodiscard]] std::optional<std::array<double, 2>> pointer() const;
+  /// From now on pointer() is there, for scripts.
+  void point_at(double x, double y);
 
   /// Size of the framebuffer, in pixels.
   [[nodiscard]] int width() const;
@@ -78,6 +88,7 @@ class Window {
   /// Requests another size, in pixels; the desktop may choose a different one. Errors: not within 1 … 16384.
   Expected<void> resize(int width, int height);
   void set_title(const std::string& title);
+  void set_clipboard(const std::string& text);
 
   /// The last finished frame.
   [[nodiscard]] FramePixels read_pixels() const;

@@ -21,9 +21,13 @@ bool panel_wants_keyboard() { return ImGui::GetIO().WantCaptureKeyboard || ImGui
 
 void on_key(GLFWwindow* window, int key, int scancode, int happened, int modifiers) {
   if (happened == GLFW_RELEASE || panel_wants_keyboard()) return;
-  if ((modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
+  if ((modifiers & (GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
   const char* printed = glfwGetKeyName(key, scancode);
-  const auto action = action_of_key(key_name(key, printed == nullptr ? "" : printed));
+  // Letters with Ctrl are named by what they print alone.
+  const bool with_control = (modifiers & GLFW_MOD_CONTROL) != 0;
+  const std::string name = with_control ? fmt::format("ctrl+{}", printed == nullptr ? "" : printed)
+                                        : key_name(key, printed == nullptr ? "" : printed);
+  const auto action = action_of_key(name);
   if (!action) return;
   if (happened == GLFW_REPEAT && !info_of(*action).repeats) return;
   state_of(window).events.actions.push_back(*action);
@@ -36,25 +40,37 @@ void on_mouse_button(GLFWwindow* window, int button, int happened, int modifiers
     return;
   }
   if (state.drag != Drag::kNone || panel_wants_mouse()) return;
-  if (button != GLFW_MOUSE_BUTTON_LEFT && button != GLFW_MOUSE_BUTTON_MIDDLE) return;
-  const bool shift = (modifiers & GLFW_MOD_SHIFT) != 0;
-  state.drag = button == GLFW_MOUSE_BUTTON_LEFT && !shift ? Drag::kOrbit : Drag::kPan;
+  const bool shift = (modifiers & GLFW_MOD_SHIFT) != 0, control = (modifiers & GLFW_MOD_CONTROL) != 0;
+  if (button == GLFW_MOUSE_BUTTON_RIGHT || (button == GLFW_MOUSE_BUTTON_LEFT && control))
+    state.drag = Drag::kPicture;
+  else if (button == GLFW_MOUSE_BUTTON_MIDDLE || (button == GLFW_MOUSE_BUTTON_LEFT && shift))
+    state.drag = Drag::kPan;
+  else if (button == GLFW_MOUSE_BUTTON_LEFT)
+    state.drag = Drag::kOrbit;
   state.drag_button = button;
   glfwGetCursorPos(window, &state.cursor_x, &state.cursor_y);
 }
 
 void on_cursor(GLFWwindow* window, double x, double y) {
   Window::State& state = state_of(window);
-  if (state.drag == Drag::kNone) return;
   const double scale = state.pixels_per_coordinate();
-  (state.drag == Drag::kOrbit ? state.events.orbit_x : state.events.pan_x) += scale * (x - state.cursor_x);
-  (state.drag == Drag::kOrbit ? state.events.orbit_y : state.events.pan_y) += scale * (y - state.cursor_y);
+  state.events.pointer_moved = true;
+  const std::array<double, 2> by{scale * (x - state.cursor_x), scale * (y - state.cursor_y)};
+  WindowEvents& events = state.events;
+  const auto add = [&by](double& to_x, double& to_y) { to_x += by[0], to_y += by[1]; };
+  if (state.drag == Drag::kOrbit) add(events.orbit_x, events.orbit_y);
+  if (state.drag == Drag::kPan) add(events.pan_x, events.pan_y);
+  if (state.drag == Drag::kPicture) add(events.picture_x, events.picture_y);
   state.cursor_x = x;
   state.cursor_y = y;
 }
 
 void on_wheel(GLFWwindow* window, double, double y) {
-  if (!panel_wants_mouse()) state_of(window).events.wheel += y;
+  if (panel_wants_mouse()) return;
+  WindowEvents& events = state_of(window).events;
+  const bool control = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                       glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+  (control ? events.zoom : events.wheel) += y;
 }
 
 void on_framebuffer_size(GLFWwindow* window, int width, int height) {
@@ -151,5 +167,20 @@ WindowEvents Window::poll(double wait_seconds) {
   glfwSetWindowShouldClose(state_->window, GLFW_FALSE);  // the caller decides
   return std::exchange(state_->events, {});
 }
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+std::optional<std::array<double, 2>> Window::pointer() const {
+  if (state_->given_pointer) return state_->given_pointer;
+  if (!state_->visible || panel_wants_mouse() ||
+      glfwGetWindowAttrib(state_->window, GLFW_HOVERED) == GLFW_FALSE)
+    return std::nullopt;
+  double x = 0, y = 0;
+  glfwGetCursorPos(state_->window, &x, &y);
+  const double scale = state_->pixels_per_coordinate();
+  return std::array{scale * x, scale * y};
+}
+
+void Window::point_at(double x, double y) { state_->given_pointer = {x, y}; }
 
 }  // namespace penumbra

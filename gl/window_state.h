@@ -4,6 +4,8 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,7 @@ struct ImGuiContext;
 
 namespace penumbra {
 
-enum class Drag { kNone, kOrbit, kPan };
+enum class Drag { kNone, kOrbit, kPan, kPicture };
 
 struct Window::State {
   GLFWwindow* window = nullptr;
@@ -30,7 +32,8 @@ struct Window::State {
   WindowEvents events;
   Drag drag = Drag::kNone;
   int drag_button = -1;
-  double cursor_x = 0, cursor_y = 0;  ///< in GLFW's coordinates, at the last drag event
+  double cursor_x = 0, cursor_y = 0;  ///< in GLFW's coordinates, at the last event
+  std::optional<std::array<double, 2>> given_pointer = {};
 
   Texture picture;
   Framebuffer target;

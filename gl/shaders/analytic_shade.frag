@@ -70,5 +70,6 @@ void main() {
   Surface s = surface_at(texelFetch(ids, pixel, 0).x, triangle_count, near_clip * toward, d);
   bool lit = s.valid && dot(s.shading, d) < 0.0;
   closed_form = vec4(lit ? finite(reflected_radiance(s, d)) : vec3(0.0), 1.0);
-  emission = vec4(finite(emitted_radiance(s)), 1.0);
+  vec3 emitted = finite(emitted_radiance(s));
+  emission = vec4(emitted, emitted == vec3(0.0) ? 0.0 : 1.0);
 }

@@ -3,21 +3,22 @@
 // film pixels below a screen pixel. Formulas: composite_pass.h.
 
 uniform sampler2D linear_values;  // from composite_linear.frag
-uniform sampler2D radiance;  // for relative standard errors
+uniform sampler2D lights;         // likewise: emission that the camera sees, and its coverage of the pixel
+uniform sampler2D radiance;       // for relative standard errors
 uniform sampler2D heat;           // linear RGB over [0, 1]
 uniform vec2 origin;  // the picture's upper left corner, pixels from the target's lower left
 uniform vec2 film_per_pixel;  // film pixels per screen pixel
-uniform int layer;                // enum class Layer
-uniform int tone_map;             // enum class ToneMap
+uniform int display;              // enum class Display
+uniform int tone_map;             // enum class ToneOperator
 uniform float gain;               // 2^exposure
-uniform int relative_error;
-uniform vec2 error_range;  // log10 of the darkest and the brightest value
+uniform int over_brightness;
+uniform vec2 heat_range;          // log10 of the darkest and the brightest value
 uniform float check_size;         // pixels
 
 out vec4 colour;
 
-const int DIFFERENCE = 2, ERROR = 3;
-const int REINHARD = 1, FILMIC = 2;
+const int SIGNED = 1, HEAT = 2, NORMAL = 3, IDENTITY = 4;
+const int REINHARD = 1, FILMIC = 2, ACES = 3;
 const float HUGE = 1e15;  // bright enough for a display, and its square is finite
 
 // By bits: compilers may assume that isnan() is false.
@@ -29,11 +30,39 @@ vec3 srgb_from_linear(vec3 v) {
   return mix(1.055 * pow(v, vec3(1.0 / 2.4)) - 0.055, 12.92 * v, vec3(lessThanEqual(v, vec3(0.0031308))));
 }
 
+float luminance(vec3 v) { return dot(v, vec3(0.2126, 0.7152, 0.0722)); }
+
+vec3 hable_curve(vec3 x) {
+  return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
+}
+
+// Of scheduler/image/tone_map.h.
 vec3 tone_mapped(vec3 v) {
   v = clamp(v, 0.0, HUGE);
-  if (tone_map == REINHARD) return v / (1.0 + dot(v, vec3(0.2126, 0.7152, 0.0722)));
-  if (tone_map == FILMIC) return v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14);
-  return v;
+  if (tone_map == REINHARD) return min(v / (1.0 + luminance(v)), 1.0);
+  if (tone_map == FILMIC) return min(hable_curve(2.0 * v) / hable_curve(vec3(11.2)), 1.0);
+  if (tone_map == ACES) return min(v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14), 1.0);
+  return min(v, 1.0);
+}
+
+// A pixel that a light covers in part shows the mean of both parts' tone maps: the tone map of their mean would be as
+// bright as the light itself.
+vec3 shown_light(vec3 mean, vec4 light) {
+  float covered = clamp(light.a, 0.0, 1.0);
+  if (covered <= 0.0 || covered >= 1.0) return tone_mapped(mean * gain);
+  return mix(tone_mapped((mean - light.rgb) / (1.0 - covered) * gain), tone_mapped(light.rgb / covered * gain), covered);
+}
+
+// Neighbouring numbers get different colours of like lightness.
+vec3 colour_of_identity(float value) {
+  uint bits = floatBitsToUint(value);
+  if (bits == 0u) return vec3(0.07);
+  bits = (bits ^ (bits >> 16)) * 0x7feb352du;
+  bits = (bits ^ (bits >> 15)) * 0x846ca68bu;
+  bits ^= bits >> 16;
+  float hue = 6.0 * float(bits & 0xffffu) / 65536.0, strength = 0.45 + 0.4 * float((bits >> 16) & 0xffu) / 255.0;
+  vec3 pure = clamp(abs(mod(hue + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
+  return mix(vec3(0.75), 0.35 + 0.6 * pure, strength);
 }
 
 float root_mean_square(vec3 v) {
@@ -41,10 +70,10 @@ float root_mean_square(vec3 v) {
   return largest > 0.0 ? largest * length(v / largest) / sqrt(3.0) : 0.0;
 }
 
-vec3 heat_of(float error, float level) {
-  float x = error;
-  if (relative_error != 0) x = level > 0.0 ? error / level : (error > 0.0 ? HUGE : 0.0);
-  float t = x > 0.0 ? (log(x) / log(10.0) - error_range.x) / (error_range.y - error_range.x) : 0.0;
+vec3 heat_of(float value, float level) {
+  float x = value;
+  if (over_brightness != 0) x = level > 0.0 ? value / level : (value > 0.0 ? HUGE : 0.0);
+  float t = x > 0.0 ? (log(x) / log(10.0) - heat_range.x) / (heat_range.y - heat_range.x) : 0.0;
   // 0 is the centre of the first entry, 1 that of the last one.
   float entries = float(textureSize(heat, 0).x);
   return texture(heat, vec2((clamp(t, 0.0, 1.0) * (entries - 1.0) + 0.5) / entries, 0.5)).rgb;
@@ -60,7 +89,15 @@ void main() {
   first = clamp(first, ivec2(0), film - 1);
   last = clamp(last, first, film - 1);
 
-  vec4 sum = vec4(0.0);
+  if (display == IDENTITY) {
+    vec4 value = texelFetch(linear_values, clamp(ivec2(floor(pixel * film_per_pixel)), ivec2(0), film - 1), 0);
+    if (value.a != 0.0) {
+      colour = vec4(colour_of_identity(value.r), 1.0);
+      return;
+    }
+  }
+
+  vec4 sum = vec4(0.0), light = vec4(0.0);
   float level = 0.0;
   bool finite = true;
   for (int y = first.y; y <= last.y; ++y) {
@@ -71,7 +108,8 @@ void main() {
       if (value.a == 0.0 || weight <= 0.0) continue;
       finite = finite && are_finite(value.rgb);
       sum += weight * vec4(value.rgb, 1.0);
-      if (layer == ERROR) level += weight * root_mean_square(texelFetch(radiance, ivec2(x, y), 0).rgb);
+      light += weight * texelFetch(lights, ivec2(x, y), 0);
+      if (over_brightness != 0) level += weight * root_mean_square(texelFetch(radiance, ivec2(x, y), 0).rgb);
     }
   }
 
@@ -85,11 +123,13 @@ void main() {
     return;
   }
   vec3 mean = sum.rgb / sum.a;
-  if (layer == DIFFERENCE) {
+  if (display == SIGNED) {
     colour = vec4(0.5 + 0.5 * sign(mean) * srgb_from_linear(abs(mean) * gain), 1.0);
-  } else if (layer == ERROR) {
-    colour = vec4(srgb_from_linear(heat_of(mean.r, level / sum.a)), 1.0);
+  } else if (display == HEAT) {
+    colour = vec4(srgb_from_linear(heat_of(luminance(mean), level / sum.a)), 1.0);
+  } else if (display == NORMAL) {
+    colour = vec4(0.5 + 0.5 * clamp(mean, -1.0, 1.0), 1.0);
   } else {
-    colour = vec4(srgb_from_linear(tone_mapped(mean * gain)), 1.0);
+    colour = vec4(srgb_from_linear(shown_light(mean, light / sum.a)), 1.0);
   }
 }

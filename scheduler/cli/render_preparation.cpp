@@ -183,11 +183,19 @@ namespace {
 
 Expected<LoadedScene> load_reduced(const RenderOptions& options) {
   std::function<void(SceneDescription&)> adjust;
-  if (options.interactive) adjust = preview_adjustment(options.scene);
+  std::uint32_t asked_spp = 0;
+  if (options.interactive)
+    adjust = [&, preview = preview_adjustment(options.scene)](SceneDescription& scene) {
+      asked_spp = scene.sampler.spp;
+      preview(scene);
+    };
   if (options.film_scale != 1)
     adjust = [&](SceneDescription& scene) { scene.film = scaled_film(scene.film, options.film_scale); };
   auto scene = load_scene(options.scene, adjust);
-  if (scene) reduce(*scene);
+  if (scene) {
+    scene->asked_spp = asked_spp;
+    reduce(*scene);
+  }
   return scene;
 }
 
@@ -230,6 +238,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
+  prepared.job.scene_spp = scene->asked_spp > 0 ? scene->asked_spp : prepared.record.sampler.spp;
   prepared.farm = farm_of(options);
   prepared.farm.keys = *keys;
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = scene->center[axis];

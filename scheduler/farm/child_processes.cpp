@@ -51,7 +51,7 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
 
 /// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
 [[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int orphan_signal,
-                         int error_pipe) {
+                         int error_pipe, int output) {
   // This survives exec. If the parent died before this call, the signal will not come, so check for that.
   prctl(PR_SET_PDEATHSIG, orphan_signal);
   if (getppid() != parent) _exit(1);
@@ -61,6 +61,7 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
   for (const int number : {SIGINT, SIGTERM}) signal(number, SIG_DFL);
   const int nothing = open("/dev/null", O_RDONLY);
   if (nothing >= 0) dup2(nothing, STDIN_FILENO);
+  dup2(output, STDERR_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);
   // An inherited descriptor of another worker's connection would keep that connection open.
   close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
@@ -88,7 +89,8 @@ Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   }
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) become(arguments.data(), variables.data(), parent, end_.signal_of_orphans, error_pipe[1]);
+  if (child == 0)
+    become(arguments.data(), variables.data(), parent, end_.signal_of_orphans, error_pipe[1], output_);
   const int fork_error = errno;
   close(error_pipe[1]);
   if (child < 0) {

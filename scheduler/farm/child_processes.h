@@ -29,8 +29,9 @@ struct ChildEnd {
 };
 
 /// Each child is its own process group, so that Ctrl-C at the terminal reaches only this process. Its
-/// standard output and standard error both go to our standard error. The kernel ends a child when the
-/// *thread* that started it ends. So one thread must call all members and must live as long as the object.
+/// standard output and standard error both go to our standard error, or where `send_output_to` says. The
+/// kernel ends a child when the *thread* that started it ends. So one thread must call all members and must
+/// live as long as the object.
 class ChildProcesses {
  public:
   /// `arguments` do not include the program's name.
@@ -38,6 +39,9 @@ class ChildProcesses {
   ChildProcesses(const ChildProcesses&) = delete;
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
+
+  /// What children that are started from now on write goes to this descriptor, which must stay open.
+  void send_output_to(int descriptor) { output_ = descriptor; }
 
   /// Starts a child with these NAME=value in its environment. Fails if the program cannot be executed. If
   /// executing takes long (a stopped child, a file system that does not respond), `reap` reports the failure
@@ -59,6 +63,7 @@ class ChildProcesses {
   std::string executable_;
   std::vector<std::string> arguments_;
   ChildEnd end_;
+  int output_ = 2;
   /// Why the program could not be executed, if that is known yet.
   [[nodiscard]] std::string why_not_executed(pid_t pid);
 

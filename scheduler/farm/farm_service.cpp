@@ -196,6 +196,12 @@ grpc::Status FarmService::Control(grpc::ServerContext* context, const wire::Cont
                                   wire::ControlReply* reply) {
   called(*context);
   grpc::StatusCode code{};
+  if (request->has_want_layers()) {
+    const std::shared_ptr<WatchBoard> board = farm_.board(request->job(), std::chrono::milliseconds(0));
+    if (board == nullptr) return {grpc::StatusCode::NOT_FOUND, "there is no such job, or it is over"};
+    board->want_layers({request->want_layers().names().begin(), request->want_layers().names().end()});
+    return grpc::Status::OK;
+  }
   const Expected<JobId> job = farm_.controlled(request->job(), code);
   if (!job) return {code, job.error().message};
   if (request->has_want_samples()) {

@@ -54,7 +54,10 @@ void JobRun::open(Server& server) {
                      .spp = job_->spp,
                      .scene_hash = scene_hash_,
                      .interactive = job_->interactive,
-                     .hybrid = is_hybrid(job_->scene)};
+                     .hybrid = is_hybrid(job_->scene),
+                     .command = job_->reproduce_command,
+                     .scene_spp = job_->scene_spp,
+                     .layers = watchable_layers(merge_.film().layers())};
   std::ranges::copy(job_->center, watched.center);
   board_->show_view(view_);
   feed_.begin_view(view_);

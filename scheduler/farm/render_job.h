@@ -43,6 +43,7 @@ struct RenderJob {
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: no checkpoints
 
   // For viewers.
+  std::uint32_t scene_spp = 0;   ///< samples per pixel that the scene, or --spp, asks for; 0: unknown
   std::string title;             ///< name of the scene file
   std::string integrator;        ///< name of the integrator
   double center[3] = {0, 0, 0};  ///< the scene's centre in world space

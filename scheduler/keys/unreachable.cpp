@@ -10,8 +10,10 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -172,10 +174,26 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
                                                      : refusal_text(*keys, true);
 }
 
+std::string why_socket_unreachable(std::string_view address, milliseconds patience) {
+  address.remove_prefix(std::string_view("unix:").size());
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  if (address.size() >= sizeof to.sun_path) return "the path of a socket is shorter than that";
+  std::ranges::copy(address, to.sun_path);
+  const OwnedDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  addrinfo place{};
+  place.ai_addr = reinterpret_cast<sockaddr*>(&to);
+  place.ai_addrlen = sizeof to;
+  const int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), place, patience);
+  if (error == 0) return "";
+  if (error == ENOENT) return "there is no such socket";
+  return error == ECONNREFUSED ? "nobody listens there" : std::strerror(error);
+}
+
 }  // namespace
 
 std::string why_unreachable(const std::string& address, const Keys* keys, milliseconds patience) {
-  if (!is_tcp(address)) return "";
+  if (!is_tcp(address)) return why_socket_unreachable(address, patience);
   const NoPipeSignal none;
   const auto [host, port] = split_address(address);
   addrinfo hints{}, *found = nullptr;

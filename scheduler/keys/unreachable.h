@@ -8,9 +8,9 @@
 
 namespace penumbra {
 
-/// Connects to "host:port" like a client with these keys (null: without) and describes the failure: unknown
-/// host, nobody listens, TLS missing at one end, which certificate is wrong and why. Empty if no cause is
-/// found. `patience` limits the time for each of: connecting, the handshake, an answer.
+/// Connects to "host:port" or "unix:/path" like a client with these keys (null: without) and describes the
+/// failure: unknown host, nobody listens, TLS missing at one end, which certificate is wrong and why. Empty
+/// if no cause is found. `patience` limits the time for each of: connecting, the handshake, an answer.
 std::string why_unreachable(const std::string& address, const Keys* keys, std::chrono::milliseconds patience);
 
 }  // namespace penumbra

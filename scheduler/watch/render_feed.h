@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "kernels/host/device_scene.h"
 #include "scheduler/plan/merge.h"
@@ -16,9 +18,14 @@ namespace penumbra {
 /// alpha.
 bool is_hybrid(const DeviceScene& scene);
 
+/// The names of the further layers that tiles of such a film can contain: those that images show, without the
+/// closed form and its difference, and kMatteLayer.
+std::vector<std::string> watchable_layers(const FilmLayers& layers);
+
 /// The means of a tile over all merged samples. With `hybrid` including the difference to alpha times the
-/// closed form.
-TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha);
+/// closed form. `layers`: names of watchable_layers.
+TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha,
+                         const std::set<std::string>& layers = {});
 
 /// Tracks which tiles have changed and publishes a few of them at a time. So it takes little time of the
 /// render's own thread, however fast tiles change and however many viewers there are.

@@ -2,9 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace penumbra {
+
+/// A further layer of a tile: the mean of a layer of kernels/film_layers.h by its name, or kMatteLayer.
+struct TileLayer {
+  std::string name;
+  std::vector<float> values;  ///< one or three per pixel
+};
+
+/// For each pixel the matte (Cryptomatte) that most of its samples hit, from 1 on; 0: none.
+constexpr const char* kMatteLayer = "matte";
 
 /// Means over all samples merged so far. A later snapshot of a tile replaces an earlier one. Pixels are
 /// stored row by row from the tile's corner.
@@ -21,8 +31,9 @@ struct TileSnapshot {
   /// Of the mean radiance: root mean square over its channels, one value per pixel; NaN for fewer than two
   /// samples.
   std::vector<float> standard_error;
+  std::vector<TileLayer> layers = {};  ///< those that viewers want
 
-  /// Bytes of memory per pixel.
+  /// Bytes of memory per pixel, without further layers.
   static constexpr std::size_t bytes_per_pixel(bool hybrid) {
     return (3 + 1 + (hybrid ? 3 : 0)) * sizeof(float);
   }

@@ -70,6 +70,19 @@ bool WatchBoard::take_request_for_all_tiles() {
   return std::exchange(all_tiles_requested_, false);
 }
 
+void WatchBoard::want_layers(const std::vector<std::string>& names) {
+  const std::lock_guard lock(mutex_);
+  if (!job_) return;
+  for (const std::string& name : names)
+    if (std::ranges::find(job_->layers, name) != job_->layers.end())
+      all_tiles_requested_ |= wanted_layers_.insert(name).second;
+}
+
+std::set<std::string> WatchBoard::wanted_layers() const {
+  const std::lock_guard lock(mutex_);
+  return wanted_layers_;
+}
+
 void WatchBoard::close() {
   {
     const std::lock_guard lock(mutex_);
@@ -101,8 +114,10 @@ WatchBoard::Watcher::~Watcher() {
   {
     const std::lock_guard lock(board_.mutex_);
     std::erase(board_.watchers_, this);
-    if (board_.watchers_.empty())
+    if (board_.watchers_.empty()) {
       for (Tile& tile : board_.tiles_) tile = {};
+      board_.wanted_layers_.clear();
+    }
   }
   board_.seen_.notify_all();
 }

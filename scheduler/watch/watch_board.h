@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -29,8 +30,11 @@ struct WatchedJob {
   std::string scene_hash;  ///< content hash of the device scene, with which it can be fetched as an asset
   /// The scene's centre in world space, to which the device scene's positions are relative.
   double center[3] = {0, 0, 0};
-  bool interactive = false;  ///< viewers determine camera and samples
-  bool hybrid = false;       ///< tiles contain a difference to the closed form
+  bool interactive = false;              ///< viewers determine camera and samples
+  bool hybrid = false;                   ///< tiles contain a difference to the closed form
+  std::string command = {};              ///< the `penumbra render` command of the job, without a view
+  std::uint32_t scene_spp = 0;           ///< samples per pixel that the scene asks for
+  std::vector<std::string> layers = {};  ///< further layers that its tiles can contain
 };
 
 struct WatchView {
@@ -81,6 +85,8 @@ class WatchBoard {
   /// Returns true once after a viewer has joined while no tiles were stored: then all tiles must be published
   /// again.
   [[nodiscard]] bool take_request_for_all_tiles();
+  /// The further layers that tiles are to contain.
+  [[nodiscard]] std::set<std::string> wanted_layers() const;
   /// No more changes will come.
   void close();
   /// Waits until every viewer has seen everything or has gone, or until no viewer has read anything for
@@ -88,6 +94,10 @@ class WatchBoard {
   void wait_for_watchers(std::chrono::milliseconds patience);
 
   // --- For a viewer
+
+  /// From now on tiles contain these layers too, until the last viewer has gone. All tiles are requested
+  /// again.
+  void want_layers(const std::vector<std::string>& names);
 
   class Watcher {
    public:
@@ -134,6 +144,7 @@ class WatchBoard {
   std::uint64_t messages_said_ = 0;
   std::vector<Watcher*> watchers_;
   std::uint64_t items_taken_ = 0;
+  std::set<std::string> wanted_layers_;
   bool all_tiles_requested_ = false, closed_ = false;
 };
 

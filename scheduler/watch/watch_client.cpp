@@ -31,11 +31,14 @@ bool is_final(grpc::StatusCode code) {
 
 }  // namespace
 
-WatchClient::WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys, JobId job)
+WatchClient::WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys, JobId job,
+                         std::function<void()> on_news, bool is_starting)
     : address_(std::move(address)),
       token_(std::move(token)),
       keys_(std::move(keys)),
       wanted_job_(job),
+      on_news_(std::move(on_news)),
+      is_starting_(is_starting),
       channel_(open_channel(address_, keys_.get())),
       reader_([this] { read(); }),
       sender_([this] { send(); }) {}
@@ -55,13 +58,13 @@ WatchClient::~WatchClient() {
 
 // --- Reading
 
-/// Reports why there is no connection, each reason once in a row. A local scheduler that is still starting is
-/// not reported.
+/// Reports why there is no connection, each reason once in a row.
 void WatchClient::explain_absence() {
+  if (is_starting_) return;
   const std::string why = why_unreachable(address_, keys_.get(), kTimeToExplain);
   if (why.empty() || why == said_absence_) return;
   said_absence_ = why;
-  put(watch_news::Said{fmt::format("no scheduler at {}: {}", address_, why)});
+  put(watch_news::Said{fmt::format("no scheduler at {}: {}; trying again", address_, why)});
 }
 
 void WatchClient::read() {
@@ -73,7 +76,7 @@ void WatchClient::read() {
         const std::lock_guard lock(mutex_);
         if (stopping_) return;
       }
-      if (attempts % kAttemptsToExplain == 0) explain_absence();
+      if (attempts % kAttemptsToExplain == 1) explain_absence();
     }
     grpc::ClientContext context;
     show_token(context, token_);
@@ -140,6 +143,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
       ++connection_;
       job_ = job->id;
       newest_view_ = wanted_spp_ = sent_spp_ = 0;
+      wanted_layers_.clear();
       own_view_.reset();
     }
     put(std::move(connected));
@@ -189,6 +193,8 @@ void WatchClient::put(WatchNews news, std::optional<std::uint32_t> view) {
   if (std::holds_alternative<watch_news::Refused>(news)) over_ = true;
   if (over_ && std::holds_alternative<watch_news::Lost>(news)) news = watch_news::Ended{};
   items_.push_back({view, connection_, std::move(news)});
+  lock.unlock();
+  if (on_news_) on_news_();
 }
 
 void WatchClient::pause() {
@@ -248,11 +254,21 @@ void WatchClient::want_samples(std::uint32_t spp) {
   changed_.notify_all();
 }
 
+void WatchClient::want_layer(const std::string& name) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_layers_.push_back(name);
+  }
+  changed_.notify_all();
+}
+
 void WatchClient::send() {
   const auto stub = wire::Farm::NewStub(channel_);
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return stopping_ || next_view_ || wanted_spp_ > sent_spp_; });
+    changed_.wait(lock, [this] {
+      return stopping_ || next_view_ || wanted_spp_ > sent_spp_ || !wanted_layers_.empty();
+    });
     if (stopping_) return;
     wire::ControlRequest request;
     request.set_job(job_);
@@ -261,6 +277,9 @@ void WatchClient::send() {
     if (changes_view) {
       encode(*next_view_, *request.mutable_change_view());
       next_view_.reset();
+    } else if (!wanted_layers_.empty()) {
+      for (std::string& name : wanted_layers_) request.mutable_want_layers()->add_names(std::move(name));
+      wanted_layers_.clear();
     } else {
       request.mutable_want_samples()->set_view(newest_view_);
       request.mutable_want_samples()->set_spp(spp);

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -48,8 +49,10 @@ using WatchNews = std::variant<watch_news::Connected, watch_news::Said, watch_ne
 class WatchClient {
  public:
   /// `address`: "unix:/path" or "host:port". The latter needs the token, and with TLS the keys. `job`: the
-  /// one to watch; 0: the oldest that is not over.
-  WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {}, JobId job = 0);
+  /// one to watch; 0: the oldest that is not over. `on_news` is called on another thread when `take` has
+  /// something. `is_starting`: the scheduler is expected to take its time; its absence is not explained.
+  WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {}, JobId job = 0,
+              std::function<void()> on_news = {}, bool is_starting = false);
   WatchClient(const WatchClient&) = delete;
   WatchClient& operator=(const WatchClient&) = delete;
   ~WatchClient();
@@ -65,6 +68,8 @@ class WatchClient {
   [[nodiscard]] bool is_own(const WatchView& view) const;
   /// Requests a total number of samples per pixel of the newest view.
   void want_samples(std::uint32_t spp);
+  /// Requests a further layer in the tiles of this connection's job, one of WatchedJob::layers.
+  void want_layer(const std::string& name);
 
  private:
   struct Item {
@@ -86,6 +91,8 @@ class WatchClient {
   const std::string address_, token_;
   const std::shared_ptr<const Keys> keys_;
   const JobId wanted_job_;
+  const std::function<void()> on_news_;
+  const bool is_starting_;
   const std::shared_ptr<grpc::Channel> channel_;
 
   mutable std::mutex mutex_;
@@ -103,6 +110,7 @@ class WatchClient {
   std::uint32_t newest_view_ = 0;
   std::optional<std::uint32_t> own_view_;  // the last view requested by this client
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;
+  std::vector<std::string> wanted_layers_;  // not sent yet
 
   std::string said_absence_;  // the last message about an absent scheduler; used by the reading thread
   std::thread reader_, sender_;

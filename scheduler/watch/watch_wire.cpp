@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 
@@ -66,6 +67,11 @@ void put(const std::shared_ptr<const TileSnapshot>& tile, wire::WatchEvent& even
   put_floats(tile->radiance, *message.mutable_radiance());
   put_floats(tile->difference, *message.mutable_difference());
   put_floats(tile->standard_error, *message.mutable_standard_error());
+  for (const TileLayer& layer : tile->layers) {
+    wire::TileLayer& sent = *message.add_layers();
+    sent.set_name(layer.name);
+    put_floats(layer.values, *sent.mutable_values());
+  }
 }
 
 /// Whether [x, x + width) x [y, y + height) is not empty and inside the film.
@@ -93,6 +99,9 @@ wire::WatchEvent encode(const WatchedJob& job) {
   message.set_interactive(job.interactive);
   message.set_hybrid(job.hybrid);
   message.set_id(job.id);
+  message.set_command(wire_text(job.command, kLongestText));
+  message.set_scene_spp(job.scene_spp);
+  for (const std::string& layer : job.layers) message.add_layers(layer);
   return event;
 }
 
@@ -109,7 +118,11 @@ Expected<WatchedJob> decode(const wire::WatchedJob& message) {
                  .spp = message.spp(),
                  .scene_hash = message.scene(),
                  .interactive = message.interactive(),
-                 .hybrid = message.hybrid()};
+                 .hybrid = message.hybrid(),
+                 .command = wire_text(message.command(), kLongestText),
+                 .scene_spp = message.scene_spp(),
+                 .layers = {}};
+  for (const std::string& layer : message.layers()) job.layers.push_back(wire_text(layer, kLongestName));
   if (!is_on_film(job.x, job.y, job.width, job.height, job.film_width, job.film_height))
     return fail(fmt::format("the scheduler describes {} x {} pixels at ({}, {}) of a film of {} x {}",
                             job.width, job.height, job.x, job.y, job.film_width, job.film_height));
@@ -176,6 +189,14 @@ Expected<TileSnapshot> decode(const wire::TileState& message, const WatchedJob& 
       tile.difference.size() != (job.hybrid ? 3 * tile.pixels() : 0))
     return fail(fmt::format("a tile of {} x {} pixels at ({}, {}) that is not one of this render", tile.width,
                             tile.height, tile.x, tile.y));
+  for (const wire::TileLayer& layer : message.layers()) {
+    TileLayer values{wire_text(layer.name(), kLongestName), floats_of(layer.values())};
+    if (!is_whole(layer.values()) ||
+        (values.values.size() != tile.pixels() && values.values.size() != 3 * tile.pixels()))
+      return fail(fmt::format("a tile's layer '{}' with {} for {}", values.name,
+                              counted(layer.values().size(), "byte"), counted(tile.pixels(), "pixel")));
+    tile.layers.push_back(std::move(values));
+  }
   return tile;
 }
 

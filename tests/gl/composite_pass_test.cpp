@@ -99,6 +99,8 @@ class CompositePassTest : public HiddenWindowTest {
   PixelRectangle place_;
 };
 
+constexpr std::array kToneOperators{ToneOperator::kClamp, ToneOperator::kReinhard, ToneOperator::kFilmic,
+                                    ToneOperator::kAces};
 constexpr std::array<int, 3> kMagenta{255, 0, 255};
 
 TEST_F(CompositePassTest, TheHybridIsTheClosedFormAndWhatSamplesAddToIt) {
@@ -139,7 +141,7 @@ TEST_F(CompositePassTest, AClosedFormOfAnotherSizeCountsAsNone) {
 
 TEST_F(CompositePassTest, ToneMapsAreTheFormulas) {
   ASSERT_TRUE(film_->apply(random_tile(0, 0, kWidth, kHeight, 3)));
-  for (const ToneMap tone_map : {ToneMap::kClamp, ToneMap::kReinhard, ToneMap::kFilmic}) {
+  for (const ToneOperator tone_map : kToneOperators) {
     for (const float exposure : {-3.0f, 0.0f, 2.5f}) {
       const auto bytes = display({.tone_map = tone_map, .exposure = exposure});
       for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -147,10 +149,8 @@ TEST_F(CompositePassTest, ToneMapsAreTheFormulas) {
         const auto at = [&](std::size_t c) {
           return double(film_->radiance()[first + c]) * std::exp2(double(exposure));
         };
-        double x = at(i % 3);
-        if (tone_map == ToneMap::kReinhard) x /= 1 + 0.2126 * at(0) + 0.7152 * at(1) + 0.0722 * at(2);
-        if (tone_map == ToneMap::kFilmic) x = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
-        ASSERT_NEAR(bytes[i], byte_of(srgb_from_linear(std::clamp(x, 0.0, 1.0))), kByte)
+        const double x = tone_mapped(tone_map, {at(0), at(1), at(2)})[i % 3];
+        ASSERT_NEAR(bytes[i], byte_of(srgb_from_linear(x)), kByte)
             << int(tone_map) << " at exposure " << exposure;
       }
     }
@@ -163,7 +163,7 @@ TEST_F(CompositePassTest, ExtremesOfRadianceAreWhiteOrBlackAndNeverMagenta) {
     const double v = double(kValues[std::size_t(x)]);
     return Color{v, v, v};
   });
-  for (const ToneMap tone_map : {ToneMap::kClamp, ToneMap::kReinhard, ToneMap::kFilmic}) {
+  for (const ToneOperator tone_map : kToneOperators) {
     for (const float exposure : {-10.0f, 0.0f, 10.0f}) {
       const auto bytes = display({.tone_map = tone_map, .exposure = exposure});
       for (int x = 0; x < 6; ++x) {
@@ -335,6 +335,129 @@ TEST_F(CompositePassTest, OutlinesAreTheWorkersColoursAndLeaveTheRestAlone) {
       }
     }
   }
+}
+
+// A light of 9 in a quarter of the pixel before a surface of 0.2: a mean of the light's and the surface's
+// tone maps. The tone map of the mean, 2.4, would be as white as the light.
+TEST_F(CompositePassTest, EdgesOfLightsAreAntialiasedAfterTheToneMap) {
+  constexpr double kCovered = 0.25, kLight = 9, kSurface = 0.2;
+  fill_film(
+      3, 1,
+      [](int, int) {
+        return Color{0, 0, 0};
+      },
+      0.1f, 0);
+  const std::vector<float> g(9, float(kSurface * (1 - kCovered)));
+  const Texture closed_form = texture_of(g, 3, 1);
+  std::vector<float> e;
+  for (int c = 0; c < 3; ++c) e.push_back(float(kLight * kCovered));
+  e.push_back(float(kCovered));
+  e.insert(e.end(), {0, 0, 0, 0});
+  e.insert(e.end(), {float(kLight), float(kLight), float(kLight), 1});
+  const Texture emission = make_texture(GL_RGBA32F, 3, 1, GL_RGBA, GL_FLOAT);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 3, 1, GL_RGBA, GL_FLOAT, e.data());
+  for (const ToneOperator tone_map : kToneOperators) {
+    const auto bytes = display({.tone_map = tone_map}, {closed_form.name(), emission.name()});
+    const auto mapped = [&](double x) { return tone_mapped(tone_map, {x, x, x})[0]; };
+    const double edge = kCovered * mapped(kLight) + (1 - kCovered) * mapped(kSurface);
+    EXPECT_NEAR(pixel(bytes, 0, 0, 3)[1], byte_of(srgb_from_linear(edge)), kByte) << int(tone_map);
+    EXPECT_NEAR(pixel(bytes, 1, 0, 3)[1], byte_of(srgb_from_linear(mapped(0.15))), kByte);
+    EXPECT_NEAR(pixel(bytes, 2, 0, 3)[1], byte_of(srgb_from_linear(mapped(9.15))), kByte);
+  }
+}
+
+TEST_F(CompositePassTest, FalseColourIsTheLogarithmOfLuminance) {
+  fill_film(5, 1, [](int x, int) {
+    const double v = std::pow(10.0, x - 3);
+    return Color{v, v, v};
+  });
+  for (const float exposure : {0.0f, -1.0f}) {
+    const auto bytes = display({.false_color = true, .exposure = exposure});
+    for (int x = 0; x < 5; ++x) {
+      const double t = (x - 3 + double(exposure) * std::log10(2.0) + 3) / 5;
+      const auto color = heat_color(std::clamp(t, 0.0, 1.0));
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(pixel(bytes, x, 0, 5)[c],
+                    byte_of(srgb_from_linear(std::clamp(double(color[c]), 0.0, 1.0))), 1.5);
+    }
+  }
+}
+
+LayeredPicture picture_of(PictureLayer layer, int width, int height) {
+  LayeredPicture picture{
+      .name = "p", .width = width, .height = height, .area = {0, 0, width, height}, .layers = {}};
+  picture.layers.push_back(std::move(layer));
+  return picture;
+}
+
+TEST_F(CompositePassTest, NamedLayersAreShownByTheirKind) {
+  make_film(4, 1);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto bytes_of = [&](const PictureLayer& layer) {
+    const LayeredPicture picture = picture_of(layer, 4, 1);
+    const DisplaySettings settings{.layer = Layer::kNamed, .named = layer.name};
+    EXPECT_TRUE(pass_->compose(*film_, {}, settings, &picture).has_value());
+    return pass_->read_display(*film_, settings).value();
+  };
+  const auto normal =
+      bytes_of(make_layer("normal", LayerKind::kNormal, {0, 0, 1, 0, -1, 0, 1, 0, 0, 0, 0, 0}, 3));
+  EXPECT_EQ(pixel(normal, 1, 0, 4), (std::array{128, 0, 128}));
+  EXPECT_EQ(pixel(normal, 2, 0, 4), (std::array{255, 128, 128}));
+
+  PictureLayer depth = make_layer("depth", LayerKind::kQuantity, {1, 10, 100, kNan}, 1);
+  EXPECT_EQ(depth.least, 1);
+  EXPECT_EQ(depth.most, 100);
+  for (const bool has_gaps : {false, true}) {
+    depth.has_gaps = has_gaps;
+    const auto bytes = bytes_of(depth);
+    for (int x = 0; x < 3; ++x) {
+      const auto color = heat_color(0.5 * x);
+      EXPECT_NEAR(pixel(bytes, x, 0, 4)[1], byte_of(srgb_from_linear(double(color[1]))), 1.5);
+    }
+    EXPECT_EQ(pixel(bytes, 3, 0, 4) == kMagenta, !has_gaps);
+  }
+
+  const auto ids = bytes_of(make_layer("shape", LayerKind::kIdentity, {1, 2, 1, 3}, 1));
+  EXPECT_EQ(pixel(ids, 0, 0, 4), pixel(ids, 2, 0, 4));
+  EXPECT_NE(pixel(ids, 0, 0, 4), pixel(ids, 1, 0, 4));
+  EXPECT_NE(pixel(ids, 1, 0, 4), pixel(ids, 3, 0, 4));
+}
+
+TEST_F(CompositePassTest, AComparisonIsOfTheLayerAndItsReference) {
+  fill_film(2, 1, [](int x, int) { return Color{1.0 + x, 1.0 + x, 1.0 + x}; });
+  const PictureLayer reference = make_layer("image", LayerKind::kColor, {0.5f, 0.5f, 0.5f, 4, 4, 4}, 3);
+  const auto compared = [&](Comparison comparison) {
+    EXPECT_TRUE(pass_->compose(*film_, {}, {.comparison = comparison}).has_value());
+    const Difference difference = pass_->compare(reference, {0, 0, 2, 1}, comparison);
+    EXPECT_NEAR(difference.mean, (0.5 - 2) / 2, 1e-12);
+    EXPECT_NEAR(difference.relmse, (0.25 / 0.26 + 4 / 16.01) / 2, 1e-7);
+    return pass_->read_linear();
+  };
+  EXPECT_EQ(compared(Comparison::kNone), (std::vector<float>{1, 1, 1, 2, 2, 2}));
+  EXPECT_EQ(compared(Comparison::kReference), reference.values);
+  EXPECT_EQ(compared(Comparison::kDifference), (std::vector<float>{0.5f, 0.5f, 0.5f, -2, -2, -2}));
+  const auto relative = compared(Comparison::kRelativeError);
+  EXPECT_NEAR(relative[0], 0.5 / 0.51, 1e-6);
+  EXPECT_NEAR(relative[5], 2 / 4.01, 1e-6);
+  EXPECT_EQ(pass_->shown().display, Display::kHeat);
+}
+
+// A picture larger than its area shows the part that the view says, and nothing beside the area.
+TEST_F(CompositePassTest, AMagnifiedPartIsThatPart) {
+  fill_film(8, 6, [](int x, int y) { return Color{x / 8.0, y / 6.0, 0.5}; });
+  const PixelRectangle area{100, 50, 40, 30};
+  const auto bytes = shown({.view = {.zoom = 10, .x = 0.5, .y = 0.5}}, area);
+  EXPECT_EQ(place_, (PixelRectangle{80, 35, 80, 60}));
+  for (int y = 50; y < 80; ++y) {
+    for (int x = 100; x < 140; ++x) {
+      const int column = (x - 80) / 10, row = (y - 35) / 10;
+      ASSERT_NEAR(pixel(bytes, x, y, window_->width())[0], byte_of(srgb_from_linear(column / 8.0)), kByte);
+      ASSERT_NEAR(pixel(bytes, x, y, window_->width())[1], byte_of(srgb_from_linear(row / 6.0)), kByte);
+    }
+  }
+  const auto background = pixel(bytes, 1, 1, window_->width());
+  for (const auto& [x, y] : {std::pair{99, 60}, {140, 60}, {120, 49}, {120, 80}})
+    EXPECT_EQ(pixel(bytes, x, y, window_->width()), background) << x << ", " << y;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <cmath>
 #include <filesystem>
@@ -46,6 +47,10 @@ ViewStatus connected_status() {
   status.latency_seconds = 0.035;
   status.frames_per_second = 59.9;
   status.analytic_frames = 16;
+  status.has_camera = true;
+  status.scene_spp = 64;
+  status.named_layers = {"albedo", "normal", "depth", "samples", "variance"};
+  status.reference = "kept at 16 samples of scenes/star-light/star-light.xml";
   for (std::uint32_t i = 0; i < 4; ++i) {
     status.workers.push_back({.number = i,
                               .name = fmt::format("local-{}", i),
@@ -112,6 +117,16 @@ std::vector<Case> cases() {
     busy.workers.push_back(worker);
   }
   all.push_back({"300 messages", busy, {}});
+  ViewStatus file = alone;
+  file.connection = ConnectionState::kFile;
+  file.address.clear();
+  file.scene = "out/a.exr";
+  file.hybrid = file.interactive = file.has_camera = false;
+  file.difference = Difference{0.01, 2e-3};
+  file.pixel = PixelValue{12, 30, {0.1f, 0.2f, 0.3f}, 64, 0.01f};
+  all.push_back(
+      {"file", file, {.layer = Layer::kNamed, .named = "depth", .comparison = Comparison::kDifference}});
+
   all.push_back({"help", connected, {.help = true}});
   all.push_back({"no panel", lost, {.panel = false}});
   return all;
@@ -130,7 +145,6 @@ class OverlayTest : public HiddenWindowTest {
       window_->end_frame();
       all.actions.insert(all.actions.end(), result.actions.begin(), result.actions.end());
       all.alpha_changed |= result.alpha_changed;
-      all.quit |= result.quit;
       all.picture_area = result.picture_area;
     }
     return all;
@@ -216,7 +230,7 @@ TEST_P(OverlayAtSize, EveryStateIsDrawnWithoutErrors) {
     const OverlayResult result = frames(one.settings, one.status);
     EXPECT_THAT(window_->take_gl_errors(), IsEmpty());
     EXPECT_THAT(result.actions, IsEmpty()) << "nothing was requested";
-    EXPECT_FALSE(result.alpha_changed || result.quit);
+    EXPECT_FALSE(result.alpha_changed);
     EXPECT_LE(result.picture_area.width, size.width);
     EXPECT_GE(result.picture_area.width, int(0.4 * size.width));
     EXPECT_EQ(result.picture_area.height, size.height);
@@ -239,36 +253,38 @@ INSTANTIATE_TEST_SUITE_P(Sizes, OverlayAtSize,
 /// A person who presses the mouse everywhere on the panel, and what came of it.
 class OverlayClicks : public OverlayTest {
  protected:
+  static constexpr int kHeight = 1200;  // the whole panel
   /// A frame with the mouse there, laid out and not drawn: Window::begin_frame() would ask GLFW for the
   /// mouse.
   OverlayResult frame_with_mouse(float x, float y, bool down) {
     ImGui::GetIO().MousePos = {x, y};
     ImGui::GetIO().MouseDown[0] = down;
+    // Headings that an earlier click has folded are open again.
+    for (ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) window->StateStorage.Clear();
     ImGui::NewFrame();
     const OverlayResult result = draw_overlay(settings_, status_);
     ImGui::EndFrame();
     return result;
   }
   void click_everywhere() {
-    open(700, 800, 1);
+    open(700, kHeight, 1);
     if (IsSkipped() || HasFatalFailure()) return;
     frames(settings_, status_, 1);
-    for (const float column : {60.0f, 168.0f, 280.0f}) {
-      for (float y = 4; y < 800; y += 9) {
+    for (const float column : {60.0f, 100.0f, 130.0f, 168.0f, 200.0f, 280.0f}) {
+      for (float y = 4; y < kHeight; y += 9) {
         settings_.help = false;
         settings_.panel = true;
-        const float x = 700 - 336 + column;
+        const float x = 700 - 348 + column;
         for (const bool down : {false, true, false}) note(frame_with_mouse(x, y, down));
-        frame_with_mouse(1, 799, false);
-        note(frame_with_mouse(1, 799, true));  // closes what has opened
-        frame_with_mouse(1, 799, false);
+        frame_with_mouse(1, kHeight - 1, false);
+        note(frame_with_mouse(1, kHeight - 1, true));  // closes what has opened
+        frame_with_mouse(1, kHeight - 1, false);
       }
     }
   }
   void note(const OverlayResult& result) {
     actions_.insert(result.actions.begin(), result.actions.end());
     alpha_changed_ |= result.alpha_changed;
-    quit_ |= result.quit;
     layers_.insert(settings_.layer);
     helped_ |= settings_.help;
     hid_ |= !settings_.panel;
@@ -279,26 +295,29 @@ class OverlayClicks : public OverlayTest {
   ViewStatus status_ = connected_status();
   std::set<Action> actions_;
   std::set<Layer> layers_;
-  bool alpha_changed_ = false, quit_ = false, helped_ = false, hid_ = false, refined_ = false;
+  bool alpha_changed_ = false, helped_ = false, hid_ = false, refined_ = false;
 };
 
 TEST_F(OverlayClicks, ReachEverythingInAPreview) {
   click_everywhere();
   if (IsSkipped()) return;
-  EXPECT_THAT(actions_,
-              ElementsAre(Action::kOneMoreSample, Action::kResetCamera, Action::kReload, Action::kSave));
+  EXPECT_THAT(actions_, ElementsAre(Action::kOneMoreSample, Action::kZoomIn, Action::kZoomOut,
+                                    Action::kActualSize, Action::kKeepReference, Action::kResetCamera,
+                                    Action::kReload, Action::kSave, Action::kCopyView));
   EXPECT_THAT(layers_, ElementsAre(Layer::kComposite, Layer::kAnalytic, Layer::kDifference, Layer::kError));
-  EXPECT_TRUE(alpha_changed_ && quit_ && helped_ && hid_ && refined_);
+  EXPECT_TRUE(alpha_changed_ && helped_ && hid_ && refined_);
   EXPECT_NE(settings_.exposure, 0.0f);
+  EXPECT_NE(settings_.comparison, Comparison::kNone);
 }
 
 TEST_F(OverlayClicks, DoNothingThatABatchRenderDoesNotHave) {
-  status_.hybrid = status_.interactive = false;
+  status_.hybrid = status_.interactive = status_.has_camera = false;
   click_everywhere();
   if (IsSkipped()) return;
-  EXPECT_THAT(actions_, ElementsAre(Action::kSave));
+  EXPECT_THAT(actions_, ElementsAre(Action::kZoomIn, Action::kZoomOut, Action::kActualSize,
+                                    Action::kKeepReference, Action::kSave));
   EXPECT_THAT(layers_, ElementsAre(Layer::kComposite, Layer::kError));
-  EXPECT_TRUE(quit_ && helped_ && hid_);
+  EXPECT_TRUE(helped_ && hid_);
   EXPECT_FALSE(alpha_changed_ || refined_);
   EXPECT_EQ(settings_.alpha, 1.0f);
 }

@@ -48,7 +48,8 @@ class PictureFilesTest : public HiddenWindowTest {
     HiddenWindowTest::TearDown();
   }
   Picture captured(const DisplaySettings& settings, const AnalyticTextures& analytic) {
-    auto picture = capture_picture(*pass_, *film_, analytic, {}, settings, status_);
+    const auto compose_shown = [&] { return pass_->compose(*film_, analytic, settings); };
+    auto picture = capture_picture(*pass_, *film_, analytic, compose_shown, settings, status_);
     EXPECT_TRUE(picture.has_value());
     return picture ? std::move(*picture) : Picture{};
   }
@@ -124,7 +125,7 @@ TEST_F(PictureFilesTest, AHybridsExrHoldsTheImageWhateverLayerIsShown) {
 }
 
 TEST_F(PictureFilesTest, APngIsWhatIsShown) {
-  const Picture picture = captured({.tone_map = ToneMap::kFilmic, .exposure = 1}, {});
+  const Picture picture = captured({.tone_map = ToneOperator::kAces, .exposure = 1}, {});
   const Image image = saved("a.png", picture);
   ASSERT_EQ(image.values.size(), picture.display.size());
   for (std::size_t i = 0; i < image.values.size(); ++i)

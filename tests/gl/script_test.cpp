@@ -125,7 +125,9 @@ TEST(Script, EveryErrorIsAtItsPlace) {
   };
   for (const Case& c : {
            Case{"screnshot a.png", 1, "unknown command 'screnshot'; did you mean 'screenshot'?"},
-           Case{"xyzzy", 1, "there are: key, camera, wait, set, resize, screenshot, save, log, quit"},
+           Case{"xyzzy", 1,
+                "there are: key, camera, wait, set, resize, screenshot, save, log, quit, layer, zoom, "
+                "reference, point, compare, copy"},
            Case{"Quit", 1, "did you mean 'quit'?"},
            Case{"key", 4, "the name of a key is missing"},
            Case{"key w 0", 7, "0"},

@@ -51,7 +51,8 @@ TEST_F(WindowTest, KeysBecomeActionsAndRepeatWhereTheyMay) {
   key(GLFW_KEY_S, GLFW_PRESS, GLFW_MOD_CONTROL);
   key(GLFW_KEY_KP_ADD, GLFW_PRESS);
   key(GLFW_KEY_LEFT_BRACKET, GLFW_PRESS);
-  key(GLFW_KEY_Z, GLFW_PRESS);  // of no action
+  key(GLFW_KEY_Y, GLFW_PRESS);  // of no action
+  key(GLFW_KEY_Z, GLFW_PRESS, GLFW_MOD_ALT);
   EXPECT_THAT(window_->poll().actions,
               ElementsAre(Action::kOneMoreSample, Action::kOneMoreSample, Action::kReload, Action::kForward,
                           Action::kBrighter, Action::kAlphaDown));
@@ -66,6 +67,7 @@ TEST_F(WindowTest, EveryActionHasAKeyOfTheKeyboard) {
       // Letters and digits print themselves.
       const std::string printed = code > 32 && code < 128 ? std::string(1, char(code)) : "";
       found |= action_of_key(key_name(code, printed)) == info.action;
+      found |= action_of_key("ctrl+" + printed) == info.action;
     }
     EXPECT_TRUE(found) << info.key;
   }
@@ -92,7 +94,13 @@ TEST_F(WindowTest, DragsTurnOrMoveByTheButton) {
     EXPECT_EQ(pan.pan_y, -5);
     EXPECT_EQ(pan.orbit_x, 0);
   }
-  EXPECT_FALSE(drag(GLFW_MOUSE_BUTTON_RIGHT, 0).any());
+  for (const auto& picture :
+       {drag(GLFW_MOUSE_BUTTON_RIGHT, 0), drag(GLFW_MOUSE_BUTTON_LEFT, GLFW_MOD_CONTROL)}) {
+    EXPECT_EQ(picture.picture_x, 12);
+    EXPECT_EQ(picture.picture_y, -5);
+    EXPECT_EQ(picture.orbit_x, 0);
+  }
+  EXPECT_FALSE(drag(GLFW_MOUSE_BUTTON_4, 0).any());
 }
 
 TEST_F(WindowTest, WhatThePanelWantsIsNotAnEvent) {
