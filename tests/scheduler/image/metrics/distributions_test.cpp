@@ -53,6 +53,10 @@ TEST(Distributions, EndsOfTheRange) {
   EXPECT_EQ(chi_square_p(0, 5), 1);
   EXPECT_EQ(chi_square_p(INFINITY, 5), 0);
   EXPECT_TRUE(std::isnan(chi_square_p(NAN, 5)));
+  // Images that differ by roundings.
+  for (const double x : {1e-300, 1e-20, 1e-9, 1e-3})
+    for (const double dof : {20.0, 768.0, 1e4, 2e5, 1e7})
+      EXPECT_EQ(chi_square_p(x, dof), 1) << x << " " << dof;
 }
 
 }  // namespace
