@@ -7,7 +7,7 @@
 #        window   penumbra-view, the preview window
 #        opencl   an OpenCL device for any CPU (PoCL), for --backend opencl
 #        plots    the plots of penumbra report
-#        tests    what the tests need beside those: a screen in memory
+#        tests    what the tests need beside those: a screen in memory, NumPy, OpenImageIO and pytest for Python (6 MB, 30 MB installed)
 #        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
 #        checks   formatter, sanitizers' runtime and symbolizer
 set -euo pipefail
@@ -29,7 +29,8 @@ declare -A lists=(
   [window]="libglfw3-dev libepoxy-dev libimgui-dev libfreetype-dev fonts-dejavu-core"
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"
-  [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri"
+  [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri
+    python3-numpy python3-openimageio python3-pytest"
   [slurm]="slurm-wlm munge"
   [checks]="clang-format libclang-rt-19-dev llvm-19"
 )
