@@ -7,7 +7,8 @@
 #        window   penumbra-view, the preview window
 #        opencl   an OpenCL device for any CPU (PoCL), for --backend opencl
 #        plots    the plots of penumbra report
-#        tests    what the tests need beside those: a screen in memory, NumPy, OpenImageIO and pytest for Python (6 MB, 30 MB installed)
+#        tests    what the tests need beside those: a screen in memory; NumPy, OpenImageIO and pytest for Python (6 MB to
+#                 fetch, 30 MB installed)
 #        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
 #        checks   formatter, sanitizers' runtime and symbolizer
 set -euo pipefail
