@@ -98,7 +98,9 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
   const auto access = client_access(options.connect, options.preview.keys, KeyRole::kViewer);
   if (!access) return print_error(access.error()), kBadInput;
   const bool shows_file = is_image_file(options.preview.scene.scene);
-  if (const auto unused = preview_arguments(app); shows_file && unused.size() > 1)
+  std::vector<std::string> unused = preview_arguments(app);
+  std::erase(unused, options.preview.scene.scene);
+  if (shows_file && !unused.empty())
     return print_error({fmt::format("{}: an image is shown as it is; options of renders do not apply: {}",
                                     options.preview.scene.scene, fmt::join(unused, " "))}),
            kBadInput;

@@ -200,7 +200,7 @@ void draw_pixel(const ViewStatus& status, const ImVec2& free) {
   const PixelValue& pixel = *status.pixel;
   std::string text = fmt::format("{}, {}   {:.4g}  {:.4g}  {:.4g}", pixel.x, pixel.y, pixel.value[0],
                                  pixel.value[1], pixel.value[2]);
-  if (std::isfinite(pixel.standard_error)) text += fmt::format("   ± {:.2g}", pixel.standard_error);
+  if (pixel.standard_error) text += fmt::format("   ± {:.2g}", *pixel.standard_error);
   if (pixel.samples > 0) text += fmt::format("   {} samples", count_text(double(pixel.samples)));
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |

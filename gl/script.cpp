@@ -152,7 +152,7 @@ class ScriptParser {
   }
 
   bool wait() {
-    const Word* what = take("samples, analytic, finished, connected or denoised");
+    const Word* what = take("samples, analytic, finished, connected, denoised, layer or message");
     if (!what) return false;
     WaitCommand wait{.line = line_};
     if (what->text == "samples") {
@@ -169,9 +169,16 @@ class ScriptParser {
       wait.what = WaitFor::kConnected;
     } else if (what->text == "denoised") {
       wait.what = WaitFor::kDenoised;
+    } else if (what->text == "layer") {
+      wait.what = WaitFor::kLayer;
+    } else if (what->text == "message") {
+      wait.what = WaitFor::kMessage;
+      const Word* text = take("a part of the message");
+      if (!text) return false;
+      wait.text = text->text;
     } else {
       return unknown(*what, "thing to wait for",
-                     {"samples", "analytic", "finished", "connected", "denoised"});
+                     {"samples", "analytic", "finished", "connected", "denoised", "layer", "message"});
     }
     if (next_ < words_.size()) {
       const Word word = words_[next_++];

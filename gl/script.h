@@ -40,13 +40,17 @@ enum class WaitFor {
   kFinished,   ///< all requested samples have arrived
   kConnected,  ///< the scheduler has answered
   kDenoised,   ///< the picture is denoised with all samples that have arrived
+  kLayer,      ///< the named layer that is shown has arrived, for every pixel with samples
+  kMessage,    ///< a message of the panel contains a text
 };
 
-/// `wait samples N | analytic [FRAMES] | finished | connected | denoised [timeout SECONDS]`
+/// `wait samples N | analytic [FRAMES] | finished | connected | denoised | layer | message TEXT [timeout
+/// SECONDS]`
 struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;
   std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: the number, at least 1
+  std::string text = {};                       ///< kMessage
   std::optional<double> timeout_seconds = {};  ///< above 0; default: the script runner's
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <variant>
 
 #include "gl/picture_files.h"
@@ -27,6 +28,10 @@ const char* name_of(WaitFor what) {
       return "the scheduler";
     case WaitFor::kDenoised:
       return "the denoised picture";
+    case WaitFor::kLayer:
+      return "the layer";
+    case WaitFor::kMessage:
+      return "the message";
   }
   return "";
 }
@@ -77,6 +82,12 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
              status.connection == ConnectionState::kEnded || status.connection == ConnectionState::kFile;
     case WaitFor::kDenoised:
       return viewer_->is_denoised();
+    case WaitFor::kLayer:
+      return viewer_->has_shown_layer();
+    case WaitFor::kMessage:
+      return std::ranges::any_of(status.messages, [&](const std::string& message) {
+        return message.find(command.text) != std::string::npos;
+      });
   }
   return false;
 }
@@ -84,7 +95,7 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
 Expected<bool> ScriptRunner::run(const WaitCommand& command) {
   if (is_there(command)) return true;
   if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic &&
-      command.what != WaitFor::kDenoised)
+      command.what != WaitFor::kDenoised && command.what != WaitFor::kMessage)
     return fail(fmt::format("the render is over, with {} of every pixel",
                             counted(viewer_->least_samples(), "sample")));
   const double waited = seconds_since(since_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -53,8 +54,13 @@ struct PixelValue {
   int x = 0, y = 0;
   std::array<float, 3> value{};  ///< what is shown there, linear
   float samples = 0;
-  float standard_error = 0;  ///< NaN: unknown
-  bool operator==(const PixelValue&) const = default;
+  std::optional<float> standard_error = {};
+  /// A value that is NaN is the same as itself.
+  bool operator==(const PixelValue& other) const {
+    using Bits = std::array<std::uint32_t, 3>;
+    return x == other.x && y == other.y && std::bit_cast<Bits>(value) == std::bit_cast<Bits>(other.value) &&
+           samples == other.samples && standard_error == other.standard_error;
+  }
 };
 
 /// How a layer differs from the reference, over the pixels that both have and whose values are finite.

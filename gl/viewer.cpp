@@ -33,6 +33,11 @@ std::vector<float> cut(std::span<const float> image, int width, std::size_t per_
   return part;
 }
 
+bool tells_the_same(const WatchProgress& a, const WatchProgress& b) {
+  return a.view == b.view && a.samples_done == b.samples_done && a.samples_wanted == b.samples_wanted &&
+         a.spp_done == b.spp_done && a.finished == b.finished && a.ended == b.ended && a.workers == b.workers;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::string& address,
@@ -64,7 +69,10 @@ Viewer::Viewer(Window& window, CompositePass composite) : window_(window), compo
 Expected<void> Viewer::update() {
   if (client_ == nullptr) return {};
   for (WatchNews& news : client_->take()) {
-    stale_ = true;
+    // Progress comes all the time, even where there is none.
+    const auto* progress = std::get_if<WatchProgress>(&news);
+    stale_ |= progress == nullptr || !tells_the_same(*progress, last_progress_);
+    if (progress != nullptr) last_progress_ = *progress;
     if (Expected<void> done = std::visit([this](auto& content) { return on(content); }, news); !done)
       return done;
   }

@@ -85,6 +85,8 @@ class Viewer {
   [[nodiscard]] bool is_denoised() const {
     return settings_.denoise && film_ && denoised_.shows(denoised_view_, film_->version());
   }
+  /// Whether the named layer that is shown has a value for every pixel with samples.
+  [[nodiscard]] bool has_shown_layer();
   /// Samples of the current view that have arrived, over all pixels.
   [[nodiscard]] std::uint64_t samples_there() const;
   /// Exit code of the local scheduler, if it ended before anything could be shown.
@@ -166,6 +168,7 @@ class Viewer {
   DisplaySettings settings_;
   ViewStatus status_;
   std::optional<WatchedJob> job_;
+  WatchProgress last_progress_;
   std::optional<SceneHeader> header_;  // with the scene's own camera
   std::shared_ptr<const DeviceScene> scene_;
   glm::dvec3 center_{0};

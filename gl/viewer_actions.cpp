@@ -163,6 +163,7 @@ void Viewer::show_pose() {
 
 void Viewer::forget_samples() {
   film_->clear(0);
+  layers_.layers.clear();
   ++denoised_view_;
   analytic_is_old_ = true;
   asked_.reset();
@@ -304,8 +305,8 @@ std::string Viewer::repeat_command() const {
   const auto set = [&command](const std::string& value) { command += " --set " + shell_quoted(value); };
   if (moved_) set(camera_text(view_.camera, center_, distance_to_target(), CameraFormat::kSettings));
   if (status_.hybrid) set(fmt::format("integrator.alpha={}", settings_.alpha));
-  if (status_.interactive && status_.spp_done > 0 && status_.spp_done < job_->spp)
-    command += fmt::format(" --stop-after {}", status_.spp_done);
+  if (const std::uint32_t spp = least_samples(); status_.interactive && spp > 0 && spp < job_->spp)
+    command += fmt::format(" --stop-after {}", spp);
   return command;
 }
 
@@ -318,11 +319,13 @@ void Viewer::add_camera(std::vector<std::pair<std::string, MetadataValue>>& meta
     const std::size_t equals = text.find('=');
     metadata.emplace_back("penumbra:" + text.substr(0, equals), text.substr(equals + 1));
   }
-  // A moved camera goes through text, and the closed form was drawn in single precision.
   const std::string command = repeat_command();
-  if (!command.empty())
-    metadata.emplace_back(moved_ || status_.hybrid ? "penumbra:nearest_command" : "penumbra:command",
-                          command);
+  if (command.empty()) return;
+  // A moved camera goes through text, and the closed form was drawn in single precision.
+  const PixelRectangle area = rendered_area();
+  const std::uint64_t pixels = std::uint64_t(area.width) * std::uint64_t(area.height);
+  const bool repeats = !moved_ && !status_.hybrid && samples_there() == least_samples() * pixels;
+  metadata.emplace_back(repeats ? "penumbra:command" : "penumbra:nearest_command", command);
 }
 
 Expected<std::string> Viewer::copy_view(CameraFormat format) {

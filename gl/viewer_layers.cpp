@@ -152,6 +152,16 @@ const LayeredPicture* Viewer::shown_layers() {
   return &layers_;
 }
 
+bool Viewer::has_shown_layer() {
+  const LayeredPicture* layers = film_ ? shown_layers() : nullptr;
+  const PictureLayer* layer = layers == nullptr ? nullptr : layers->layer(settings_.named);
+  if (layer == nullptr) return false;
+  if (!layer->has_gaps) return true;
+  for (std::size_t i = 0; i < layer->values.size() / 3; ++i)
+    if (std::isnan(layer->values[3 * i]) && film_->radiance()[4 * i + 3] > 0) return false;
+  return true;
+}
+
 Expected<void> Viewer::show_layer(const std::string& name) {
   for (const auto& [built_in, layer] : kBuiltIn) {
     if (name != built_in) continue;
@@ -270,11 +280,12 @@ void Viewer::look_at_pixel(const PixelRectangle& place) {
   const auto value = composite_.read_pixel(x, y);
   if (!value) return;
   const std::size_t at = std::size_t(y) * std::size_t(film_->width()) + std::size_t(x);
+  const float error = film_->standard_error()[at];
   status_.pixel = PixelValue{.x = x,
                              .y = y,
                              .value = *value,
                              .samples = film_->radiance()[4 * at + 3],
-                             .standard_error = film_->standard_error()[at]};
+                             .standard_error = std::isnan(error) ? std::nullopt : std::optional(error)};
 }
 
 }  // namespace penumbra

@@ -48,6 +48,7 @@ struct WatchedWorker {
   std::uint64_t units = 0;
   std::uint32_t job = 0;                    ///< the job of its current unit
   int x = 0, y = 0, width = 0, height = 0;  ///< film pixels of its current unit; width 0: none
+  bool operator==(const WatchedWorker&) const = default;
 };
 
 struct WatchProgress {

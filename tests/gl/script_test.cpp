@@ -108,7 +108,7 @@ TEST(Script, AnErrorShowsPlaceLineCaretAndTheNearestName) {
             "        ^");
   EXPECT_EQ(error_of("wait \"é\" x"),
             "test.script:1:6: error: unknown thing to wait for 'é'; there are: samples, analytic, finished, "
-            "connected, denoised\n"
+            "connected, denoised, layer, message\n"
             "  wait \"é\" x\n"
             "       ^");
   EXPECT_EQ(error_of("resize 640"),
@@ -148,7 +148,7 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 0", 27, "'up' has no direction"},
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 -3", 27, "'up' is along the view"},
            Case{"camera from 0 0 0", 8, "unknown part of a camera 'from'; there are: eye, at, up"},
-           Case{"wait", 5, "samples, analytic, finished, connected or denoised is missing"},
+           Case{"wait", 5, "samples, analytic, finished, connected, denoised, layer or message is missing"},
            Case{"wait finishd", 6, "did you mean 'finished'?"},
            Case{"wait samples", 13, "a number of samples is missing"},
            Case{"wait \"samples\"", 15, "a number of samples is missing"},
@@ -202,6 +202,22 @@ TEST(Script, AQuoteOfTheNextLineClosesNothing) {
   const std::string error = error_of("log \"a\nlog b\"\n");
   EXPECT_THAT(error, HasSubstr("test.script:1:5: error: this quote does not end on its line"));
   EXPECT_THAT(error, testing::Not(HasSubstr("test.script:2:")));  // b" is a word like others
+}
+
+TEST(Script, CommandsAboutThePicture) {
+  EXPECT_EQ(one<LayerCommand>("layer CryptoObject00").name, "CryptoObject00");
+  EXPECT_EQ(one<ReferenceCommand>("reference \"a b.exr\"").path, "a b.exr");
+  EXPECT_EQ(one<CompareCommand>("compare relative").comparison, Comparison::kRelativeError);
+  EXPECT_EQ(one<ZoomCommand>("zoom fit").factor, 0);
+  EXPECT_EQ(one<ZoomCommand>("zoom 2.5").middle, std::nullopt);
+  EXPECT_EQ(one<ZoomCommand>("zoom 4 30 20").middle, (std::array<double, 2>{30, 20}));
+  EXPECT_EQ(one<PointCommand>("point 3 4").y, 4);
+  EXPECT_EQ(one<CopyCommand>("copy tinyrender").format, CameraFormat::kTinyRender);
+  EXPECT_EQ(one<WaitCommand>("wait message \"a.xml:1:\" timeout 3").text, "a.xml:1:");
+  EXPECT_THAT(error_of("compare with\n"), testing::HasSubstr("none, reference, difference, relative"));
+  EXPECT_THAT(error_of("zoom 1000\n"), testing::HasSubstr("between"));
+  EXPECT_THAT(error_of("copy pbrt\n"), testing::HasSubstr("settings, mitsuba, tinyrender"));
+  EXPECT_THAT(error_of("zoom 2 5\n"), testing::HasSubstr("a row of the image is missing"));
 }
 
 }  // namespace
