@@ -11,7 +11,7 @@ namespace group {
 constexpr const char* kArguments = "Arguments";
 constexpr const char* kInput = "Input";
 constexpr const char* kSampling = "Integrator and samples";
-constexpr const char* kRegion = "Part of the image";
+constexpr const char* kRegion = "Size and part of the image";
 constexpr const char* kOutput = "Output";
 constexpr const char* kWorkers = "Workers and devices";
 constexpr const char* kNetwork = "Connections";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "kernels/host/process.h"
@@ -9,7 +10,9 @@
 #include "scenes/device/scene_inventory.h"
 #include "scenes/names.h"
 #include "scenes/scene_reader.h"
+#include "scenes/setting_rows.h"
 #include "scenes/settings.h"
+#include "scheduler/cli/film_scale.h"
 
 namespace penumbra {
 namespace {
@@ -73,7 +76,16 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   }
   for (const auto& [key, value] : overrides)
     if (value) read.settings.emplace_back(key, *value);
-  return read_scene(options.scene, read);
+  auto scene = read_scene(options.scene, read);
+  if (scene && options.scale) {
+    scene->film = scaled_film(scene->film, *options.scale);
+    const Film& film = scene->film;
+    if (std::max(film.width, film.height) > kMaxFilmSide)
+      return fail(fmt::format("--scale: {} x {} pixels are more than {} a side", film.width, film.height,
+                              kMaxFilmSide));
+    if (auto checked = check_settings(*scene); !checked) return fail("--scale: " + checked.error().message);
+  }
+  return scene;
 }
 
 Expected<LoadedScene> load_scene(const SceneOptions& options,

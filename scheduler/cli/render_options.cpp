@@ -8,6 +8,7 @@
 #include "scenes/diagnostic.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
+#include "scheduler/cli/film_scale.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/plan/work_unit.h"
@@ -28,8 +29,6 @@ bool parse_integers(const std::string& text, std::span<int> values) {
   }
   return at == end;
 }
-
-void add_overrides(CLI::App& command, SceneOptions& options);
 
 }  // namespace
 
@@ -59,7 +58,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))
       ->required()
       ->group(group::kInput);
-  add_overrides(command, options);
+  add_scene_overrides(command, options);
 }
 
 namespace {
@@ -156,10 +155,19 @@ void add_device_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kWorkers);
 }
 
-void add_overrides(CLI::App& command, SceneOptions& options) {
-  add_scene_text_options(command, options);
-  add_sampling_options(command, options);
-  add_layer_options(command, options);
+void add_scale_option(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--scale",
+          [&options](const std::string& text) {
+            const auto scale = parse_scale(text);
+            if (!scale) throw CLI::ValidationError("--scale", scale.error().message);
+            options.scale = *scale == 1 ? std::nullopt : std::optional(*scale);
+          },
+          "Film of so much of its width and height, with its crop window, as in 25% or 0.25; rounded to the "
+          "nearest pixel, at least 1. --crop and --pixel are in pixels of the scaled film")
+      ->type_name("PERCENT")
+      ->group(group::kRegion);
 }
 
 /// Options for workers and viewers.
@@ -348,6 +356,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kInput);
   add_scene_text_options(command, options.scene);
   add_sampling_options(command, options.scene);
+  add_scale_option(command, options.scene);
   add_region_options(command, options);
   add_effort_options(command, options);
   add_layer_options(command, options.scene);
@@ -373,6 +382,13 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           ->group(kEstimate);
   command.add_flag("--json", options.json, "Print the estimate as JSON")->needs(estimate)->group(kEstimate);
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
+}
+
+void add_scene_overrides(CLI::App& command, SceneOptions& options) {
+  add_scene_text_options(command, options);
+  add_scale_option(command, options);
+  add_sampling_options(command, options);
+  add_layer_options(command, options);
 }
 
 void add_denoise_device_options(CLI::App& command, RenderOptions& options) {

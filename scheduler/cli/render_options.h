@@ -18,6 +18,7 @@ struct SceneOptions {
   std::string scene;
   std::vector<std::string> defines;   ///< name=value
   std::vector<std::string> settings;  ///< key=value
+  std::optional<double> scale;        ///< of the film, after `settings`; see film_scale.h; not 1
   bool lenient = false;
   bool strict = false;
   std::string dialect;                    ///< empty: determined from the scene file
@@ -88,6 +89,8 @@ int largest_tile(const RenderOptions& options);
 
 /// Adds the options to a command. Parsing stores their values in `options`.
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// The same without the scene itself.
+void add_scene_overrides(CLI::App& command, SceneOptions& options);
 void add_render_options(CLI::App& command, RenderOptions& options);
 /// Adds the options of a scheduler that renders for an interactive window.
 void add_preview_options(CLI::App& command, RenderOptions& options);

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/device/scene_inventory.h"
+#include "scheduler/cli/film_scale.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/denoise/denoise_image.h"
@@ -26,39 +25,16 @@ namespace {
 
 constexpr Seconds kPreviewLease = 60;
 
-/// Part [from, to) of a film's side, in a side that is scaled to `size`; not empty.
-std::pair<int, int> scaled_part(int from, int to, double scale, int size) {
-  const int first = std::min(int(from * scale), size - 1);
-  return {first, std::clamp(int(std::ceil(to * scale)), first + 1, size)};
-}
-
-Film scaled_film(Film film, double scale) {
-  const int width = std::max(1, int(std::lround(film.width * scale)));
-  const int height = std::max(1, int(std::lround(film.height * scale)));
-  const auto [x0, x1] = scaled_part(film.crop_x, film.crop_x + film.crop_width, scale, width);
-  const auto [y0, y1] = scaled_part(film.crop_y, film.crop_y + film.crop_height, scale, height);
-  film.width = width;
-  film.height = height;
-  film.crop_x = x0;
-  film.crop_y = y0;
-  film.crop_width = x1 - x0;
-  film.crop_height = y1 - y0;
-  return film;
-}
-
 /// The film whose crop window is the rectangle given by the options.
 Expected<Film> cropped_film(const RenderOptions& options, Film film) {
   std::optional<CropRectangle> crop = options.crop;
   if (options.pixel) crop = {options.pixel->x, options.pixel->y, options.pixel->x + 1, options.pixel->y + 1};
-  if (crop && options.film_scale != 1) {
-    std::tie(crop->x0, crop->x1) = scaled_part(crop->x0, crop->x1, options.film_scale, film.width);
-    std::tie(crop->y0, crop->y1) = scaled_part(crop->y0, crop->y1, options.film_scale, film.height);
-  }
+  if (crop && options.film_scale != 1) crop = scaled_crop(*crop, options.film_scale, film);
   if (!crop) return film;
   if (crop->x1 > film.width || crop->y1 > film.height) {
     const char* option = options.pixel ? "--pixel" : "--crop";
-    return fail(
-        fmt::format("{} reaches outside the film, which is {} x {} pixels", option, film.width, film.height));
+    return fail(fmt::format("{} reaches outside the film, which is {} x {} pixels{}", option, film.width,
+                            film.height, options.scene.scale ? " after --scale" : ""));
   }
   film.crop_x = crop->x0;
   film.crop_y = crop->y0;
@@ -97,6 +73,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.scene_hash = scene.description.contents_hash;
   record.defines = options.scene.defines;
   record.settings = options.scene.settings;
+  record.scale = options.scene.scale;
   record.lenient = options.scene.lenient;
   record.dialect = options.scene.dialect;
   record.film = film;

@@ -51,6 +51,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   };
   for (const std::string& define : record.defines) add("-D", define);
   for (const std::string& setting : record.settings) add("--set", setting);
+  if (record.scale) add("--scale", fmt::to_string(*record.scale));
   if (record.lenient) command += " --lenient";
   if (!record.dialect.empty()) add("--dialect", record.dialect);
   for (const Setting& setting : all_settings()) {
@@ -97,6 +98,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   text("backend", std::string(backend_name(record.backend)));
   if (!record.isa.empty()) text("isa", record.isa);
   if (!record.defines.empty()) text("defines", fmt::format("{}", fmt::join(record.defines, "\n")));
+  if (record.scale) entries.emplace_back("scale", *record.scale);
   if (!record.settings.empty()) text("set", fmt::format("{}", fmt::join(record.settings, "\n")));
   return entries;
 }

@@ -24,6 +24,7 @@ struct RenderRecord : RenderSettings {
   std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
+  std::optional<double> scale;        ///< --scale, which is in the film's size and crop already
   bool lenient = false;
   std::string dialect;  ///< --dialect; empty: determined from the scene file
   PlanOptions plan;

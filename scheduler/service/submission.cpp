@@ -43,6 +43,7 @@ void encode(const RenderRecord& record, wire::Record& message) {
   message.set_scene_hash(record.scene_hash);
   add_texts(record.defines, message.mutable_defines());
   add_texts(record.settings, message.mutable_settings());
+  if (record.scale) message.set_scale(*record.scale);
   message.set_lenient(record.lenient);
   message.set_dialect(record.dialect);
   const PlanOptions& plan = record.plan;
@@ -76,6 +77,9 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   record.scene_hash = message.scene_hash();
   record.defines = {message.defines().begin(), message.defines().end()};
   record.settings = {message.settings().begin(), message.settings().end()};
+  if (message.has_scale()) record.scale = message.scale();
+  if (record.scale && !(*record.scale > 0 && std::isfinite(*record.scale)))
+    return fail("the scale of the film is no positive number");
   record.lenient = message.lenient();
   record.dialect = wire_text(message.dialect(), kLongestName);
   PlanOptions& plan = record.plan;

@@ -40,8 +40,8 @@ const std::map<std::string, Arguments> kCommands = {
     {"stress", {"--list"}},
 };
 /// What options take, as the help calls it.
-const std::set<std::string> kNumbers = {"N",   "S",     "SECONDS", "P",    "E", "SHARE",
-                                        "INT", "STOPS", "DAYS",    "SIZE", "EV"};
+const std::set<std::string> kNumbers = {"N",   "S",     "SECONDS", "P",    "E",  "SHARE",
+                                        "INT", "STOPS", "DAYS",    "SIZE", "EV", "PERCENT"};
 const std::set<std::string> kTexts = {"NAME",    "KEY",   "FILE", "FOLDER", "ADDRESS", "HOST",
                                       "COMMAND", "TEXT",  "X",    "METRIC", "MAP",     "LOW",
                                       "KIND",    "PLACE", "DIR",  "A"};

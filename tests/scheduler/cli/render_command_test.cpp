@@ -298,6 +298,48 @@ TEST_F(RenderCommand, ACropIsThatPartOfTheWholeImage) {
   }
 }
 
+/// The film of 24 x 20 pixels, half of it, is one of 12 x 10 in every respect.
+TEST_F(RenderCommand, AScaledFilmIsOneOfThatSize) {
+  render({"-o", "small.exr", "--set", "film.width=12", "--set", "film.height=10"});
+  for (const char* scale : {"50%", "0.5"}) {
+    render({"-o", "scaled.exr", "--scale", scale});
+    EXPECT_EQ(report("scaled.json")["film_hash"], report("small.json")["film_hash"]) << scale;
+    EXPECT_EQ(image("scaled.exr").attribute("penumbra:scale"), MetadataValue(0.5));
+  }
+  render({"-o", "set.exr", "--scale", "25%", "--set", "film.width=48", "--set", "film.height=40"});
+  EXPECT_EQ(report("set.json")["film_hash"], report("small.json")["film_hash"]) << "--set comes first";
+  render({"-o", "all.exr"});
+  render({"-o", "all2.exr", "--scale", "100%"});
+  EXPECT_EQ(file_contents(folder_ / "all.exr"), file_contents(folder_ / "all2.exr"));
+}
+
+TEST_F(RenderCommand, AScaledFilmsCommandGivesTheSameBytes) {
+  render({"-o", "a.exr", "--scale", "30%", "--set", "film.crop_offset_x=4", "--set", "film.crop_width=12"});
+  EXPECT_EQ(image("a.exr").display, (PixelWindow{0, 0, 7, 6})) << "7.2 x 6";
+  EXPECT_EQ(image("a.exr").data, (PixelWindow{1, 0, 4, 6})) << "from 1.2 to 4.8";
+  repeat("a.exr", "b.exr");
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+  render({"-o", "c.exr", "--scale", "30%", "--crop", "1,0,5,6"});
+  EXPECT_EQ(image("c.exr").values, image("a.exr").values) << "--crop is in the scaled film's pixels";
+  const ProgramResult outside =
+      run_penumbra(folder_.path(), {"render", "s.xml", "--scale", "30%", "--crop", "0,0,8,6"});
+  EXPECT_EQ(outside.exit_code, 2);
+  EXPECT_THAT(outside.err, HasSubstr("--crop reaches outside the film, which is 7 x 6 pixels after --scale"));
+}
+
+TEST_F(RenderCommand, AJobFileScalesItsRenders) {
+  write_text(folder_ / "jobs.toml",
+             "[[render]]\nscene = 's.xml'\nscale = ['25%', 0.5]\nout = 'a-{scale}.exr'\n");
+  const ProgramResult done = run_penumbra(folder_.path(), {"render", "jobs.toml"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(image("a-25%25.exr").display, (PixelWindow{0, 0, 6, 5}));
+  EXPECT_EQ(image("a-0.5.exr").display, (PixelWindow{0, 0, 12, 10}));
+  write_text(folder_ / "jobs.toml", "[[render]]\nscene = 's.xml'\nscale = 25\n");
+  const ProgramResult wrong = run_penumbra(folder_.path(), {"render", "jobs.toml"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("25% is written 25% or 0.25"));
+}
+
 TEST_F(RenderCommand, PixelPrintsTheImagesOwnBits) {
   render({"-o", "whole.exr"});
   const Image whole = image("whole.exr");

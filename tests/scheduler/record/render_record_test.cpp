@@ -42,6 +42,7 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   record.scene = "my scenes/it's.xml";
   record.defines = {"albedo=0.5", "name=a b"};
   record.settings = {"integrator.max_depth=3"};
+  record.scale = 0.3;
   record.lenient = true;
   record.dialect = "nori-eth";
   param::direct_sampling(record.integrator) = DirectSampling::kEmitterOnly;
@@ -53,7 +54,7 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   record.film.crop_height = 40;
   const std::string whole =
       "penumbra render 'my scenes/it'\\''s.xml' -D albedo=0.5 -D 'name=a b' --set integrator.max_depth=3 "
-      "--lenient --dialect nori-eth "
+      "--scale 0.3 --lenient --dialect nori-eth "
       "--integrator path_ems --sampler sobol --spp 64 --seed 4000000000 --pass 16 --intersector embree --isa "
       "avx2";
   EXPECT_EQ(repeat_command(record, false), whole);

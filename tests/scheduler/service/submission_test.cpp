@@ -40,6 +40,7 @@ Submission full_submission() {
   record.scene_hash = ~std::uint64_t(0);
   record.defines = {"a=1", "b=x y"};
   record.settings = {"film.width=40"};
+  record.scale = 0.3;
   record.lenient = true;
   record.dialect = "nori-eth";
   record.plan.stop_after = 70;
