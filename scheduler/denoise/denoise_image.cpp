@@ -34,12 +34,6 @@ Image with_channels(const Image& image, std::span<const std::string> names, cons
   return result;
 }
 
-/// Whether metadata are a renderer's own. Others describe the file that was read, such as its compression.
-bool is_renderers(std::string_view name) {
-  const bool has_prefix = name.find_first_of(":/") != std::string_view::npos;
-  return has_prefix && !name.starts_with("openexr:") && !name.starts_with("oiio:");
-}
-
 }  // namespace
 
 std::string method_name(Denoise method) {
@@ -74,7 +68,7 @@ Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions&
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < image.pixels(); ++i)
       image.values[i * image.channels.size() + scaled->channels[c]] = denoised->color.plane(int(c))[i] * back;
-  std::erase_if(image.metadata, [](const auto& entry) { return !is_renderers(entry.first); });
+  std::erase_if(image.metadata, [](const auto& entry) { return describes_file(entry.first); });
   image.metadata.emplace_back("penumbra:denoised_by", method_name(options.method));
   return outcome;
 }

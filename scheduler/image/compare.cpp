@@ -9,13 +9,6 @@ namespace {
 
 bool is_beauty(const std::string& layer) { return layer.empty() || layer == "beauty"; }
 
-/// Whether the values are display signals, as OpenImageIO reports for PNG and JPEG.
-bool is_display_image(const Image& image) {
-  const auto space = image.attribute("oiio:ColorSpace");
-  const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
-  return name != nullptr && *name == "sRGB";
-}
-
 /// The kind of FLIP that kAuto selects for these images; if none, also the reason.
 std::pair<FlipKind, std::string> chosen_flip(const CompareImages& images, const CompareOptions& options) {
   if (options.flip == FlipKind::kNone) return {FlipKind::kNone, "not asked for"};

@@ -24,4 +24,24 @@ std::optional<MetadataValue> Image::attribute(std::string_view name) const {
   return found->second;
 }
 
+bool is_display_image(const Image& image) {
+  const auto space = image.attribute("oiio:ColorSpace");
+  const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
+  return name != nullptr && *name == "sRGB";
+}
+
+bool describes_file(std::string_view name) {
+  // OpenEXR's own attributes, which its writer sets, and OpenImageIO's names for some of them.
+  static constexpr std::string_view kOfFiles[] = {
+      "compression",   "lineOrder",          "name",        "type",
+      "version",       "chunkCount",         "view",        "PixelAspectRatio",
+      "channels",      "dataWindow",         "preview",     "pixelAspectRatio",
+      "tiles",         "screenWindowCenter", "multiView",   "Orientation",
+      "planarconfig",  "ResolutionUnit",     "XResolution", "YResolution",
+      "displayWindow", "screenWindowWidth"};
+  const auto begins = [&](std::string_view prefix) { return name.starts_with(prefix); };
+  return begins("oiio:") || begins("openexr:") || begins("png:") || begins("jpeg:") || begins("tiff:") ||
+         std::ranges::find(kOfFiles, name) != std::end(kOfFiles);
+}
+
 }  // namespace penumbra

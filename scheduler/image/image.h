@@ -62,6 +62,13 @@ struct Image {
   }
 };
 
+/// Whether the values are signals of a display (sRGB), as OpenImageIO reports for PNG and JPEG, not radiance.
+bool is_display_image(const Image& image);
+
+/// Whether metadata of that name describe a file, such as its compression, and not the picture in it. A file
+/// written anew must not have them.
+bool describes_file(std::string_view name);
+
 /// Reads an image in any format of OpenImageIO: the first part, full resolution, converted to float. Values
 /// are as stored (integers scaled to 0…1, no transfer function applied). Errors: missing, truncated, unknown
 /// format, deep, or larger than 16 GiB in memory.

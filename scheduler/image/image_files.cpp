@@ -24,7 +24,7 @@
 #include <exception>
 #include <thread>
 
-#include "scheduler/image/tone_map.h"
+#include "scheduler/image/picture.h"
 
 // Uses OpenEXR and libpng directly instead of OpenImageIO, which reads images; image_reader.h tells what that
 // would cost.
@@ -220,11 +220,6 @@ Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
                           target.error.empty() ? "no memory is left" : target.error));
 }
 
-/// Alpha has no transfer function.
-std::uint8_t linear_byte(float value) {
-  return std::uint8_t(std::lround(255 * std::clamp(value, 0.0f, 1.0f)));
-}
-
 }  // namespace
 
 bool is_half_channel(std::string_view name) {
@@ -272,27 +267,18 @@ Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEnco
 }
 
 Expected<std::vector<std::uint8_t>> encode_png(const Image& image) {
-  const auto beauty = image.beauty_channels();
-  if (!beauty) return fail("cannot encode the image as PNG: it has no channels R, G, B");
-  const auto alpha = image.channel("A");
-  std::vector<std::uint8_t> pixels;
-  pixels.reserve(image.pixels() * (alpha ? 4 : 3));
-  for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
-    const float* values = &image.values[pixel * image.channels.size()];
-    // Where alpha is 0 but colours are not, for example in front of a visible light, colours are not divided.
-    const float covered = alpha && values[*alpha] > 0 ? values[*alpha] : 1.0f;
-    for (const std::size_t channel : *beauty) pixels.push_back(display_byte(values[channel] / covered));
-    if (alpha) pixels.push_back(linear_byte(values[*alpha]));
-  }
-  return encode_png_pixels(image.data.width, image.data.height, pixels, alpha.has_value());
+  const auto picture = picture_of(image);
+  if (!picture) return fail("cannot encode the image as PNG: it " + picture.error().message);
+  return encode_png_pixels(image.data.width, image.data.height, picture->pixels, picture->has_alpha);
 }
 
 Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
-                                                     std::span<const std::uint8_t> pixels) {
-  if (width < 1 || height < 1 || pixels.size() != 3 * std::size_t(width) * std::size_t(height))
+                                                     std::span<const std::uint8_t> pixels, bool has_alpha) {
+  const std::size_t channels = has_alpha ? 4 : 3;
+  if (width < 1 || height < 1 || pixels.size() != channels * std::size_t(width) * std::size_t(height))
     return fail(
         fmt::format("cannot encode {} bytes as a PNG of {} × {} pixels", pixels.size(), width, height));
-  return encode_png_pixels(width, height, pixels, false);
+  return encode_png_pixels(width, height, pixels, has_alpha);
 }
 
 }  // namespace penumbra

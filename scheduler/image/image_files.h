@@ -31,13 +31,14 @@ std::uint64_t values_beyond_half(const Image& image);
 /// floats, exact channels are stored in a separate part, together with the metadata cryptomatte/….
 Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding = {});
 
-/// Encodes PNG: the beauty layer of the data window, converted by `display_byte`, with 8 bits per channel.
-/// With a channel A the PNG has alpha, and colours are divided by it, as PNG requires.
+/// Encodes PNG: the beauty layer of the data window as picture_of shows it, with 8 bits per channel, and
+/// alpha if the image has it.
 Expected<std::vector<std::uint8_t>> encode_png(const Image& image);
 
-/// Encodes PNG from display-ready sRGB pixels: 8 bits of red, green and blue, row by row from the top. Error:
-/// their number is not width × height.
+/// Encodes PNG from display-ready sRGB pixels: 8 bits of red, green and blue (and alpha), row by row from the
+/// top. Error: their number is not width × height.
 Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
-                                                     std::span<const std::uint8_t> pixels);
+                                                     std::span<const std::uint8_t> pixels,
+                                                     bool has_alpha = false);
 
 }  // namespace penumbra

@@ -3,6 +3,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/image/picture.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -129,6 +136,128 @@ TEST_F(ConvertCommand, ImagesAreFoundFromTheOutputsFolder) {
   EXPECT_THAT(converted("sub/named.gltf", "out/c.xml"), HasSubstr("value=\"../sub/red.png\""));
   std::filesystem::rename(folder_.path() / "out", folder_.path() / "moved");
   EXPECT_EQ(run_penumbra(folder_ / "moved", {"info", "c.xml"}).exit_code, 0);
+}
+
+/// A crop of 3 x 2 pixels with the layers of a render; one pixel is not finite.
+Image small_image() {
+  Image image;
+  image.data = {1, 1, 3, 2};
+  image.display = {0, 0, 5, 4};
+  image.channels = {"R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "depth.Z", "samples.Y"};
+  for (std::size_t i = 0; i < image.pixels() * image.channels.size(); ++i)
+    image.values.push_back(float(i) * 0.07f);
+  image.values[8] = std::numeric_limits<float>::infinity();
+  image.metadata = {{"penumbra:seed", 3}, {"penumbra:command", std::string("penumbra render s.xml")}};
+  image.chromaticities = kRec709;
+  return image;
+}
+
+class ConvertImage : public ::testing::Test {
+ protected:
+  ConvertImage() { write(image_, "a.exr"); }
+  void write(const Image& image, const std::string& name) {
+    ASSERT_TRUE(write_file_atomically(folder_ / name, *encode_exr(image)));
+  }
+  ProgramResult convert(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "convert");
+    return run_penumbra(folder_.path(), arguments);
+  }
+  Image read(const std::string& name) {
+    auto image = read_image(folder_ / name);
+    EXPECT_TRUE(image) << image.error().message;
+    return image.value_or(Image{});
+  }
+  Image image_ = small_image();
+  TemporaryFolder folder_;
+};
+
+TEST_F(ConvertImage, ToPngWithExposureAndToneMap) {
+  for (const std::string_view tone : kToneOperatorNames) {
+    const ProgramResult done =
+        convert({"a.exr", "new/a.png", "--exposure", "-1.5", "--tonemap", std::string(tone)});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_THAT(done.err, HasSubstr("a.exr: 1 pixel is NaN or infinite, magenta in the PNG"));
+    const auto at = std::ranges::find(kToneOperatorNames, tone) - kToneOperatorNames.begin();
+    const auto expected = picture_of(image_, {.exposure = -1.5, .tone = ToneOperator(at)});
+    const Image png = read("new/a.png");
+    ASSERT_EQ(png.values.size(), expected->pixels.size());
+    for (std::size_t i = 0; i < png.values.size(); ++i)
+      EXPECT_EQ(std::lround(255 * png.values[i]), expected->pixels[i]) << tone << ' ' << i;
+  }
+  convert({"a.exr", "clamp.png"});
+  convert({"a.exr", "srgb.png", "--tonemap", "srgb"});
+  EXPECT_EQ(file_contents(folder_ / "clamp.png"), file_contents(folder_ / "srgb.png"));
+}
+
+TEST_F(ConvertImage, ALayerToPngSaysItsRange) {
+  const ProgramResult done = convert({"a.exr", "d.png", "--layer", "depth"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(done.out, "depth from 0.42 (dark) to 3.22 (white); 0 is black\n");
+  EXPECT_EQ(done.err, "");
+}
+
+TEST_F(ConvertImage, ToExrAllStaysOrOneLayer) {
+  const ProgramResult all = convert({"a.exr", "b.exr"});
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("1 pixel is NaN or infinite"));
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+  ASSERT_EQ(convert({"a.exr", "albedo.exr", "--layer", "albedo"}).exit_code, 0);
+  const Image albedo = read("albedo.exr");
+  EXPECT_THAT(albedo.channels, ElementsAre("R", "G", "B"));
+  EXPECT_EQ(albedo.data, image_.data);
+  EXPECT_EQ(albedo.display, image_.display);
+  EXPECT_EQ(albedo.attribute("penumbra:command"), MetadataValue("penumbra render s.xml"));
+  EXPECT_EQ(albedo.attribute("penumbra:seed"), MetadataValue(3));
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x)
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(albedo.at(x, y, c), image_.at(x, y, c + 3));
+}
+
+TEST_F(ConvertImage, PngBecomesLinearAndComesBack) {
+  image_.values[8] = 0.5f;
+  write(image_, "a.exr");
+  ASSERT_EQ(convert({"a.exr", "a.png"}).exit_code, 0);
+  ASSERT_EQ(convert({"a.png", "linear.exr"}).exit_code, 0);
+  ASSERT_EQ(convert({"linear.exr", "again.png"}).exit_code, 0);
+  EXPECT_EQ(file_contents(folder_ / "a.png"), file_contents(folder_ / "again.png"));
+  // A byte of a PNG is half a byte off at most, where the curve has a slope of 12.92 at most.
+  const Image linear = read("linear.exr");
+  EXPECT_NEAR(linear.at(1, 0, *linear.channel("R")), 0.5f, 2.3 * 0.5 / 255);
+}
+
+TEST_F(ConvertImage, PfmIsReadFromItsBottom) {
+  const float rows[2][3] = {{0.25f, 0.5f, 1}, {0, 0, 0.125f}};
+  std::string pfm = "PF\n1 2\n-1\n";
+  pfm.append(reinterpret_cast<const char*>(rows), sizeof rows);
+  write_text(folder_ / "a.pfm", pfm);
+  ASSERT_EQ(convert({"a.pfm", "p.exr"}).exit_code, 0);
+  const Image image = read("p.exr");
+  EXPECT_EQ(image.at(0, 1, *image.channel("G")), 0.5f);
+  EXPECT_EQ(image.at(0, 0, *image.channel("B")), 0.125f);
+}
+
+TEST_F(ConvertImage, WhatDoesNotFitNamesWhatDoes) {
+  write_text(folder_ / "s.xml", kScene);
+  const std::vector<std::string> before = folder_.names();
+  using Words = std::vector<std::string>;
+  for (const auto& [words, why] :
+       {std::pair(Words{"s.xml", "s.png"}, "'s.xml' is a scene: `penumbra render s.xml -o s.png`"),
+        std::pair(Words{"a.exr", "a.xml"}, "'a.exr' is an image, of which no scene can be made"),
+        std::pair(Words{"a.exr", "a.jpg"}, "'a.jpg' does not end in .png or .exr"),
+        std::pair(Words{"a.exr", "a.exr"}, "a.exr is an input of this command"),
+        std::pair(Words{"a.exr", "b.exr", "--exposure", "1"}, "--exposure: for .png"),
+        std::pair(Words{"a.exr", "b.exr", "--tonemap", "aces"}, "--tonemap: for .png"),
+        std::pair(Words{"a.exr", "a.png", "--spp", "4", "--lenient"}, "--lenient, --spp: for scenes"),
+        std::pair(Words{"s.xml", "t.xml", "--layer", "albedo"}, "--layer: for images"),
+        std::pair(Words{"a.exr", "a.png", "--layer", "normal"},
+                  "a.exr: has no layer 'normal'; it has beauty"),
+        std::pair(Words{"a.exr", "a.png", "--tonemap", "hable"}, "--tonemap: hable not in"),
+        std::pair(Words{"none.exr", "a.png"}, "none.exr: no such file")}) {
+    const ProgramResult done = convert(words);
+    EXPECT_EQ(done.exit_code, 2) << why;
+    EXPECT_THAT(done.err, HasSubstr(why));
+    EXPECT_EQ(folder_.names(), before) << why;
+  }
 }
 
 TEST_F(ConvertCommand, IdsStay) {
