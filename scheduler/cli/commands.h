@@ -27,6 +27,7 @@ void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);
 void add_convert_command(CLI::App& app, Command& chosen);
 void add_denoise_command(CLI::App& app, Command& chosen);
+void add_merge_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
 // Commands for services.
 void add_serve_command(CLI::App& app, Command& chosen);

@@ -31,18 +31,10 @@ struct DenoiseCommandOptions {
   RenderOptions device;  ///< only the options of the device
 };
 
-/// x.exr and x.png for x.exr, x.png for x.png. Error: another extension.
 Expected<OutputFiles> files_of(const DenoiseCommandOptions& options) {
-  const std::filesystem::path out =
-      options.out.empty() ? denoised_name(std::filesystem::path(options.image).replace_extension(".exr"))
-                          : std::filesystem::path(options.out);
-  const std::string extension = extension_of(out);
-  if (extension != ".exr" && extension != ".png")
-    return fail(fmt::format("-o {}: the name must end in .exr or .png", options.out));
-  OutputFiles files;
-  files.png = std::filesystem::path(out).replace_extension(extension == ".png" ? out.extension() : ".png");
-  if (extension == ".exr") files.exr = out;
-  return files;
+  return image_files(options.out.empty()
+                         ? denoised_name(std::filesystem::path(options.image).replace_extension(".exr"))
+                         : std::filesystem::path(options.out));
 }
 
 ExitCode denoise(DenoiseCommandOptions options) {

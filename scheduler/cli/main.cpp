@@ -31,6 +31,7 @@ constexpr const char* kExamples =
 const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Render", {"render", "view", "preview", "worker"}},
     {"Scenes", {"info", "convert", "plugins", "settings"}},
+    {"Images", {"denoise", "merge"}},
     {"Measure", {"compare", "report", "stress"}},
     {"Service", {"serve", "submit", "status", "prioritize", "cancel", "fetch", "keys"}},
     {"Installation", {"completion", "man"}}};
@@ -56,6 +57,7 @@ ExitCode run(int argc, char** argv) {
   add_plugins_command(app, chosen);
   add_settings_command(app, chosen);
   add_denoise_command(app, chosen);
+  add_merge_command(app, command_line, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
   add_sibling_commands(app);

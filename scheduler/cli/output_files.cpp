@@ -47,6 +47,16 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   return files;
 }
 
+Expected<OutputFiles> image_files(const fs::path& out) {
+  const std::string extension = extension_of(out);
+  if (extension != ".exr" && extension != ".png")
+    return fail(fmt::format("-o {}: the name must end in .exr or .png", out.string()));
+  OutputFiles files;
+  files.png = fs::path(out).replace_extension(extension == ".png" ? out.extension() : ".png");
+  if (extension == ".exr") files.exr = out;
+  return files;
+}
+
 fs::path denoised_name(const fs::path& image) {
   return image.parent_path() / (image.stem().string() + "-denoised" + image.extension().string());
 }

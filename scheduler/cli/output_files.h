@@ -22,6 +22,9 @@ struct OutputFiles {
 /// requested files are written. Errors: an extension other than .exr or .png; two outputs to the same file.
 Expected<OutputFiles> choose_output_files(const RenderOptions& options);
 
+/// x.exr and x.png for x.exr, x.png for x.png. Error: another extension.
+Expected<OutputFiles> image_files(const std::filesystem::path& out);
+
 /// NAME-denoised.exr for NAME.exr.
 std::filesystem::path denoised_name(const std::filesystem::path& image);
 /// Adds the denoised image beside each image.

@@ -29,10 +29,10 @@ using Clock = std::chrono::steady_clock;
 
 using OptionalPath = std::optional<std::filesystem::path>;
 
-/// Adds image files in the film's format. Each is encoded on its own thread; the image must stay valid until
-/// then.
-void add_images(const Image& image, const Film& format, const OptionalPath& exr, const OptionalPath& png,
-                OutputBatch& batch) {
+}  // namespace
+
+void add_images(const Image& image, const Film& format, const std::optional<std::filesystem::path>& exr,
+                const std::optional<std::filesystem::path>& png, OutputBatch& batch) {
   if (exr)
     batch.add_aside(*exr, [&image, encoding = ExrEncoding{format.compression, format.half}] {
       return encode_exr(image, encoding);
@@ -44,6 +44,15 @@ void add_images(const Image& image, const Film& format, const OptionalPath& exr,
                               exr->string()));
 }
 
+void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
+                    OutputBatch& batch) {
+  // Names and paths may be invalid UTF-8.
+  const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  batch.add(path, {text.begin(), text.end()});
+}
+
+namespace {
+
 /// Denoises the image on all cores and writes the result. Native code is everywhere, and has the same bits.
 Expected<void> write_denoised(const Image& image, const Film& film, const OutputFiles& files) {
   const DenoiseOptions options{
@@ -53,13 +62,6 @@ Expected<void> write_denoised(const Image& image, const Film& film, const Output
   OutputBatch batch;
   add_images(denoised->image, film, files.denoised_exr, files.denoised_png, batch);
   return batch.finish();
-}
-
-void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
-                    OutputBatch& batch) {
-  // Names and paths may be invalid UTF-8.
-  const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  batch.add(path, {text.begin(), text.end()});
 }
 
 const char* why_incomplete(bool stopped) {

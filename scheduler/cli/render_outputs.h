@@ -1,11 +1,16 @@
 // Writes the files of a finished render and prints its results.
 #pragma once
 
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kernels/host/error.h"
 #include "scheduler/cli/render_preparation.h"
+#include "scheduler/files/output_batch.h"
+#include "scheduler/image/image.h"
 
 namespace penumbra {
 
@@ -13,6 +18,13 @@ namespace penumbra {
 /// rendered. Consumes the record.
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line);
+
+/// Adds image files in the film's format, with a warning if it clamps values. Each is encoded on its own
+/// thread; the image must stay valid until then.
+void add_images(const Image& image, const Film& format, const std::optional<std::filesystem::path>& exr,
+                const std::optional<std::filesystem::path>& png, OutputBatch& batch);
+void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
+                    OutputBatch& batch);
 
 enum class RenderEndKind { kDone, kIncomplete, kFailed };
 struct RenderEnd {

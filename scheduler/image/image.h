@@ -73,5 +73,7 @@ bool describes_file(std::string_view name);
 /// are as stored (integers scaled to 0…1, no transfer function applied). Errors: missing, truncated, unknown
 /// format, deep, or larger than 16 GiB in memory.
 Expected<Image> read_image(const std::filesystem::path& path);
+/// The same without `values`.
+Expected<Image> read_image_header(const std::filesystem::path& path);
 
 }  // namespace penumbra

@@ -11,7 +11,8 @@ namespace penumbra {
 
 /// The interface that the module exports under the name penumbra_image_reader.
 struct ImageReader {
-  Expected<Image> (*read)(const std::filesystem::path& path);  ///< see read_image
+  Expected<Image> (*read)(const std::filesystem::path& path);         ///< see read_image
+  Expected<Image> (*read_header)(const std::filesystem::path& path);  ///< see read_image_header
 };
 
 }  // namespace penumbra

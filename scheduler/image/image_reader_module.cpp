@@ -43,7 +43,7 @@ void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
   if (to_camera && to_ndc) image.camera = {*to_camera, *to_ndc};
 }
 
-Expected<Image> read_file(const std::filesystem::path& path) {
+Expected<Image> read(const std::filesystem::path& path, bool with_values) {
   std::error_code status;
   if (!std::filesystem::exists(path, status)) return fail(fmt::format("{}: no such file", path.string()));
   if (!std::filesystem::is_regular_file(path, status)) {
@@ -73,6 +73,7 @@ Expected<Image> read_file(const std::filesystem::path& path) {
   image.display = {spec.full_x, spec.full_y, spec.full_width, spec.full_height};
   image.channels = spec.channelnames;
   copy_metadata(spec, image);
+  if (!with_values) return image;
   try {
     image.values.resize(image.pixels() * image.channels.size());
   } catch (const std::bad_alloc&) {
@@ -84,8 +85,11 @@ Expected<Image> read_file(const std::filesystem::path& path) {
   return image;
 }
 
+Expected<Image> read_file(const std::filesystem::path& path) { return read(path, true); }
+Expected<Image> read_header(const std::filesystem::path& path) { return read(path, false); }
+
 }  // namespace
 }  // namespace penumbra
 
 /// Looked up by name, see image_reader.cpp.
-extern "C" const penumbra::ImageReader penumbra_image_reader{penumbra::read_file};
+extern "C" const penumbra::ImageReader penumbra_image_reader{penumbra::read_file, penumbra::read_header};

@@ -27,6 +27,7 @@ const std::map<std::string, Arguments> kCommands = {
     {"plugins", {}},
     {"convert", {"none.xml", "none/none.xml"}},
     {"denoise", {"none.exr"}},
+    {"merge", {"none.exr", "none.exr", "-o", "none/none.exr"}},
     {"compare", {"none.exr", "none.exr"}},
     {"report", {"none.xml", "-o", "none"}},
     {"serve", {"--listen", "unix:none/none", "--spool", "none/none"}},
