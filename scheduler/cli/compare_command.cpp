@@ -17,6 +17,7 @@
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/compare.h"
 #include "scheduler/image/compare_limits.h"
+#include "scheduler/image/display_image.h"
 #include "scheduler/image/image_files.h"
 
 namespace penumbra {
@@ -29,7 +30,8 @@ struct CompareCommandOptions {
   std::string heatmap, map = "relmse";
   std::optional<MapRange> range;
   std::vector<CompareLimit> limits;
-  bool must_be_consistent = false;
+  bool must_agree = false;
+  bool display = false;  ///< compares what the images look like as 8-bit sRGB
 };
 
 /// "LOW,HIGH".
@@ -84,6 +86,13 @@ Expected<LoadedImages> load(const CompareCommandOptions& options) {
     auto read = read_image(file);
     if (!read) return std::unexpected(read.error());
     image = std::move(*read);
+  }
+  if (!options.display) return images;
+  for (const auto& [file, image] : {files[0], files[1], files[2]}) {
+    if (file.empty()) continue;
+    auto display = display_image(*image);
+    if (!display) return fail(file + ": " + display.error().message);
+    image = std::move(*display);
   }
   return images;
 }
@@ -144,7 +153,7 @@ Expected<std::vector<CheckedLimit>> check_limits(const CompareCommandOptions& op
     if (!value) return std::unexpected(value.error());
     checked.push_back({limit, *value, !(*value <= limit.value)});
   }
-  if (options.must_be_consistent && !comparison.z_test) {
+  if (options.must_agree && !comparison.z_test) {
     return fail("no z-test: " + comparison.z_test_left_out + " (see --variance)");
   }
   return checked;
@@ -160,12 +169,16 @@ bool passes(const CompareCommandOptions& options, const Comparison& comparison,
     print_error({fmt::format("{} {:.6g} is above the limit {:.6g}", checked.limit.metric, checked.value,
                              checked.limit.value)});
   }
-  if (options.must_be_consistent && !comparison.z_test->consistent) {
+  if (options.must_agree && comparison.verdict != Verdict::kAgree) {
     good = false;
-    print_error({"the images differ by more than their noise"});
+    print_error({fmt::format("{}: {}",
+                             comparison.verdict == Verdict::kDiffer
+                                 ? "the images differ by more than their noise"
+                                 : "whether the images differ by more than their noise is inconclusive",
+                             comparison.verdict_reason)});
   }
   const std::uint64_t bad_pixels = comparison.pair.image_non_finite + comparison.pair.reference_non_finite;
-  if ((!limits.empty() || options.must_be_consistent) && bad_pixels > 0) {
+  if ((!limits.empty() || options.must_agree) && bad_pixels > 0) {
     good = false;
     print_error(
         {fmt::format("pixels that are NaN or infinite: {} of {}, {} of {}", comparison.pair.image_non_finite,
@@ -242,6 +255,10 @@ void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
                   "Another reference, independent of B: squared errors become free of the noise of both")
       ->type_name("FILE")
       ->group(kGroup);
+  command
+      .add_flag("--ldr", options.display,
+                "Compare what a PNG shows, clamped and in 8-bit sRGB: for an EXR against a PNG")
+      ->group(kGroup);
   command.add_option("--epsilon", options.compare.epsilon, "Epsilon of relMSE, MAPE and SMAPE")
       ->check(number_from_zero())
       ->capture_default_str()
@@ -279,6 +296,10 @@ void add_z_options(CLI::App& command, CompareCommandOptions& options) {
       ->check(number_between(1e-12, 0.5).description(""))
       ->capture_default_str()
       ->type_name("P")
+      ->group(kGroup);
+  command
+      .add_flag("--exact-reference", options.compare.exact_reference,
+                "B has no noise, if it has no variances (default: then nothing is called a difference)")
       ->group(kGroup);
   command.add_option("--block", options.compare.z_test.block, "Side of the z-test's blocks in pixels")
       ->check(whole_number(1, 65536).description(""))
@@ -349,8 +370,8 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
       ->check(number_from_zero())
       ->group(kGroup);
   command
-      .add_flag("--z-test", options.must_be_consistent,
-                "Exit code 1 if the images differ by more than their noise")
+      .add_flag("--z-test", options.must_agree,
+                "Exit code 1 unless the verdict is that the images agree within their noise")
       ->group(kGroup);
 }
 
@@ -365,13 +386,21 @@ void add_compare_command(CLI::App& app, Command& chosen) {
   add_z_options(*command, *options);
   add_output_options(*command, *options);
   add_limit_options(*command, *options);
+  for (const char* linear :
+       {"--layer", "--variance", "--reference-variance", "--exact-reference", "--z-test"})
+    command->get_option("--ldr")->excludes(command->get_option(linear));
   command->footer(
       "Reads any format that OpenImageIO reads; of an EXR the channels R, G, B. Values are compared as "
-      "stored: "
-      "compare EXR with EXR, PNG with PNG. The table says what each metric is. NaN and infinite pixels are "
-      "counted and left out. Penumbra's EXR files hold the variance of their pixels, which the z-test uses; "
-      "it needs about a hundred samples per pixel.\n\n"
-      "Exit code: 0 compared, and within the limits; 1 a limit is exceeded; 2 bad usage or bad input.\n\n"
+      "stored; an EXR and a PNG with --ldr. The table says what each metric is. NaN and infinite pixels are "
+      "counted and left out.\n\n"
+      "The verdict comes from the variances in Penumbra's EXR files. Images differ if single values, blocks "
+      "or "
+      "the whole image differ by more than noise at the significance. They agree if nothing does and a "
+      "difference of 10% of the mean would be found. It is inconclusive without variances, with fewer than 4 "
+      "samples per pixel, and for denoised images and photon mapping.\n\n"
+      "Exit code: 0 compared, and within the limits; 1 a limit is exceeded, or with --z-test the images do "
+      "not "
+      "agree or it is inconclusive; 2 bad usage or bad input, with --z-test also no variances.\n\n"
       "Examples:\n"
       "  penumbra compare cornell.exr reference.exr\n"
       "  penumbra compare cornell.exr reference.exr --json | jq .relative_mse\n"

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+
+#include "scheduler/image/display_image.h"
 
 namespace penumbra {
 namespace {
@@ -14,11 +17,7 @@ std::pair<FlipKind, std::string> chosen_flip(const CompareImages& images, const 
   if (options.flip == FlipKind::kNone) return {FlipKind::kNone, "not asked for"};
   if (options.flip != FlipKind::kAuto) return {options.flip, ""};
   if (!is_beauty(options.layer)) return {FlipKind::kNone, "only for the beauty layer"};
-  const bool display = is_display_image(images.image);
-  if (is_display_image(images.reference) != display) {
-    return {FlipKind::kNone, "one image is linear and the other one sRGB"};
-  }
-  return {display ? FlipKind::kDisplay : FlipKind::kRadiance, ""};
+  return {is_display_image(images.image) ? FlipKind::kDisplay : FlipKind::kRadiance, ""};
 }
 
 Expected<void> add_flip(const CompareImages& images, const CompareOptions& options, Comparison& result) {
@@ -48,6 +47,16 @@ std::vector<float> variance_of_mean(const std::vector<float>& first, const std::
   return mean;
 }
 
+/// Samples per pixel of the reference, or of the mean of both references.
+std::vector<float> reference_samples(const CompareImages& images) {
+  std::vector<float> samples = samples_per_pixel(images.reference);
+  if (images.second_reference == nullptr) return samples;
+  const std::vector<float> second = samples_per_pixel(*images.second_reference);
+  if (second.size() != samples.size()) return {};
+  std::ranges::transform(samples, second, samples.begin(), std::plus());
+  return samples;
+}
+
 Expected<void> add_z_test(const CompareImages& images, const CompareOptions& options, Comparison& result) {
   auto of_image = variance_of(images.image, images.variance, result);
   if (!of_image) return fail("variance: " + of_image.error().message);
@@ -57,14 +66,30 @@ Expected<void> add_z_test(const CompareImages& images, const CompareOptions& opt
     *of_reference = variance_of_mean(*of_reference, *variance_of(*images.second_reference, nullptr, result));
   }
   if (of_image->empty() && of_reference->empty()) {
-    result.z_test_left_out = "neither image has a variance";
+    result.z_test_left_out =
+        is_display_image(images.image) ? "8-bit images have no variances" : "neither image has a variance";
     return {};
   }
-  auto test = z_test(result.pair, *of_image, *of_reference, options.z_test);
-  if (!test) return std::unexpected(test.error());
-  result.z_test = std::move(*test);
   result.image_variance = std::move(*of_image);
   result.reference_variance = std::move(*of_reference);
+  // Variances in files of their own count as exact.
+  if (images.variance == nullptr) result.image_samples = samples_per_pixel(images.image);
+  if (images.reference_variance == nullptr) result.reference_samples = reference_samples(images);
+  auto test = z_test(result.pair, result.image_noise(), result.reference_noise(), options.z_test);
+  if (!test) return std::unexpected(test.error());
+  result.z_test = std::move(*test);
+  return {};
+}
+
+/// Fails if one of the images is linear and another one display-referred.
+Expected<void> same_encoding(const CompareImages& images) {
+  const bool display = is_display_image(images.image);
+  for (const Image* other : {&images.reference, images.second_reference}) {
+    if (other == nullptr || is_display_image(*other) == display) continue;
+    return fail(
+        fmt::format("{} is linear and {} is display-referred (sRGB); --ldr compares both as 8-bit sRGB",
+                    display ? "the reference" : "the image", display ? "the image" : "the reference"));
+  }
   return {};
 }
 
@@ -75,6 +100,7 @@ double Comparison::mean_ratio(std::size_t channel) const {
 }
 
 Expected<Comparison> compare_images(const CompareImages& images, const CompareOptions& options) {
+  if (const auto same = same_encoding(images); !same) return std::unexpected(same.error());
   auto pair = pair_images(images.image, images.reference, images.second_reference, options.layer);
   if (!pair) return std::unexpected(pair.error());
   Comparison result;
@@ -98,6 +124,7 @@ Expected<Comparison> compare_images(const CompareImages& images, const CompareOp
   result.largest_at = largest_difference(p);
   if (const auto added = add_flip(images, options, result); !added) return std::unexpected(added.error());
   if (const auto added = add_z_test(images, options, result); !added) return std::unexpected(added.error());
+  set_verdict(images, options, result);
   return result;
 }
 
@@ -110,7 +137,7 @@ Expected<ErrorMap> error_map(const Comparison& c, const std::string& name) {
   }
   if (name == "z") {
     if (!c.z_test) return fail("no map of z: " + c.z_test_left_out);
-    return z_map(c.pair, z_values(c.pair, c.image_variance, c.reference_variance));
+    return z_map(c.pair, z_values(c.pair, c.image_noise(), c.reference_noise(), c.z_test->options.block));
   }
   return fail(fmt::format("there is no map '{}', but relmse, abs, flip and z", name));
 }

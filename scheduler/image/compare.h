@@ -15,12 +15,19 @@
 namespace penumbra {
 
 enum class FlipKind {
-  /// Depends on the images: LDR-FLIP for two sRGB images, HDR-FLIP for two linear ones, none for mixed ones
-  /// or for other layers.
+  /// Depends on the images: LDR-FLIP for two sRGB images, HDR-FLIP for two linear ones, none for other
+  /// layers.
   kAuto,
   kDisplay,   ///< LDR-FLIP, values as sRGB signals
   kRadiance,  ///< HDR-FLIP, values as linear radiance
   kNone
+};
+
+/// What the z-test and the variances on which it depends say about two images.
+enum class Verdict {
+  kAgree,        ///< no difference at the significance
+  kDiffer,       ///< a difference at the significance
+  kInconclusive  ///< variances are missing, from too few samples, or do not describe the noise
 };
 
 struct CompareOptions {
@@ -29,6 +36,7 @@ struct CompareOptions {
   FlipKind flip = FlipKind::kAuto;
   double pixels_per_degree = kFlipPixelsPerDegree;
   ZTestOptions z_test;
+  bool exact_reference = false;  ///< a reference without variances has no noise
 };
 
 /// The images to compare. Null: there is none.
@@ -55,19 +63,30 @@ struct Comparison {
   std::string flip_left_out;  ///< why FLIP was not computed
   std::optional<ZTest> z_test;
   std::string z_test_left_out;
-  std::vector<float> image_variance, reference_variance;  ///< the variances used by the z-test
+  /// Used by the z-test: variances, and the numbers of samples from which they are estimated.
+  std::vector<float> image_variance, reference_variance, image_samples, reference_samples;
+  Verdict verdict = Verdict::kInconclusive;
+  std::string verdict_reason;  ///< of the verdict, in words
+
+  [[nodiscard]] ImageNoise image_noise() const { return {image_variance, image_samples}; }
+  [[nodiscard]] ImageNoise reference_noise() const { return {reference_variance, reference_samples}; }
 
   /// image mean / reference mean of a channel; NaN if both are 0.
   [[nodiscard]] double mean_ratio(std::size_t channel) const;
 };
 
 /// Errors: those of pair_images, and of flip_of_display_images and z_test if they were explicitly requested;
-/// a variance image that does not match.
+/// a variance image that does not match; one image is linear and another one display-referred.
 Expected<Comparison> compare_images(const CompareImages& images, const CompareOptions& options = {});
 
 /// The error map of that name: relmse, abs, flip or z. Errors: another name; no FLIP or no variance
 /// available.
 Expected<ErrorMap> error_map(const Comparison& comparison, const std::string& name);
+
+/// Sets the verdict from the z-test.
+void set_verdict(const CompareImages& images, const CompareOptions& options, Comparison& comparison);
+/// agree, differ or inconclusive.
+const char* verdict_name(Verdict verdict);
 
 /// The comparison as text of several lines.
 std::string comparison_text(const Comparison& comparison);

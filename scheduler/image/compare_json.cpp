@@ -35,6 +35,12 @@ Json extreme_json(const ZExtreme& extreme, const std::vector<std::string>& chann
           {"channel", channels[extreme.channel]}};
 }
 
+/// null: the variances count as exact, or are missing.
+Json samples_json(const std::optional<SampleCounts>& samples) {
+  if (!samples) return nullptr;
+  return {{"least", samples->least}, {"most", samples->most}, {"mean", samples->mean}};
+}
+
 Json z_json(const ZTest& z, const std::vector<std::string>& channels) {
   const ZExtreme& chi_square = z.block_chi_square;
   return {{"consistent", z.consistent},
@@ -43,6 +49,11 @@ Json z_json(const ZTest& z, const std::vector<std::string>& channels) {
           {"without_variance_equal", z.exact_equal},
           {"without_variance_different", z.exact_different},
           {"invalid_variances", z.invalid_variances},
+          {"unknown_variances", z.unknown_variances},
+          {"image_samples", samples_json(z.image_samples)},
+          {"reference_samples", samples_json(z.reference_samples)},
+          {"visible_image_difference", json_number(z.visible_image_difference)},
+          {"visible_block_difference", json_number(z.visible_block_difference)},
           {"share_above_1_96", z.share_above_1_96},
           {"share_above_2_58", z.share_above_2_58},
           {"mean_square", json_number(z.mean_square)},
@@ -106,6 +117,8 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
   if (!c.flip) json["flip_left_out"] = c.flip_left_out;
   json["z_test"] = c.z_test ? z_json(*c.z_test, pair.channels) : Json(nullptr);
   if (!c.z_test) json["z_test_left_out"] = c.z_test_left_out;
+  json["verdict"] = verdict_name(c.verdict);
+  json["verdict_reason"] = c.verdict_reason;
   return json;
 }
 

@@ -52,6 +52,15 @@ std::string z_line(const char* name, const ZExtreme& extreme, const std::string&
   return fmt::format("  {:<26} {:>11.4g}   {}; p = {:.3g}\n", name, extreme.z, where, extreme.p);
 }
 
+/// Where the variances of an image come from.
+std::string source_of(const std::vector<float>& variance, const std::optional<SampleCounts>& samples) {
+  if (variance.empty()) return "none, counts as exact";
+  if (!samples) return "exact";
+  return samples->least == samples->most
+             ? fmt::format("estimated from {:g} samples per pixel", samples->mean)
+             : fmt::format("estimated from {:g} to {:g} samples per pixel", samples->least, samples->most);
+}
+
 std::string z_text(const Comparison& c) {
   if (!c.z_test) return fmt::format("{:<14} {:>12}   left out: {}\n", "z-test", "-", c.z_test_left_out);
   const ZTest& z = *c.z_test;
@@ -59,18 +68,15 @@ std::string z_text(const Comparison& c) {
   const auto at = [&](const ZExtreme& e) {
     return fmt::format("{} at pixel {},{}", names[e.channel], e.x, e.y);
   };
-  const auto variance = c.image_variance.empty()       ? "B, A counts as exact"
-                        : c.reference_variance.empty() ? "A, B counts as exact"
-                                                       : "both";
+  const bool less = z.image_samples || z.reference_samples;
   std::string text = fmt::format(
-      "z-test: {}, at significance {}\n"
-      "  z = d / sqrt(Var) of {} values; variances of {}\n"
-      "  |z| above 1.96, 2.58       {:>10.3f} % {:.3f} %   expected: 5 %, 0.99 %\n"
-      "  mean of z^2                {:>11.4g}   expected: 1\n",
-      z.consistent ? "the images differ by no more than their noise"
-                   : "THE IMAGES DIFFER BY MORE THAN THEIR NOISE",
-      z.options.significance, z.values, variance, kPercent * z.share_above_1_96,
-      kPercent * z.share_above_2_58, z.mean_square);
+      "z-test of {} values: z = d / sqrt(Var), at significance {}\n"
+      "  variances: of A {}; of B {}\n"
+      "  |z| above 1.96, 2.58       {:>10.3f} % {:.3f} %   expected: {}5 %, 0.99 %\n"
+      "  mean of z^2                {:>11.4g}   expected: {}1\n",
+      z.values, z.options.significance, source_of(c.image_variance, z.image_samples),
+      source_of(c.reference_variance, z.reference_samples), kPercent * z.share_above_1_96,
+      kPercent * z.share_above_2_58, less ? "at most " : "", z.mean_square, less ? "at most " : "");
   const std::string blocks =
       fmt::format("of {} blocks of {} x {} pixels and channels", z.blocks, z.options.block, z.options.block);
   text += z_line("largest z", z.largest, at(z.largest));
@@ -78,13 +84,8 @@ std::string z_text(const Comparison& c) {
                  fmt::format("of {:.0f}, {}, {}", z.block_chi_square.dof, at(z.block_chi_square), blocks));
   text += z_line("largest z of a block mean", z.block_mean, fmt::format("{}, {}", at(z.block_mean), blocks));
   text += z_line("z of the image mean", z.image_mean, names[z.image_mean.channel]);
-  text +=
-      fmt::format("  p: corrected for the number of values (Bonferroni); below {:.4g} it is a difference\n",
-                  z.options.significance / 4);
-  const double limit = z.options.significance / 4;
-  if (!z.consistent && z.exact_different == 0 && z.block_mean.p >= limit && z.image_mean.p >= limit) {
-    text += "  the means of blocks agree: few samples of skewed light look like this as well\n";
-  }
+  text += fmt::format(
+      "  p: corrected for the number of values (Bonferroni); below {:.4g} it is a difference\n", z.limit());
   if (z.exact_different > 0) {
     text += fmt::format("  {} values have no variance on either side and yet differ\n", z.exact_different);
   }
@@ -93,7 +94,21 @@ std::string z_text(const Comparison& c) {
   if (z.invalid_variances > 0) {
     text += fmt::format("  {} values have a variance that is negative or not finite\n", z.invalid_variances);
   }
+  if (z.unknown_variances > 0) {
+    text += fmt::format("  {} values are in blocks of fewer than {} samples: left out\n", z.unknown_variances,
+                        kLeastBlockSamples);
+  }
   return text;
+}
+
+std::string verdict_text(const Comparison& c) {
+  constexpr const char* kTexts[] = {"the images agree within their noise", "THE IMAGES DIFFER",
+                                    "inconclusive"};
+  return fmt::format("verdict: {}{}: {}\n", kTexts[int(c.verdict)],
+                     c.z_test && c.verdict != Verdict::kInconclusive
+                         ? fmt::format(", at significance {}", c.z_test->options.significance)
+                         : "",
+                     c.verdict_reason);
 }
 
 }  // namespace
@@ -130,7 +145,7 @@ std::string comparison_text(const Comparison& c) {
   text += row(
       "max |d|", c.largest,
       fmt::format("{} at pixel {},{}", pair.channels[c.largest_at.channel], c.largest_at.x, c.largest_at.y));
-  return text + flip_text(c) + z_text(c);
+  return text + flip_text(c) + z_text(c) + verdict_text(c);
 }
 
 }  // namespace penumbra

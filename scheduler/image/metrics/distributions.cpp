@@ -1,12 +1,15 @@
 #include "scheduler/image/metrics/distributions.h"
 
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 namespace penumbra {
 
 double normal_two_sided_p(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
+
+double normal_two_sided_quantile(double p) { return std::sqrt(2.0) * boost::math::erfc_inv(p); }
 
 double chi_square_p(double x, double dof) {
   if (std::isnan(x)) return x;

@@ -12,18 +12,19 @@
 //   - sum d / sqrt(sum Var) over those blocks (it finds regions that are too bright or dark, with far more
 //     power than single values, and is close to normal even if single values are not),
 //   - the same over the whole image.
-// A mean of few samples from a skewed distribution is not normal, and the variance is itself an estimate. So
-// with less than some hundred samples per pixel the first two tests report too many differences.
-// Low-discrepancy samplers have less error than the variance of their samples suggests. Then z is too small,
-// and the test is less strict than it could be.
+// Variances are those of noise_model.h, which are larger than the images' own where these are estimates.
+// Low-discrepancy samplers have less error than the variance of their samples suggests. In both cases z is
+// too small, and the test is stricter with what it calls a difference than its significance says.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "kernels/host/error.h"
 #include "scheduler/image/metrics/image_pair.h"
+#include "scheduler/image/metrics/noise_model.h"
 
 namespace penumbra {
 
@@ -42,24 +43,40 @@ struct ZExtreme {
   double p = 1;  ///< two-sided (chi-square: upper tail), times the number of values, at most 1
 };
 
+/// Numbers of samples per pixel from which the variances of an image are estimated.
+struct SampleCounts {
+  double least = 0, most = 0, mean = 0;
+};
+
 struct ZTest {
   /// Number of values with a variance (pixels times channels), to which z refers below.
   std::uint64_t values = 0;
   std::uint64_t exact_equal = 0;      ///< no variance in either image and equal up to rounding; left out
   std::uint64_t exact_different = 0;  ///< no variance in either image but different; each is an inconsistency
   std::uint64_t invalid_variances = 0;  ///< negative or not finite; each is an inconsistency
-  double share_above_1_96 = 0;          ///< fraction of |z| above 1.96; 0.05 expected
-  double share_above_2_58 = 0;          ///< fraction above 2.58; 0.0099 expected
-  double mean_square = 0;               ///< mean of z^2; 1 expected
-  ZExtreme largest;                     ///< the largest |z|
-  std::uint64_t blocks = 0;             ///< blocks times channels
-  ZExtreme block_chi_square;            ///< the block and channel with the least likely chi-square statistic
-  ZExtreme block_mean;                  ///< the block and channel with the largest |sum d / sqrt(sum Var)|
-  std::vector<double> channel_mean_z;   ///< the statistic of the whole image
-  ZExtreme image_mean;                  ///< the largest of those
+  std::uint64_t unknown_variances = 0;  ///< too few samples for an estimate; left out
+  std::optional<SampleCounts> image_samples, reference_samples;  ///< none: the variances count as exact
+  /// Fractions of |z| above 1.96 and 2.58, and the mean of z^2. 0.05, 0.0099 and 1 are expected, less if
+  /// variances are estimates.
+  double share_above_1_96 = 0, share_above_2_58 = 0;
+  double mean_square = 0;
+  ZExtreme largest;                    ///< the largest |z|
+  std::uint64_t blocks = 0;            ///< blocks times channels
+  ZExtreme block_chi_square;           ///< the block and channel with the least likely chi-square statistic
+  ZExtreme block_mean;                 ///< the block and channel with the largest |sum d / sqrt(sum Var)|
+  std::vector<double> channel_mean_z;  ///< the statistic of the whole image
+  ZExtreme image_mean;                 ///< the largest of those
   std::vector<double> channel_chi_square_p;  ///< chi-square over all z of a channel; not part of the verdict
+  /// The difference that the test would find in 90 % of all cases, relative to the mean of all channels: of a
+  /// channel's mean over the image (the largest), and over a block (the median). Not finite: unknown.
+  double visible_image_difference = 0, visible_block_difference = 0;
   ZTestOptions options;
-  bool consistent = false;
+  bool consistent = false;  ///< no test found a difference
+  /// Why the test cannot tell a difference from noise; empty: it can.
+  std::string too_few_samples;
+
+  /// A difference is a p below this. There are four tests.
+  [[nodiscard]] double limit() const { return options.significance / 4; }
 };
 
 /// The variance of the values in the image's layer `layer`, in the order of `pair`. For the beauty layer it
@@ -72,15 +89,17 @@ Expected<std::vector<float>> variance_layer(const Image& image, const ImagePair&
 Expected<std::vector<float>> variance_image(const Image& image, const ImagePair& pair,
                                             std::string_view layer = {});
 
-/// Performs the test. `image_variance` and `reference_variance` have the layout of `pair.image`; an empty one
-/// means 0. With two references the latter is the variance of their mean. Errors: a wrong length, both empty,
-/// a block size below 1, no value that has a variance or differs.
-Expected<ZTest> z_test(const ImagePair& pair, std::span<const float> image_variance,
-                       std::span<const float> reference_variance, const ZTestOptions& options = {});
+/// The numbers of samples of an image's pixels, from its channel samples.Y; empty if it has none.
+std::vector<float> samples_per_pixel(const Image& image);
 
-/// z of each value, in the layout of `pair.image`. NaN if there is none: not finite, or equal without
-/// variance. Infinite if different without variance.
-std::vector<float> z_values(const ImagePair& pair, std::span<const float> image_variance,
-                            std::span<const float> reference_variance);
+/// Performs the test. With two references the noise of the reference is that of their mean. Errors: a wrong
+/// length, both without variances, a block size below 1.
+Expected<ZTest> z_test(const ImagePair& pair, const ImageNoise& image, const ImageNoise& reference,
+                       const ZTestOptions& options = {});
+
+/// z of each value, in the layout of `pair.image`. NaN if there is none: not finite, unknown variance, or
+/// equal without variance. Infinite if different without variance.
+std::vector<float> z_values(const ImagePair& pair, const ImageNoise& image, const ImageNoise& reference,
+                            int block = ZTestOptions{}.block);
 
 }  // namespace penumbra

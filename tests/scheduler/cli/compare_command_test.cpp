@@ -102,16 +102,44 @@ TEST_F(CompareCommand, WritesJsonBesideTheTable) {
 }
 
 TEST_F(CompareCommand, ReadsOtherFormats) {
-  const ProgramResult result = compare({"one.png", "one.exr", "--json"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out)["mse"], 0.0);
-  EXPECT_TRUE(json::parse(result.out)["flip"].is_null());
   EXPECT_EQ(json::parse(compare({"grey.png", "one.png", "--json"}).out)["flip"]["kind"], "LDR");
   EXPECT_EQ(json::parse(compare({"grey.png", "one.png", "--json", "--flip", "hdr"}).out)["flip"]["kind"],
             "HDR");
   const double far =
       json::parse(compare({"grey.png", "one.png", "--json", "--ppd", "30"}).out)["flip"]["pixels_per_degree"];
   EXPECT_EQ(far, 30);
+}
+
+TEST_F(CompareCommand, AnExrAndAPngAreComparedAsSrgb) {
+  const ProgramResult mixed = compare({"one.png", "one.exr"});
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_THAT(mixed.err, AllOf(HasSubstr("cannot compare one.png with one.exr"), HasSubstr("--ldr")));
+  // A gradient beyond white, with and without alpha, against the PNG that a render writes of it.
+  for (const bool alpha : {false, true}) {
+    Image image = flat(64, 2, 0);
+    if (alpha) image.channels.emplace_back("A");
+    image.values.clear();
+    for (int pixel = 0; pixel < 128; ++pixel) {
+      const float x = float(pixel) / 100, covered = alpha ? float(pixel % 7) / 6 : 1;
+      image.values.insert(image.values.end(), {x * covered, 0.5f * x * covered, x * x * covered});
+      if (alpha) image.values.push_back(covered);
+    }
+    write("g.exr", image);
+    ASSERT_TRUE(write_file_atomically(folder_ / "g.png", *encode_png(image)));
+    const ProgramResult same = compare({"g.exr", "g.png", "--ldr", "--json", "--fail-above", "max=0"});
+    EXPECT_EQ(same.exit_code, 0) << same.err;
+    const auto report = json::parse(same.out);
+    EXPECT_EQ(report["max_difference"], 0);
+    EXPECT_EQ(report["flip"]["kind"], "LDR");
+    EXPECT_EQ(report["verdict"], "agree");
+    EXPECT_EQ(compare({"g.png", "g.exr", "--ldr", "--fail-above", "max=0"}).exit_code, 0);
+  }
+  // 0.5 is 188 of 255 in sRGB.
+  const auto half = json::parse(compare({"grey.png", "one.exr", "--ldr", "--json"}).out);
+  EXPECT_NEAR(half["max_difference"], 67.0 / 255, 1e-6);
+  EXPECT_EQ(half["verdict"], "inconclusive");
+  EXPECT_THAT(half["verdict_reason"], HasSubstr("8-bit images have no variances"));
+  EXPECT_EQ(compare({"one.png", "one.exr", "--ldr", "--z-test"}).exit_code, 2);
 }
 
 TEST_F(CompareCommand, LimitsDecideTheExitCode) {
@@ -148,13 +176,16 @@ TEST_F(CompareCommand, TheZTestTellsNoiseFromDifference) {
   write("c.exr", noisy(1.02f, 3));
   const ProgramResult same = compare({"a.exr", "b.exr", "--z-test"});
   EXPECT_EQ(same.exit_code, 0) << same.out;
-  EXPECT_THAT(same.out, HasSubstr("no more than their noise"));
+  EXPECT_THAT(same.out, HasSubstr("verdict: the images agree within their noise, at significance 0.01: "));
   const ProgramResult other = compare({"a.exr", "c.exr", "--z-test"});
   EXPECT_EQ(other.exit_code, 1) << other.out;
   EXPECT_THAT(other.err, HasSubstr("the images differ by more than their noise"));
   EXPECT_EQ(compare({"a.exr", "c.exr", "--fail-above", "mean_z=20"}).exit_code, 0);
   const auto report = json::parse(compare({"a.exr", "b.exr", "--json", "--block", "8"}).out)["z_test"];
   EXPECT_EQ(report["consistent"], true);
+  EXPECT_TRUE(report["image_samples"].is_null());
+  EXPECT_GT(report["visible_image_difference"], 0.001);
+  EXPECT_LT(report["visible_image_difference"], 0.1);
   EXPECT_EQ(report["blocks"], 3 * 25);
   // Of deviation 0.1 in a file of its own, instead of 0.1 sqrt(2) from both: noise is then too large.
   write("variance.exr", flat(40, 40, 0.005f));
@@ -162,6 +193,15 @@ TEST_F(CompareCommand, TheZTestTellsNoiseFromDifference) {
                      "--z-test"})
                 .exit_code,
             1);
+  // Whether it is a difference is not known, so it is no success either.
+  write("plain.exr", flat(40, 40, 1.1f));
+  const ProgramResult unknown = compare({"a.exr", "plain.exr", "--z-test"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err,
+              AllOf(HasSubstr("is inconclusive: B has no variances"), HasSubstr("--exact-reference")));
+  EXPECT_EQ(compare({"a.exr", "plain.exr"}).exit_code, 0);
+  EXPECT_THAT(compare({"a.exr", "plain.exr", "--z-test", "--exact-reference"}).err,
+              HasSubstr("the images differ"));
   // Errors of the command, not findings.
   const ProgramResult none = compare({"one.exr", "one.exr", "--z-test"});
   EXPECT_EQ(none.exit_code, 2);

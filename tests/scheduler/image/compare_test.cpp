@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "scheduler/image/compare_limits.h"
 
@@ -70,10 +71,7 @@ TEST(Compare, FlipFitsTheImages) {
   Image png = kImage;
   png.metadata = {{"oiio:ColorSpace", "sRGB"}};
   EXPECT_FALSE(compared(png, png).flip->hdr);
-  const Comparison mixed = compared(png, kReference);
-  EXPECT_FALSE(mixed.flip);
-  EXPECT_THAT(mixed.flip_left_out, HasSubstr("one image is linear and the other one sRGB"));
-  EXPECT_TRUE(compared(png, kReference, with_flip(FlipKind::kRadiance)).flip->hdr);
+  EXPECT_TRUE(compared(png, png, with_flip(FlipKind::kRadiance)).flip->hdr);
   EXPECT_FALSE(compared(kImage, kReference, with_flip(FlipKind::kNone)).flip);
   CompareOptions options;
   options.layer = "R";
@@ -103,12 +101,88 @@ TEST(Compare, VarianceComesFromTheImagesOrFromFiles) {
   EXPECT_THAT(comparison_text(*halves), HasSubstr("the mean of two references"));
 }
 
+TEST(Compare, LinearAndDisplayReferredImagesAreNotCompared) {
+  Image png = kImage;
+  png.metadata = {{"oiio:ColorSpace", "sRGB"}};
+  const auto mixed = compare_images({.image = png, .reference = kReference});
+  ASSERT_FALSE(mixed);
+  EXPECT_THAT(
+      mixed.error().message,
+      AllOf(HasSubstr("the reference is linear and the image is display-referred"), HasSubstr("--ldr")));
+  EXPECT_FALSE(compare_images({.image = kImage, .reference = png}));
+  EXPECT_FALSE(compare_images({.image = kImage, .reference = kReference, .second_reference = &png}));
+}
+
+/// 16 x 16 pixels of `mean` with a deviation of 0.1, from `samples` samples (0: unknown).
+Image noisy_image(float mean, float samples, std::uint32_t seed) {
+  Image image;
+  image.data = image.display = {0, 0, 16, 16};
+  image.channels = {
+      "R", "G", "B", "variance.R", "variance.G", "variance.B", samples > 0 ? "samples.Y" : "depth.Z"};
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal(mean, 0.1f);
+  for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
+    for (int c = 0; c < 3; ++c) image.values.push_back(normal(random));
+    image.values.insert(image.values.end(), 3, 0.01f);
+    image.values.push_back(samples);
+  }
+  return image;
+}
+
+Image without_variance(const Image& image) {
+  Image result = image;
+  for (std::string& name : result.channels) {
+    if (name.starts_with("variance")) name = "other" + name;
+  }
+  return result;
+}
+
+TEST(Compare, TheVerdictSaysWhy) {
+  const Image a = noisy_image(1, 64, 1), b = noisy_image(1, 64, 2), darker = noisy_image(0.9f, 64, 3);
+  EXPECT_EQ(compared(a, b).verdict, Verdict::kAgree);
+  EXPECT_THAT(compared(a, b).verdict_reason, HasSubstr("% of the image mean would be found"));
+  EXPECT_EQ(compared(a, darker).verdict, Verdict::kDiffer);
+  EXPECT_THAT(compared(a, darker).verdict_reason, AllOf(HasSubstr("image mean of "), HasSubstr(", p = ")));
+  EXPECT_THAT(comparison_text(compared(a, darker)),
+              HasSubstr("verdict: THE IMAGES DIFFER, at significance 0.01"));
+  EXPECT_EQ(comparison_json(compared(a, darker))["verdict"], "differ");
+  EXPECT_EQ(compared(kImage, kImage).verdict, Verdict::kAgree);
+
+  const auto expect_inconclusive = [](const Comparison& c, const std::string& reason) {
+    EXPECT_EQ(c.verdict, Verdict::kInconclusive) << reason;
+    EXPECT_THAT(c.verdict_reason, HasSubstr(reason));
+    EXPECT_EQ(comparison_json(c)["verdict"], "inconclusive");
+    EXPECT_THAT(comparison_text(c), HasSubstr("verdict: inconclusive: "));
+  };
+  expect_inconclusive(compared(kImage, kReference), "neither image has a variance");
+  expect_inconclusive(compared(noisy_image(1, 2, 1), darker), "of A are estimated from 2 samples per pixel");
+  expect_inconclusive(compared(a, noisy_image(0.9f, 3, 1)), "of B are estimated from 3 samples per pixel");
+  // A deviation of 0.1 beside a mean of 0.01: means over 256 pixels are known to 0.006.
+  expect_inconclusive(compared(noisy_image(0.01f, 64, 1), noisy_image(0.01f, 64, 2)), "would not be seen");
+  for (const auto& [name, value] : {std::pair("penumbra:integrator", "ppm"),
+                                    {"penumbra:integrator", "photonmapper"},
+                                    {"penumbra:denoised_by", "nfor"}}) {
+    Image marked = darker;
+    marked.metadata.emplace_back(name, std::string(value));
+    expect_inconclusive(compared(a, marked), std::string(" (") + value + ")");
+    expect_inconclusive(compared(marked, a), std::string(" (") + value + ")");
+  }
+  // Where one image has no variances, agreement holds, but a difference may be the other one's noise.
+  EXPECT_EQ(compared(a, without_variance(noisy_image(1, 64, 2))).verdict, Verdict::kInconclusive);
+  expect_inconclusive(compared(a, without_variance(darker)), "--exact-reference");
+  expect_inconclusive(compared(without_variance(darker), a), "A has no variances");
+  CompareOptions exact;
+  exact.exact_reference = true;
+  EXPECT_EQ(compared(a, without_variance(darker), exact).verdict, Verdict::kDiffer);
+}
+
 TEST(Compare, TextSaysWhatEachNumberIs) {
   const Comparison c = compared(with_variance(kImage, 4), kReference);
   EXPECT_THAT(comparison_text(c),
               AllOf(HasSubstr("2 x 1 pixels, layer beauty"), HasSubstr("mean of d^2 / (B^2 + 0.01)"),
                     HasSubstr("B at pixel 0,0"), HasSubstr("HDR-FLIP"),
-                    HasSubstr("variances of A, B counts as exact"), Not(HasSubstr("NaN or infinite"))));
+                    HasSubstr("variances: of A exact; of B none, counts as exact"),
+                    Not(HasSubstr("NaN or infinite"))));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(comparison_text(compared(image_of(2, 1, {nan, 0, 0, 1, 1, 1}), kReference)),
               HasSubstr("left out, as NaN or infinite: 1 pixels of A, 0 of B; 1 of 2 compared"));

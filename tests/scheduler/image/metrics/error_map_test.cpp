@@ -25,7 +25,7 @@ TEST(ErrorMap, ByHand) {
               ElementsAre(FloatEq(float((1 / 1.01 + 4 / 9.01) / 3)), FloatEq(float(25 / 3.0))));
   EXPECT_THAT(absolute_error_map(pair).values, ElementsAre(1, FloatEq(0.5f / 3)));
   const std::vector<float> variance = {1, 1, 0.25f, 0, 0, 0};
-  EXPECT_THAT(z_map(pair, z_values(pair, variance, {})).values,
+  EXPECT_THAT(z_map(pair, z_values(pair, {variance, {}}, {})).values,
               ElementsAre(FloatEq(4), std::numeric_limits<float>::infinity()));
 }
 

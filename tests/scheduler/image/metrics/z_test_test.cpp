@@ -25,13 +25,13 @@ ImagePair noisy_pair(std::uint32_t seed) {
 
 ZTest tested(const ImagePair& pair, double significance = 0.01) {
   const std::vector<float> a(pair.image.size(), kVarianceA), b(pair.image.size(), kVarianceB);
-  return z_test(pair, a, b, {.significance = significance}).value();
+  return z_test(pair, {a, {}}, {b, {}}, {.significance = significance}).value();
 }
 
 TEST(ZTest, ByHand) {
   const ImagePair pair = pair_of(image_of(2, 1, {3, 1, 1, 2, 1, 5}), image_of(2, 1, {1, 1, 1, 1, 1, 5}));
   const std::vector<float> a = {0.5f, 1, 0, 0.25f, 1, 0}, b = {0.5f, 0, 0, 0, 0, 0};
-  const auto test = z_test(pair, a, b);  // z: 2, 0, none; 2, 0, none
+  const auto test = z_test(pair, {a, {}}, {b, {}});  // z: 2, 0, none; 2, 0, none
   ASSERT_TRUE(test);
   EXPECT_EQ(test->values, 4u);
   EXPECT_EQ(test->exact_equal, 2u);
@@ -54,7 +54,7 @@ TEST(ZTest, SharesByHand) {
   const ImagePair pair =
       pair_of(grey_image(5, 1, {1, -2, 2.5f, -2.7f, 0}), grey_image(5, 1, {0, 0, 0, 0, 0}));
   const std::vector<float> one(5, 1.0f);
-  const auto test = z_test(pair, one, {});
+  const auto test = z_test(pair, {one, {}}, {});
   EXPECT_DOUBLE_EQ(test->share_above_1_96, 0.6);
   EXPECT_DOUBLE_EQ(test->share_above_2_58, 0.2);
 }
@@ -62,7 +62,7 @@ TEST(ZTest, SharesByHand) {
 // The last bit of a value whose variance is far below it.
 TEST(ZTest, RoundingIsNoDifference) {
   const ImagePair pair = pair_of(grey_image(1, 1, {std::nextafter(3.0f, 4.0f)}), grey_image(1, 1, {3}));
-  const auto test = z_test(pair, std::vector<float>(1, 1e-20f), {});
+  const auto test = z_test(pair, {std::vector<float>(1, 1e-20f), {}}, {});
   EXPECT_LT(std::abs(test->largest.z), 0.1);
   EXPECT_TRUE(test->consistent);
 }
@@ -72,7 +72,7 @@ TEST(ZTest, TheChiSquareAloneCanTell) {
   std::vector<float> values;
   for (int i = 0; i < 256; ++i) values.push_back(i % 2 == 0 ? 1.4f : -1.4f);
   const ImagePair pair = pair_of(grey_image(16, 16, values), grey_image(16, 16, std::vector<float>(256)));
-  const auto test = z_test(pair, std::vector<float>(256, 1.0f), {});
+  const auto test = z_test(pair, {std::vector<float>(256, 1.0f), {}}, {});
   EXPECT_NEAR(test->block_chi_square.z, 1.96 * 256, 1e-2);
   EXPECT_EQ(test->largest.p, 1);
   EXPECT_EQ(test->block_mean.p, 1);
@@ -183,7 +183,7 @@ TEST(ZTest, ExtremeUnitsGiveTheSameAnswer) {
     for (float& value : scaled.reference) value *= scale;
     const std::vector<float> a(pair.image.size(), kVarianceA * scale * scale);
     const std::vector<float> b(pair.image.size(), kVarianceB * scale * scale);
-    const auto test = z_test(scaled, a, b);
+    const auto test = z_test(scaled, {a, {}}, {b, {}});
     ASSERT_TRUE(test);
     EXPECT_NEAR(test->mean_square, plain.mean_square, 1e-6);
     EXPECT_NEAR(test->largest.z, plain.largest.z, 1e-5);
@@ -194,19 +194,19 @@ TEST(ZTest, ExtremeUnitsGiveTheSameAnswer) {
 TEST(ZTest, DifferencesWithoutVarianceAreInconsistent) {
   ImagePair pair = noisy_pair(10);
   std::vector<float> a(pair.image.size(), kVarianceA), b(pair.image.size(), kVarianceB);
-  ASSERT_TRUE(z_test(pair, a, b)->consistent);
+  ASSERT_TRUE(z_test(pair, {a, {}}, {b, {}})->consistent);
   a[30] = b[30] = 0;
-  auto test = z_test(pair, a, b);
+  auto test = z_test(pair, {a, {}}, {b, {}});
   EXPECT_EQ(test->exact_different, 1u);
   EXPECT_FALSE(test->consistent);
   pair.image[30] = std::nextafter(pair.reference[30], 3.0f);  // rounding is no difference
-  test = z_test(pair, a, b);
+  test = z_test(pair, {a, {}}, {b, {}});
   EXPECT_EQ(test->exact_equal, 1u);
   EXPECT_TRUE(test->consistent);
   for (const float bad :
        {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     a[30] = bad;
-    test = z_test(pair, a, b);
+    test = z_test(pair, {a, {}}, {b, {}});
     EXPECT_EQ(test->invalid_variances, 1u);
     EXPECT_FALSE(test->consistent);
   }
@@ -215,17 +215,17 @@ TEST(ZTest, DifferencesWithoutVarianceAreInconsistent) {
 TEST(ZTest, NothingNoisyIsJudgedByEquality) {
   const Image image = image_of(1, 1, {1, 2, 3});
   const std::vector<float> none(3, 0.0f);
-  EXPECT_TRUE(z_test(pair_of(image, image), none, {})->consistent);
-  EXPECT_FALSE(z_test(pair_of(image, image_of(1, 1, {1, 2, 4})), none, {})->consistent);
+  EXPECT_TRUE(z_test(pair_of(image, image), {none, {}}, {})->consistent);
+  EXPECT_FALSE(z_test(pair_of(image, image_of(1, 1, {1, 2, 4})), {none, {}}, {})->consistent);
 }
 
 TEST(ZTest, NonFinitePixelsAreLeftOut) {
   Image image = image_of(2, 1, {1, 1, std::numeric_limits<float>::quiet_NaN(), 1, 1, 1});
   const ImagePair pair = pair_of(image, image_of(2, 1, std::vector<float>(6, 1.0f)));
   const std::vector<float> variance(6, 1.0f);
-  EXPECT_EQ(z_test(pair, variance, {})->values, 3u);
-  EXPECT_TRUE(std::isnan(z_values(pair, variance, {})[0]));
-  EXPECT_EQ(z_values(pair, variance, {})[3], 0);
+  EXPECT_EQ(z_test(pair, {variance, {}}, {})->values, 3u);
+  EXPECT_TRUE(std::isnan(z_values(pair, {variance, {}}, {})[0]));
+  EXPECT_EQ(z_values(pair, {variance, {}}, {})[3], 0);
 }
 
 TEST(ZTest, VarianceLayersAreFoundByName) {
@@ -248,8 +248,8 @@ TEST(ZTest, VarianceLayersAreFoundByName) {
 TEST(ZTest, SaysWhatItCannotTake) {
   const ImagePair pair = pair_of(image_of(1, 1, {1, 2, 3}), image_of(1, 1, {1, 2, 3}));
   EXPECT_FALSE(z_test(pair, {}, {}));
-  EXPECT_FALSE(z_test(pair, std::vector<float>(2), {}));
-  EXPECT_FALSE(z_test(pair, std::vector<float>(3), {}, {.block = 0}));
+  EXPECT_FALSE(z_test(pair, {std::vector<float>(2), {}}, {}));
+  EXPECT_FALSE(z_test(pair, {std::vector<float>(3), {}}, {}, {.block = 0}));
 }
 
 }  // namespace
