@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <string_view>
 
 #include "kernels/host/owned_descriptor.h"
 #include "scheduler/keys/openssl_object.h"
@@ -30,6 +31,9 @@ using std::chrono::milliseconds;
 using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
 using Connection = std::unique_ptr<SSL, Freed<SSL_free>>;
 
+constexpr const char* kSilence = "nothing answers there in time";
+constexpr char kTlsAlert = 21;  // the first byte of such a record
+constexpr std::string_view kUnix = "unix:";
 constexpr unsigned char kHttp2[] = {2, 'h', '2'};  // in ALPN's encoding, RFC 7301
 
 /// Blocks SIGPIPE: OpenSSL writes to sockets without MSG_NOSIGNAL, and the other end may have gone.
@@ -166,34 +170,46 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
   }
   const bool met_tls = SSL_get0_peer_certificate(ssl.get()) != nullptr;
   if (!problem.text.empty()) return "the scheduler's certificate " + problem.text;
-  if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys, met_tls);
+  if (!is_connected) return timed_out != 0 ? kSilence : refusal_text(*keys, met_tls);
   // With TLS 1.3 the server checks our certificate only after the handshake, and then answers.
   char byte = 0;
   if (finish(ssl.get(), descriptor, patience, [&] { return SSL_read(ssl.get(), &byte, 1); })) return "";
-  return errno == ETIMEDOUT && ERR_peek_error() == 0 ? "nothing answers there in time"
-                                                     : refusal_text(*keys, true);
+  return errno == ETIMEDOUT && ERR_peek_error() == 0 ? kSilence : refusal_text(*keys, true);
 }
 
-std::string why_socket_unreachable(std::string_view address, milliseconds patience) {
-  address.remove_prefix(std::string_view("unix:").size());
+/// What an HTTP/2 client sends first: the preface and empty settings (RFC 9113, 3.4).
+constexpr std::string_view kHttp2Begin("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
+constexpr std::size_t kTypeOfFrame = 3;  // its place in a frame
+constexpr char kSettingsFrame = 4;
+
+/// Speaks HTTP/2 without TLS. A scheduler without keys answers with its settings.
+std::string explain_plain(int descriptor, milliseconds patience) {
+  if (send(descriptor, kHttp2Begin.data(), kHttp2Begin.size(), MSG_NOSIGNAL) < 0) return "";
+  char answer[kTypeOfFrame + 1];
+  pollfd entry{.fd = descriptor, .events = POLLIN, .revents = 0};
+  if (poll(&entry, 1, int(patience.count())) <= 0) return kSilence;
+  const auto length = recv(descriptor, answer, sizeof answer, MSG_DONTWAIT);
+  const bool is_http2 = length == sizeof answer && answer[kTypeOfFrame] == kSettingsFrame;
+  if (length <= 0 || is_http2 || answer[0] == kTlsAlert) return "";
+  return "what answers there is no scheduler";
+}
+
+std::string why_unix_fails(const std::string& path) {
+  const OwnedDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_un to{};
   to.sun_family = AF_UNIX;
-  if (address.size() >= sizeof to.sun_path) return "the path of a socket is shorter than that";
-  std::ranges::copy(address, to.sun_path);
-  const OwnedDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  addrinfo place{};
-  place.ai_addr = reinterpret_cast<sockaddr*>(&to);
-  place.ai_addrlen = sizeof to;
-  const int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), place, patience);
-  if (error == 0) return "";
-  if (error == ENOENT) return "there is no such socket";
-  return error == ECONNREFUSED ? "nobody listens there" : std::strerror(error);
+  if (socket.get() < 0 || path.size() >= sizeof to.sun_path) return "";
+  std::copy(path.begin(), path.end(), to.sun_path);
+  if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) return "";
+  if (errno == ENOENT || errno == ECONNREFUSED) return kNobodyListens;
+  return std::strerror(errno);
 }
 
 }  // namespace
 
 std::string why_unreachable(const std::string& address, const Keys* keys, milliseconds patience) {
-  if (!is_tcp(address)) return why_socket_unreachable(address, patience);
+  if (address.starts_with(kUnix)) return why_unix_fails(address.substr(kUnix.size()));
+  if (!is_tcp(address)) return "";
   const NoPipeSignal none;
   const auto [host, port] = split_address(address);
   addrinfo hints{}, *found = nullptr;
@@ -204,14 +220,19 @@ std::string why_unreachable(const std::string& address, const Keys* keys, millis
   const std::unique_ptr<addrinfo, Freed<freeaddrinfo>> all(found);
   std::string why;
   for (const addrinfo* to = found; to != nullptr; to = to->ai_next) {
-    const OwnedDescriptor socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    const int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), *to, patience);
+    OwnedDescriptor socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), *to, patience);
+    if (error == 0 && keys == nullptr) {
+      if (const std::string reason = explain_plain(socket.get(), patience); !reason.empty()) return reason;
+      socket = OwnedDescriptor(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+      error = socket.get() < 0 ? errno : connect_in_time(socket.get(), *to, patience);
+    }
     if (error == 0) {
       std::string reason = explain_tls(socket.get(), std::string(host), keys, patience);
       ERR_clear_error();
       return reason;
     }
-    why = error == ECONNREFUSED ? "nobody listens there" : std::strerror(error);
+    why = error == ECONNREFUSED ? kNobodyListens : std::strerror(error);
   }
   return why;
 }

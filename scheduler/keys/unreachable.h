@@ -8,9 +8,13 @@
 
 namespace penumbra {
 
+/// The reason if there is no server at the address.
+constexpr const char* kNobodyListens = "nobody listens there";
+
 /// Connects to "host:port" or "unix:/path" like a client with these keys (null: without) and describes the
-/// failure: unknown host, nobody listens, TLS missing at one end, which certificate is wrong and why. Empty
-/// if no cause is found. `patience` limits the time for each of: connecting, the handshake, an answer.
+/// failure: unknown host, nobody listens, no right to a socket, another program, TLS missing at one end,
+/// which certificate is wrong and why. Empty if no cause is found. `patience` limits the time for each of:
+/// connecting, the handshake, an answer.
 std::string why_unreachable(const std::string& address, const Keys* keys, std::chrono::milliseconds patience);
 
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 #include "scheduler/protocol/client.h"
 
+#include <fmt/format.h>
 #include <grpcpp/create_channel.h>
 
 #include <chrono>
@@ -63,9 +64,20 @@ std::string status_text(const grpc::Status& status) {
     case grpc::StatusCode::INTERNAL:
     case grpc::StatusCode::UNKNOWN:
       return "its answer makes no sense: it is another program, or the connection is damaged";
+    case grpc::StatusCode::ABORTED:
+    case grpc::StatusCode::DATA_LOSS:
+    case grpc::StatusCode::OUT_OF_RANGE:
+      return "the connection is damaged";
     default:
-      return status.error_message();
+      break;
   }
+  // Codes of our services that gRPC uses as well.
+  const std::string& text = status.error_message();
+  if (text.find("larger than max") != std::string::npos)
+    return fmt::format("a message has more than {} MiB: it is another program, or another release",
+                       kMaxMessageBytes >> 20);
+  if (text.starts_with("Received http2 header")) return "what answers is another program, such as a proxy";
+  return text;
 }
 
 }  // namespace penumbra

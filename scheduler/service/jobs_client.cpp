@@ -68,8 +68,9 @@ std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
              status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
   if (is_away_) {
     const std::string why = why_unreachable(address_, access_.keys.get(), kTimeToExplain);
-    return fail(
-        fmt::format("no service answers at {}: {}", address_, why.empty() ? status_text(status) : why));
+    return fail(fmt::format("no service answers at {}: {}{}", address_,
+                            why.empty() ? status_text(status) : why,
+                            why == kNobodyListens ? "; `penumbra serve --listen ADDRESS` starts one" : ""));
   }
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return fail(

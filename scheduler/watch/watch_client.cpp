@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "scheduler/keys/tcp_address.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/text.h"

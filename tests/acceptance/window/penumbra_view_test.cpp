@@ -614,7 +614,7 @@ TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
       view({"--connect", "unix:" + (path() / "missing").string()}, "wait connected timeout 1\n");
   EXPECT_EQ(no_scheduler.exit_code, 1);
   EXPECT_THAT(no_scheduler.err,
-              AllOf(HasSubstr("there is no such socket"), ContainsRegex("script.*txt:1: error: waited 1 s")));
+              AllOf(HasSubstr("nobody listens there"), ContainsRegex("script.*txt:1: error: waited 1 s")));
 
   for (const std::string nowhere : {"nonsense", "unix:", "host:", "host:99999", ":7000", "host:70x"}) {
     const ProgramResult result = view({"--connect", nowhere}, "quit\n");

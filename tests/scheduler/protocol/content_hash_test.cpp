@@ -83,6 +83,15 @@ TEST(StatusText, IsOurs) {
     EXPECT_EQ(text.find("RST_STREAM"), std::string::npos) << text;
     EXPECT_FALSE(text.empty());
   }
+  const std::string large =
+      status_text({grpc::StatusCode::RESOURCE_EXHAUSTED, "Received message larger than max (4 vs. 3)"});
+  EXPECT_EQ(large.find("larger than max"), std::string::npos) << large;
+  for (const auto code : {grpc::StatusCode::UNAUTHENTICATED, grpc::StatusCode::PERMISSION_DENIED}) {
+    const std::string text = status_text({code, "Received http2 header with status: 403"});
+    EXPECT_EQ(text.find("http2"), std::string::npos) << text;
+  }
+  EXPECT_EQ(status_text({grpc::StatusCode::DATA_LOSS, "x"}).find('x'), std::string::npos);
+  EXPECT_EQ(status_text({grpc::StatusCode::RESOURCE_EXHAUSTED, "the queue is full"}), "the queue is full");
   EXPECT_EQ(status_text({grpc::StatusCode::NOT_FOUND, "there is no job 5"}), "there is no job 5");
 }
 

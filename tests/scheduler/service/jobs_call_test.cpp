@@ -100,7 +100,9 @@ TEST_F(JobsCall, ErrorsAreTextsThatNameTheAddress) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x.exr"));
   server_->Shutdown();
   server_.reset();
-  EXPECT_THAT(client_->status({}).error().message, HasSubstr("no service answers at"));
+  EXPECT_THAT(
+      client_->status({}).error().message,
+      AllOf(HasSubstr("no service answers at"), HasSubstr("nobody listens there; `penumbra serve --listen")));
   EXPECT_TRUE(client_->is_away());
 }
 
