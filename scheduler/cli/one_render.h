@@ -6,6 +6,7 @@
 #include <functional>
 #include <future>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,9 @@ class OneRender final : public JobSource {
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override;
   void progress(JobId id, const RenderProgress& progress) override;
-  void notice(const std::string& text) override { notices_.push_back(text); }
+  void notice(const std::string& text) override {
+    if (told_.insert(text).second) notices_.push_back(text);  // a second attempt has the same address
+  }
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
  private:
@@ -52,9 +55,10 @@ class OneRender final : public JobSource {
   const bool show_;
   ProgressPrinter printer_;
 
-  std::optional<Prepared> prepared_;         // written by the preparing thread before is_prepared_ is set
-  std::atomic<bool> is_prepared_ = false;    // whether preparing has ended, with or without success
-  bool is_taken_ = false;                    // whether the farm has taken the job
+  std::optional<Prepared> prepared_;       // written by the preparing thread before is_prepared_ is set
+  std::atomic<bool> is_prepared_ = false;  // whether preparing has ended, with or without success
+  bool is_taken_ = false;                  // whether the farm has taken the job
+  std::set<std::string> told_;
   std::vector<std::string> notices_, said_;  // said_: those shown by an earlier attempt
   std::optional<Expected<RenderOutcome>> outcome_;
   Expected<void> written_;

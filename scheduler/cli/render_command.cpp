@@ -74,10 +74,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (outcome->complete) remove_checkpoint(prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared);
-  // No advice if a target error requires independent samples, or if the user has chosen a sampler.
-  if (show && !options.scene.sampler && !options.plan.target_error &&
-      prepared.scene.description.sampler.kind == SamplerKind::kIndependent)
-    print_sampler_advice();
+  if (show && is_sampler_advised(options, prepared)) print_sampler_advice();
   print_problems(*outcome, stop);
   const bool is_wrong = print_flagged(prepared, outcome->film, options.strict_numerics);
   return outcome->complete && !is_wrong ? kAllDone : kIncomplete;

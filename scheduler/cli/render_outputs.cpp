@@ -79,8 +79,7 @@ std::string range_text(std::uint64_t least, std::uint64_t most) {
 /// The samples per pixel; if a time budget ended the render, also out of how many.
 std::string samples_of_pixel(const RenderOutcome& outcome, const RenderJob& job) {
   const SampleRange range = sample_range(outcome.film);
-  const bool is_cut = outcome.complete && job.time_budget && !outcome.ended_by_tile && range.least < job.spp;
-  if (!is_cut) return samples_text(range.least, range.most) + " per pixel";
+  if (!ended_by_budget(outcome, job)) return samples_text(range.least, range.most) + " per pixel";
   return fmt::format("{} of {} samples per pixel: ended by the budget,", range_text(range.least, range.most),
                      job.spp);
 }
@@ -93,6 +92,11 @@ std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples&
 
 }  // namespace
 
+bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job) {
+  return outcome.complete && job.time_budget && !outcome.ended_by_tile &&
+         sample_range(outcome.film).least < std::uint64_t(job.spp);
+}
+
 void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared) {
   std::vector<std::string> names;
   for (const auto& file : prepared.files.all()) names.push_back(file.string());
@@ -103,9 +107,14 @@ void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared)
                            samples_per_second(outcome) * 1e-6));
 }
 
+bool is_sampler_advised(const RenderOptions& options, const PreparedRender& prepared) {
+  return !options.scene.sampler && !options.plan.target_error &&
+         prepared.scene.description.sampler.kind == SamplerKind::kIndependent;
+}
+
 // Measured: see "Samplers" in kernels/MEASUREMENTS.md.
 void print_sampler_advice() {
-  print_remark("hint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
+  print_remark("hint: --sampler sobol mostly needs fewer samples than the scene's independent\n");
 }
 
 // At edges, and where a boundary meets another surface, rounding decides which one is crossed first. In a

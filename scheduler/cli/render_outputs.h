@@ -41,8 +41,14 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
 /// Prints files, size, samples and time, and whether a time budget has ended the render.
 void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared);
 
-/// Prints advice for users whose scene file asks for independent samples.
+/// Whether another sampler is worth a hint: the scene file asks for independent samples, neither the user nor
+/// a target error does.
+bool is_sampler_advised(const RenderOptions& options, const PreparedRender& prepared);
+/// Prints that hint, once for a render or a set of them.
 void print_sampler_advice();
+
+/// Whether the time budget ended the render before its last sample.
+bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job);
 
 /// Prints invalid samples, and variances that no file can hold, as warnings. They are errors with `strict`,
 /// or if more than 1 % of the samples are not finite. Returns whether there are errors.

@@ -140,6 +140,7 @@ class SceneSet final : public JobSource {
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
+  std::atomic<bool> advises_sampler_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
   std::map<JobId, std::optional<ReadyRender>> open_;
@@ -171,6 +172,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
+  if (is_sampler_advised(options, *prepared)) advises_sampler_ = true;
   if (const auto made = make_folders(prepared->files); !made) return made;
   const auto resumed = attach_checkpoint(*prepared, options, worker_);
   if (!resumed) return std::unexpected(resumed.error());
@@ -250,6 +252,7 @@ void SceneSet::write(FinishedRender finished) {
     SetEntry& entry = entries_[finished.index];
     entry.key.clear();  // its files are about to change
     entry.samples = least;
+    entry.budget_of = ended_by_budget(outcome, finished.prepared->job) ? finished.prepared->job.spp : 0;
     entry.seconds = outcome.seconds;
     entry.relative_error = error;
   }
@@ -321,6 +324,7 @@ ExitCode SceneSet::run() {
 
 ExitCode SceneSet::print_end() {
   if (!options_.quiet) print_remark(set_table(entries_) + fmt::format("wrote {}\n", plan_.summary.string()));
+  if (!options_.quiet && advises_sampler_) print_sampler_advice();
   const auto failed = std::ranges::count_if(entries_, [](const SetEntry& entry) {
     return entry.state == SetState::kFailed || entry.state == SetState::kIncomplete;
   });

@@ -29,6 +29,10 @@ Json json_of(const SetEntry& entry) {
   if (!entry.error.empty()) json["error"] = entry.error;
   if (entry.samples > 0) {
     json["samples_per_pixel"] = entry.samples;
+    if (entry.budget_of > 0) {
+      json["asked_samples_per_pixel"] = entry.budget_of;
+      json["ended_by"] = "time_budget";
+    }
     json["seconds"] = entry.seconds;
     json["relative_error"] = std::isfinite(entry.relative_error) ? Json(entry.relative_error) : Json(nullptr);
   }
@@ -47,6 +51,7 @@ SetEntry entry_of(const nlohmann::json& json) {
   for (const auto& [name, value] : json.value("options", nlohmann::json::object()).items())
     entry.choices.emplace_back(name, value.get<std::string>());
   entry.samples = json.value("samples_per_pixel", std::uint64_t(0));
+  entry.budget_of = json.value("asked_samples_per_pixel", std::uint64_t(0));
   entry.seconds = json.value("seconds", 0.0);
   if (const auto error = json.find("relative_error"); error != json.end())
     entry.relative_error = error->is_number() ? error->get<double>() : std::nan("");
@@ -111,6 +116,7 @@ std::string set_table(const std::vector<SetEntry>& entries) {
     if (entry.samples > 0) table += fmt::format("  {:>6} spp  {:8.2f} s", entry.samples, entry.seconds);
     if (entry.samples > 0 && std::isfinite(entry.relative_error))
       table += fmt::format("  error {:.2g}%", 100 * entry.relative_error);
+    if (entry.budget_of > 0) table += fmt::format("  ended by the budget, of {} spp", entry.budget_of);
     if (!entry.error.empty()) table += "  " + entry.error.substr(0, entry.error.find('\n'));
     table += "\n";
   }

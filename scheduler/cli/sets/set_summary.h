@@ -24,6 +24,7 @@ struct SetEntry {
   std::string error;               ///< why it failed or is incomplete
   double seconds = 0;              ///< render time
   std::uint64_t samples = 0;       ///< samples per pixel
+  std::uint64_t budget_of = 0;     ///< if the time budget ended it: the samples per pixel asked for; else 0
   double relative_error = 0;       ///< of the image; see FilmAccumulator; NaN: unknown
 };
 

@@ -64,11 +64,32 @@ class RenderCommand : public ::testing::Test {
 
 TEST_F(RenderCommand, SaysWhatSobolSavesWhereTheSceneAsksForIndependentSamples) {
   const auto advice =
-      HasSubstr("\nhint: --sampler sobol mostly takes fewer samples than independent for the same error\n");
+      HasSubstr("\nhint: --sampler sobol mostly needs fewer samples than the scene's independent\n");
   EXPECT_THAT(render({}).out, advice);
   EXPECT_THAT(render({"--sampler", "independent", "--force"}).out, Not(advice));
   EXPECT_THAT(render({"--sampler", "sobol", "--force"}).out, Not(advice));
   EXPECT_THAT(render({"--quiet", "--force"}).out, Not(advice));
+}
+
+TEST_F(RenderCommand, ARenderThatABudgetEndsSaysHowFarItCame) {
+  const ProgramResult result = render({"--spp", "1000000", "--time-budget", "0.2"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, ContainsRegex("[0-9]+ of 1000000 samples per pixel: ended by the budget, in "));
+  const nlohmann::json json = report("s.json");
+  EXPECT_EQ(json["complete"], false);
+  EXPECT_EQ(json["ended_by"], "time_budget");
+  EXPECT_LT(json["samples"]["most_per_pixel"], 1000000);
+  // Its command renders the same, to its end.
+  repeat("s.exr", "again.exr");
+  EXPECT_EQ(file_contents(folder_ / "again.exr"), file_contents(folder_ / "s.exr"));
+  // A budget that is not used up is not mentioned.
+  EXPECT_THAT(render({"--spp", "2", "--time-budget", "1000", "--force"}).out,
+              AllOf(HasSubstr("2 samples per pixel"), Not(HasSubstr("budget"))));
+  EXPECT_EQ(report("s.json")["complete"], true);
+}
+
+TEST_F(RenderCommand, SaysOnceHowToWatchIt) {
+  EXPECT_THAT(render({}).err, AllOf(HasSubstr("to watch: "), Not(ContainsRegex("to watch(.|\n)*to watch"))));
 }
 
 TEST_F(RenderCommand, WritesImageAndReportBesideEachOther) {

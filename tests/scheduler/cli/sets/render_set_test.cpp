@@ -16,6 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -37,6 +38,7 @@ class RenderSet : public ::testing::Test {
     for (const auto& job : json["jobs"]) states.push_back(job["state"]);
     return states;
   }
+  nlohmann::json job() { return nlohmann::json::parse(file_contents(folder_ / "out/jobs.json"))["jobs"][0]; }
   std::string film_hash(const std::string& name) {
     auto read = read_image(folder_ / name);
     EXPECT_TRUE(read) << read.error().message;
@@ -117,6 +119,29 @@ TEST_F(RenderSet, AShorterTimeBudgetIsAnotherImage) {
   ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--time-budget", "1000"}).exit_code, 0);
   ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
   EXPECT_THAT(states(), ElementsAre("done", "done"));
+}
+
+TEST_F(RenderSet, ABudgetThatEndsARenderIsSaidAndRecorded) {
+  const ProgramResult first =
+      run({"a.xml", "b.xml", "-o", "out/", "--spp", "1000000", "--time-budget", "0.1"});
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("ended by the budget, of 1000000 spp"));
+  EXPECT_EQ(job()["ended_by"], "time_budget");
+  EXPECT_EQ(job()["asked_samples_per_pixel"], 1000000);
+  const ProgramResult second =
+      run({"a.xml", "b.xml", "-o", "out/", "--spp", "1000000", "--time-budget", "0.1"});
+  EXPECT_THAT(second.out, AllOf(HasSubstr("unchanged"), HasSubstr("ended by the budget, of 1000000 spp")));
+  const ProgramResult third = run({"a.xml", "b.xml", "-o", "out/", "--spp", "2"});
+  EXPECT_THAT(third.out, Not(HasSubstr("budget")));
+  EXPECT_FALSE(job().contains("ended_by"));
+}
+
+TEST_F(RenderSet, HintsAndAddressesAreSaidOnce) {
+  const ProgramResult result = run({"a.xml", "b.xml", "-o", "out/"});
+  EXPECT_THAT(result.out, AllOf(HasSubstr("\nhint: --sampler sobol"), Not(ContainsRegex("hint(.|\n)*hint"))));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("to watch: "), Not(ContainsRegex("to watch(.|\n)*to watch"))));
+  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--sampler", "sobol"}).out, Not(HasSubstr("hint")));
+  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--force", "-q"}).out, Not(HasSubstr("hint")));
 }
 
 TEST_F(RenderSet, ASummaryThatIsNoneIsReplaced) {
