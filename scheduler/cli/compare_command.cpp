@@ -19,6 +19,7 @@
 #include "scheduler/image/compare_limits.h"
 #include "scheduler/image/display_image.h"
 #include "scheduler/image/image_files.h"
+#include "scheduler/image/metrics/color_bar.h"
 
 namespace penumbra {
 namespace {
@@ -29,6 +30,7 @@ struct CompareCommandOptions {
   std::string json;  ///< file name, or - for stdout
   std::string heatmap, map = "relmse";
   std::optional<MapRange> range;
+  bool logarithmic = false;
   std::vector<CompareLimit> limits;
   bool must_agree = false;
   bool display = false;  ///< compares what the images look like as 8-bit sRGB
@@ -63,6 +65,10 @@ Expected<void> check_files(const CompareCommandOptions& options) {
       return fail(options.heatmap + ": a heat map is a .png or an .exr");
     }
     outputs.push_back(options.heatmap);
+  }
+  if (options.logarithmic && options.range && options.range->low <= 0) {
+    return fail(
+        fmt::format("--log-colors needs a range above 0, and --range begins at {:g}", options.range->low));
   }
   if (!options.json.empty() && options.json != "-") outputs.push_back(options.json);
   return check_outputs(outputs, input_files(options));
@@ -127,12 +133,19 @@ struct HeatMap {
 Expected<HeatMap> make_heat_map(const CompareCommandOptions& options, const Comparison& comparison) {
   const auto map = error_map(comparison, options.map);
   if (!map) return std::unexpected(map.error());
-  const MapRange range = options.range.value_or(default_range(*map));
+  MapRange range = options.range.value_or(default_range(*map));
+  if (options.logarithmic && options.range) {
+    range.logarithmic = true;
+  } else if (options.logarithmic) {
+    range = range.on_logarithmic_scale();
+  }
   return HeatMap{heat_map_image(*map, range), range};
 }
 
 Expected<WrittenMap> write_heat_map(const CompareCommandOptions& options, const HeatMap& map) {
-  const auto bytes = is_png(options.heatmap) ? encode_png(map.image) : encode_exr(map.image);
+  // An EXR holds the values themselves, and the range as metadata.
+  const auto bytes = is_png(options.heatmap) ? encode_png(with_color_bar(map.image, map.range, options.map))
+                                             : encode_exr(map.image);
   if (!bytes) return std::unexpected(bytes.error());
   if (const auto written = write_output(options.heatmap, *bytes); !written)
     return std::unexpected(written.error());
@@ -202,8 +215,11 @@ nlohmann::ordered_json report_json(const CompareCommandOptions& options, const C
   }
   json["passed"] = passed;
   if (map)
-    json["heatmap"] = {
-        {"file", map->file}, {"map", map->name}, {"low", map->range.low}, {"high", map->range.high}};
+    json["heatmap"] = {{"file", map->file},
+                       {"map", map->name},
+                       {"low", map->range.low},
+                       {"high", map->range.high},
+                       {"logarithmic", map->range.logarithmic}};
   return json;
 }
 
@@ -226,8 +242,9 @@ ExitCode compare(const CompareCommandOptions& options) {
   if (options.json != "-") {
     print_answer(comparison_text(*comparison));
     if (map)
-      print_answer(fmt::format("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name,
-                               map->range.low, map->range.high));
+      print_answer(fmt::format("{}: {} from {:.6g} (dark) to {:.6g} (yellow){}\n", map->file, map->name,
+                               map->range.low, map->range.high,
+                               map->range.logarithmic ? ", logarithmic" : ""));
   }
   const bool passed = passes(options, *comparison, *limits);
   if (!options.json.empty()) {
@@ -316,7 +333,9 @@ void add_output_options(CLI::App& command, CompareCommandOptions& options) {
       ->default_str("-")
       ->type_name("FILE")
       ->group(kGroup);
-  const auto heatmap = command.add_option("--heatmap", options.heatmap, "Picture of the errors (.png, .exr)")
+  const auto heatmap = command
+                           .add_option("--heatmap", options.heatmap,
+                                       "Picture of the errors (.png with a colour bar below, .exr)")
                            ->type_name("FILE")
                            ->group(kGroup);
   command.add_option("--map", options.map, "Error shown by the heat map: relmse, abs, flip, z")
@@ -336,6 +355,11 @@ void add_output_options(CLI::App& command, CompareCommandOptions& options) {
           "Errors that the heat map shows darkest and brightest (default: 0,1 for flip, 0,5 for z, else 0 "
           "to the 99th percentile)")
       ->type_name("LOW,HIGH")
+      ->needs(heatmap)
+      ->group(kGroup);
+  command
+      .add_flag("--log-colors", options.logarithmic,
+                "Logarithmic scale of the colours (default: linear); LOW is a ten-thousandth of HIGH")
       ->needs(heatmap)
       ->group(kGroup);
 }

@@ -55,6 +55,11 @@ ErrorMap z_map(const ImagePair& pair, const std::vector<float>& z) {
   });
 }
 
+double MapRange::position(double value) const {
+  if (!logarithmic) return (value - low) / (high - low);
+  return value > 0 ? std::log(value / low) / std::log(high / low) : -std::numeric_limits<double>::infinity();
+}
+
 MapRange default_range(const ErrorMap& map) {
   if (map.name == "flip") return {0, 1};
   if (map.name == "z") return {0, kLargestZ};
@@ -77,13 +82,13 @@ Image heat_map_image(const ErrorMap& map, const MapRange& range) {
   image.channels = {"R", "G", "B", map.name + ".Y"};
   image.values.reserve(map.values.size() * 4);
   for (const float value : map.values) {
-    const auto color = std::isnan(value) ? kNoValueColor
-                                         : heat_color((double(value) - range.low) / (range.high - range.low));
+    const auto color = std::isnan(value) ? kNoValueColor : heat_color(range.position(value));
     image.values.insert(image.values.end(), color.begin(), color.end());
     image.values.push_back(value);
   }
   image.metadata = {
       {"penumbra:map", map.name}, {"penumbra:low", float(range.low)}, {"penumbra:high", float(range.high)}};
+  if (range.logarithmic) image.metadata.emplace_back("penumbra:scale", "logarithmic");
   return image;
 }
 

@@ -2,12 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/image/image_files.h"
+#include "scheduler/image/tone_map.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -231,7 +233,8 @@ TEST_F(CompareCommand, HeatMapsAreImages) {
   EXPECT_THAT(result.out, HasSubstr("map.png: abs from 0 (dark) to 1 (yellow)"));
   const auto picture = read_image(folder_ / "map.png");
   ASSERT_TRUE(picture);
-  ASSERT_EQ(picture->data.width, 4);
+  EXPECT_EQ(picture->data.width, 240) << "wide enough for the numbers of the bar";
+  EXPECT_GT(picture->data.height, 3);
   EXPECT_GT(picture->at(1, 1, 0), 0.8f);  // yellow
   EXPECT_GT(picture->at(1, 1, 1), 0.8f);
   EXPECT_LT(picture->at(0, 0, 1), 0.2f);  // dark purple
@@ -240,7 +243,32 @@ TEST_F(CompareCommand, HeatMapsAreImages) {
   ASSERT_TRUE(values);
   EXPECT_NEAR(values->at(1, 1, *values->channel("relmse.Y")), 9 / 1.01 / 3, 1e-6);
   EXPECT_EQ(values->at(0, 0, *values->channel("relmse.Y")), 0);
+  EXPECT_EQ(values->data.height, 3) << "its values need no bar";
   EXPECT_EQ(compare({"spot.exr", "one.exr", "--heatmap", "flip.png", "--map", "flip"}).exit_code, 0);
+}
+
+TEST_F(CompareCommand, HeatMapsHaveTheSamePixelsInBothFormats) {
+  Image image = flat(300, 3, 1.0f);
+  for (std::size_t i = 0; i < image.values.size(); i += 7) image.values[i] += 0.001f * float(i);
+  write("spots.exr", image);
+  write("flat.exr", flat(300, 3, 1.0f));
+  for (const std::vector<std::string>& scale : {std::vector<std::string>{}, {"--log-colors"}}) {
+    for (const char* file : {"map.png", "map.exr"}) {
+      std::vector<std::string> arguments = {"spots.exr", "flat.exr", "--heatmap", file};
+      arguments.insert(arguments.end(), scale.begin(), scale.end());
+      const ProgramResult result = compare(arguments);
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_EQ(result.out.find("logarithmic") != std::string::npos, !scale.empty());
+    }
+    const auto picture = read_image(folder_ / "map.png"), values = read_image(folder_ / "map.exr");
+    ASSERT_TRUE(picture && values);
+    ASSERT_EQ(picture->data.width, 300);
+    const auto beauty = *values->beauty_channels();
+    for (int y = 0; y < 3; ++y)
+      for (int x = 0; x < 300; ++x)
+        for (std::size_t c = 0; c < 3; ++c)
+          ASSERT_EQ(std::lround(255 * picture->at(x, y, c)), display_byte(values->at(x, y, beauty[c])));
+  }
 }
 
 TEST_F(CompareCommand, LayersAreChosenByName) {
@@ -288,6 +316,8 @@ TEST_F(CompareCommand, MistakesAreFoundBeforeTheWorkAndWriteNothing) {
       {{"--heatmap", "a.png", "--map", "foo"}, "foo"},
       {{"--heatmap", "a.png", "--map", "z"}, "no map of z: neither image has a variance"},
       {{"--heatmap", "a.png", "--range", "1,1"}, "'1,1' is not LOW,HIGH"},
+      {{"--log-colors"}, "--heatmap"},
+      {{"--heatmap", "a.png", "--log-colors", "--range", "0,1"}, "--log-colors needs a range above 0"},
       {{"--flip", "sdr"}, "sdr"},
       {{"--ppd", "0"}, "--ppd"},
       {{"--block", "0"}, "--block"},
