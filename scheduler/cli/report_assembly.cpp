@@ -167,7 +167,7 @@ Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options
   }
   scene.targets = options.targets;
   if (scene.targets.empty()) {
-    if (const auto target = common_target(scene.curves)) scene.targets = {*target};
+    if (const auto target = common_target(report, scene.curves)) scene.targets = {*target};
     scene.target_chosen = true;
   }
   for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);

@@ -22,6 +22,7 @@
 #include "scheduler/report/html.h"
 #include "scheduler/report/plot.h"
 #include "scheduler/report/report_json.h"
+#include "scheduler/report/summary_table.h"
 
 namespace penumbra {
 namespace {
@@ -38,7 +39,9 @@ std::array<double, 3> load_averages() {
 Expected<void> check_own_files(const fs::path& folder) {
   const std::pair<const char*, std::string_view> files[] = {{"index.html", kReportPageMarker},
                                                             {"report.json", "\"penumbra\":"},
-                                                            {"report.csv", "scene,curve,kind,"}};
+                                                            {"report.csv", "scene,curve,kind,"},
+                                                            {"table.csv", "scene,method,slope_"},
+                                                            {"table.tex", kLatexMarker}};
   for (const auto& [name, marker] : files) {
     std::error_code unknown;
     if (!fs::exists(folder / name, unknown)) continue;
@@ -77,8 +80,11 @@ ReportData begin_report(const ReportOptions& options, const std::vector<ScenePla
 Expected<void> write_report(const fs::path& folder, const ReportData& report) {
   const std::string json =
       report_data_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  const std::pair<const char*, std::string> files[] = {
-      {"report.json", json}, {"report.csv", report_csv(report)}, {"index.html", report_html(report)}};
+  const std::pair<const char*, std::string> files[] = {{"report.json", json},
+                                                       {"report.csv", report_csv(report)},
+                                                       {"table.csv", summary_csv(report)},
+                                                       {"table.tex", summary_latex(report)},
+                                                       {"index.html", report_html(report)}};
   for (const auto& [name, text] : files) {
     if (auto written = write_output(folder / name, bytes_of(text)); !written) return written;
   }
@@ -89,11 +95,11 @@ void print_summary(const fs::path& folder, const ReportData& report) {
   for (const SceneReport& scene : report.scenes) {
     print_remark(scene.name + "\n");
     for (const Curve& curve : scene.curves) {
-      const auto& fit = curve.mse_over_time;
+      const auto& fit = curve.mse_over_time.fit;
       print_remark(
           fmt::format("  {:<40} {}\n", curve.name.label,
                       fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
-                          : "no slope: too few budgets above the reference's noise"));
+                          : "no slope: " + curve.mse_over_time.none_because));
     }
   }
   print_remark(fmt::format("wrote {}\n", (folder / "index.html").string()));
@@ -113,16 +119,17 @@ bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& p
       continue;
     }
     if (!*scene) continue;  // its reference is missing
-    if (!options.no_plots) {
-      auto plots = draw_plots(gnuplot, folder / "plots", report, **scene);
-      if (plots) {
-        (*scene)->plots = std::move(*plots);
-      } else {
-        print_error(plots.error());
-        good = false;
-      }
-    }
     report.scenes.push_back(std::move(**scene));
+  }
+  for (SceneReport& scene : report.scenes) {
+    if (options.no_plots) break;
+    auto plots = draw_plots(gnuplot, folder / "plots", report, scene);
+    if (plots) {
+      scene.plots = std::move(*plots);
+    } else {
+      print_error(plots.error());
+      good = false;
+    }
   }
   // Failed cells were reported already. Others that are missing must have been removed.
   if (missing > failed) {
@@ -178,7 +185,8 @@ void add_report_command(CLI::App& app, const std::vector<std::string>& command_l
   command->footer(
       "Renders every scene with every method, sampler and backend at every budget, with several seeds each, "
       "and measures the errors against a reference. Writes DIR/index.html (one file, needs no network), "
-      "report.json, report.csv, plots/ and cells/, which holds the images. An interrupted report continues; "
+      "report.json, report.csv, table.csv, table.tex (LaTeX), plots/ and cells/, which holds the images. An "
+      "interrupted report continues; "
       "images are used again only if scene, settings and program are the same. Let nothing else run on the "
       "machine meanwhile.\n\n"
       "Exit code: 0 all done; 1 stopped, or something failed; 2 bad usage or bad input.\n\n"

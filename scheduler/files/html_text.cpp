@@ -5,14 +5,36 @@
 #include <cmath>
 
 namespace penumbra {
+namespace {
+
+constexpr const char* kBaseStyle = R"css(
+:root { color-scheme: light dark; --page: #ffffff; --text: #1b1d21; --quiet: #59606a; --line: #d8dbe0;
+  --soft: #f3f4f6; --link: #0b57a4; --warn: #fff4d6; --good: #1d7a35; --bad: #b3202a; }
+@media (prefers-color-scheme: dark) { :root { --page: #15181c; --text: #e4e6ea; --quiet: #a5acb6; --line: #383e47;
+  --soft: #22272e; --link: #86bcff; --warn: #3b3013; --good: #74d190; --bad: #ff9a97; } }
+* { box-sizing: border-box; }
+html { -webkit-text-size-adjust: 100%; text-size-adjust: 100%; }
+body { font: 15px/1.5 system-ui, sans-serif; color: var(--text); background: var(--page); margin: 0 auto; padding: 16px;
+  overflow-wrap: break-word; }
+@media (min-width: 700px) { body { padding: 28px 32px; } }
+h1 { font-size: 27px; line-height: 1.25; margin: 0 0 8px; } h2 { font-size: 21px; line-height: 1.3; }
+h3 { font-size: 17px; } a, summary { color: var(--link); } summary { cursor: pointer; }
+img, svg { max-width: 100%; height: auto; }
+code { font: 13px/1.5 ui-monospace, monospace; background: var(--soft); padding: 1px 4px; border-radius: 3px; overflow-wrap: anywhere; }
+.quiet { color: var(--quiet); } .scroll { overflow-x: auto; max-width: 100%; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; }
+)css";
+
+}  // namespace
 
 std::string html_page(std::string_view title, std::string_view style, std::string_view head,
                       std::string_view body) {
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width\">\n{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</"
+      "content=\"width=device-width, "
+      "initial-scale=1\">\n{}<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</"
       "body>\n</html>\n",
-      head, title, style, body);
+      head, title, kBaseStyle, style, body);
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
@@ -76,9 +98,11 @@ std::string seconds_text(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-HtmlTable::HtmlTable(const std::vector<std::string>& header) {
-  text_ = "<div class=\"scroll\"><table><thead><tr>";
-  for (const std::string& cell : header) text_ += "<th>" + cell + "</th>";
+HtmlTable::HtmlTable(const std::string& label, const std::vector<std::string>& header) {
+  // What scrolls can be reached with the keyboard.
+  text_ = fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table><thead><tr>", label);
+  for (const std::string& cell : header) text_ += "<th scope=\"col\">" + cell + "</th>";
   text_ += "</tr></thead><tbody>\n";
 }
 

@@ -9,7 +9,9 @@
 
 namespace penumbra {
 
-/// A page with this title, style sheet, additional head elements and body.
+/// A page with this title, style sheet, additional head elements and body. It is readable from 320 pixels
+/// width on, in light and dark. Style sheets of pages use its colours: --page, --text, --quiet, --line,
+/// --soft, --link, --warn, --good, --bad.
 std::string html_page(std::string_view title, std::string_view style, std::string_view head,
                       std::string_view body);
 
@@ -31,7 +33,8 @@ std::string seconds_text(double seconds);
 /// A table whose cells are HTML.
 class HtmlTable {
  public:
-  explicit HtmlTable(const std::vector<std::string>& header);
+  /// `label` names the table for screen readers.
+  HtmlTable(const std::string& label, const std::vector<std::string>& header);
   void add(const std::vector<std::string>& cells);
   [[nodiscard]] std::string text() const;
 

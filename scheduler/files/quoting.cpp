@@ -65,6 +65,53 @@ std::string html_escaped(std::string_view text) {
   return out;
 }
 
+std::string latex_escaped(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    switch (c) {
+      case '\\':
+        out += "\\textbackslash{}";
+        break;
+      case '~':
+        out += "\\textasciitilde{}";
+        break;
+      case '^':
+        out += "\\textasciicircum{}";
+        break;
+      case '<':
+        out += "\\textless{}";
+        break;
+      case '>':
+        out += "\\textgreater{}";
+        break;
+      case '|':
+        out += "\\textbar{}";
+        break;
+      case '&':
+      case '%':
+      case '$':
+      case '#':
+      case '_':
+      case '{':
+      case '}':
+        out += '\\';
+        out += c;
+        break;
+      case '-':
+      case '`':
+      case '\'':
+      case ',':
+        out += c;
+        if (text.substr(i + 1).starts_with(c)) out += "{}";  // -- would become a dash
+        break;
+      default:
+        out += is_control(c) ? ' ' : c;
+    }
+  }
+  return out;
+}
+
 std::string gnuplot_quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text) {

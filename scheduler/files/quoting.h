@@ -20,6 +20,10 @@ std::string shell_command(std::span<const std::string> words);
 /// Replaces <, >, &, " and ' by entities, for HTML text and quoted attributes.
 std::string html_escaped(std::string_view text);
 
+/// Text for LaTeX, in which nothing is a command and no two characters join. Control characters become
+/// spaces.
+std::string latex_escaped(std::string_view text);
+
 /// A gnuplot string in single quotes, in which nothing is evaluated. Line ends and other control characters,
 /// which would end it, become spaces. Terminals must be `noenhanced`.
 std::string gnuplot_quoted(std::string_view text);

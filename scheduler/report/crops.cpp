@@ -58,6 +58,9 @@ Expected<Measured> measure(const CurvePoint& point, const Reference& reference, 
   auto png = encode_png(cut(*image, window, exposure));
   if (!png) return std::unexpected(png.error());
   picture.png = std::move(*png);
+  auto whole_png = encode_png(cut(*image, reference.window(), exposure));
+  if (!whole_png) return std::unexpected(whole_png.error());
+  picture.whole_png = std::move(*whole_png);
   measured.map = relative_error_map(*pair, report.epsilon);
   return measured;
 }
@@ -120,10 +123,13 @@ Expected<CropSet> make_crops(const ReportData& report, const SceneReport& scene,
     measured.push_back(std::move(*one));
   }
   // One scale for all maps, so that they can be compared.
-  if (!tops.empty()) set.heat_high = *std::ranges::max_element(tops);
-  if (!(set.heat_high > 0)) set.heat_high = 1;
+  const double top = tops.empty() ? 1 : *std::ranges::max_element(tops);
+  const MapRange range =
+      MapRange{0, std::pow(10.0, std::ceil(std::log10(top > 0 ? top : 1)))}.on_logarithmic_scale();
+  set.heat_low = range.low;
+  set.heat_high = range.high;
   for (Measured& one : measured) {
-    auto heat = encode_png(heat_map_image(one.map, {0, set.heat_high}));
+    auto heat = encode_png(heat_map_image(one.map, range));
     if (!heat) return std::unexpected(heat.error());
     one.picture.heat_png = std::move(*heat);
     set.pictures.push_back(std::move(one.picture));

@@ -35,26 +35,54 @@ ImageErrors mean_errors(const std::vector<ImageResult>& images) {
   return mean;
 }
 
+/// The points that tell of rendering rather than of starting: a time shorter than the start is mostly that of
+/// waking threads and first requests.
+std::vector<CostError> long_enough(const std::vector<CostError>& points, double startup) {
+  std::vector<CostError> kept;
+  for (const CostError& point : points) {
+    if (point.cost >= startup) kept.push_back(point);
+  }
+  return kept;
+}
+
+Slope slope_over_time(const std::vector<CostError>& points, double startup) {
+  const std::vector<CostError> kept = long_enough(points, startup);
+  Slope slope = slope_of(kept, "times");
+  if (!slope.fit && kept.size() < points.size()) {
+    slope.none_because = fmt::format("{} of {} budgets take less time than the start, {:.2g} s",
+                                     points.size() - kept.size(), points.size(), startup);
+  }
+  return slope;
+}
+
 /// If errors fall as 1 / T, the efficiency 1 / (error T) is constant along the curve. Otherwise it
 /// characterises a budget, not a method, and is not reported.
 void find_efficiency(const ReportData& report, Curve& curve) {
-  const auto& fit = curve.mse_over_time;
-  if (!fit) {
-    curve.no_efficiency = "no slope";
-    return;
-  }
-  if (!fit->holds(-1)) {
-    curve.no_efficiency = "slope is not -1";
-    return;
-  }
+  curve.efficiency.reset();
+  const auto& fit = curve.mse_over_time.fit;
+  curve.no_efficiency = !fit ? "no slope" : fit->holds(-1) ? "" : "slope is not -1";
+  if (!curve.no_efficiency.empty()) return;
   double sum = 0;
   int count = 0;
-  for (const CostError& point : over_time(report, curve, false)) {
+  for (const CostError& point : long_enough(over_time(report, curve, false), startup_seconds(curve))) {
     if (!(point.cost > 0 && point.error > 0)) continue;
     sum -= std::log(point.cost * point.error);
     ++count;
   }
   curve.efficiency = std::exp(sum / count);
+}
+
+/// The standard error of the mean over the images; NaN for fewer than two.
+double standard_error(const std::vector<ImageResult>& images, double ImageErrors::*metric) {
+  const double n = double(images.size());
+  if (n < 2) return std::nan("");
+  double mean = 0, squares = 0;
+  for (const ImageResult& image : images) mean += image.errors.*metric / n;
+  for (const ImageResult& image : images) {
+    const double difference = image.errors.*metric - mean;
+    squares += difference * difference;
+  }
+  return std::sqrt(squares / (n - 1) / n);
 }
 
 }  // namespace
@@ -99,6 +127,8 @@ Expected<CurvePoint> measure_point(std::uint32_t spp, std::vector<ImageResult> i
   }
   point.seconds = median_seconds(point.images);
   point.errors = mean_errors(point.images);
+  point.mse_error = standard_error(point.images, &ImageErrors::mse);
+  point.relative_mse_error = standard_error(point.images, &ImageErrors::relative_mse);
   point.squared = seeds.squared();
   point.relative = seeds.relative(epsilon);
   return point;
@@ -135,35 +165,41 @@ double error_at_time(const ReportData& report, const Curve& curve, double second
   return std::nan("");
 }
 
+double startup_seconds(const Curve& curve) {
+  std::vector<double> seconds;
+  for (const CurvePoint& point : curve.points)
+    for (const ImageResult& image : point.images)
+      seconds.push_back(image.seconds.build + image.seconds.transfer);
+  return curve.name.peer ? 0 : median(std::move(seconds));
+}
+
 void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve) {
-  curve.mse_over_time = fit_slope(over_time(report, curve, false));
-  curve.relmse_over_time = fit_slope(over_time(report, curve, true));
-  curve.mse_over_spp = fit_slope(over_spp(curve, false));
-  curve.relmse_over_spp = fit_slope(over_spp(curve, true));
+  const double startup = startup_seconds(curve);
+  curve.mse_over_time = slope_over_time(over_time(report, curve, false), startup);
+  curve.relmse_over_time = slope_over_time(over_time(report, curve, true), startup);
+  curve.mse_over_spp = slope_of(over_spp(curve, false), "samples");
+  curve.relmse_over_spp = slope_of(over_spp(curve, true), "samples");
   curve.to_target.clear();
   for (const Target& target : targets) {
-    if (target.blocks) {
-      std::vector<CostError> points;
-      for (const CurvePoint& point : curve.points)
-        points.push_back({report.seconds(point.seconds), point.errors.block_relative_mse});
-      curve.to_target.push_back(time_to_target(points, fit_slope(points), target.error));
-      continue;
+    std::vector<CostError> points;
+    for (const CurvePoint& point : curve.points) {
+      points.push_back({report.seconds(point.seconds), target.blocks     ? point.errors.block_relative_mse
+                                                       : target.relative ? point.errors.relative_mse
+                                                                         : point.errors.mse});
     }
-    curve.to_target.push_back(time_to_target(over_time(report, curve, target.relative),
-                                             target.relative ? curve.relmse_over_time : curve.mse_over_time,
-                                             target.error));
+    curve.to_target.push_back(time_to_target(points, target.error));
   }
   find_efficiency(report, curve);
 }
 
-std::optional<Target> common_target(std::span<const Curve> curves) {
+std::optional<Target> common_target(const ReportData& report, std::span<const Curve> curves) {
   double worst = 0;
   for (const Curve& curve : curves) {
-    double best = INFINITY;
-    for (const CurvePoint& point : curve.points) {
-      if (point.errors.relative_mse > 0) best = std::min(best, point.errors.relative_mse);
+    CostError last;
+    for (const CostError& point : over_time(report, curve, true)) {
+      if (point.error > 0 && point.cost >= last.cost) last = point;
     }
-    if (std::isfinite(best)) worst = std::max(worst, best);
+    worst = std::max(worst, last.error);
   }
   return worst > 0 ? std::optional(Target{true, worst}) : std::nullopt;
 }

@@ -27,10 +27,16 @@ std::vector<CostError> over_spp(const Curve& curve, bool relative);
 /// relMSE at that time, interpolated linearly in log error over log time; NaN outside the measured range.
 double error_at_time(const ReportData& report, const Curve& curve, double seconds);
 
-/// Fits the curve's slopes and computes the times to `targets` and the efficiency.
+/// Fits the curve's slopes, over time only to budgets that take at least startup_seconds, and computes the
+/// times to `targets` and the efficiency.
 void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve);
 
-/// The smallest relMSE that every curve reaches, as a common target. Nothing if there is none.
-std::optional<Target> common_target(std::span<const Curve> curves);
+/// The time to start the renders of a curve: from the scene file to the first worker that is ready, in
+/// seconds, median over all images. 0 for peers, of which it is unknown.
+double startup_seconds(const Curve& curve);
+
+/// The smallest relMSE that the longest run of every curve reaches, as a common target. Nothing if there is
+/// none.
+std::optional<Target> common_target(const ReportData& report, std::span<const Curve> curves);
 
 }  // namespace penumbra

@@ -11,6 +11,7 @@
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/files/run_program.h"
+#include "scheduler/report/plot_svg.h"
 
 namespace penumbra {
 namespace {
@@ -36,7 +37,7 @@ Expected<fs::path> find_gnuplot() {
 }
 
 Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& folder, const std::string& name,
-                                    const std::string& script, int width, int height) {
+                                    const GnuplotInput& input) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
@@ -46,12 +47,13 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
   const auto file = [&](const char* ending) { return folder / (plain_name + ending); };
   const auto local = [&](const char* ending) { return "./" + plain_name + ending; };
   const std::string text = fmt::format(
-      "set terminal svg size {2},{3} noenhanced font 'sans-serif,13' background rgb 'white'\n"
+      "set encoding utf8\n"
+      "set terminal svg size {2},{3} noenhanced font 'sans-serif,16' background rgb 'white'\n"
       "set output {0}\n{4}\n"
-      "set terminal pngcairo size {2}*2,{3}*2 noenhanced fontscale 1.1 linewidth 2 pointscale 2 font "
-      "'sans-serif,20'\n"
+      "set terminal pngcairo size {2}*2,{3}*2 noenhanced linewidth 2 pointscale 2 font "
+      "'sans-serif,24'\n"
       "set output {1}\nreplot\nset output\n",
-      gnuplot_quoted(local(".svg")), gnuplot_quoted(local(".png")), width, height, script);
+      gnuplot_quoted(local(".svg")), gnuplot_quoted(local(".png")), input.width, input.height, input.script);
   if (auto written = write_file_atomically(file(".gp"), bytes_of(text)); !written)
     return std::unexpected(written.error());
   const auto end = run_program(gnuplot.string(), {local(".gp")},
@@ -63,6 +65,9 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
   if (!end->succeeded || output.svg.empty() || output.png.empty()) {
     return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), end->output));
   }
+  output.svg = described_svg(output.svg, input.title, input.description);
+  if (auto written = write_file_atomically(file(".svg"), bytes_of(output.svg)); !written)
+    return std::unexpected(written.error());
   return output;
 }
 

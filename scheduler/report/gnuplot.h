@@ -18,11 +18,17 @@ struct GnuplotOutput {
   std::vector<std::uint8_t> png;
 };
 
-/// Runs a script that draws one plot and sets neither terminal nor output. Text of users must be quoted with
-/// gnuplot_quoted. Script, SVG and PNG are stored in `folder` as NAME.gp, NAME.svg, NAME.png; see
-/// file_name_of. Errors: gnuplot's message, or that it produced no plot.
+/// One plot. The script sets neither terminal nor output; text of users in it must be quoted with
+/// gnuplot_quoted.
+struct GnuplotInput {
+  std::string script;
+  std::string title, description;  ///< for screen readers
+  int width = 0, height = 0;       ///< of the SVG in pixels; the PNG has twice as many
+};
+
+/// Draws a plot. Script, SVG and PNG are stored in `folder` as NAME.gp, NAME.svg, NAME.png; see file_name_of.
+/// Errors: gnuplot's message, or that it produced no plot.
 Expected<GnuplotOutput> run_gnuplot(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
-                                    const std::string& name, const std::string& script, int width,
-                                    int height);
+                                    const std::string& name, const GnuplotInput& input);
 
 }  // namespace penumbra

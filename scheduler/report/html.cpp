@@ -5,29 +5,41 @@
 #include "kernels/host/text.h"
 #include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/report/plot_svg.h"
 
 namespace penumbra {
 namespace {
 
 constexpr const char* kStyle = R"css(
-:root { color-scheme: light; }
-body { font: 15px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; margin: 0 auto; max-width: 1180px; padding: 24px; }
-h1 { font-size: 26px; margin: 0 0 4px; } h2 { font-size: 21px; margin: 40px 0 8px; border-top: 2px solid #ddd; padding-top: 20px; }
-h3 { font-size: 16px; margin: 26px 0 6px; } p { margin: 6px 0; max-width: 90ch; }
-.quiet { color: #666; } .warn { background: #fff4d6; border-left: 4px solid #e69f00; padding: 6px 12px; margin: 8px 0; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; margin: 6px 0; }
-th { text-align: right; font-weight: 600; color: #444; border-bottom: 1px solid #999; padding: 4px 10px; vertical-align: bottom; }
-td { text-align: right; padding: 3px 10px; border-bottom: 1px solid #eee; white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; } .scroll { overflow-x: auto; }
-.best { font-weight: 700; } .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 2px; margin-right: 7px; }
-.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(460px, 1fr)); gap: 12px; } .plots figure { margin: 0; }
-.plots svg { width: 100%; height: auto; } figcaption { font-size: 13px; color: #444; overflow-wrap: anywhere; }
-.crops { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; } .crops figure { margin: 0; width: 200px; }
-.crops img { width: 200px; height: auto; image-rendering: pixelated; display: block; border: 1px solid #ccc; box-sizing: border-box; }
-.crops img + img { margin-top: 4px; } .overview { position: relative; } .overview img { image-rendering: auto; }
-.overview .frame { position: absolute; border: 2px solid #e00; box-sizing: border-box; box-shadow: 0 0 0 1px #fff; }
-.ramp { display: inline-block; width: 160px; height: 11px; vertical-align: middle; margin: 0 6px; }
-code { font-size: 13px; background: #f4f4f4; padding: 1px 4px; overflow-wrap: anywhere; } details { margin: 8px 0; } summary { cursor: pointer; color: #0050a0; }
+body { max-width: 1080px; }
+h2 { margin: 48px 0 8px; border-top: 2px solid var(--line); padding-top: 20px; } h3 { margin: 30px 0 6px; }
+p { margin: 6px 0; max-width: 80ch; }
+.warn { background: var(--warn); border-left: 4px solid #c98a00; padding: 6px 12px; margin: 8px 0; }
+table { margin: 6px 0; }
+th { text-align: right; font-weight: 600; color: var(--quiet); border-bottom: 1px solid var(--quiet); padding: 4px 10px; vertical-align: bottom; }
+td { text-align: right; padding: 4px 10px; border-bottom: 1px solid var(--line); white-space: nowrap; vertical-align: top; }
+th:first-child, td:first-child { text-align: left; padding-left: 0; }
+.why { display: inline-block; min-width: 17ch; max-width: 26ch; white-space: normal; color: var(--quiet); }
+.swatch { display: inline-block; width: 11px; height: 11px; border-radius: 2px; margin-right: 7px; }
+figure { margin: 0; } figcaption { font-size: 13px; color: var(--quiet); overflow-wrap: anywhere; } figcaption b { color: var(--text); }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 400px), 1fr)); gap: 20px 24px; margin: 14px 0; }
+.plots figure { max-width: 520px; } .plots svg { display: block; width: 100%; }
+.crops { display: grid; grid-template-columns: repeat(auto-fill, minmax(150px, 1fr)); gap: 16px; margin: 10px 0; max-width: 100%; }
+.crops figure { max-width: 260px; }
+.crops img { width: 100%; image-rendering: pixelated; display: block; border: 1px solid var(--line); }
+.crops img + img { margin-top: 4px; }
+.bar { max-width: 420px; padding: 0 22px; margin: 10px 0; font-size: 13px; } .bar .ramp { height: 14px; border: 1px solid var(--quiet); }
+.bar .numbers { position: relative; height: 22px; } .bar .numbers span { position: absolute; top: 4px; transform: translateX(-50%); line-height: 1.2; }
+.bar .numbers span::before { content: ""; position: absolute; left: 50%; top: -4px; height: 4px; border-left: 1px solid var(--quiet); }
+.flip { max-width: 640px; margin: 10px 0; } .flip .stage { position: relative; } .flip .stage:focus-visible { outline: 3px solid var(--link); }
+.flip img { width: 100%; display: block; image-rendering: pixelated; border: 1px solid var(--line); margin-bottom: 4px; }
+.flip.on img { cursor: pointer; margin: 0; } .flip.on img:not(.shown) { display: none; }
+.flip .frame { position: absolute; border: 2px solid #e00; box-shadow: 0 0 0 1px #fff; pointer-events: none; }
+.flip:not(.on) .frame { display: none; } .flip .choices { display: flex; flex-wrap: wrap; gap: 6px; margin: 8px 0; }
+button { font: 600 13px/1.3 system-ui, sans-serif; color: var(--text); background: var(--soft); border: 1px solid var(--quiet);
+  border-radius: 5px; padding: 6px 10px; max-width: 100%; overflow-wrap: anywhere; text-align: left; cursor: pointer; }
+button[aria-pressed=true] { background: var(--text); color: var(--page); border-color: var(--text); }
+details { margin: 10px 0; }
 )css";
 
 std::string load_text(const std::array<double, 3>& load) {
@@ -61,25 +73,24 @@ std::string method_html(const ReportData& report) {
       "<details><summary>How to read this</summary>\n"
       "<p>T is {}, the median over the images of a budget; errors are means over them. MSE: mean of d² over "
       "pixels and channels; relMSE: mean of d² / (reference² + {:g}). Where the reference has two halves A "
-      "and B, "
-      "d² is (x − A)(x − B), which is free of the noise of both; it may come out negative where the error is "
-      "smaller than that noise, and such points have no place on a logarithmic axis.</p>\n"
+      "and B, d² is (x − A)(x − B), which is free of the noise of both; it may come out negative where the "
+      "error is smaller than that noise, and such points have no place on a logarithmic axis.</p>\n"
+      "<p>Plots: bars are ± one standard error over the seeds. Plots of one kind have the same axes in all "
+      "scenes.</p>\n"
       "<p>Slopes are least-squares fits of log error over log T through the points of a curve, with a 95 % "
-      "confidence interval by Student's t: −1 is what independent samples give. Efficiency, 1 / (MSE T), is "
-      "one "
+      "confidence interval by Student's t: −1 is what independent samples give. Budgets that take less time "
+      "than the start (reading, building, starting workers) do not count for slopes over T, and there is no "
+      "slope for fewer than {} budgets or a span below a factor of {:g}. Efficiency, 1 / (MSE T), is one "
       "number for a curve only where its slope is −1, and is left out elsewhere. Times to a target are "
-      "interpolated between budgets; those in parentheses with ~ lie outside of what was measured and follow "
-      "the "
-      "fitted line.</p>\n"
+      "interpolated between budgets, never extrapolated; the fastest is bold where it is certain.</p>\n"
       "<p>Bias² and variance are separated over the seeds without bias: mean of (x̄ − A)(x̄ − B) − s²/R. Every "
-      "image "
-      "has a seed of its own, so points are independent. ± is a standard error, from the noise of every "
-      "pixel.</p>\n"
+      "image has a seed of its own, so points are independent. ± is a standard error, from the noise of "
+      "every pixel.</p>\n"
       "</details>\n",
       report.total_time ? "the total time: reading, building, starting workers, rendering"
                         : "the render time: from the first worker being ready to the last result, without "
                           "reading and building the scene, starting workers and compiling kernels",
-      report.epsilon);
+      report.epsilon, kFewestFitPoints, kSmallestSpan);
 }
 
 std::string reference_html(const SceneReport& scene) {
@@ -113,10 +124,10 @@ std::string plots_html(const SceneReport& scene, std::size_t number) {
     html += fmt::format(
         "<figure>{}<figcaption><b>{}</b>{} <a download=\"{}-{}.png\" "
         "href=\"{}\">PNG</a></figcaption></figure>\n",
-        inline_svg(plot.svg, fmt::format("s{}{}-", number, plot.name)), plot.title,
+        themed_svg(inline_svg(plot.svg, fmt::format("s{}{}-", number, plot.name))), plot.title,
         orders ? ". Dashed grey: orders expected for one smooth pixel and for one with an edge."
         : plot.name == "bias" ? ". Bias² only where it is more than three standard errors."
-                              : ". In the legend: fitted slopes.",
+                              : ". In the legend: fitted slopes, where there are any.",
         html_escaped(scene.name), plot.name, png_uri(plot.png));
   }
   return html + "</div>\n";
@@ -133,9 +144,11 @@ std::string report_html(const ReportData& report) {
     html += reference_html(scene);
     for (const std::string& remark : scene.remarks)
       html += "<p class=\"warn\">" + html_escaped(remark) + "</p>\n";
-    html += plots_html(scene, i) + scene_crops_html(scene) + scene_tables_html(report, scene);
+    html += plots_html(scene, i) + scene_summary_html(scene) + scene_crops_html(scene) +
+            scene_tables_html(report, scene);
   }
-  return html_page("Error against run time", kStyle, fmt::format("{}\n", kReportPageMarker), html);
+  return html_page("Error against run time", plot_colors_css() + kStyle,
+                   fmt::format("{}\n", kReportPageMarker), html + flip_script());
 }
 
 }  // namespace penumbra

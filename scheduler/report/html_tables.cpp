@@ -8,73 +8,24 @@
 #include "scheduler/files/quoting.h"
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/html.h"
-#include "scheduler/report/plot.h"
+#include "scheduler/report/plot_svg.h"
 #include "scheduler/report/sampler_orders.h"
+#include "scheduler/report/summary_table.h"
 
 namespace penumbra {
 namespace {
 
 std::string swatch(std::size_t index, const std::string& label) {
-  return fmt::format("<span class=\"swatch\" style=\"background:{}\"></span>{}", curve_color(index),
-                     html_escaped(label));
+  return fmt::format("<span class=\"swatch\" style=\"background:var({})\"></span>{}",
+                     curve_color_variable(index), html_escaped(label));
 }
 
-std::string fit_text(const std::optional<SlopeFit>& fit) {
-  return fit ? fmt::format("{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high) : "–";
-}
-
-std::string target_text(const std::optional<TimeToTarget>& time) {
-  if (!time) return "–";
-  return time->extrapolated ? fmt::format("(~ {})", seconds_text(time->cost)) : seconds_text(time->cost);
-}
-
-std::string target_name(const Target& target) {
-  return fmt::format("{} {}",
-                     target.blocks     ? "relMSE of blocks"
-                     : target.relative ? "relMSE"
-                                       : "MSE",
-                     number_text(target.error));
-}
-
-/// For each target the index of the fastest curve, considering only measured times.
-std::vector<std::size_t> fastest(const SceneReport& scene) {
-  std::vector<std::size_t> best(scene.targets.size(), scene.curves.size());
-  for (std::size_t t = 0; t < scene.targets.size(); ++t) {
-    double least = INFINITY;
-    for (std::size_t c = 0; c < scene.curves.size(); ++c) {
-      const auto& time = scene.curves[c].to_target[t];
-      if (!time || time->extrapolated || time->cost >= least) continue;
-      least = time->cost;
-      best[t] = c;
-    }
-  }
-  return best;
-}
-
-std::string summary_table(const SceneReport& scene) {
-  std::vector<std::string> header = {"method", "slope of MSE over T", "slope of relMSE over T",
-                                     "slope of MSE over spp"};
-  for (const Target& target : scene.targets) header.push_back("T to " + target_name(target));
-  header.insert(header.end(), {"efficiency 1 / (MSE T)", "estimates"});
-  HtmlTable table(header);
-  const auto best = fastest(scene);
-  for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
-    std::vector<std::string> cells = {swatch(i, curve.name.label), fit_text(curve.mse_over_time),
-                                      fit_text(curve.relmse_over_time), fit_text(curve.mse_over_spp)};
-    for (std::size_t t = 0; t < scene.targets.size(); ++t) {
-      const std::string text = target_text(curve.to_target[t]);
-      cells.push_back(best[t] == i ? "<span class=\"best\">" + text + "</span>" : text);
-    }
-    cells.push_back(curve.efficiency ? number_text(*curve.efficiency) : "– (" + curve.no_efficiency + ")");
-    cells.push_back(curve.name.peer ? "another renderer’s images" : html_escaped(curve.name.quantity));
-    table.add(cells);
-  }
-  return "<h3>Methods</h3>\n" + table.text() +
-         (scene.target_chosen ? "<p class=\"quiet\">The target is the smallest relMSE that every method "
-                                "reaches (--target sets "
-                                "others).</p>\n"
-                              : "");
+std::string fit_text(const Slope& slope) {
+  if (!slope.fit)
+    return slope.none_because.empty()
+               ? "–"
+               : "<span class=\"why\">no slope: " + html_escaped(slope.none_because) + "</span>";
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", slope.fit->slope, slope.fit->low, slope.fit->high);
 }
 
 /// One row per curve, one column per budget.
@@ -85,7 +36,7 @@ std::string equal_sample_table(const SceneReport& scene) {
       if (point.spp > 0) budgets.insert(point.spp);
   std::vector<std::string> header = {"relMSE at spp"};
   for (const std::uint32_t spp : budgets) header.push_back(fmt::to_string(spp));
-  HtmlTable table(header);
+  HtmlTable table("At equal samples", header);
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     if (scene.curves[i].name.peer) continue;
     std::vector<std::string> cells = {swatch(i, scene.curves[i].name.label)};
@@ -115,7 +66,7 @@ std::string equal_time_table(const ReportData& report, const SceneReport& scene)
   if (times.empty()) return {};
   std::vector<std::string> header = {"relMSE at T"};
   for (const double time : times) header.push_back(seconds_text(time));
-  HtmlTable table(header);
+  HtmlTable table("At equal time", header);
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     std::vector<std::string> cells = {swatch(i, scene.curves[i].name.label)};
     for (const double time : times)
@@ -131,7 +82,8 @@ std::string split_text(const ErrorSplit& split) {
 }
 
 std::string bias_table(const SceneReport& scene) {
-  HtmlTable table({"method", "spp", "relMSE", "variance", "bias²", "bias² in standard errors", "mean error"});
+  HtmlTable table("Bias and variance",
+                  {"method", "spp", "relMSE", "variance", "bias²", "bias² in standard errors", "mean error"});
   bool any = false;
   for (std::size_t i = 0; i < scene.curves.size(); ++i)
     for (const CurvePoint& point : scene.curves[i].points) {
@@ -141,8 +93,7 @@ std::string bias_table(const SceneReport& scene) {
       const double z = split.bias_squared_error > 0 ? split.bias_squared / split.bias_squared_error : 0;
       const std::string z_text = fmt::format("{:.1f}", z);
       table.add({swatch(i, scene.curves[i].name.label), fmt::to_string(point.spp), number_text(split.error),
-                 number_text(split.variance), split_text(split),
-                 z > 4 ? "<span class=\"best\">" + z_text + "</span>" : z_text,
+                 number_text(split.variance), split_text(split), z > 4 ? "<b>" + z_text + "</b>" : z_text,
                  number_text(point.errors.bias)});
     }
   if (!any) return {};
@@ -152,7 +103,8 @@ std::string bias_table(const SceneReport& scene) {
 }
 
 std::string points_table(const SceneReport& scene) {
-  HtmlTable table({"method", "spp", "images", "build", "transfer", "render", "total", "MSE", "relMSE",
+  HtmlTable table("All budgets",
+                  {"method", "spp", "images", "build", "transfer", "render", "total", "MSE", "relMSE",
                    "trimmed", "of blocks", "MAPE", "SMAPE", "largest", "left out", "load"});
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     const Curve& curve = scene.curves[i];
@@ -183,7 +135,7 @@ std::string sampler_table(const SceneReport& scene) {
   for (const Curve& curve : scene.curves)
     if (!curve.name.peer) samplers.insert(curve.name.sampler);
   if (samplers.size() < 2) return {};
-  HtmlTable table({"sampler", "slope of MSE over spp", "expected: smooth", "expected: edges"});
+  HtmlTable table("Samplers", {"sampler", "slope of MSE over spp", "expected: smooth", "expected: edges"});
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     const Curve& curve = scene.curves[i];
     if (curve.name.peer) continue;
@@ -199,9 +151,34 @@ std::string sampler_table(const SceneReport& scene) {
 
 }  // namespace
 
+std::string scene_summary_html(const SceneReport& scene) {
+  std::vector<std::string> header = {"method", "slope of MSE over T", "slope of relMSE over T",
+                                     "slope of MSE over spp"};
+  for (const Target& target : scene.targets) header.push_back("T to " + target_name(target));
+  header.insert(header.end(), {"efficiency 1 / (MSE T)", "estimates"});
+  HtmlTable table("Methods", header);
+  for (std::size_t i = 0; i < scene.curves.size(); ++i) {
+    const Curve& curve = scene.curves[i];
+    std::vector<std::string> cells = {swatch(i, curve.name.label), fit_text(curve.mse_over_time),
+                                      fit_text(curve.relmse_over_time), fit_text(curve.mse_over_spp)};
+    for (std::size_t t = 0; t < scene.targets.size(); ++t) {
+      const std::string text = html_escaped(target_text(curve.to_target[t]));
+      cells.push_back(fastest_curve(scene, t) == i ? "<b>" + text + "</b>" : text);
+    }
+    cells.push_back(curve.efficiency ? number_text(*curve.efficiency) : "– (" + curve.no_efficiency + ")");
+    cells.push_back(curve.name.peer ? "another renderer’s images" : html_escaped(curve.name.quantity));
+    table.add(cells);
+  }
+  return "<h3>Methods</h3>\n" + table.text() +
+         (scene.target_chosen
+              ? "<p class=\"quiet\">The target is the smallest relMSE that the longest runs of "
+                "all methods reach (--target sets others).</p>\n"
+              : "");
+}
+
 std::string scene_tables_html(const ReportData& report, const SceneReport& scene) {
-  return summary_table(scene) + equal_sample_table(scene) + equal_time_table(report, scene) +
-         sampler_table(scene) + bias_table(scene) + points_table(scene);
+  return equal_sample_table(scene) + equal_time_table(report, scene) + sampler_table(scene) +
+         bias_table(scene) + points_table(scene);
 }
 
 }  // namespace penumbra

@@ -10,260 +10,316 @@
 #include <set>
 
 #include "scheduler/files/quoting.h"
-#include "scheduler/report/curve_builder.h"
 #include "scheduler/report/gnuplot.h"
+#include "scheduler/report/plot_axes.h"
+#include "scheduler/report/plot_svg.h"
 #include "scheduler/report/sampler_orders.h"
 
 namespace penumbra {
 namespace {
 
-constexpr int kWidth = 760, kHeight = 430;  // without the legend
-constexpr double kClearBias = 3;            // in standard errors
+// In pixels, the height without the legend. So wide that the text has 12 pixels on the screen of a phone,
+// and is not much larger than other text on a wide one.
+constexpr int kWidth = 460, kHeight = 350;
+constexpr int kRowHeight = 22;    // of the legend: 24 pixels times its spacing
+constexpr double kClearBias = 3;  // in standard errors
+const std::string kGuideStyle = fmt::format("lines lc rgb '{}' lw 1.5 dt (8,6)", kPlotGuide);
 
 constexpr std::string_view kLegendRows = "# rows of the legend: ";
 
 int plot_height(const std::string& script) {
-  constexpr int kRowHeight = 18;
   const bool told = script.starts_with(kLegendRows);
   return kHeight + (told ? kRowHeight * std::atoi(script.c_str() + kLegendRows.size()) : 0);
 }
+
+/// Labels that are too long for the legend lose their middle. The tables hold all of them.
+std::string shortened(const std::string& label) {
+  constexpr std::size_t kMost = 34, kEnd = 12;
+  std::vector<std::size_t> starts;  // of characters in UTF-8
+  for (std::size_t i = 0; i < label.size(); ++i)
+    if ((static_cast<unsigned char>(label[i]) & 0xc0) != 0x80) starts.push_back(i);
+  if (starts.size() <= kMost) return label;
+  return label.substr(0, starts[kMost - kEnd - 1]) + "…" + label.substr(starts[starts.size() - kEnd]);
+}
+
+struct PlotPoint {
+  double x = 0, y = 0;
+  double error = NAN;  ///< standard error of y, if known
+};
 
 /// Collects the data blocks and plot commands of a script.
 class Script {
  public:
   Script(const std::string& x_label, const std::string& y_label) {
     text_ = fmt::format(
-        "set logscale xy\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\nset xlabel {}\nset ylabel {}\n"
-        "set grid xtics ytics mxtics mytics lc rgb '#dddddd' lw 1, lc rgb '#eeeeee' lw 1\n"
-        "set border lc rgb '#777777'\nset key outside above left horizontal samplen 2 reverse "
-        "Left\n"
-        "set tics textcolor rgb '#333333'\n",
-        gnuplot_quoted(x_label), gnuplot_quoted(y_label));
+        "set logscale xy\nset xlabel {0} offset 0,0.5\nset ylabel {1} offset 1\n"
+        "set grid xtics ytics lt 1 lc rgb '{4}' lw 1\nset border lc rgb '{3}'\nset bars 0.7\n"
+        "set tics textcolor rgb '{2}'\nset lmargin at screen 0.2\nset rmargin at screen 0.97\n",
+        gnuplot_quoted(x_label), gnuplot_quoted(y_label), kPlotText, kPlotFrame, kPlotGrid);
   }
-  void line(const std::string& text) { text_ += text + "\n"; }
+  /// Adds commands.
+  void text(const std::string& text) { text_ += text; }
 
-  /// Adds points; `with` is gnuplot's plot style. Points without a logarithm are not drawn.
-  void add(const std::vector<CostError>& points, const std::string& with, const std::string& title) {
+  /// Adds a curve with markers, and with error bars where errors are known. Points without a logarithm are
+  /// not drawn.
+  void add(const std::vector<PlotPoint>& points, const std::string& look, const std::string& title) {
     std::string rows;
-    for (const CostError& point : points) {
-      if (!(point.cost > 0 && point.error > 0) || !std::isfinite(point.error)) continue;
-      rows += fmt::format("{:.9g} {:.9g}\n", point.cost, point.error);
+    bool bars = false;
+    for (const PlotPoint& point : points) {
+      if (!(point.x > 0 && point.y > 0) || !std::isfinite(point.y)) continue;
+      const double error = std::isfinite(point.error) ? point.error : 0;
+      bars = bars || error > 0;
+      constexpr double kFarBelow = 1e-9;  // a bar that reaches 0 leaves the plot
+      rows += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}\n", point.x, point.y,
+                          std::max(point.y - error, kFarBelow * point.y), point.y + error);
     }
-    if (rows.empty()) return;
-    const std::string name = fmt::format("$d{}", blocks_++);
-    text_ += fmt::format("{} << EOD\n{}EOD\n", name, rows);
-    if (!title.empty()) titles_.push_back(title);
-    plots_ += fmt::format("{}{} using 1:2 with {} {}", plots_.empty() ? "plot " : ", \\\n     ", name, with,
-                          title.empty() ? "notitle" : "title " + gnuplot_quoted(title));
+    add_rows(rows, bars ? "using 1:2:3:4 with yerrorlines " + look : "using 1:2 with linespoints " + look,
+             title);
+  }
+  void add_line(const std::vector<PlotPoint>& points, const std::string& look, const std::string& title) {
+    std::string rows;
+    for (const PlotPoint& point : points)
+      if (point.x > 0 && point.y > 0) rows += fmt::format("{:.9g} {:.9g}\n", point.x, point.y);
+    add_rows(rows, "using 1:2 with " + look, title);
   }
   [[nodiscard]] bool empty() const { return plots_.empty(); }
   /// The legend is above the plot, in as many columns as fit. Its rows increase the height; see plot_height.
-  [[nodiscard]] std::string text() const {
+  [[nodiscard]] std::string finished() const {
     if (empty()) return "";
+    constexpr std::size_t kCharacter = 9, kSample = 55;  // widths in pixels
     std::size_t longest = 1;
     for (const std::string& title : titles_) longest = std::max(longest, title.size());
-    const std::size_t columns = std::clamp<std::size_t>(kWidth / (8 * longest + 50), 1, 4);
+    const std::size_t columns = std::clamp<std::size_t>(kWidth / (kCharacter * longest + kSample), 1, 3);
     const std::size_t rows = (titles_.size() + columns - 1) / columns;
-    return fmt::format("{}{}\n{}set key maxcols {}\n{}\n", kLegendRows, rows, text_, columns, plots_);
+    const double top = double(kHeight - 14) / double(kHeight + kRowHeight * int(rows));
+    return fmt::format(
+        "{0}{1}\n{2}set tmargin at screen {3:.4f}\nset bmargin at screen {4:.4f}\n"
+        "set key at screen 0.01,{5:.4f} left bottom horizontal samplen 1.6 spacing 0.9 reverse Left maxcols "
+        "{6}\n{7}\n",
+        kLegendRows, rows, text_, top, 62.0 / double(kHeight + kRowHeight * int(rows)), top + 0.012, columns,
+        plots_);
   }
 
  private:
+  void add_rows(const std::string& rows, const std::string& how, const std::string& title) {
+    if (rows.empty()) return;
+    const std::string name = fmt::format("$d{}", blocks_++);
+    text_ += fmt::format("{} << EOD\n{}EOD\n", name, rows);
+    titles_.push_back(title);
+    plots_ += fmt::format("{}{} {} title {}", plots_.empty() ? "plot " : ", \\\n     ", name, how,
+                          gnuplot_quoted(title));
+  }
+
   std::string text_, plots_;
   std::vector<std::string> titles_;
   int blocks_ = 0;
 };
 
-/// Readable ticks: powers of ten as numbers, or 1-2-5 steps for short ranges.
-void set_axis(Script& script, char axis, const std::vector<double>& values) {
-  double low = INFINITY, high = 0;
-  for (const double value : values) {
-    if (!(value > 0) || !std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  if (!(high > 0)) return;
-  low /= 1.35;
-  high *= 1.35;
-  const double decades = std::log10(high / low);
-  std::string ticks;
-  for (int e = int(std::floor(std::log10(low))); e <= int(std::ceil(std::log10(high))); ++e)
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      if (digit > 1 && decades > 3.2) continue;
-      const double value = digit * std::pow(10.0, e);
-      if (value < low || value > high) continue;
-      ticks += fmt::format("{}'{:g}' {:g}", ticks.empty() ? "" : ", ", value, value);
-    }
-  script.line(fmt::format("set {}range [{:.6g}:{:.6g}]", axis, low, high));
-  script.line(fmt::format("set {}tics ({})", axis, ticks));
+/// The axes of a report's plots. All scenes have the same, so that plots of one kind can be compared.
+struct PlotRanges {
+  AxisRange seconds, relative_mse, mse, split;
+  std::set<double> budgets;
+};
+
+bool has_clear_bias(const CurvePoint& point) {
+  return point.relative.bias_squared > kClearBias * point.relative.bias_squared_error;
 }
 
-/// Ticks at the budgets in samples per pixel, or at every second, fourth, … of them.
-void set_budget_axis(Script& script, const std::vector<double>& values) {
-  const std::set<double> budgets(values.begin(), values.end());
-  if (budgets.empty()) return;
-  constexpr std::size_t kMostTicks = 10;
-  const std::size_t stride = (budgets.size() + kMostTicks - 1) / kMostTicks;
-  std::string ticks;
-  std::size_t i = 0;
-  for (const double budget : budgets) {
-    if (i++ % stride == 0)
-      ticks += fmt::format("{}'{:.10g}' {:.10g}", ticks.empty() ? "" : ", ", budget, budget);
-  }
-  script.line(fmt::format("set xrange [{:.6g}:{:.6g}]", *budgets.begin() / 1.35, *budgets.rbegin() * 1.35));
-  script.line(fmt::format("set xtics ({})", ticks));
+PlotRanges ranges_of(const ReportData& report) {
+  PlotRanges ranges;
+  for (const SceneReport& scene : report.scenes)
+    for (const Curve& curve : scene.curves)
+      for (const CurvePoint& point : curve.points) {
+        if (point.errors.relative_mse > 0) ranges.seconds.include(report.seconds(point.seconds));
+        if (point.spp > 0) ranges.budgets.insert(point.spp);
+        ranges.relative_mse.include(point.errors.relative_mse);
+        ranges.relative_mse.include(point.errors.relative_mse + point.relative_mse_error);
+        ranges.mse.include(point.errors.mse);
+        ranges.mse.include(point.errors.mse + point.mse_error);
+        if (point.spp == 0 || point.images.size() < 2) continue;
+        ranges.split.include(point.relative.variance);
+        if (has_clear_bias(point)) ranges.split.include(point.relative.bias_squared);
+      }
+  return ranges;
 }
 
-enum class Cost { kSeconds, kSamples };
-
-void set_axes(Script& script, Cost cost, const std::vector<std::vector<CostError>>& curves) {
-  std::vector<double> x, y;
-  for (const auto& curve : curves)
-    for (const CostError& point : curve) {
-      if (!(point.cost > 0 && point.error > 0)) continue;
-      x.push_back(point.cost);
-      y.push_back(point.error);
-    }
-  if (cost == Cost::kSamples) {
-    set_budget_axis(script, x);
-  } else {
-    set_axis(script, 'x', x);
-  }
-  set_axis(script, 'y', y);
-}
+constexpr int kMostXLabels = 6, kMostYLabels = 9;
 
 /// Peers have open symbols, so that they can be distinguished in grey print.
 std::string style(const Curve& curve, std::size_t index) {
   static constexpr int kFilled[] = {7, 5, 9, 11, 13, 15}, kOpen[] = {6, 4, 8, 10, 12, 14};
   const int point = (curve.name.peer ? kOpen : kFilled)[index % 6];
-  return fmt::format("linespoints lc rgb '{}' lw 2 pt {} ps 0.8{}", curve_color(index), point,
+  return fmt::format("lc rgb '{}' lw 2 pt {} ps 0.8{}", curve_color(index), point,
                      curve.name.peer ? " dt 2" : "");
 }
 
-std::string legend(const Curve& curve, const std::optional<SlopeFit>& fit) {
-  return fit ? fmt::format("{} ({:.2f})", curve.name.label, fit->slope) : curve.name.label;
+std::string slope_text(double slope) {
+  return fmt::format("{}{:.2f}", slope < 0 ? "−" : "", std::abs(slope));
 }
 
-std::string curves_script(const SceneReport& scene, Cost cost, const std::string& x_label,
-                          const std::function<std::vector<CostError>(const Curve&)>& points_of,
-                          std::optional<SlopeFit> Curve::*fit) {
-  std::vector<std::vector<CostError>> all;
-  for (const Curve& curve : scene.curves) all.push_back(points_of(curve));
-  Script script(x_label, "relMSE");
-  set_axes(script, cost, all);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    script.add(all[i], style(scene.curves[i], i), legend(scene.curves[i], scene.curves[i].*fit));
-  if (scene.reference.noise_relmse && !script.empty()) {
-    script.line(
-        fmt::format("set arrow from graph 0, first {0:.6g} to graph 1, first {0:.6g} nohead dt 3 lc rgb "
-                    "'#777777'",
-                    *scene.reference.noise_relmse));
-    script.line(
-        fmt::format("set label 'noise of the reference' at graph 0.01, first {:.6g} offset 0,0.5 tc rgb "
-                    "'#777777'",
-                    *scene.reference.noise_relmse));
+std::string legend(const Curve& curve, const Slope& slope) {
+  return slope.fit ? fmt::format("{} ({})", shortened(curve.name.label), slope_text(slope.fit->slope))
+                   : shortened(curve.name.label);
+}
+
+/// error = k / cost, below all points and within the axes.
+std::vector<PlotPoint> guide_line(const std::vector<std::vector<PlotPoint>>& curves, const AxisRange& x,
+                                  const AxisRange& y) {
+  constexpr double kBelow = 0.75;
+  double k = INFINITY;
+  for (const auto& curve : curves)
+    for (const PlotPoint& point : curve)
+      if (point.x > 0 && point.y > 0) k = std::min(k, kBelow * point.x * point.y);
+  const double begin = std::max(x.low, k / y.high), end = std::min(x.high, k / y.low);
+  if (!std::isfinite(k) || !(begin < end)) return {};
+  return {{begin, k / begin}, {end, k / end}};
+}
+
+/// relMSE of each point of each curve over its cost, which is not positive where there is none.
+std::string curves_script(const SceneReport& scene, const std::string& x_label, const std::string& axes,
+                          const AxisRange& x, const AxisRange& y,
+                          const std::function<double(const CurvePoint&)>& cost, Slope Curve::*slope) {
+  std::vector<std::vector<PlotPoint>> all;
+  for (const Curve& curve : scene.curves) {
+    all.emplace_back();
+    for (const CurvePoint& point : curve.points)
+      all.back().push_back({cost(point), point.errors.relative_mse, point.relative_mse_error});
   }
-  return script.text();
+  Script script(x_label, "relMSE");
+  script.text(axes);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    script.add(all[i], style(scene.curves[i], i), legend(scene.curves[i], scene.curves[i].*slope));
+  if (script.empty()) return "";
+  script.add_line(guide_line(all, x.widened(), y.widened()), kGuideStyle, "slope −1");
+  if (scene.reference.noise_relmse) {
+    script.text(fmt::format(
+        "set arrow from graph 0, first {0:.6g} to graph 1, first {0:.6g} nohead dt 3 lc rgb '{1}'\n"
+        "set label 'noise of the reference' at graph 0.01, first {0:.6g} offset 0,0.5 tc rgb '{2}'\n",
+        *scene.reference.noise_relmse, kPlotGuide, kPlotText));
+  }
+  return script.finished();
 }
 
 /// A line of this slope through the first point, over the range of the points.
-std::vector<CostError> order_line(const std::vector<CostError>& points, double slope) {
-  const auto usable =
-      std::ranges::find_if(points, [](const CostError& p) { return p.cost > 0 && p.error > 0; });
+std::vector<PlotPoint> order_line(const std::vector<PlotPoint>& points, double slope) {
+  const auto usable = std::ranges::find_if(points, [](const PlotPoint& p) { return p.x > 0 && p.y > 0; });
   if (usable == points.end()) return {};
-  std::vector<CostError> line;
-  for (const CostError& point : points)
-    line.push_back({point.cost, usable->error * std::pow(point.cost / usable->cost, slope)});
+  std::vector<PlotPoint> line;
+  for (const PlotPoint& point : points)
+    line.push_back({point.x, usable->y * std::pow(point.x / usable->x, slope)});
   return line;
 }
 
+/// What the plot of relMSE over time shows, as text.
+std::string time_description(const ReportData& report, const SceneReport& scene) {
+  std::string text = "Both axes are logarithmic.";
+  for (const Curve& curve : scene.curves) {
+    if (curve.points.empty()) continue;
+    const CurvePoint &first = curve.points.front(), &last = curve.points.back();
+    text += fmt::format(" {}: from {:.2g} at {:.2g} s to {:.2g} at {:.2g} s", curve.name.label,
+                        first.errors.relative_mse, report.seconds(first.seconds), last.errors.relative_mse,
+                        report.seconds(last.seconds));
+    const Slope& slope = curve.relmse_over_time;
+    text += slope.fit ? fmt::format(", slope {:.2f}.", slope.fit->slope)
+                      : ", no slope: " + slope.none_because + ".";
+  }
+  return text;
+}
+
+constexpr const char* kInTables = "Both axes are logarithmic. The values are in the tables of the page.";
+
 }  // namespace
 
-std::string curve_color(std::size_t index) {
-  static constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                            "#e69f00", "#56b4e9", "#000000", "#b59f00"};
-  return kColors[index % std::size(kColors)];
-}
-
 std::string time_plot_script(const ReportData& report, const SceneReport& scene) {
+  const PlotRanges ranges = ranges_of(report);
   return curves_script(
-      scene, Cost::kSeconds, report.total_time ? "total time in seconds" : "render time in seconds",
-      [&](const Curve& curve) { return over_time(report, curve, true); }, &Curve::relmse_over_time);
+      scene, report.total_time ? "total time in seconds" : "render time in seconds",
+      axis_script('x', ranges.seconds, kMostXLabels) + axis_script('y', ranges.relative_mse, kMostYLabels),
+      ranges.seconds, ranges.relative_mse,
+      [&](const CurvePoint& point) { return report.seconds(point.seconds); }, &Curve::relmse_over_time);
 }
 
-std::string spp_plot_script(const SceneReport& scene) {
+std::string spp_plot_script(const ReportData& report, const SceneReport& scene) {
+  const PlotRanges ranges = ranges_of(report);
+  AxisRange budgets;
+  for (const double budget : ranges.budgets) budgets.include(budget);
   return curves_script(
-      scene, Cost::kSamples, "samples per pixel", [](const Curve& curve) { return over_spp(curve, true); },
+      scene, "samples per pixel",
+      budget_axis_script(ranges.budgets) + axis_script('y', ranges.relative_mse, kMostYLabels), budgets,
+      ranges.relative_mse, [](const CurvePoint& point) { return double(point.spp); },
       &Curve::relmse_over_spp);
 }
 
-std::string bias_plot_script(const SceneReport& scene) {
-  std::vector<std::vector<CostError>> variances, biases;
-  for (const Curve& curve : scene.curves) {
-    std::vector<CostError> variance, bias;
+std::string bias_plot_script(const ReportData& report, const SceneReport& scene) {
+  const PlotRanges ranges = ranges_of(report);
+  Script script("samples per pixel", "relative variance, bias²");
+  script.text(budget_axis_script(ranges.budgets) + axis_script('y', ranges.split, kMostYLabels));
+  for (std::size_t i = 0; i < scene.curves.size(); ++i) {
+    const Curve& curve = scene.curves[i];
+    std::vector<PlotPoint> variance, bias;
     for (const CurvePoint& point : curve.points) {
       if (point.spp == 0 || point.images.size() < 2) continue;
       variance.push_back({double(point.spp), point.relative.variance});
       // A bias that is not clearly larger than its standard error is only known to be small.
-      const bool clear = point.relative.bias_squared > kClearBias * point.relative.bias_squared_error;
-      bias.push_back({double(point.spp), clear ? point.relative.bias_squared : 0});
+      if (has_clear_bias(point))
+        bias.push_back({double(point.spp), point.relative.bias_squared, point.relative.bias_squared_error});
     }
-    variances.push_back(std::move(variance));
-    biases.push_back(std::move(bias));
+    const std::string label = shortened(curve.name.label);
+    script.add(variance, style(curve, i), label + ": variance");
+    script.add(bias, fmt::format("lc rgb '{}' lw 2 dt 2 pt 2 ps 1.1", curve_color(i)), label + ": bias²");
   }
-  std::vector<std::vector<CostError>> all = variances;
-  all.insert(all.end(), biases.begin(), biases.end());
-  Script script("samples per pixel", "relative variance, relative bias²");
-  set_axes(script, Cost::kSamples, all);
-  for (std::size_t i = 0; i < variances.size(); ++i) {
-    const Curve& curve = scene.curves[i];
-    script.add(variances[i], style(curve, i), curve.name.label + ": variance");
-    script.add(biases[i], fmt::format("linespoints lc rgb '{}' lw 2 dt 2 pt 2 ps 1.1", curve_color(i)),
-               curve.name.label + ": bias²");
-  }
-  return script.text();
+  return script.finished();
 }
 
-std::string sampler_plot_script(const SceneReport& scene) {
+std::string sampler_plot_script(const ReportData& report, const SceneReport& scene) {
   std::set<std::string> samplers;
   for (const Curve& curve : scene.curves) {
     if (!curve.name.peer) samplers.insert(curve.name.sampler);
   }
   if (samplers.size() < 2) return "";
-  std::vector<std::vector<CostError>> all;
-  for (const Curve& curve : scene.curves) all.push_back(over_spp(curve, false));
+  const PlotRanges ranges = ranges_of(report);
   Script script("samples per pixel", "MSE");
-  set_axes(script, Cost::kSamples, all);
+  script.text(budget_axis_script(ranges.budgets) + axis_script('y', ranges.mse, kMostYLabels));
   std::map<double, std::string> orders;  // the samplers with that slope
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     const Curve& curve = scene.curves[i];
-    if (curve.name.peer || all[i].empty()) continue;
-    script.add(all[i], style(curve, i), legend(curve, curve.mse_over_spp));
+    if (curve.name.peer || curve.points.empty()) continue;
+    std::vector<PlotPoint> points;
+    for (const CurvePoint& point : curve.points)
+      points.push_back({double(point.spp), point.errors.mse, point.mse_error});
+    script.add(points, style(curve, i), legend(curve, curve.mse_over_spp));
     const auto order = expected_order(curve.name.sampler);
     if (!order) continue;
     for (const double slope : {order->smooth, order->edges}) {
       if (!orders.emplace(slope, curve.name.sampler).second) continue;
-      const std::vector<CostError> line = order_line(all[i], slope);
-      if (line.empty()) continue;
-      script.add(line, "lines lc rgb '#888888' lw 1.5 dt (8,6)", fmt::format("expected order {:g}", slope));
+      script.add_line(order_line(points, slope), kGuideStyle, fmt::format("expected order {:g}", slope));
     }
   }
-  return script.text();
+  return script.finished();
 }
 
 Expected<std::vector<Plot>> draw_plots(const std::filesystem::path& gnuplot,
                                        const std::filesystem::path& folder, const ReportData& report,
                                        const SceneReport& scene) {
-  const Plot wanted[] = {
-      {"time", "Error against time", time_plot_script(report, scene), {}},
-      {"spp", "Error against samples per pixel", spp_plot_script(scene), {}},
-      {"bias", "Bias² and variance", bias_plot_script(scene), {}},
-      {"samplers", "Convergence of samplers", sampler_plot_script(scene), {}},
+  struct Wanted {
+    const char *name, *title;
+    std::string script, description;
+  };
+  const Wanted wanted[] = {
+      {"time", "Error against time", time_plot_script(report, scene), time_description(report, scene)},
+      {"spp", "Error against samples per pixel", spp_plot_script(report, scene), kInTables},
+      {"bias", "Bias² and variance", bias_plot_script(report, scene), kInTables},
+      {"samplers", "Convergence of samplers", sampler_plot_script(report, scene), kInTables},
   };
   std::vector<Plot> plots;
-  for (const Plot& plot : wanted) {
-    if (plot.svg.empty()) continue;
-    auto drawn =
-        run_gnuplot(gnuplot, folder, scene.name + "-" + plot.name, plot.svg, kWidth, plot_height(plot.svg));
+  for (const Wanted& plot : wanted) {
+    if (plot.script.empty()) continue;
+    auto drawn = run_gnuplot(gnuplot, folder, scene.name + "-" + plot.name,
+                             {.script = plot.script,
+                              .title = fmt::format("{}: {}", scene.name, plot.title),
+                              .description = plot.description,
+                              .width = kWidth,
+                              .height = plot_height(plot.script)});
     if (!drawn) return std::unexpected(drawn.error());
     plots.push_back({plot.name, plot.title, std::move(drawn->svg), std::move(drawn->png)});
   }

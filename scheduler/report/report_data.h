@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -49,6 +50,8 @@ struct CurvePoint {
   std::vector<ImageResult> images;
   PhaseSeconds seconds;  ///< medians over the images
   ImageErrors errors;    ///< means over the images; for `largest` and `non_finite` the maximum
+  /// Standard errors over the images of the means in `errors`; NaN for a single image.
+  double mse_error = NAN, relative_mse_error = NAN;
   ErrorSplit squared, relative;
 };
 
@@ -65,7 +68,7 @@ struct CurveName {
 struct Curve {
   CurveName name;
   std::vector<CurvePoint> points;  ///< by budget, or by time
-  std::optional<SlopeFit> mse_over_time, relmse_over_time, mse_over_spp, relmse_over_spp;
+  Slope mse_over_time, relmse_over_time, mse_over_spp, relmse_over_spp;
   std::vector<std::optional<TimeToTarget>> to_target;  ///< for each target of the scene
   std::optional<double> efficiency;                    ///< geometric mean of 1 / (MSE T)
   std::string no_efficiency;                           ///< why there is none
@@ -98,13 +101,15 @@ struct CropPicture {
   double image_relmse = 0;     ///< of the whole image
   std::optional<double> flip;  ///< mean FLIP of the whole image
   std::vector<std::uint8_t> png, heat_png;
+  std::vector<std::uint8_t> whole_png;  ///< the whole image
 };
 
 struct CropSet {
   int x = 0, y = 0, width = 0, height = 0;  ///< in film pixels
   std::string why_here;
-  double seconds = 0;    ///< common time of all methods, as near as there are images
-  double heat_high = 1;  ///< the relative error of the brightest colour
+  double seconds = 0;  ///< common time of all methods, as near as there are images
+  /// The relative errors of the darkest and the brightest colour; the scale between is logarithmic.
+  double heat_low = 1e-4, heat_high = 1;
   double exposure = 0;
   std::vector<std::uint8_t> reference_png, overview_png;
   int overview_width = 0, overview_height = 0;

@@ -40,8 +40,9 @@ Json split_json(const ErrorSplit& split) {
           {"bias_squared_standard_error", json_number(split.bias_squared_error)}};
 }
 
-Json fit_json(const std::optional<SlopeFit>& fit) {
-  if (!fit) return nullptr;
+Json fit_json(const Slope& slope) {
+  const auto& fit = slope.fit;
+  if (!fit) return {{"slope", nullptr}, {"none_because", slope.none_because}};
   return {{"slope", fit->slope},         {"low", fit->low},
           {"high", fit->high},           {"confidence", fit->confidence},
           {"intercept", fit->intercept}, {"residual", fit->residual},
@@ -70,6 +71,8 @@ Json point_json(const CurvePoint& point, bool peer) {
   return {{"spp", point.spp > 0 ? Json(point.spp) : Json(nullptr)},
           {"seconds", peer ? Json(point.seconds.total) : seconds_json(point.seconds)},
           {"errors", errors_json(point.errors)},
+          {"mse_standard_error", json_number(point.mse_error)},
+          {"relmse_standard_error", json_number(point.relative_mse_error)},
           {"mse_split", split_json(point.squared)},
           {"relmse_split", split_json(point.relative)},
           {"images", images}};
@@ -82,14 +85,25 @@ Json target_json(const Target& target) {
           {"error", target.error}};
 }
 
+/// `seconds` only where it was measured; else the time of the run that bounds it.
+Json time_json(const std::optional<TimeToTarget>& time) {
+  using Kind = TimeToTarget::Kind;
+  Json json = {{"seconds", nullptr}, {"shorter_than", nullptr}, {"longer_than", nullptr}};
+  if (time) {
+    json[time->kind == Kind::kMeasured  ? "seconds"
+         : time->kind == Kind::kShorter ? "shorter_than"
+                                        : "longer_than"] = json_number(time->cost);
+  }
+  return json;
+}
+
 Json curve_json(const Curve& curve, const std::vector<Target>& targets) {
   const CurveName& name = curve.name;
   Json points = Json::array(), to_target = Json::array();
   for (const CurvePoint& point : curve.points) points.push_back(point_json(point, name.peer));
   for (std::size_t i = 0; i < curve.to_target.size(); ++i) {
     Json entry = target_json(targets[i]);
-    entry["seconds"] = curve.to_target[i] ? json_number(curve.to_target[i]->cost) : Json(nullptr);
-    entry["extrapolated"] = curve.to_target[i] ? Json(curve.to_target[i]->extrapolated) : Json(nullptr);
+    entry.update(time_json(curve.to_target[i]));
     to_target.push_back(std::move(entry));
   }
   return {{"label", name.label},

@@ -1,7 +1,9 @@
 #include "scheduler/report/slope_fit.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "scheduler/image/metrics/distributions.h"
@@ -10,10 +12,13 @@ namespace penumbra {
 
 double SlopeFit::error_at(double cost) const { return std::exp(intercept + slope * std::log(cost)); }
 
-double SlopeFit::cost_of(double error) const {
-  if (!(slope < 0)) return std::numeric_limits<double>::infinity();
-  return std::exp((std::log(error) - intercept) / slope);
+namespace {
+
+bool has_logarithms(const CostError& point) {
+  return point.cost > 0 && point.error > 0 && std::isfinite(point.cost) && std::isfinite(point.error);
 }
+
+}  // namespace
 
 std::optional<SlopeFit> fit_slope(std::span<const CostError> points, double confidence) {
   struct Log {
@@ -21,9 +26,7 @@ std::optional<SlopeFit> fit_slope(std::span<const CostError> points, double conf
   };
   std::vector<Log> logs;
   for (const CostError& point : points) {
-    const Log log{std::log(point.cost), std::log(point.error)};
-    if (point.cost > 0 && point.error > 0 && std::isfinite(log.x) && std::isfinite(log.y))
-      logs.push_back(log);
+    if (has_logarithms(point)) logs.push_back({std::log(point.cost), std::log(point.error)});
   }
   const double n = double(logs.size());
   if (logs.size() < kFewestFitPoints) return std::nullopt;
@@ -54,6 +57,23 @@ std::optional<SlopeFit> fit_slope(std::span<const CostError> points, double conf
   fit.low = fit.slope - half;
   fit.high = fit.slope + half;
   return fit;
+}
+
+Slope slope_of(std::span<const CostError> points, const std::string& costs) {
+  int count = 0;
+  double low = 0, high = 0;
+  for (const CostError& point : points) {
+    if (!has_logarithms(point)) continue;
+    low = count == 0 ? point.cost : std::min(low, point.cost);
+    high = std::max(high, point.cost);
+    ++count;
+  }
+  if (count < kFewestFitPoints)
+    return {{}, fmt::format("fewer than {} budgets above the reference's noise", kFewestFitPoints)};
+  constexpr double kRounding = 1e-9;
+  if (high < low * kSmallestSpan * (1 - kRounding))
+    return {{}, fmt::format("{} span less than a factor of {:g}", costs, kSmallestSpan)};
+  return {fit_slope(points), {}};
 }
 
 }  // namespace penumbra

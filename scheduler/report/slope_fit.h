@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 
 namespace penumbra {
 
@@ -20,8 +21,6 @@ struct SlopeFit {
   int points = 0;            ///< number of points used: those with positive and finite cost and error
 
   [[nodiscard]] double error_at(double cost) const;
-  /// The cost at which the fit reaches an error. Infinite if the error does not fall.
-  [[nodiscard]] double cost_of(double error) const;
   [[nodiscard]] bool holds(double slope_value) const { return low <= slope_value && slope_value <= high; }
 };
 
@@ -32,5 +31,18 @@ constexpr int kFewestFitPoints = 3;  ///< two points determine a slope but not i
 /// interval is slope ± t SE with the t quantile for n - 2 degrees of freedom. It is correct if the deviations
 /// of log error are independent and normal with equal variance.
 std::optional<SlopeFit> fit_slope(std::span<const CostError> points, double confidence = kConfidence);
+
+/// A slope, or why none is given.
+struct Slope {
+  std::optional<SlopeFit> fit;
+  std::string none_because;  ///< empty if there is a fit
+};
+
+constexpr double kSmallestSpan = 4;  ///< ratio of the largest cost to the smallest: two octaves
+
+/// The fit, unless fewer than kFewestFitPoints points can be used or their costs span less than
+/// kSmallestSpan. Over a shorter span the slope is mostly that of the noise. `costs` names the costs for the
+/// reason: "times".
+Slope slope_of(std::span<const CostError> points, const std::string& costs);
 
 }  // namespace penumbra

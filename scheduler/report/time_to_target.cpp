@@ -6,8 +6,8 @@
 
 namespace penumbra {
 
-std::optional<TimeToTarget> time_to_target(std::span<const CostError> points,
-                                           const std::optional<SlopeFit>& fit, double target) {
+std::optional<TimeToTarget> time_to_target(std::span<const CostError> points, double target) {
+  using Kind = TimeToTarget::Kind;
   std::vector<CostError> curve;
   for (const CostError& point : points) {
     if (point.cost > 0 && point.error > 0 && std::isfinite(point.cost) && std::isfinite(point.error))
@@ -15,21 +15,36 @@ std::optional<TimeToTarget> time_to_target(std::span<const CostError> points,
   }
   if (!(target > 0) || curve.empty()) return std::nullopt;
   std::ranges::sort(curve, {}, &CostError::cost);
+  if (curve.back().error > target) return TimeToTarget{Kind::kNotReached, curve.back().cost};
   // Finds the last crossing of the target; after it the error stays below.
-  const bool reached = curve.back().error <= target;
-  for (std::size_t i = curve.size(); reached && i-- > 1;) {
+  for (std::size_t i = curve.size(); i-- > 1;) {
     const CostError &above = curve[i - 1], &below = curve[i];
     if (above.error <= target) continue;
     const double part =
         (std::log(above.error) - std::log(target)) / (std::log(above.error) - std::log(below.error));
-    return TimeToTarget{std::exp(std::log(above.cost) + part * (std::log(below.cost) - std::log(above.cost))),
-                        false};
+    return TimeToTarget{Kind::kMeasured, std::exp(std::log(above.cost) +
+                                                  part * (std::log(below.cost) - std::log(above.cost)))};
   }
-  if (curve.front().error == target) return TimeToTarget{curve.front().cost, false};
-  if (!fit || !(fit->slope < 0)) return std::nullopt;
-  const double cost = fit->cost_of(target);
-  // The fitted line may disagree with the measured points, so it is used only beyond them.
-  return TimeToTarget{reached ? std::min(cost, curve.front().cost) : std::max(cost, curve.back().cost), true};
+  return TimeToTarget{curve.front().error == target ? Kind::kMeasured : Kind::kShorter, curve.front().cost};
+}
+
+std::optional<std::size_t> fastest(std::span<const std::optional<TimeToTarget>> times) {
+  using Kind = TimeToTarget::Kind;
+  const auto least = [](const TimeToTarget& time) { return time.kind == Kind::kShorter ? 0 : time.cost; };
+  const auto most = [](const TimeToTarget& time) {
+    return time.kind == Kind::kNotReached ? INFINITY : time.cost;
+  };
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!times[i] || most(*times[i]) == INFINITY) continue;
+    bool first = true, compared = false;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      if (k == i || !times[k]) continue;
+      compared = true;
+      first = first && most(*times[i]) <= least(*times[k]);
+    }
+    if (first && compared) return i;
+  }
+  return std::nullopt;
 }
 
 }  // namespace penumbra

@@ -43,6 +43,16 @@ TEST(Quoting, HtmlHasNoMarkupLeft) {
   EXPECT_EQ(html_escaped("<a href=\"x\" b='&'>"), "&lt;a href=&quot;x&quot; b=&#39;&amp;&#39;&gt;");
 }
 
+TEST(Quoting, LatexHasNoCommandsLeft) {
+  EXPECT_EQ(latex_escaped("path_ems, 50 %"), "path\\_ems, 50 \\%");
+  EXPECT_EQ(latex_escaped("\\write18{rm} $x$ #1 a&b ~^"),
+            "\\textbackslash{}write18\\{rm\\} \\$x\\$ \\#1 a\\&b \\textasciitilde{}\\textasciicircum{}");
+  EXPECT_EQ(latex_escaped("<a|b>"), "\\textless{}a\\textbar{}b\\textgreater{}");
+  EXPECT_EQ(latex_escaped("a\n\tb%\n"), "a  b\\% ") << "a comment would end at the line's end";
+  EXPECT_EQ(latex_escaped("--spp ``x''"), "-{}-spp `{}`x'{}'");
+  EXPECT_EQ(latex_escaped("Küche"), "Küche");
+}
+
 TEST(Quoting, GnuplotStringsEndWhereTheyEnd) {
   EXPECT_EQ(gnuplot_quoted("it's `a`\nb\\"), "'it''s `a` b\\'");
 }

@@ -130,7 +130,8 @@ TEST_F(ReportCommand, TwoScenesEndToEnd) {
   const std::string bare = std::regex_replace(html, std::regex(R"re(xmlns(:\w+)?="[^"]*")re"), "");
   EXPECT_THAT(bare, AllOf(Not(HasSubstr("http://")), Not(HasSubstr("https://"))));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/plots/star-light-time.svg"));
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/report.csv"));
+  for (const char* name : {"report.csv", "table.csv", "table.tex"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / name)) << name;
 }
 
 /// A name of which every interpreter would run a part: it makes a file `NAME-…`.
@@ -155,8 +156,11 @@ TEST_F(ReportCommand, NamesStayText) {
   EXPECT_THAT(plots, ::testing::ElementsAre(".gp", ".png", ".svg"));
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
     EXPECT_THAT(entry.path().filename().string(), Not(::testing::MatchesRegex("(scene|out|label)-[0-9]")));
+  EXPECT_THAT(file_contents(folder_ / out / "table.tex"),
+              AllOf(HasSubstr("`touch label-1` \\$(touch"), Not(HasSubstr("\\<b"))));
   const std::string html = file_contents(folder_ / out / "index.html");
-  EXPECT_THAT(html, AllOf(HasSubstr("touch label-1"), Not(HasSubstr("<script")), Not(HasSubstr("<b "))));
+  EXPECT_THAT(html,
+              AllOf(HasSubstr("touch label-1"), Not(HasSubstr("<script>x")), Not(HasSubstr("<b hidden"))));
 }
 
 TEST_F(ReportCommand, BackendsGiveTheSameErrors) {
@@ -240,7 +244,7 @@ TEST_F(ReportCommand, OverwritesNothingButItsOwnFiles) {
   const std::vector<std::string> arguments = {"s.xml", "-o",         "out", "--budgets",       "1", "--seeds",
                                               "1",     "--no-plots", "-q",  "--reference-spp", "16"};
   std::filesystem::create_directory(folder_ / "out");
-  for (const char* name : {"index.html", "report.json", "report.csv"}) {
+  for (const char* name : {"index.html", "report.json", "report.csv", "table.csv", "table.tex"}) {
     write_text(folder_ / "out" / name, "<!DOCTYPE html><title>Error against run time</title>");
     const auto result = run(arguments);
     EXPECT_EQ(result.exit_code, 2);

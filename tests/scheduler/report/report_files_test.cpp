@@ -10,65 +10,17 @@
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/html.h"
 #include "scheduler/report/plot.h"
+#include "scheduler/report/plot_axes.h"
+#include "scheduler/report/plot_svg.h"
 #include "scheduler/report/report_json.h"
+#include "scheduler/report/summary_table.h"
+#include "tests/scheduler/report/some_report.h"
 
 namespace penumbra {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-CurvePoint point_of(std::uint32_t spp, double seconds, double mse) {
-  CurvePoint point;
-  point.spp = spp;
-  ImageResult image;
-  image.file = "cells/a,b.exr";
-  image.seconds = {0.01, 0.02, seconds, seconds + 0.04};
-  image.render_seconds = {seconds};
-  image.film_hash = "00ff";
-  image.seed = 5;
-  image.errors.mse = mse;
-  image.errors.relative_mse = 2 * mse;
-  image.errors.block_relative_mse = mse / 4;
-  image.errors.bias = NAN;
-  point.images = {image, image};
-  point.seconds = image.seconds;
-  point.errors = image.errors;
-  point.squared = {mse, mse, 1e-9, 1e-8};
-  point.relative = {2 * mse, 2 * mse, 1e-9, 1e-8};
-  return point;
-}
-
-/// Two curves with MSE = 1 / T and 1 / T^2, and one of a peer.
-ReportData some_report() {
-  ReportData report;
-  report.version = "1";
-  report.host = "<host>";
-  report.command_line = {"penumbra", "report", "a \"b\".xml"};
-  report.cores = 4;
-  SceneReport scene;
-  scene.name = "s";
-  scene.file = "a&b.xml";
-  scene.targets = {{true, 0.5}, {false, 1e-9}};
-  scene.reference.halves = {{"truth", "t.exr", 64, 1.5}};
-  for (const double slope : {1.0, 2.0}) {
-    Curve curve;
-    curve.name.label = slope == 1 ? "one, \"quoted\"" : "two";
-    curve.name.sampler = slope == 1 ? "independent" : "sobol";
-    for (const std::uint32_t spp : {1u, 2u, 4u, 8u})
-      curve.points.push_back(point_of(spp, spp, std::pow(spp, -slope)));
-    scene.curves.push_back(curve);
-  }
-  Curve peer;
-  peer.name.label = "peer";
-  peer.name.peer = true;
-  peer.points = {point_of(0, 3, 0.3)};
-  scene.curves.push_back(peer);
-  for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
-  scene.remarks = {"<script>"};
-  report.scenes = {scene};
-  return report;
-}
 
 /// Fields of RFC 4180, none of which holds a line end here.
 std::vector<std::vector<std::string>> read_csv(const std::string& text) {
@@ -112,9 +64,12 @@ TEST(ReportJson, ReadsBack) {
   EXPECT_EQ(scene["curves"][1]["no_efficiency_because"], "slope is not -1");
   // relMSE is 2 / T: 0.5 at 4 s; MSE 1e-9 lies at 1e9 s.
   EXPECT_NEAR(curve["time_to_target"][0]["seconds"].get<double>(), 4, 1e-9);
-  EXPECT_EQ(curve["time_to_target"][0]["extrapolated"], false);
-  EXPECT_NEAR(curve["time_to_target"][1]["seconds"].get<double>(), 1e9, 1);
-  EXPECT_EQ(curve["time_to_target"][1]["extrapolated"], true);
+  EXPECT_TRUE(curve["time_to_target"][0]["longer_than"].is_null());
+  EXPECT_TRUE(curve["time_to_target"][1]["seconds"].is_null()) << "nothing is extrapolated";
+  EXPECT_EQ(curve["time_to_target"][1]["longer_than"], 8.0);
+  EXPECT_TRUE(scene["curves"][2]["fits"]["mse_over_time"]["slope"].is_null());
+  EXPECT_THAT(scene["curves"][2]["fits"]["mse_over_time"]["none_because"].get<std::string>(),
+              HasSubstr("fewer than 3 budgets"));
   const auto& point = curve["points"][2];
   EXPECT_EQ(point["spp"], 4);
   EXPECT_EQ(point["seconds"]["render"], 4.0);
@@ -159,8 +114,10 @@ TEST(ReportHtml, IsSelfContainedAndEscaped) {
                              "<?xml?><!-- c --><svg xmlns=\"http://www.w3.org/2000/svg\"><g id=\"a\"/></svg>",
                              {1, 2}}};
   const std::string html = report_html(report);
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
+  std::string rest = html;
+  rest.erase(rest.find(flip_script()), flip_script().size());
+  EXPECT_THAT(rest, Not(HasSubstr("<script")));
+  EXPECT_THAT(rest, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(html, HasSubstr("&lt;host&gt;"));
   const std::regex link(R"re((src|href)\s*=\s*["'](?!data:|#))re"), address(R"(https?://)");
   EXPECT_FALSE(std::regex_search(html, link));
@@ -200,20 +157,121 @@ TEST(HtmlText, NumbersAndTimesForPeople) {
 
 TEST(Plots, OfSamplersShowExpectedOrders) {
   const ReportData report = some_report();
-  const std::string script = sampler_plot_script(report.scenes[0]);
+  const std::string script = sampler_plot_script(report, report.scenes[0]);
   EXPECT_THAT(script, HasSubstr("expected order -1'"));
   EXPECT_THAT(script, HasSubstr("expected order -3"));
   SceneReport one = report.scenes[0];
   one.curves.resize(1);
-  EXPECT_EQ(sampler_plot_script(one), "") << "one sampler is no comparison";
+  EXPECT_EQ(sampler_plot_script(report, one), "") << "one sampler is no comparison";
 }
 
 TEST(Plots, HoldEveryPointThatHasALogarithm) {
   ReportData report = some_report();
   report.scenes[0].curves[0].points[1].errors.relative_mse = -1;
   const std::string script = time_plot_script(report, report.scenes[0]);
-  EXPECT_THAT(script, HasSubstr("\n1 2\n4 0.5\n8 0.25\nEOD"));
+  EXPECT_THAT(script, HasSubstr("\n1 2 2 2\n4 0.5 0.5 0.5\n8 0.25 0.25 0.25\nEOD"));
   EXPECT_THAT(script, HasSubstr("'one, \"quoted\" ("));
+}
+
+TEST(Plots, HaveErrorBarsOverSeedsAndALineOfSlopeMinusOne) {
+  ReportData report = some_report();
+  report.scenes[0].curves[0].points[2].relative_mse_error = 0.1;
+  const std::string script = time_plot_script(report, report.scenes[0]);
+  EXPECT_THAT(script, HasSubstr("\n4 0.5 0.4 0.6\n"));
+  EXPECT_THAT(script, HasSubstr("using 1:2:3:4 with yerrorlines"));
+  // The last data block is the line: its product of time and error is the same at both ends, and less than
+  // that of all points: 2 T^-2 at 8 s has 0.25.
+  const std::size_t begin = script.rfind(" << EOD\n") + 8;
+  double x[2], y[2];
+  ASSERT_EQ(std::sscanf(script.c_str() + begin, "%lf %lf\n%lf %lf\nEOD", &x[0], &y[0], &x[1], &y[1]), 4);
+  EXPECT_NEAR(x[0] * y[0], x[1] * y[1], 1e-6);
+  EXPECT_LT(x[0] * y[0], 0.25);
+  EXPECT_LT(x[0], x[1]);
+}
+
+/// "[0.1:2]" of the axis.
+std::string range_in(const std::string& script, char axis) {
+  const std::size_t at = script.find(std::string("set ") + axis + "range ");
+  return script.substr(at, script.find('\n', at) - at);
+}
+
+TEST(Plots, OfOneKindHaveTheSameAxesInAllScenes) {
+  ReportData report = some_report();
+  report.scenes.push_back(report.scenes[0]);
+  report.scenes[1].curves[1].points.push_back(point_of(64, 300, 1e-6));
+  for (const char axis : {'x', 'y'}) {
+    const std::string range = range_in(time_plot_script(report, report.scenes[0]), axis);
+    EXPECT_EQ(range, range_in(time_plot_script(report, report.scenes[1]), axis));
+    EXPECT_NE(range, range_in(time_plot_script(some_report(), some_report().scenes[0]), axis));
+  }
+}
+
+TEST(Plots, AreOneObjectForScreenReadersAndFollowThePage) {
+  const std::string svg =
+      "<?xml?>\n<svg width=\"1\"\n>\n<title>Gnuplot</title>\n<desc>Produced by</desc>\n<g fill=\"black\" "
+      "stroke='rgb(  0, 114, 178)' color=\"#DDDDDD\"/></svg>";
+  const std::string described = described_svg(svg, "a < b", "text");
+  EXPECT_THAT(described, HasSubstr("role=\"img\" aria-label=\"a &lt; b. text\""));
+  EXPECT_THAT(described, HasSubstr("<title>a &lt; b</title>\n<desc>text</desc>"));
+  EXPECT_THAT(described, Not(HasSubstr("Gnuplot")));
+  EXPECT_THAT(themed_svg(described), HasSubstr("<g fill=\"var(--plot-text)\" stroke='var(--curve-0)' "
+                                               "color=\"var(--plot-grid)\"/>"));
+}
+
+TEST(Plots, TicksOfPowersOfTen) {
+  EXPECT_EQ(tick_text(0.05), "0.05");
+  EXPECT_EQ(tick_text(0.001), "0.001");
+  EXPECT_EQ(tick_text(1e-12), "10⁻¹²");
+  EXPECT_EQ(tick_text(2e-5), "2·10⁻⁵");
+  EXPECT_EQ(tick_text(1e6), "10⁶");
+}
+
+TEST(Slopes, AreNotClaimedFromRunsShorterThanTheStart) {
+  ReportData report = some_report();
+  Curve& curve = report.scenes[0].curves[0];
+  // Starts of 3.5 s: the runs of 1 and 2 s do not count, and two are left.
+  for (CurvePoint& point : curve.points)
+    for (ImageResult& image : point.images) image.seconds.transfer = 3.5 - image.seconds.build;
+  finish_curve(report, report.scenes[0].targets, curve);
+  EXPECT_FALSE(curve.mse_over_time.fit);
+  EXPECT_EQ(curve.mse_over_time.none_because, "2 of 4 budgets take less time than the start, 3.5 s");
+  EXPECT_FALSE(curve.efficiency);
+  EXPECT_EQ(curve.no_efficiency, "no slope");
+  EXPECT_TRUE(curve.mse_over_spp.fit) << "samples are counted, not timed";
+  EXPECT_THAT(report_html(report), HasSubstr("no slope: 2 of 4 budgets take less time"));
+  // With longer runs the same curve has a slope, from those.
+  curve.points.push_back(point_of(16, 16, 1.0 / 16));
+  finish_curve(report, report.scenes[0].targets, curve);
+  ASSERT_TRUE(curve.mse_over_time.fit) << curve.mse_over_time.none_because;
+  EXPECT_EQ(curve.mse_over_time.fit->points, 3);
+}
+
+TEST(SummaryTable, HoldsTimesAsTheyWereMeasured) {
+  ReportData report = some_report();
+  const auto rows = read_csv(summary_csv(report));
+  ASSERT_EQ(rows.size(), 1u + 3 * 2);
+  const auto column = [&](const std::string& name) {
+    return std::size_t(std::ranges::find(rows[0], name) - rows[0].begin());
+  };
+  for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
+  EXPECT_EQ(rows[1][column("method")], "one, \"quoted\"");
+  EXPECT_NEAR(std::stod(rows[1][column("seconds")]), 4, 1e-9);
+  EXPECT_EQ(rows[2][column("seconds")], "");
+  EXPECT_EQ(rows[2][column("longer_than")], "8");
+  EXPECT_EQ(rows[5][column("longer_than")], "3") << "the peer's only image";
+}
+
+TEST(SummaryTable, LatexIsEscaped) {
+  ReportData report = some_report();
+  report.host = "a_b";
+  report.scenes[0].curves[0].name.label = "50% \\input{x} & #1_$";
+  const std::string latex = summary_latex(report);
+  EXPECT_TRUE(latex.starts_with(kLatexMarker));
+  EXPECT_THAT(latex, HasSubstr("\n50\\% \\textbackslash{}input\\{x\\} \\& \\#1\\_\\$ & "));
+  EXPECT_THAT(latex, HasSubstr("\\textbf{$2$}")) << "relMSE 0.5 of 2 T^-2";
+  EXPECT_THAT(latex, HasSubstr("$>$ $8$ \\\\"));
+  EXPECT_THAT(latex, HasSubstr(" $10^{-9}$"));
+  EXPECT_THAT(latex, Not(HasSubstr("–")));
 }
 
 TEST(EqualTime, ErrorIsInterpolatedInLogarithms) {
@@ -225,7 +283,7 @@ TEST(EqualTime, ErrorIsInterpolatedInLogarithms) {
 }
 
 TEST(CommonTarget, IsWhatEveryCurveReaches) {
-  const auto target = common_target(some_report().scenes[0].curves);
+  const auto target = common_target(some_report(), some_report().scenes[0].curves);
   ASSERT_TRUE(target);
   EXPECT_DOUBLE_EQ(target->error, 0.6) << "the peer's only image";
 }

@@ -67,7 +67,6 @@ TEST(SlopeFit, IsExactWithoutNoise) {
   EXPECT_NEAR(fit->high, -1.5, 1e-10);
   EXPECT_EQ(fit->points, 6);
   EXPECT_NEAR(fit->error_at(2), 0.3 * std::pow(2, -1.5), 1e-12);
-  EXPECT_NEAR(fit->cost_of(0.3 * std::pow(2, -1.5)), 2, 1e-11);
 }
 
 TEST(SlopeFit, IntervalHoldsTheSlopeAsOftenAsItSays) {
@@ -109,9 +108,21 @@ TEST(SlopeFit, SaysNothingWhereThereIsNothingToSay) {
   EXPECT_FALSE(fit_slope({}));
 }
 
-TEST(SlopeFit, ErrorThatGrowsNeverComesDown) {
-  const std::vector<CostError> points = {{1, 1}, {2, 2}, {4, 4}};
-  EXPECT_EQ(fit_slope(points)->cost_of(0.5), INFINITY);
+TEST(Slope, NeedsThreePointsAndTwoOctaves) {
+  const std::vector<CostError> octaves = {{1, 1}, {2, 0.5}, {4, 0.25}};
+  ASSERT_TRUE(slope_of(octaves, "times").fit);
+  EXPECT_NEAR(slope_of(octaves, "times").fit->slope, -1, 1e-12);
+  EXPECT_EQ(slope_of(octaves, "times").none_because, "");
+  // Five points in 1.9 octaves.
+  const std::vector<CostError> near = {{1, 1}, {1.5, 0.6}, {2, 0.5}, {3, 0.3}, {3.7, 0.2}};
+  EXPECT_TRUE(fit_slope(near));
+  EXPECT_FALSE(slope_of(near, "times").fit);
+  EXPECT_EQ(slope_of(near, "times").none_because, "times span less than a factor of 4");
+  // Far apart, but one error is below the noise of the reference.
+  const std::vector<CostError> two = {{1, 1}, {2, 0.5}, {64, -1e-6}};
+  EXPECT_FALSE(slope_of(two, "times").fit);
+  EXPECT_EQ(slope_of(two, "times").none_because, "fewer than 3 budgets above the reference's noise");
+  EXPECT_FALSE(slope_of({}, "times").fit);
 }
 
 }  // namespace
