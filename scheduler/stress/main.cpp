@@ -19,6 +19,7 @@
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
+#include "scheduler/record/version.h"
 #include "scheduler/stress/backend.h"
 #include "scheduler/stress/run.h"
 #include "scheduler/stress/selection.h"
@@ -100,6 +101,9 @@ ExitCode run(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<Backend> backends = make_backends(options);
   TableContext context;
+  context.host = host_name();
+  context.date = utc_now();
+  context.version = kVersion;
   for (const Backend& backend : backends) context.backends.push_back(describe(backend));
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const std::vector<CaseResult> results =

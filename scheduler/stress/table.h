@@ -22,6 +22,7 @@ bool all_pass(const Counts& counts);
 struct TableContext {
   std::vector<std::string> backends;  ///< descriptions of the backends, or why one is skipped
   double seconds = 0;
+  std::string host, date, version;
 };
 
 /// Numbers with `digits` digits: "1.2345678901234567", "(0.1, 0.2, 0.3)".
@@ -31,7 +32,7 @@ std::string numbers_text(const Numbers& numbers, int digits);
 /// reason, verdict.
 std::string table_text(std::span<const CaseResult> results, const TableContext& context);
 nlohmann::ordered_json table_json(std::span<const CaseResult> results, const TableContext& context);
-/// A self-contained page.
+/// A self-contained page: failures, groups, then all cases with a filter.
 std::string table_html(std::span<const CaseResult> results, const TableContext& context);
 /// The names of cases and why they are hard.
 std::string list_text(std::span<const Case> cases);

@@ -58,6 +58,9 @@ ordered_json case_json(const CaseResult& r) {
 ordered_json table_json(std::span<const CaseResult> results, const TableContext& context) {
   const Counts counts = count(results);
   ordered_json json;
+  json["penumbra"] = context.version;
+  json["host"] = context.host;
+  json["date"] = context.date;
   json["backends"] = context.backends;
   json["seconds"] = context.seconds;
   json["passed"] = counts.passed;

@@ -4,8 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <nlohmann/json.hpp>
+
+#include "tests/scheduler/stress/small_table.h"
 
 namespace penumbra::stress {
 namespace {
@@ -13,47 +14,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct Table {
-  std::vector<Case> cases;
-  std::vector<CaseResult> results;
-  TableContext context;
-};
-
-Outcome outcome(const char* backend, Verdict verdict, double value, double error, const char* note = "") {
-  return {backend, verdict, {value}, error, note, .5};
-}
-
-Table small_table() {
-  Table t;
-  t.cases.push_back({"one/right",
-                     "x < y",
-                     "a quantity",
-                     KernelMeasurement{0, {1, 2}, {}},
-                     {{}, "sum"},
-                     absolute(.5, "rounding")});
-  t.cases.push_back(
-      {"one/wrong", "hard", "another", HostMeasurement{}, {{}, "closed form"}, absolute(.5, "rounding")});
-  t.cases.push_back(
-      {"two/skipped", "far", "a third", KernelMeasurement{}, {{}, "sum"}, absolute(.5, "rounding")});
-  t.results.resize(3);
-  for (std::size_t i = 0; i < 3; ++i) t.results[i].tested = &t.cases[i];
-  t.results[0].verdict = Verdict::kPass;
-  t.results[0].truth = {1.25};
-  t.results[0].allowed = .5;
-  t.results[0].outcomes = {outcome("native", Verdict::kPass, 1.5, .25),
-                           outcome("opencl", Verdict::kPass, 1.5, .25)};
-  t.results[1].verdict = Verdict::kFail;
-  t.results[1].truth = {3};
-  t.results[1].same_bits = false;
-  t.results[1].outcomes = {outcome("native", Verdict::kPass, 3, 0),
-                           outcome("opencl", Verdict::kFail, std::numeric_limits<double>::quiet_NaN(),
-                                   std::numeric_limits<double>::quiet_NaN(), "not a finite number")};
-  t.results[2].verdict = Verdict::kSkipped;
-  t.results[2].outcomes = {outcome("opencl", Verdict::kSkipped, 0, 0, "no OpenCL device")};
-  t.context.backends = {"native", "opencl: a device"};
-  return t;
-}
 
 TEST(Table, CountsEachVerdict) {
   const Table t = small_table();
@@ -74,6 +34,8 @@ TEST(Table, IsDoneOnlyWhenSomethingPassedAndNothingFailed) {
 TEST(Table, JsonReadBack) {
   const Table t = small_table();
   const auto json = nlohmann::json::parse(table_json(t.results, t.context).dump());
+  EXPECT_EQ(json["host"], "<host>");
+  EXPECT_EQ(json["date"], "2026-01-02T03:04:05Z");
   EXPECT_EQ(json["passed"], 1);
   EXPECT_EQ(json["failed"], 1);
   ASSERT_EQ(json["cases"].size(), 3u);
@@ -110,6 +72,38 @@ TEST(Table, HtmlIsOnePageAndEscapesText) {
   EXPECT_THAT(html, Not(HasSubstr("src="))) << "nothing to load";
   EXPECT_THAT(html, Not(HasSubstr("href=")));
   for (const Case& c : t.cases) EXPECT_THAT(html, HasSubstr(c.name));
+}
+
+TEST(Table, HtmlBeginsWithWhereAndWhenAndWhatFailed) {
+  Table t = small_table();
+  const std::string html = table_html(t.results, t.context);
+  EXPECT_THAT(html, HasSubstr("1 passed, 1 failed, 1 skipped</b> in 0.0 s, on &lt;host&gt;, "
+                              "2026-01-02T03:04:05Z, Penumbra 1.2."));
+  const std::size_t failed = html.find("Failed: 1");
+  EXPECT_LT(failed, html.find("one/wrong"));
+  EXPECT_LT(html.find("one/wrong"), html.find("one/right"));
+  EXPECT_THAT(html, Not(HasSubstr("No case failed")));
+  t.results.erase(t.results.begin() + 1);
+  const std::string good = table_html(t.results, t.context);
+  EXPECT_THAT(good, AllOf(HasSubstr("No case failed"), Not(HasSubstr("Failed:"))));
+}
+
+TEST(Table, HtmlHasABarOfTheLargestErrorOverTheAllowedForEachGroup) {
+  Table t = small_table();
+  const auto groups = [&] {
+    const std::string html = table_html(t.results, t.context);
+    const std::size_t begin = html.find("<h2>Groups</h2>");
+    return html.substr(begin, html.find("<h2>Cases</h2>") - begin);
+  };
+  // The error of one/wrong is no number: the bar is full and red.
+  EXPECT_THAT(groups(), AllOf(HasSubstr("class=\"over\" style=\"width:100%\""), HasSubstr("–, one/wrong")));
+  t.results[1].outcomes[1].error = .6;
+  EXPECT_THAT(groups(), HasSubstr("∞, one/wrong")) << "none is allowed";
+  t.results[1].allowed = .5;
+  EXPECT_THAT(groups(),
+              AllOf(HasSubstr("class=\"over\" style=\"width:100%\""), HasSubstr("120 %, one/wrong")));
+  t.results.erase(t.results.begin() + 1);
+  EXPECT_THAT(groups(), AllOf(HasSubstr("<span style=\"width:50%\""), HasSubstr("50 %, one/right")));
 }
 
 TEST(Table, NumbersKeepTheirDigits) {
