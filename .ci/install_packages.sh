@@ -9,6 +9,7 @@
 #        plots    the plots of penumbra report
 #        tests    what the tests need beside those: a screen in memory; NumPy, OpenImageIO and pytest for Python (6 MB to
 #                 fetch, 30 MB installed)
+#        browser  Chromium, in which the tests look at pages
 #        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
 #        checks   formatter, sanitizers' runtime and symbolizer
 set -euo pipefail
@@ -32,6 +33,7 @@ declare -A lists=(
   [plots]="gnuplot-nox"
   [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri
     python3-numpy python3-openimageio python3-pytest"
+  [browser]="chromium"
   [slurm]="slurm-wlm munge"
   [checks]="clang-format libclang-rt-19-dev llvm-19"
 )
@@ -40,7 +42,7 @@ if (($# == 0)); then set -- build window; fi
 packages=()
 for list in "$@"; do
   if [[ -z ${lists[$list]:-} ]]; then
-    echo "install_packages: there is no list '$list'; the lists are: build window opencl plots tests slurm checks" >&2
+    echo "install_packages: there is no list '$list'; the lists are: build window opencl plots tests browser slurm checks" >&2
     exit 2
   fi
   read -ra names <<<"$(echo ${lists[$list]})"
