@@ -35,22 +35,21 @@ ImageErrors mean_errors(const std::vector<ImageResult>& images) {
   return mean;
 }
 
-/// The points that tell of rendering rather than of starting: a time shorter than the start is mostly that of
-/// waking threads and first requests.
-std::vector<CostError> long_enough(const std::vector<CostError>& points, double startup) {
+/// The points that tell of rendering rather than of starting.
+std::vector<CostError> long_enough(const std::vector<CostError>& points, double shortest) {
   std::vector<CostError> kept;
   for (const CostError& point : points) {
-    if (point.cost >= startup) kept.push_back(point);
+    if (point.cost >= shortest) kept.push_back(point);
   }
   return kept;
 }
 
-Slope slope_over_time(const std::vector<CostError>& points, double startup) {
-  const std::vector<CostError> kept = long_enough(points, startup);
+Slope slope_over_time(const std::vector<CostError>& points, double shortest) {
+  const std::vector<CostError> kept = long_enough(points, shortest);
   Slope slope = slope_of(kept, "times");
   if (!slope.fit && kept.size() < points.size()) {
-    slope.none_because = fmt::format("{} of {} budgets take less time than the start, {:.2g} s",
-                                     points.size() - kept.size(), points.size(), startup);
+    slope.none_because = fmt::format("{} of {} budgets are too short to time, below {:.2g} s",
+                                     points.size() - kept.size(), points.size(), shortest);
   }
   return slope;
 }
@@ -64,7 +63,7 @@ void find_efficiency(const ReportData& report, Curve& curve) {
   if (!curve.no_efficiency.empty()) return;
   double sum = 0;
   int count = 0;
-  for (const CostError& point : long_enough(over_time(report, curve, false), startup_seconds(curve))) {
+  for (const CostError& point : long_enough(over_time(report, curve, false), shortest_timed(curve))) {
     if (!(point.cost > 0 && point.error > 0)) continue;
     sum -= std::log(point.cost * point.error);
     ++count;
@@ -165,18 +164,21 @@ double error_at_time(const ReportData& report, const Curve& curve, double second
   return std::nan("");
 }
 
-double startup_seconds(const Curve& curve) {
-  std::vector<double> seconds;
+double shortest_timed(const Curve& curve) {
+  std::vector<double> start, workers;
   for (const CurvePoint& point : curve.points)
-    for (const ImageResult& image : point.images)
-      seconds.push_back(image.seconds.build + image.seconds.transfer);
-  return curve.name.peer ? 0 : median(std::move(seconds));
+    for (const ImageResult& image : point.images) {
+      start.push_back(image.seconds.build + image.seconds.transfer);
+      workers.push_back(image.seconds.transfer);
+    }
+  if (curve.name.peer) return 0;
+  return std::max(median(std::move(start)), kStartsOfWorkers * median(std::move(workers)));
 }
 
 void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve) {
-  const double startup = startup_seconds(curve);
-  curve.mse_over_time = slope_over_time(over_time(report, curve, false), startup);
-  curve.relmse_over_time = slope_over_time(over_time(report, curve, true), startup);
+  const double shortest = shortest_timed(curve);
+  curve.mse_over_time = slope_over_time(over_time(report, curve, false), shortest);
+  curve.relmse_over_time = slope_over_time(over_time(report, curve, true), shortest);
   curve.mse_over_spp = slope_of(over_spp(curve, false), "samples");
   curve.relmse_over_spp = slope_of(over_spp(curve, true), "samples");
   curve.to_target.clear();

@@ -5,6 +5,7 @@
 #include "kernels/host/text.h"
 #include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/report/curve_builder.h"
 #include "scheduler/report/plot_svg.h"
 
 namespace penumbra {
@@ -79,8 +80,10 @@ std::string method_html(const ReportData& report) {
       "scenes.</p>\n"
       "<p>Slopes are least-squares fits of log error over log T through the points of a curve, with a 95 % "
       "confidence interval by Student's t: −1 is what independent samples give. Budgets that take less time "
-      "than the start (reading, building, starting workers) do not count for slopes over T, and there is no "
-      "slope for fewer than {} budgets or a span below a factor of {:g}. Efficiency, 1 / (MSE T), is one "
+      "than the start (reading, building, starting workers), or less than {:g} times what starting the "
+      "workers "
+      "takes, do not count for slopes over T; there is no slope for fewer than {} budgets, or a span below a "
+      "factor of {:g}. Efficiency, 1 / (MSE T), is one "
       "number for a curve only where its slope is −1, and is left out elsewhere. Times to a target are "
       "interpolated between budgets, never extrapolated; the fastest is bold where it is certain.</p>\n"
       "<p>Bias² and variance are separated over the seeds without bias: mean of (x̄ − A)(x̄ − B) − s²/R. Every "
@@ -90,7 +93,7 @@ std::string method_html(const ReportData& report) {
       report.total_time ? "the total time: reading, building, starting workers, rendering"
                         : "the render time: from the first worker being ready to the last result, without "
                           "reading and building the scene, starting workers and compiling kernels",
-      report.epsilon, kFewestFitPoints, kSmallestSpan);
+      report.epsilon, kStartsOfWorkers, kFewestFitPoints, kSmallestSpan);
 }
 
 std::string reference_html(const SceneReport& scene) {

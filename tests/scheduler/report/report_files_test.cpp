@@ -227,23 +227,42 @@ TEST(Plots, TicksOfPowersOfTen) {
 }
 
 TEST(Slopes, AreNotClaimedFromRunsShorterThanTheStart) {
+  // Starts of 3.5 s, all of it building; and starting workers in a fourth of that.
+  for (const auto& [build, transfer] : {std::pair{3.5, 0.0}, {0.0, 0.875}}) {
+    ReportData report = some_report();
+    Curve& curve = report.scenes[0].curves[0];
+    const auto start = [&, build = build, transfer = transfer] {
+      for (CurvePoint& point : curve.points)
+        for (ImageResult& image : point.images) {
+          image.seconds.build = build;
+          image.seconds.transfer = transfer;
+        }
+      finish_curve(report, report.scenes[0].targets, curve);
+    };
+    start();
+    EXPECT_EQ(shortest_timed(curve), 3.5);
+    // The runs of 1 and 2 s do not count, and two are left.
+    EXPECT_FALSE(curve.mse_over_time.fit);
+    EXPECT_EQ(curve.mse_over_time.none_because, "2 of 4 budgets are too short to time, below 3.5 s");
+    EXPECT_FALSE(curve.efficiency);
+    EXPECT_EQ(curve.no_efficiency, "no slope");
+    EXPECT_TRUE(curve.mse_over_spp.fit) << "samples are counted, not timed";
+    EXPECT_THAT(report_html(report), HasSubstr("no slope: 2 of 4 budgets are too short to time"));
+    // With longer runs the same curve has a slope, from those.
+    curve.points.push_back(point_of(16, 16, 1.0 / 16));
+    start();
+    ASSERT_TRUE(curve.mse_over_time.fit) << curve.mse_over_time.none_because;
+    EXPECT_EQ(curve.mse_over_time.fit->points, 3);
+  }
+}
+
+TEST(Slopes, OfPeersCountAllRuns) {
   ReportData report = some_report();
-  Curve& curve = report.scenes[0].curves[0];
-  // Starts of 3.5 s: the runs of 1 and 2 s do not count, and two are left.
-  for (CurvePoint& point : curve.points)
-    for (ImageResult& image : point.images) image.seconds.transfer = 3.5 - image.seconds.build;
-  finish_curve(report, report.scenes[0].targets, curve);
-  EXPECT_FALSE(curve.mse_over_time.fit);
-  EXPECT_EQ(curve.mse_over_time.none_because, "2 of 4 budgets take less time than the start, 3.5 s");
-  EXPECT_FALSE(curve.efficiency);
-  EXPECT_EQ(curve.no_efficiency, "no slope");
-  EXPECT_TRUE(curve.mse_over_spp.fit) << "samples are counted, not timed";
-  EXPECT_THAT(report_html(report), HasSubstr("no slope: 2 of 4 budgets take less time"));
-  // With longer runs the same curve has a slope, from those.
-  curve.points.push_back(point_of(16, 16, 1.0 / 16));
-  finish_curve(report, report.scenes[0].targets, curve);
-  ASSERT_TRUE(curve.mse_over_time.fit) << curve.mse_over_time.none_because;
-  EXPECT_EQ(curve.mse_over_time.fit->points, 3);
+  Curve& peer = report.scenes[0].curves[2];
+  for (const double seconds : {0.01, 0.02, 0.04}) peer.points.push_back(point_of(0, seconds, 1 / seconds));
+  finish_curve(report, report.scenes[0].targets, peer);
+  ASSERT_TRUE(peer.mse_over_time.fit);
+  EXPECT_EQ(peer.mse_over_time.fit->points, 4);
 }
 
 TEST(SummaryTable, HoldsTimesAsTheyWereMeasured) {
