@@ -40,7 +40,13 @@ PENUMBRA_NAMESPACE_BEGIN
   X(MEDIA, "participating media")                                      \
   X(LIGHT_EDGES, "edges of lights that the camera sees")               \
   X(PHOTONS, "photon maps")                                            \
-  X(DENOISING, "half buffers and variances of layers, for denoising")
+  X(DENOISING, "half buffers and variances of layers, for denoising")  \
+  X(POSITION_LAYER, "position layer")                                  \
+  X(UV_LAYER, "layer of texture coordinates")                          \
+  X(GEOMETRIC_NORMAL_LAYER, "geometric normal layer")                  \
+  X(SHAPE_LAYER, "layer of shape IDs")                                 \
+  X(DIRECT_LAYER, "direct light layer")                                \
+  X(INDIRECT_LAYER, "indirect light layer")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

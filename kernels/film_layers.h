@@ -10,8 +10,10 @@ PENUMBRA_NAMESPACE_BEGIN
 // X(NAME, planes, needs, samples, mean, layer, channels), in the order of the planes:
 //   needs     a scene has the layer if it has all of these features
 //   samples   the slot field (block/path_state.h) that is averaged; 0: another stage writes the plane
-//   mean      FILTERED: weighted by the film's filter, or UNFILTERED
-//   layer, channels   name in images and letters of the channels, see scheduler/record/film_image.h
+//   mean      FILTERED: weighted by the film's filter, UNFILTERED, or FIRST_SAMPLE: the pixel's first sample
+//             alone
+//   layer, channels   name in images and letters of the channels; the channel of a single plane may have a
+//                     longer name; see scheduler/record/film_image.h
 #define PENUMBRA_FILM_LAYERS(X)                                                                              \
   /* reflectance at the first hit, 0 where nothing is hit */                                                 \
   X(ALBEDO, 3, FEATURE_LAYERS, slots->albedo, FILTERED, "albedo", "RGB")                                     \
@@ -39,11 +41,33 @@ PENUMBRA_NAMESPACE_BEGIN
   X(HALF_SHARE, 1, FEATURE_DENOISING, 0, UNFILTERED, "", "")                                                 \
   /* fraction of samples that hit a surface or a visible sky. It is not filtered: with filter weights a      \
      fully covered pixel would have alpha 1 only in expectation */                                           \
-  X(COVERAGE, 1, FEATURE_COVERAGE, slots->coverage, UNFILTERED, "", "A")
+  X(COVERAGE, 1, FEATURE_COVERAGE, slots->coverage, UNFILTERED, "", "A")                                     \
+  /* Layers on demand, see LAYERS_ON_DEMAND. The first hit in world space, 0 where nothing is hit */         \
+  X(POSITION, 3, FEATURE_POSITION_LAYER, slots->position, FILTERED, "position", "XYZ")                       \
+  /* texture coordinates of the first hit */                                                                 \
+  X(UV, 2, FEATURE_UV_LAYER, slots->uv, FILTERED, "uv", "UV")                                                \
+  /* world-space normal of the geometry at the first hit, on the camera's side */                            \
+  X(GEOMETRIC_NORMAL, 3, FEATURE_GEOMETRIC_NORMAL_LAYER, slots->geometric_normal, FILTERED,                  \
+    "geometric_normal", "XYZ")                                                                               \
+  /* number of the shape that the first sample hits, from 1 on; 0: nothing. Means of numbers would be        \
+     numbers of other shapes */                                                                              \
+  X(SHAPE, 1, FEATURE_SHAPE_LAYER, slots->shape, FIRST_SAMPLE, "shape", "ID")                                \
+  /* light of paths that scatter at most once, and of the others. Their sum is the radiance */               \
+  X(DIRECT, 3, FEATURE_DIRECT_LAYER, slots->direct, FILTERED, "direct", "RGB")                               \
+  X(INDIRECT, 3, FEATURE_INDIRECT_LAYER, slots->indirect, FILTERED, "indirect", "RGB")
+
+#define UNFILTERED 0
+#define FILTERED 1
+#define FIRST_SAMPLE 2
 
 #define ENUMERATE_LAYER(NAME, planes, needs, samples, mean, layer, channels) LAYER_##NAME,
 enum { PENUMBRA_FILM_LAYERS(ENUMERATE_LAYER) FILM_LAYERS };
 #undef ENUMERATE_LAYER
+
+/// The features of layers that a scene has only if they are asked for.
+#define LAYERS_ON_DEMAND                                                                              \
+  (FEATURE_POSITION_LAYER | FEATURE_UV_LAYER | FEATURE_GEOMETRIC_NORMAL_LAYER | FEATURE_SHAPE_LAYER | \
+   FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)
 
 /// The planes that every result has before its layers: mean radiance (3) and its standard deviation (3).
 #define RADIANCE_PLANES 6

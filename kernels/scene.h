@@ -44,6 +44,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 // Whether lights are chosen through the light hierarchy. If so, the scene has its tables.
 #define NEEDS_LIGHT_TREE(scene) \
   (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
+// Whether direct and indirect light are told apart.
+#define NEEDS_SPLIT_LIGHT(scene) (NEEDS(scene, DIRECT_LAYER) || NEEDS(scene, INDIRECT_LAYER))
 // Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
 // Whether the scene has photon maps. If so, `photons` are they.

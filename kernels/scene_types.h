@@ -104,6 +104,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define NO_MATTE 0           // matte number of rays that hit nothing
 #define MAX_MATTES 16777215  // floats hold numbers up to here exactly
+#define MAX_SHAPES 16777215  // likewise
 
 #define BVH_WIDTH 8               // children of a node, or primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples per camera ray
@@ -511,6 +512,8 @@ PENUMBRA_NAMESPACE_BEGIN
   /* In a group they start at 0 and are added to the instance's first number. */      \
   T(A, mattes, int, 1, "mattes of primitives")                                        \
   T(A, instance_mattes, int, 1, "first mattes of instances")                          \
+  /* FEATURE_SHAPE_LAYER: shape numbers of triangles, then of quadrics, from 1 on. */ \
+  T(A, primitive_shapes, int, 1, "shapes of primitives")                              \
   /* FEATURE_MEDIA: boundary index of each triangle, then of each quadric, or -1. */  \
   T(A, media, Medium, 1, "media")                                                     \
   T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                        \
@@ -588,6 +591,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, light_tree_depth)  /* steps from there to the deepest leaf */                            \
   F(int, light_leaf_steps)  /* steps to find a light in a leaf; 0: one light per leaf */          \
   F(int, matte_count)       /* FEATURE_MATTES: the largest matte number */                        \
+  F(int, shape_count)       /* FEATURE_SHAPE_LAYER: the largest number of a shape */              \
+  F(vec3, center)           /* FEATURE_POSITION_LAYER: the scene's centre in the world */         \
   F(int, camera_medium)     /* index of the medium that the camera is in */                       \
   F(int, dropped_triangles) /* degenerate in single precision: left out, and reported */          \
   F(uint, edges_camera)     /* FEATURE_LIGHT_EDGES: camera_key of the camera of these tables */   \

@@ -101,6 +101,9 @@ enum class PixelFormat { kRgb, kRgba };
 /// else.
 enum class Denoise { kOff, kLayers, kNlMeans, kNfor, kOidn };
 
+/// Layers that an image has only if they are asked for.
+enum class AskedLayer { kPosition, kUv, kGeometricNormal, kShape, kDirect, kIndirect };
+
 struct Film {
   int width = 768;
   int height = 576;
@@ -116,7 +119,8 @@ struct Film {
   bool closed_light_edges = true;  ///< visible edges of lights are integrated without noise where possible
   bool alpha = false;              ///< the image has an alpha channel
   Denoise denoise = Denoise::kOff;
-  bool half = false;  ///< colours in EXR files have 16 bits
+  std::vector<AskedLayer> layers{};  ///< ascending, each once
+  bool half = false;                 ///< colours in EXR files have 16 bits
   ExrCompression compression = ExrCompression::kZip;
 };
 

@@ -64,6 +64,17 @@ void add_file_rows(std::vector<Setting>& table) {
       &Film::denoise,
       "denoised image beside the image, and the layers that this needs; layers: these alone, for penumbra "
       "denoise");
+  add("film.layers",
+      SomeOf<AskedLayer>{{{"position", AskedLayer::kPosition},
+                          {"uv", AskedLayer::kUv},
+                          {"geometric_normal", AskedLayer::kGeometricNormal},
+                          {"shape", AskedLayer::kShape},
+                          {"direct", AskedLayer::kDirect},
+                          {"indirect", AskedLayer::kIndirect}}},
+      &Film::layers,
+      "further layers of the image: where camera rays hit, texture coordinates and geometric normal there, "
+      "the "
+      "shape's ID; light of at most one bounce, and all other");
   add("film.component_format", OneOf<bool>{{{"float32", false}, {"float16", true}}}, &Film::half,
       "precision of an EXR's colours and normals; variance, depth and counts keep 32 bits");
   add("film.compression",

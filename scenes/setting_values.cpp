@@ -76,4 +76,18 @@ Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::s
   return fail(fmt::format("'{}' is not one of: {}{}", name, list_names(names), suggestion(name, names)));
 }
 
+Expected<std::vector<bool>> parse_names(std::string_view text, const std::vector<std::string>& names) {
+  std::vector<bool> chosen(names.size());
+  if (trim(text) == "none") return chosen;
+  const auto entries = split_list(text);
+  if (!entries) return std::unexpected(entries.error());
+  if (entries->empty()) return fail("no name is given; 'none' stands for none");
+  for (const std::string_view entry : *entries) {
+    const auto index = parse_name(entry, names);
+    if (!index) return std::unexpected(index.error());
+    chosen[*index] = true;
+  }
+  return chosen;
+}
+
 }  // namespace penumbra

@@ -63,6 +63,10 @@ struct TrueOrFalse {
 /// The index of the name. Errors: an unknown name; the message lists the names and suggests the nearest.
 Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names);
 
+/// Whether each of the names is in a list, whose names are separated by commas; none is in "none". Errors: an
+/// unknown name, as for parse_name.
+Expected<std::vector<bool>> parse_names(std::string_view text, const std::vector<std::string>& names);
+
 /// One of several values by name. If two names have the same value, the first is printed.
 template <typename T>
 struct OneOf {
@@ -84,6 +88,34 @@ struct OneOf {
     for (const auto& [name, known] : choices)
       if (known == value) return name;
     return "?";
+  }
+};
+
+/// Any of several values by name, separated by commas; "none" for none of them.
+template <typename T>
+struct SomeOf {
+  std::vector<std::pair<const char*, T>> choices;
+
+  static constexpr SettingKind kKind = SettingKind::kText;
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, value] : choices) result.emplace_back(name);
+    return result;
+  }
+  [[nodiscard]] std::string values() const { return "none, or some of " + list_names(names()); }
+  /// In the order of the choices, each once.
+  [[nodiscard]] Expected<std::vector<T>> parse(std::string_view text) const {
+    const auto chosen = parse_names(text, names());
+    if (!chosen) return std::unexpected(chosen.error());
+    std::vector<T> result;
+    for (std::size_t i = 0; i < choices.size(); ++i)
+      if ((*chosen)[i]) result.push_back(choices[i].second);
+    return result;
+  }
+  [[nodiscard]] std::string print(const std::vector<T>& some) const {
+    std::string text;
+    for (const T& value : some) text += (text.empty() ? "" : ",") + OneOf<T>{choices}.print(value);
+    return text.empty() ? "none" : text;
   }
 };
 

@@ -34,7 +34,7 @@ struct Setting {
   std::function<bool(const RenderSettings&)> is_there = {};
   /// Whether the image depends on an existing setting. Empty: it does.
   std::function<bool(const RenderSettings&)> matters = {};
-  /// The accepted names; empty: the value is not one of several names.
+  /// The accepted names, also of a list of names; empty: the value is neither.
   std::vector<std::string> choices = {};
   std::string option = {};  ///< the equivalent option of the command line: "spp"
   bool recorded = false;    ///< stored in a render's record; settings of the camera are not

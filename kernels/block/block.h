@@ -178,6 +178,12 @@ STAGE void clear_control(const PRIVATE PathState* paths, int i) {
     }
 }
 
+/// For integrators that do not note it.
+STAGE void clear_direct(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_direct(paths, j, make_vec3(0.0f, 0.0f, 0.0f));
+}
+
 CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, int channel, const PRIVATE PathState* paths,
                         const PRIVATE SlotState* slots) {
@@ -190,6 +196,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
+    if (NEEDS_SPLIT_LIGHT(scene)) clear_direct(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
     if (NEEDS_PHOTONS(scene)) start_chains(paths, i);
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);

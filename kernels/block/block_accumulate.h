@@ -101,31 +101,29 @@ STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRI
     for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
 }
 
-// The values of a sample: its radiance, then those layers with a slot field that are FILTERED, or those that
-// are not.
+// The values of a sample: its radiance, then those layers with a slot field that are FILTERED, or those of
+// another mean.
 #define RADIANCE_VALUES 3
-#define FILTERED 1
-#define UNFILTERED 0
 
 typedef struct {
   GLOBAL float* samples;  ///< an array over the slots; 0: there is no such value
   int plane;              ///< the plane that gets their mean
 } SampleValue;
 
-/// The k-th value of the layers of that kind.
-FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int filtered, int k) {
+/// The k-th value of the layers of that mean.
+FN SampleValue layer_value(const PRIVATE SlotState* slots, ulong features, int wanted, int k) {
   SampleValue value;
   value.samples = 0;
   value.plane = 0;
-#define TAKE_LAYER(NAME, planes, needs, field, mean, layer, channels)                              \
-  {                                                                                                \
-    GLOBAL float* field_of_layer = field;                                                          \
-    const bool there = field_of_layer != 0 && mean == filtered && LAYER_IS_THERE(features, needs); \
-    if (there && k >= 0 && k < planes) {                                                           \
-      value.samples = field_of_layer + k * slots->capacity;                                        \
-      value.plane = layer_plane(features, LAYER_##NAME) + k;                                       \
-    }                                                                                              \
-    k -= there ? planes : 0;                                                                       \
+#define TAKE_LAYER(NAME, planes, needs, field, mean, layer, channels)                            \
+  {                                                                                              \
+    GLOBAL float* field_of_layer = field;                                                        \
+    const bool there = field_of_layer != 0 && mean == wanted && LAYER_IS_THERE(features, needs); \
+    if (there && k >= 0 && k < planes) {                                                         \
+      value.samples = field_of_layer + k * slots->capacity;                                      \
+      value.plane = layer_plane(features, LAYER_##NAME) + k;                                     \
+    }                                                                                            \
+    k -= there ? planes : 0;                                                                     \
   }
   PENUMBRA_FILM_LAYERS(TAKE_LAYER)
 #undef TAKE_LAYER
@@ -140,6 +138,12 @@ FN SampleValue filtered_value(const PRIVATE SlotState* slots, ulong features, in
   return k < RADIANCE_VALUES ? radiance : layer_value(slots, features, FILTERED, k - RADIANCE_VALUES);
 }
 
+/// Whether the k-th filtered value is light: the radiance, or a part of it.
+FN bool is_light(ulong features, int k, int plane) {
+  return k < RADIANCE_VALUES ||
+         (plane >= layer_plane(features, LAYER_DIRECT) && plane < layer_plane(features, LAYER_INDIRECT + 1));
+}
+
 /// Whether any of `count` neighbouring values is NaN or infinite.
 STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
   uint bad = 0u;
@@ -152,7 +156,7 @@ STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
 }
 
 /// Counts samples with a NaN or infinity in a filtered value in `bad`, which has BAD_KINDS entries. Their
-/// radiance becomes 0, and so does each non-finite value of their layers.
+/// light becomes 0, and so does each non-finite value of their other layers.
 STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch, int first_pixel, int pixels,
                       int count, GLOBAL BadSamples* RESTRICT bad) {
   for (int p = 0; p < pixels; p++)
@@ -167,10 +171,11 @@ STAGE void remove_bad(const PRIVATE SlotState* slots, ulong features, int pitch,
       note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i, 0u);
       note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i, 0u);
       for (int k = 0; filtered_value(slots, features, k).samples != 0; k++) {
-        GLOBAL float* value = filtered_value(slots, features, k).samples + slot;
+        const SampleValue of_sample = filtered_value(slots, features, k);
+        GLOBAL float* value = of_sample.samples + slot;
         const uint bits = FLOAT_BITS(*value);
         const bool own = is_nan_bits(bits) | is_infinite_bits(bits);
-        *value = (k < RADIANCE_VALUES ? nan | infinite : own) ? 0.0f : *value;
+        *value = (is_light(features, k, of_sample.plane) ? nan | infinite : own) ? 0.0f : *value;
       }
     }
 }
@@ -265,6 +270,10 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   for (int k = 0; layer_value(slots, features, UNFILTERED, k).samples != 0; k++) {
     const SampleValue value = layer_value(slots, features, UNFILTERED, k);
     accumulate_field(value.samples, pitch, pixels, n, out + value.plane * area + first_pixel, 0, 0.0f);
+  }
+  for (int k = 0; layer_value(slots, features, FIRST_SAMPLE, k).samples != 0; k++) {
+    const SampleValue value = layer_value(slots, features, FIRST_SAMPLE, k);
+    for (int p = 0; p < pixels; p++) out[value.plane * area + first_pixel + p] = value.samples[p];
   }
 }
 

@@ -82,6 +82,23 @@ FN vec3 with_channel(vec3 known, vec3 found, int channel) {
                    channel == 2 ? found.z : known.z);
 }
 
+/// Writes direct and indirect light of a finished path, of one channel or of EVERY_CHANNEL, to its slot.
+FN void finish_split_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
+                           const PRIVATE SlotState* slots) {
+  const int slot = get_slot(paths, i);
+  const vec3 all = get_radiance(paths, i);
+  const vec3 direct = select3(get_depth(paths, i) <= 1, all, get_direct(paths, i));
+  // Infinities count as such, not as the NaN of their difference.
+  const vec3 indirect = select3(is_finite3(direct), sub(all, direct), all);
+  const bool every = channel == EVERY_CHANNEL;
+  if (NEEDS(scene, DIRECT_LAYER))
+    set_slot_direct(slots, slot,
+                    every ? direct : with_channel(get_slot_direct(slots, slot), direct, channel));
+  if (NEEDS(scene, INDIRECT_LAYER))
+    set_slot_indirect(slots, slot,
+                      every ? indirect : with_channel(get_slot_indirect(slots, slot), indirect, channel));
+}
+
 /// Writes one channel of a finished path to its slot, see camera_channels.
 FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool polygons,
                        const PRIVATE SlotState* slots) {
@@ -136,6 +153,8 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
       set_slot_analytic(slots, slot, get_analytic(paths, i));
     }
   }
+  if (NEEDS_SPLIT_LIGHT(scene) && channel != NO_CHANNEL)
+    for (int m = 0; m < gone; m++) finish_split_light(scene, paths, finished[m], channel, slots);
   if (NEEDS_MEDIA(scene) && channel != NO_CHANNEL)
     for (int m = 0; m < gone; m++) finish_crossings(paths, finished[m], channel, slots);
   if (gone > 0 && left > 0) close_gaps(SCENE_FEATURES(&scene->header), paths, count, left);

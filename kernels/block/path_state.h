@@ -13,6 +13,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define EVERY_SCENE FEATURE_ALL
 #define NEVER 0u
 #define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
+#define SPLIT_LIGHT (FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)
 // A field is needed by any of its features; with ALL_OF, only by all of them together.
 #define ALL_OF(features) ((ulong)1 << 63 | (features))
 
@@ -39,6 +40,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* the path */                                                                                                      \
   X(vec3, throughput, EVERY_SCENE, EVERY_SCENE)                                                                       \
   X(vec3, radiance, EVERY_SCENE, EVERY_SCENE)           /* found so far */                                            \
+  X(vec3, direct, SPLIT_LIGHT, SPLIT_LIGHT)             /* of it before the second scattering: see note_direct */     \
   X(int, depth, EVERY_SCENE, EVERY_SCENE)               /* number of surfaces that scattered it */                    \
   X(float, eta, FEATURE_TRANSMISSION, FEATURE_TRANSMISSION) /* relative to the refractive index at the camera */      \
   X(int, slot, EVERY_SCENE, EVERY_SCENE)                /* the slot of its sample */                                  \
@@ -133,18 +135,24 @@ PENUMBRA_NAMESPACE_BEGIN
 #define STACKED_FIELDS(X) BRANCH_FIELDS(STACKED_FIELD, X)
 
 // The fields of a finished path's sample, indexed by its slot.
-#define SLOT_FIELDS(X)                                                \
-  X(float, filter_weight, EVERY_SCENE, NEVER) /* of the sample */     \
-  X(vec3, sample, EVERY_SCENE, NEVER)         /* radiance */          \
-  X(vec3, albedo, FEATURE_LAYERS, NEVER)                              \
-  X(vec3, normal, FEATURE_LAYERS, NEVER)                              \
-  X(float, distance, FEATURE_LAYERS, NEVER)                           \
-  X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */            \
-  X(int, contradiction, FEATURE_MEDIA, NEVER) /* as of paths */       \
-  X(int, matte, FEATURE_MATTES, NEVER)        /* see record_mattes */ \
-  X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                          \
-  X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                        \
-  X(vec3, analytic, FEATURE_POLYGONS, NEVER)
+#define SLOT_FIELDS(X)                                                 \
+  X(float, filter_weight, EVERY_SCENE, NEVER) /* of the sample */      \
+  X(vec3, sample, EVERY_SCENE, NEVER)         /* radiance */           \
+  X(vec3, albedo, FEATURE_LAYERS, NEVER)                               \
+  X(vec3, normal, FEATURE_LAYERS, NEVER)                               \
+  X(float, distance, FEATURE_LAYERS, NEVER)                            \
+  X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */             \
+  X(int, contradiction, FEATURE_MEDIA, NEVER) /* as of paths */        \
+  X(int, matte, FEATURE_MATTES, NEVER)        /* see record_mattes */  \
+  X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                           \
+  X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                         \
+  X(vec3, analytic, FEATURE_POLYGONS, NEVER)                           \
+  X(vec3, position, FEATURE_POSITION_LAYER, NEVER)                     \
+  X(vec3, uv, FEATURE_UV_LAYER, NEVER)        /* the third is 0 */     \
+  X(vec3, geometric_normal, FEATURE_GEOMETRIC_NORMAL_LAYER, NEVER)     \
+  X(float, shape, FEATURE_SHAPE_LAYER, NEVER) /* number of a shape */  \
+  X(vec3, direct, FEATURE_DIRECT_LAYER, NEVER)                         \
+  X(vec3, indirect, FEATURE_INDIRECT_LAYER, NEVER)
 // clang-format on
 
 /// Whether a scene with these features has a field that `needs` them; whether the field is moved.

@@ -10,7 +10,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x53424e50;  // "PNBS"
-constexpr std::uint32_t kVersion = 9;
+constexpr std::uint32_t kVersion = 10;
 
 struct Preamble {
   std::uint32_t magic = kMagic;

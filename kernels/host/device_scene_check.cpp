@@ -146,6 +146,7 @@ class Checker {
     check_uvs();
     check_instances();
     check_mattes();
+    check_layers();
     check_media();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
@@ -410,6 +411,25 @@ class Checker {
       check(groups[g].first_triangle, groups[g].triangle_count, added[g]);
       check(t.triangles.count + groups[g].first_quadric, groups[g].quadric_count, added[g]);
     }
+  }
+
+  /// Checks what layers on demand read.
+  void check_layers() {
+    const TableSpans& t = h_.tables;
+    const vec3& c = h_.center;
+    require(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z), "a centre that is nowhere");
+    require(has(FEATURE_UV) || !has(FEATURE_UV_LAYER), "a layer of texture coordinates without coordinates");
+    require(!has(FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER) ||
+                (h_.integrator.kind == INTEGRATOR_PATH && !has(FEATURE_PHOTONS) &&
+                 h_.integrator.estimator == ESTIMATOR_SAMPLES),
+            "an integrator that cannot tell direct from indirect light");
+    const bool shapes = has(FEATURE_SHAPE_LAYER);
+    require(t.primitive_shapes.count == (shapes ? std::int64_t{t.triangles.count} + t.quadrics.count : 0),
+            "shapes do not match the primitives");
+    require(in(h_.shape_count, 0, shapes ? MAX_SHAPES : 0), "an implausible number of shapes");
+    if (!problem_.empty()) return;
+    for (const int shape : table<int>(scene_, t.primitive_shapes))
+      require(in(shape, 1, h_.shape_count), "a primitive names a shape that is not there");
   }
 
   /// Checks the tables that the environment map reads, see envmap_light.h.

@@ -51,8 +51,15 @@ class FilmLayers {
 /// Name and number of planes of a layer.
 struct FilmLayerInfo {
   std::string_view name;      ///< prefix of its channel names in an image, before a dot; may be empty
-  std::string_view channels;  ///< one letter each; empty if the layer is not shown by itself
+  std::string_view channels;  ///< a letter for each plane, or the name of the only one; empty: not shown
   int planes;
+
+  /// The number of channels in an image; 0 if the layer is not shown by itself.
+  [[nodiscard]] constexpr int shown() const { return channels.empty() ? 0 : planes; }
+  /// The name of one of them without the prefix.
+  [[nodiscard]] constexpr std::string_view channel(int plane) const {
+    return planes == 1 ? channels : channels.substr(std::size_t(plane), 1);
+  }
 };
 #define LAYER_INFO(NAME, planes, needs, samples, mean, layer, channels) \
   FilmLayerInfo{layer, channels, planes},

@@ -38,6 +38,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (NEEDS(scene, PARTS) && finds) drop_found_parts(scene, paths, i, &step.found);
     if (NEEDS_PHOTONS(scene) && finds) drop_photon_emission(paths, i, &step.found);
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
+    if (NEEDS_SPLIT_LIGHT(scene) && vertices == 1) note_direct(paths, i);
     if (!scatters) {
       end_paths(paths, i);
       continue;

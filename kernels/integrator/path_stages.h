@@ -135,6 +135,13 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
+/// Notes the light that paths have found before they scatter a second time: emission that the camera sees,
+/// and all light that scattered once.
+STAGE void note_direct(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_direct(paths, j, get_radiance(paths, j));
+}
+
 /// Adds the emission of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The
 /// surfaces are as seen from where the rays started.
 FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,

@@ -174,6 +174,49 @@ STAGE void record_mattes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
   }
 }
 
+/// World-space positions of the camera rays' hits.
+STAGE void record_positions(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
+  const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f), center = scene->header.center;
+  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are scattered
+    const Surface s = load_surface(surfaces, j);
+    set_slot_position(slots, get_slot(paths, i + j), select3(is_hit(s), add(s.p, center), zero));
+  }
+}
+
+/// Their texture coordinates. Those of a file that are not finite do not spoil the sample.
+STAGE void record_uvs(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE PathState* paths, int i,
+                      const PRIVATE SlotState* slots) {
+  const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
+  for (int j = 0; j < LANES; j++) {
+    const Surface s = load_surface(surfaces, j);
+    const vec3 uv = make_vec3(s.u, s.v, 0.0f);
+    set_slot_uv(slots, get_slot(paths, i + j), select3(is_hit(s) & is_finite3(uv), uv, zero));
+  }
+}
+
+/// Their geometric normals, which face the camera as shading normals do.
+STAGE void record_geometric_normals(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE PathState* paths,
+                                    int i, const PRIVATE SlotState* slots) {
+  const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
+  for (int j = 0; j < LANES; j++) {
+    const Surface s = load_surface(surfaces, j);
+    set_slot_geometric_normal(slots, get_slot(paths, i + j), select3(is_hit(s), s.geometric, zero));
+  }
+}
+
+/// The numbers of their shapes; 0: there is none. Kernels may be compiled for more than the scene has, see
+/// record_mattes.
+STAGE void record_shapes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                         const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
+  for (int j = 0; j < LANES; j++) {
+    const int primitive = surfaces->primitive[j];
+    const bool known = (primitive >= 0) & (primitive < scene->header.tables.primitive_shapes.count);
+    const int shape = scene->primitive_shapes[known ? primitive : 0];
+    set_slot_shape(slots, get_slot(paths, i + j), known ? (float)shape : 0.0f);
+  }
+}
+
 /// Writes what the film stores of the camera rays' hits.
 FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                           const PRIVATE Closures* closures, const PRIVATE PathState* paths, int i,
@@ -181,6 +224,10 @@ FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* su
   if (NEEDS(scene, LAYERS)) record_layers(surfaces, closures, paths, i, slots);
   if (NEEDS(scene, COVERAGE)) record_coverage(scene, surfaces, paths, i, slots);
   if (NEEDS(scene, MATTES)) record_mattes(scene, surfaces, paths, i, slots);
+  if (NEEDS(scene, POSITION_LAYER)) record_positions(scene, surfaces, paths, i, slots);
+  if (NEEDS(scene, UV_LAYER)) record_uvs(surfaces, paths, i, slots);
+  if (NEEDS(scene, GEOMETRIC_NORMAL_LAYER)) record_geometric_normals(surfaces, paths, i, slots);
+  if (NEEDS(scene, SHAPE_LAYER)) record_shapes(scene, surfaces, paths, i, slots);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -40,6 +40,13 @@ static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+std::uint64_t feature_of(AskedLayer layer) {
+  constexpr std::uint64_t kFeatures[] = {FEATURE_POSITION_LAYER,         FEATURE_UV_LAYER | FEATURE_UV,
+                                         FEATURE_GEOMETRIC_NORMAL_LAYER, FEATURE_SHAPE_LAYER,
+                                         FEATURE_DIRECT_LAYER,           FEATURE_INDIRECT_LAYER};
+  return kFeatures[int(layer)];
+}
+
 /// Whether camera rays that miss all shapes may still see light.
 bool sees_sky(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
@@ -68,6 +75,8 @@ class Builder {
   }
 
   Expected<DeviceScene> build() {
+    for (const AskedLayer layer : scene_.film.layers) need(feature_of(layer));
+    if (has(FEATURE_POSITION_LAYER)) h_.center = to_vec3(center_);
     if (Expected<void> done = add_materials(); !done)
       return fail(scene_.source + ": " + done.error().message);
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
@@ -75,6 +84,7 @@ class Builder {
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
       if (mattes_) matte_ = mattes_->of_shape(i);
       boundary_ = media_->of_shape(i);
+      shape_ = int(i) + 1;
       add_shape(scene_.shapes[i]);
     }
     add_instances();
@@ -94,6 +104,7 @@ class Builder {
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
+    if (Expected<void> done = check_split_light(); !done) return std::unexpected(done.error());
     h_.film.sky_coverage = scene_.film.alpha && sees_sky(h_) ? 1.0f : 0.0f;
     if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
         (h_.families & ltc_families()) != 0u) {
@@ -109,6 +120,8 @@ class Builder {
       records_.light_media = light_media(h_, records_);
     if (mattes_)
       if (Expected<void> done = store_mattes(); !done) return std::unexpected(done.error());
+    if (has(FEATURE_SHAPE_LAYER))
+      if (Expected<void> done = store_shapes(); !done) return std::unexpected(done.error());
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
     if (Expected<void> done = trace_pilot_rays(); !done) return std::unexpected(done.error());
@@ -120,6 +133,7 @@ class Builder {
 
  private:
   void need(std::uint64_t feature) { h_.features |= feature; }
+  [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0u; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
   /// Position relative to the scene's centre. `reach`: the shape's extent around the position.
@@ -237,6 +251,7 @@ class Builder {
       }
       records_.triangles.push_back(t);
       if (mattes_) records_.mattes.push_back(matte_);
+      if (has(FEATURE_SHAPE_LAYER)) records_.primitive_shapes.push_back(shape_);
       if (!media_->empty()) records_.primitive_boundaries.push_back(boundary_);
       add_colours(mesh, corner, index);
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
@@ -302,6 +317,7 @@ class Builder {
         if (!emits(shapes[i])) continue;
         if (mattes_) matte_ = mattes_->of_placed(place, shapes[i]);
         boundary_ = media_->of_group(place.group, i);
+        shape_ = first_shape(place.group) + int(i);
         add_shape((*emitters)[next++]);
       }
     }
@@ -318,6 +334,7 @@ class Builder {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (emits(shapes[i])) continue;
       boundary_ = media_->of_group(number, i);
+      shape_ = first_shape(number) + int(i);
       add_shape(shapes[i]);
       ++matte_;
     }
@@ -412,6 +429,7 @@ class Builder {
     }
     records_.quadrics.push_back(q);
     if (mattes_) quadric_mattes_.push_back(matte_);
+    if (has(FEATURE_SHAPE_LAYER)) quadric_shapes_.push_back(shape_);
     if (!media_->empty()) quadric_boundaries_.push_back(boundary_);
   }
 
@@ -426,6 +444,42 @@ class Builder {
                       scene_.source, MAX_MATTES));
     h_.matte_count = int(options_.mattes->mattes.size());
     need(FEATURE_MATTES);
+    return {};
+  }
+
+  /// The number of the first shape of a group: those of the scene come first, then those of all groups.
+  [[nodiscard]] int first_shape(int group) const {
+    std::size_t before = scene_.shapes.size();
+    for (int g = 0; g < group; ++g) before += scene_.groups[std::size_t(g)].shapes.size();
+    return int(before) + 1;
+  }
+
+  /// The shapes of triangles are in their table already.
+  Expected<void> store_shapes() {
+    records_.primitive_shapes.insert(records_.primitive_shapes.end(), quadric_shapes_.begin(),
+                                     quadric_shapes_.end());
+    const int all = first_shape(int(scene_.groups.size())) - 1;
+    if (all > MAX_SHAPES)
+      return fail(fmt::format("{}: film.layers: {} shapes; the layer 'shape' has numbers for {}",
+                              scene_.source, all, MAX_SHAPES));
+    h_.shape_count = all;
+    return {};
+  }
+
+  /// Error: the integrator cannot tell direct from indirect light, which film.layers asks for.
+  [[nodiscard]] Expected<void> check_split_light() const {
+    if (!has(FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)) return {};
+    const std::string_view name = method_name(scene_.integrator.method);
+    if (h_.integrator.kind != INTEGRATOR_PATH || has(FEATURE_PHOTONS))
+      return fail(
+          fmt::format("{}: film.layers: integrator '{}' does not tell direct from indirect light; path and "
+                      "volpath do",
+                      scene_.source, name));
+    if (h_.integrator.estimator != ESTIMATOR_SAMPLES)
+      return fail(
+          fmt::format("{}: film.layers: integrator '{}' with closed forms of polygon lights does not tell "
+                      "direct from indirect light; set nee to sample and light_choice to auto",
+                      scene_.source, name));
     return {};
   }
 
@@ -493,6 +547,8 @@ class Builder {
   std::optional<MatteBook> mattes_;
   int matte_ = 0;  ///< of the shape that is being added
   std::vector<int> quadric_mattes_;
+  int shape_ = 0;  ///< the number of the shape that is being added
+  std::vector<int> quadric_shapes_;
   std::optional<MediaBook> media_;
   int boundary_ = -1;  ///< of the shape that is being added
   std::vector<int> quadric_boundaries_;

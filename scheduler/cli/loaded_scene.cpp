@@ -62,12 +62,13 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   const auto number = [](std::optional<std::uint32_t> value) {
     return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
   };
+  const auto text = [](const std::string& value) {
+    return value.empty() ? std::nullopt : std::optional(value);
+  };
   const std::pair<const char*, std::optional<std::string>> overrides[] = {
-      {"integrator.type", options.integrator},
-      {"sampler.type", options.sampler},
-      {"sampler.sample_count", number(options.spp)},
-      {"sampler.seed", number(options.seed)},
-      {"film.denoise", options.denoise.empty() ? std::nullopt : std::optional(options.denoise)},
+      {"integrator.type", options.integrator},       {"sampler.type", options.sampler},
+      {"sampler.sample_count", number(options.spp)}, {"sampler.seed", number(options.seed)},
+      {"film.denoise", text(options.denoise)},       {"film.layers", text(options.layers)},
   };
   for (const auto& [key, value] : overrides) {
     if (!value) continue;

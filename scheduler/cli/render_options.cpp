@@ -239,6 +239,18 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
       ->check(CLI::IsMember(find_setting("film.denoise")->choices))
       ->group(group::kOutput);
   command
+      .add_option(
+          "--layers", options.scene.layers,
+          "Add layers to the EXR, separated by commas: " + list_names(find_setting("film.layers")->choices) +
+              "; none: not those that the scene asks for")
+      ->type_name("NAMES")
+      ->check([](const std::string& text) {
+        RenderSettings settings;
+        const auto done = apply_setting(settings, "film.layers", text);
+        return done ? std::string() : done.error().message;
+      })
+      ->group(group::kOutput);
+  command
       .add_flag("--strict-numerics", options.strict_numerics,
                 "Exit code 1 where samples are NaN or infinite, or media contradict each other, instead of a "
                 "warning; files are written")

@@ -30,6 +30,7 @@ struct SceneOptions {
   bool no_features = false;
   bool cryptomatte = false;
   std::string denoise;  ///< one of the names of film.denoise; empty: the scene's
+  std::string layers;   ///< a value of film.layers; empty: the scene's
 
   friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };

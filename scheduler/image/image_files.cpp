@@ -227,7 +227,8 @@ bool is_half_channel(std::string_view name) {
   return layer.size() == name.size()
              ? name != "Z"
              : layer == "albedo" || layer == "normal" || layer == "analytic" || layer == "difference" ||
-                   layer == "visibility" || layer == "half_a" || layer == "half_b";
+                   layer == "visibility" || layer == "half_a" || layer == "half_b" ||
+                   layer == "geometric_normal" || layer == "direct" || layer == "indirect";
 }
 
 std::uint64_t values_beyond_half(const Image& image) {

@@ -55,6 +55,7 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t layer_count = complete ? layer_planes() : 0;
   // The first layers, which the planes of their variances follow.
   const std::size_t with_variances = complete && layers_.has(LAYER_ALBEDO_VARIANCE) ? FEATURE_PLANES : 0;
+  const std::optional<std::size_t> shape = complete ? shape_plane() : std::nullopt;
   std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
     if (mattes_.is_kept() && !mattes.empty())
@@ -75,8 +76,10 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
         merge_statistics(layer[k], layer[FEATURE_PLANES + k], of_layers[k * plane],
                          deviation * deviation * result.sample_count, weights);
       }
+      const double first_shape = shape ? layer[*shape] : 0;
       for (std::size_t k = 2 * with_variances; k < layer_count; ++k)
         merge_mean(layer[k], of_layers[k * plane], weights);
+      if (shape && pixel->count > 0) layer[*shape] = first_shape;
       layer += layer_count;
       pixel->count += result.sample_count;
     }
@@ -108,6 +111,7 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
   const auto is_variance = [&](std::size_t plane) {
     return layers_.has(LAYER_ALBEDO_VARIANCE) && plane >= FEATURE_PLANES && plane < 2 * FEATURE_PLANES;
   };
+  const std::optional<std::size_t> shape = shape_plane();
   for (int y = a.y_; y < a.y_ + a.height_; ++y) {
     for (int x = a.x_; x < a.x_ + a.width_; ++x) {
       const PixelStatistics &of_a = a.at(x, y), &of_b = b.at(x, y);
@@ -130,6 +134,7 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
       for (std::size_t k = 0; k < planes; ++k)
         layer[k] = is_variance(k) ? mean_m2(layer_a[k], layer_b[k])
                                   : weight * layer_a[k] + (1 - weight) * layer_b[k];
+      if (shape) layer[*shape] = of_a.count > 0 ? layer_a[*shape] : layer_b[*shape];
       const auto scale = [n](double share, const PixelStatistics& of) {
         return of.count == 0 ? 0 : share * (n / double(of.count));
       };

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -49,7 +50,8 @@ class FilmAccumulator {
 
   /// Sets the rectangle to the mean of two independent estimates of it, with equal weights whatever their
   /// numbers of samples. If one has no samples, the other is used alone. Both must have the same planes. The
-  /// resulting statistics are those of as many samples whose mean has the variance of this mean.
+  /// resulting statistics are those of as many samples whose mean has the variance of this mean. Shapes are
+  /// those of `a` where it has samples.
   void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
 
   [[nodiscard]] int x() const { return x_; }
@@ -96,6 +98,11 @@ class FilmAccumulator {
     return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
   }
   [[nodiscard]] std::size_t layer_planes() const { return std::size_t(layers_.planes() - kRadiancePlanes); }
+  /// Among the planes of the layers, that of LAYER_SHAPE, which is no mean: the first result remains.
+  [[nodiscard]] std::optional<std::size_t> shape_plane() const {
+    if (!layers_.has(LAYER_SHAPE)) return std::nullopt;
+    return std::size_t(layers_.plane(LAYER_SHAPE) - kRadiancePlanes);
+  }
 
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
   FilmLayers layers_;

@@ -13,7 +13,7 @@ constexpr std::uint64_t kDenoisingPlanes = 100;
 int image_channels(const FilmLayers& layers) {
   int channels = 3 + 3 + 1;  // radiance, its variance and the number of samples
   for (int layer = 0; layer < FILM_LAYERS; ++layer)
-    channels += layers.has(layer) ? int(kFilmLayers[layer].channels.size()) : 0;
+    channels += layers.has(layer) ? kFilmLayers[layer].shown() : 0;
   return channels;
 }
 

@@ -15,9 +15,9 @@ namespace {
 
 /// Adds the channels of a layer's planes; none if the layer is not shown by itself.
 void add_channels(const FilmLayerInfo& layer, std::vector<std::string>& channels) {
-  for (const char channel : layer.channels)
-    channels.push_back(layer.name.empty() ? std::string(1, channel)
-                                          : fmt::format("{}.{}", layer.name, channel));
+  for (int plane = 0; plane < layer.shown(); ++plane)
+    channels.push_back(layer.name.empty() ? std::string(layer.channel(plane))
+                                          : fmt::format("{}.{}", layer.name, layer.channel(plane)));
 }
 
 /// What an image shows of a layer.
@@ -73,7 +73,7 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
       if (has_alpha) image.values.push_back(float(film.layer(x, y, LAYER_COVERAGE)));
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
       for (int layer = 0; layer < FILM_LAYERS; ++layer)
-        for (int plane = 0; layers.has(layer) && plane < int(kFilmLayers[layer].channels.size()); ++plane)
+        for (int plane = 0; layers.has(layer) && plane < kFilmLayers[layer].shown(); ++plane)
           if (layer != LAYER_COVERAGE) image.values.push_back(float(shown_value(film, x, y, layer, plane)));
       image.values.push_back(float(pixel.count));
       if (cryptomatte) cryptomatte->append(film, x, y, image.values);

@@ -67,6 +67,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   if (!record.feature_layers) command += " --no-features";
   if (record.cryptomatte) command += " --cryptomatte";
   if (record.film.denoise != Denoise::kOff) command += " --denoise=" + print_setting(record, "film.denoise");
+  if (!record.film.layers.empty()) add("--layers", print_setting(record, "film.layers"));
   const Film& film = record.film;
   if (with_crop && has_crop(film)) {
     add("--crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y, film.crop_x + film.crop_width,

@@ -131,9 +131,9 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
 /// that this is no other image).
 FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   DeviceScene all = scene;
-  // The planes of denoising would be between the others.
-  all.header.features =
-      (FEATURE_ALL & ~(FEATURE_BVH | FEATURE_DENOISING)) | (scene.header.features & FEATURE_BVH);
+  // The planes of denoising would be between the others, and images have no layers on demand.
+  all.header.features = (FEATURE_ALL & ~(FEATURE_BVH | FEATURE_DENOISING | LAYERS_ON_DEMAND)) |
+                        (scene.header.features & FEATURE_BVH);
   all.header.families = kEveryFamily;
   all.header.light_kinds = ALL_LIGHT_KINDS;
   const auto device = make_device(all, opencl_device().options);

@@ -94,6 +94,8 @@ TEST(SettingsPrint, WhatIsStoredIsWhatIsPrinted) {
   EXPECT_EQ(value("integrator.alpha", " auto"), "auto");
   EXPECT_EQ(value("integrator.hide_emitters", "TRUE"), "true");
   EXPECT_EQ(value("sampler.seed", "4294967295"), "4294967295");
+  EXPECT_EQ(value("film.layers", "shape, uv,shape"), "uv,shape");
+  EXPECT_EQ(value("film.layers", " none "), "none");
 }
 
 TEST(SettingsPrint, ACamerasFrameStaysTheSameBits) {

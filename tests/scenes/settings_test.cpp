@@ -126,6 +126,9 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
               HasSubstr("'all' is not one of: auto, power, analytic, tree"));
   EXPECT_THAT(error("integrator.nee", "none"), HasSubstr("'none' is not one of: sample, cv"));
   EXPECT_THAT(error("integrator.trace_shadows", "no"), HasSubstr("neither true nor false"));
+  EXPECT_THAT(error("film.layers", "uv,normal"), HasSubstr("'normal' is not one of: position, uv"));
+  EXPECT_THAT(error("film.layers", "uv,,shape"), HasSubstr("comma"));
+  EXPECT_THAT(error("film.layers", ""), HasSubstr("'none' stands for none"));
   EXPECT_THAT(error("integrator.vis_samples", "0"), HasSubstr("from 1 to 65536"));
   EXPECT_THAT(error("integrator.vis_samples", "1.5"), HasSubstr("not an integer"));
   EXPECT_THAT(error("integrator.type", "polygon"), HasSubstr("polygon_analytic, polygon_area, polygon_cv"));

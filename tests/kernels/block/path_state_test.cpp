@@ -149,6 +149,8 @@ TEST(PathState, WhatNoFeatureNeedsTakesNothing) {
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_UV), least) << "needs both features";
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_PROJECTED), least + kWords<vec3>) << "a normal";
   EXPECT_GT(path_words(FEATURE_PATH | FEATURE_POLYGONS), least);
+  EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_POSITION_LAYER | FEATURE_SHAPE_LAYER), least);
+  EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_INDIRECT_LAYER), least + kWords<vec3>) << "direct light";
   int branch = 0;
 #define ADD_WORDS(sum, type, name) (sum) += kWords<type>;
   BRANCH_FIELDS(ADD_WORDS, branch)
@@ -158,6 +160,7 @@ TEST(PathState, WhatNoFeatureNeedsTakesNothing) {
   EXPECT_EQ(slot_words(FEATURE_DIRECT), slot_words(FEATURE_PATH));
   EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_LAYERS), slot_words(FEATURE_PATH));
   EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_POLYGONS), slot_words(FEATURE_PATH));
+  EXPECT_EQ(slot_words(FEATURE_PATH | FEATURE_SHAPE_LAYER), slot_words(FEATURE_PATH) + 1);
 }
 
 TEST(PathState, BranchesAreThoseOfTheirPlaceAndLevel) {

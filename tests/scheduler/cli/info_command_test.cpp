@@ -118,9 +118,9 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
     more += table["everything"].get<std::int64_t>() - table["own"].get<std::int64_t>();
   EXPECT_EQ(bytes["device_scene"]["everything"].get<std::int64_t>(),
             bytes["device_scene"]["own"].get<std::int64_t>() + more);
-  // 13 planes instead of 36: those of the closed form and of denoising are not there.
+  // 13 planes instead of 51: those of the closed form, of denoising and on demand are not there.
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
-  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 36);
+  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 51);
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
   EXPECT_EQ(bytes["block_state"]["own"], kBlockPaths * bytes["path_state"]["own"].get<int>());
   EXPECT_TRUE(costs["opencl"].is_null()) << "nothing was measured";

@@ -82,8 +82,9 @@ DeviceScene build(const SceneDescription& scene, bool layers) {
 
 TEST(PolygonLayers, CountOfPlanes) {
   for (const std::uint64_t others :
-       {std::uint64_t(0), std::uint64_t(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS |
-                                                        FEATURE_DENOISING | FEATURE_COVERAGE))}) {
+       {std::uint64_t(0),
+        std::uint64_t(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_DENOISING |
+                                      FEATURE_COVERAGE | LAYERS_ON_DEMAND))}) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
