@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <set>
 
 #include "scenes/names.h"
 #include "scenes/number.h"
@@ -26,25 +28,56 @@ constexpr WrapperPlugin kWrappers[] = {{"moment", ""},
                                        {kIrradianceCache, "its cache, so that nothing is interpolated"},
                                        {"multichannel", ""}};
 
-/// Warns about the quantities in `name:quantity, …` for which the image has no layer. Every image has depth,
-/// albedo and shading normals.
-void warn_of_missing_layers(PluginReader& plugin) {
-  static constexpr std::string_view kLayers[] = {"depth", "albedo", "sh_normal"};
+/// A quantity that `aov` knows, and the layer that shows it. Every image has depth, albedo and shading
+/// normals.
+struct AovQuantity {
+  std::string_view type;
+  std::optional<AskedLayer> layer = {};
+  bool is_shown = true;
+};
+constexpr AovQuantity kQuantities[] = {{"depth"},
+                                       {"albedo"},
+                                       {"sh_normal"},
+                                       {"position", AskedLayer::kPosition},
+                                       {"uv", AskedLayer::kUv},
+                                       {"geo_normal", AskedLayer::kGeometricNormal},
+                                       {"shape_index", AskedLayer::kShape},
+                                       {"prim_index", {}, false},
+                                       {"dp_du", {}, false},
+                                       {"dp_dv", {}, false},
+                                       {"duv_dx", {}, false},
+                                       {"duv_dy", {}, false},
+                                       {"boundary_test", {}, false}};
+
+/// Asks for the layers of the quantities in `name:quantity, …`, in addition to those that `layers` has. The
+/// names are not used. Warns about quantities for which there is no layer.
+void read_aovs(const Context& context, PluginReader& plugin, std::vector<AskedLayer>& layers) {
   const std::string text = plugin.text("aovs", "");
   const Expected<std::vector<std::string_view>> entries = split_list(text);
   if (!entries) return plugin.wrong("aovs", fmt::format("aovs: {}", entries.error().message));
   Names missing;
+  std::set<AskedLayer> asked(layers.begin(), layers.end());
   for (const std::string_view entry : *entries) {
     const std::string_view quantity = entry.substr(entry.find(':') + 1);  // npos + 1 = 0: the whole
-    if (std::ranges::find(kLayers, quantity) == std::end(kLayers)) missing.emplace_back(quantity);
+    const AovQuantity* known = find_plugin(kQuantities, quantity);
+    if (known == nullptr) {
+      const Names names = plugin_types(kQuantities);
+      context.tolerable(plugin.location_of("aovs"),
+                        fmt::format("aovs: '{}' is not one of: {}{}", quantity, list_names(names),
+                                    suggestion(quantity, names)),
+                        "it is left out");
+    } else if (!known->is_shown) {
+      missing.emplace_back(quantity);
+    } else if (known->layer) {
+      asked.insert(*known->layer);
+    }
   }
-  if (!missing.empty())
-    plugin.warn(
-        fmt::format("the image has layers of depth, albedo and sh_normal, none of {}", list_names(missing)));
+  layers.assign(asked.begin(), asked.end());
+  if (!missing.empty()) plugin.warn(fmt::format("the image has no layer of {}", list_names(missing)));
 }
 
-/// Returns the innermost integrator, inside all wrappers.
-const Object* unwrap(const Context& context, const Object& object) {
+/// Returns the innermost integrator, inside all wrappers. Adds the layers that wrappers ask for.
+const Object* unwrap(const Context& context, const Object& object, std::vector<AskedLayer>& layers) {
   const Object* inner = &object;
   for (int depth = 0; inner != nullptr; ++depth) {
     const WrapperPlugin* wrapper = find_plugin(kWrappers, inner->type);
@@ -58,7 +91,7 @@ const Object* unwrap(const Context& context, const Object& object) {
                    "indirect_only", "debug"});
     plugin.finish();
     if (inner->type == kAov) {
-      warn_of_missing_layers(plugin);
+      read_aovs(context, plugin, layers);
       if (next == nullptr && depth <= 16) {
         plugin.warn("aov has no integrator inside; direct light makes the image that its layers are beside");
         static const Object direct{"integrator", "direct", {}, {}, {}, {}, {}};
@@ -188,7 +221,7 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
 
 /// Reads an integrator and reports all problems.
 void read_shown(const Context& context, const Object& object, SceneDescription& scene) {
-  const Object* inner = unwrap(context, object);
+  const Object* inner = unwrap(context, object, scene.film.layers);
   if (inner == nullptr) return;
   PluginReader plugin(context, *inner);
   if (const Substitute* substitute = find_plugin(substitutes(), inner->type))
@@ -226,6 +259,14 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
   // are not reported.
   Diagnostics unseen;
   read_shown({context.tree, unseen, true, context.settings}, object, scene);
+}
+
+std::string aovs_of(const std::vector<AskedLayer>& layers) {
+  std::string aovs;
+  for (const AovQuantity& quantity : kQuantities)
+    if (quantity.layer && std::ranges::find(layers, *quantity.layer) != layers.end())
+      aovs += fmt::format("{}{}:{}", aovs.empty() ? "" : ", ", quantity.type, quantity.type);
+  return aovs;
 }
 
 std::vector<OtherIntegrator> other_integrators() {

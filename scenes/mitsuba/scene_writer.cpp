@@ -14,6 +14,7 @@
 
 #include "scenes/instances.h"
 #include "scenes/mesh_writer.h"
+#include "scenes/mitsuba/integrator_reader.h"
 #include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/settings.h"
@@ -93,12 +94,18 @@ class SceneWriter {
     // The rule of version 3. It only matters if emitters are hidden.
     plain.integrator.hidden_emitters =
         scene_.integrator.hide_emitters ? HiddenEmitters::kLookedThrough : scene_.integrator.hidden_emitters;
+    const std::string aovs = aovs_of(scene_.film.layers);
+    if (!aovs.empty()) {
+      xml_.open("integrator", "aov");
+      xml_.value("string", "aovs", aovs);
+    }
     xml_.open("integrator", method_name(scene_.integrator.method));
     for (const Setting& setting : all_settings())
       if (setting.key.starts_with("integrator.") && setting.name() != "type" &&
           !affects_only_noise(setting.name()))
         put_setting(setting, plain, setting.name());
     xml_.close();
+    if (!aovs.empty()) xml_.close();
   }
 
   /// For integrators that Mitsuba 3 has too: whether the parameter has no name there and affects only the

@@ -66,13 +66,35 @@ TEST_F(MitsubaRendering, ThoseThatAddToAnotherAreTheOther) {
   const SceneDescription several = inside("aov", plugin("integrator", "path", ""));
   EXPECT_EQ(kind_of(several.integrator), IntegratorKind::kDirect);
   EXPECT_THAT(several.warnings, ElementsAre(HasSubstr("the first of 2 integrators is rendered, direct")));
-  // Layers that no image of Penumbra has are named; depth, albedo and normals are in all of them.
+  // Quantities for which there is no layer are named.
   const SceneDescription alone =
-      good(plugin("integrator", "aov", "<string name='aovs' value='d:depth, uv:uv, p:position'/>"));
+      good(plugin("integrator", "aov", "<string name='aovs' value='d:depth, t:dp_du, uv:duv_dx'/>"));
   EXPECT_EQ(kind_of(alone.integrator), IntegratorKind::kDirect);
-  EXPECT_THAT(alone.warnings, ElementsAre(HasSubstr("none of uv, position"),
+  EXPECT_THAT(alone.film.layers, IsEmpty());
+  EXPECT_THAT(alone.warnings, ElementsAre(HasSubstr("no layer of dp_du, duv_dx"),
                                           HasSubstr("aov has no integrator inside; direct light")));
   EXPECT_THAT(inside("stokes").warnings, ElementsAre(HasSubstr("direct is rendered without polarisation")));
+}
+
+TEST_F(MitsubaRendering, AovAsksForLayers) {
+  const auto aov = [](const std::string& aovs, const std::string& inside) {
+    return plugin("integrator", "aov", "<string name='aovs' value='" + aovs + "'/>" + inside);
+  };
+  const std::string path = plugin("integrator", "path", "<integer name='max_depth' value='3'/>");
+  // Those that every image has are no news; each is there once, in one order.
+  const SceneDescription s = good(aov(
+      "dd.y:depth, nn:sh_normal, id:shape_index, pos:position, uv:uv, gn:geo_normal, al:albedo, p:position",
+      path));
+  EXPECT_EQ(param::max_depth(s.integrator), 3);
+  EXPECT_THAT(s.film.layers, ElementsAre(AskedLayer::kPosition, AskedLayer::kUv, AskedLayer::kGeometricNormal,
+                                         AskedLayer::kShape));
+  EXPECT_THAT(s.warnings, IsEmpty());
+  EXPECT_THAT(good(aov("u:uv", aov("p:position", path))).film.layers,
+              ElementsAre(AskedLayer::kPosition, AskedLayer::kUv));
+  EXPECT_THAT(good(path).film.layers, IsEmpty());
+  EXPECT_THAT(error(scene(aov("a:albedo, p:positon", path))),
+              AllOf(HasSubstr("scene.xml:2:"), HasSubstr("'positon' is not one of: depth, albedo"),
+                    HasSubstr("did you mean 'position'")));
 }
 
 TEST_F(MitsubaRendering, HowFilesAreWrittenIsNoMatter) {

@@ -76,6 +76,14 @@ TEST_F(MitsubaWriter, SampleScenesStayTheSame) {
   }
 }
 
+TEST_F(MitsubaWriter, LayersStayTheSame) {
+  const SceneDescription scene = good(
+      "<integrator type='aov'><string name='aovs' value='i:shape_index, p:position, u:uv, n:geo_normal'/>"
+      "<integrator type='direct'/></integrator><shape type='sphere'/>");
+  EXPECT_EQ(scene.film.layers.size(), 4u);
+  expect_same(scene);
+}
+
 TEST_F(MitsubaWriter, BsdfsStayTheSame) {
   const std::string board =
       "<texture type='checkerboard'><rgb name='color0' value='0.1, 0.2, 0.3'/><transform name='to_uv'><scale "
