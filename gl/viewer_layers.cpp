@@ -124,8 +124,10 @@ void Viewer::take_layers(const TileSnapshot& tile) {
       const std::size_t x = std::size_t(tile.x) + i % std::size_t(tile.width);
       const std::size_t y = std::size_t(tile.y) + i / std::size_t(tile.width);
       for (std::size_t c = 0; c < 3; ++c)
-        to->values[3 * (y * std::size_t(layers_.width) + x) + c] =
-            from.values[per_pixel * i + (per_pixel == 3 ? c : 0)];
+        to->values[3 * (y * std::size_t(layers_.width) + x) + c] = per_pixel == 1 ? from.values[i]
+                                                                   : c < per_pixel
+                                                                       ? from.values[per_pixel * i + c]
+                                                                       : 0.0f;
     }
   }
 }

@@ -10,7 +10,7 @@ namespace penumbra {
 /// A further layer of a tile: the mean of a layer of kernels/film_layers.h by its name, or kMatteLayer.
 struct TileLayer {
   std::string name;
-  std::vector<float> values;  ///< one or three per pixel
+  std::vector<float> values;  ///< one to three per pixel
 };
 
 /// For each pixel the matte (Cryptomatte) that most of its samples hit, from 1 on; 0: none.

@@ -191,8 +191,9 @@ Expected<TileSnapshot> decode(const wire::TileState& message, const WatchedJob& 
                             tile.height, tile.x, tile.y));
   for (const wire::TileLayer& layer : message.layers()) {
     TileLayer values{wire_text(layer.name(), kLongestName), floats_of(layer.values())};
-    if (!is_whole(layer.values()) ||
-        (values.values.size() != tile.pixels() && values.values.size() != 3 * tile.pixels()))
+    const std::size_t planes = values.values.size() / tile.pixels();
+    if (!is_whole(layer.values()) || planes < 1 || planes > 3 ||
+        values.values.size() != planes * tile.pixels())
       return fail(fmt::format("a tile's layer '{}' with {} for {}", values.name,
                               counted(layer.values().size(), "byte"), counted(tile.pixels(), "pixel")));
     tile.layers.push_back(std::move(values));

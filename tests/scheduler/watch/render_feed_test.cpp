@@ -121,6 +121,23 @@ TEST(SnapshotOf, TheDifferenceForOtherAlphasAddsTheRestOfTheClosedForm) {
   }
 }
 
+TEST(SnapshotOf, HoldsTheLayersThatViewersWant) {
+  const FilmAccumulator film = film_of({2, 1});
+  const std::vector<std::string> names = watchable_layers(film.layers());
+  EXPECT_THAT(names, testing::IsSupersetOf({"albedo", "normal", "depth"}));
+  EXPECT_THAT(names, testing::Not(testing::Contains("difference")));
+  EXPECT_THAT(snapshot_of(film, kArea, true, 1).layers, IsEmpty());
+  const TileSnapshot tile = snapshot_of(film, kArea, true, 1, {"depth", "albedo", "difference", "nonsense"});
+  ASSERT_THAT(tile.layers, SizeIs(2));
+  EXPECT_EQ(tile.layers[0].name, "albedo");
+  EXPECT_EQ(tile.layers[1].name, "depth");
+  for_each_pixel([&](int x, int y, std::size_t i) {
+    EXPECT_EQ(bits(tile.layers[1].values[i]), bits(float(film.layer(x, y, LAYER_DEPTH))));
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_EQ(bits(tile.layers[0].values[3 * i + c]), bits(float(film.layer(x, y, LAYER_ALBEDO, int(c)))));
+  });
+}
+
 TEST(SnapshotOf, TheStandardErrorIsThatOfAllSamplesTogether) {
   const std::vector<std::uint32_t> passes{4, 1, 7};
   const TileSnapshot tile = snapshot_of(film_of(passes), kArea, false, 1);

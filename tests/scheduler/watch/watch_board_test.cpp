@@ -138,6 +138,26 @@ TEST(WatchBoard, AViewForgetsTilesAndProgressOfTheLast) {
   EXPECT_EQ(take_all(late).order, "v");
 }
 
+TEST(WatchBoard, WantedLayersAreThoseOfTheJobUntilTheLastWatcherGoes) {
+  WatchBoard board(1);
+  WatchedJob job;
+  job.layers = {"albedo", "depth"};
+  board.describe(job);
+  {
+    Watcher first(board);
+    EXPECT_TRUE(board.take_request_for_all_tiles());
+    board.want_layers({"depth", "nonsense"});
+    EXPECT_THAT(board.wanted_layers(), ElementsAre("depth"));
+    EXPECT_TRUE(board.take_request_for_all_tiles()) << "tiles without the layer have been shown";
+    board.want_layers({"depth"});
+    EXPECT_FALSE(board.take_request_for_all_tiles()) << "nothing new is wanted";
+    Watcher second(board);
+    board.want_layers({"albedo"});
+    EXPECT_THAT(board.wanted_layers(), ElementsAre("albedo", "depth"));
+  }
+  EXPECT_THAT(board.wanted_layers(), IsEmpty());
+}
+
 TEST(WatchBoard, SeveralWatchersEachSeeEverything) {
   WatchBoard board(4);
   constexpr int kWatchers = 4;

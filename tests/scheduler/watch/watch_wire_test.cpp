@@ -41,7 +41,10 @@ WatchedJob some_job() {
           .scene_hash = std::string(64, 'a'),
           .center = {1e300, -0.5, 3},
           .interactive = true,
-          .hybrid = true};
+          .hybrid = true,
+          .command = "penumbra render 'a scene.xml'",
+          .scene_spp = 64,
+          .layers = {"albedo", "matte"}};
 }
 
 TileSnapshot some_tile(bool hybrid = true) {
@@ -75,6 +78,9 @@ TEST(WatchWire, AJobArrivesAsItIs) {
   EXPECT_EQ(came->title, job.title);
   EXPECT_EQ(came->integrator, job.integrator);
   EXPECT_EQ(came->film_width, job.film_width);
+  EXPECT_EQ(came->command, job.command);
+  EXPECT_EQ(came->scene_spp, job.scene_spp);
+  EXPECT_EQ(came->layers, job.layers);
   EXPECT_EQ(came->film_height, job.film_height);
   EXPECT_EQ(came->x, job.x);
   EXPECT_EQ(came->y, job.y);
@@ -325,6 +331,26 @@ TEST(WatchWire, EveryNumberOfAViewArrivesAndIsFinite) {
   ADJUSTABLE_FIELDS(CHECK_ADJUSTABLE)
 #undef CHECK_CAMERA
 #undef CHECK_ADJUSTABLE
+}
+
+TEST(WatchWire, LayersOfATileArriveAndDamagedOnesDoNot) {
+  TileSnapshot tile = some_tile();
+  tile.layers = {{"depth", std::vector<float>(6, 2.5f)},
+                 {"uv", std::vector<float>(12, 0.5f)},
+                 {"albedo", tile.radiance}};
+  const wire::WatchEvent event = sent(encode(WatchItem(std::make_shared<const TileSnapshot>(tile))));
+  const auto came = decode(event.tile(), some_job());
+  ASSERT_TRUE(came) << came.error().message;
+  ASSERT_EQ(came->layers.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(came->layers[i].name, tile.layers[i].name);
+    EXPECT_TRUE(same_bits(came->layers[i].values, tile.layers[i].values));
+  }
+  for (const std::size_t bytes : {0, 1, 20, 28, 4 * 24}) {
+    wire::TileState damaged = event.tile();
+    damaged.mutable_layers(0)->mutable_values()->resize(bytes);
+    EXPECT_FALSE(decode(damaged, some_job())) << bytes;
+  }
 }
 
 }  // namespace
