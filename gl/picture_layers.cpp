@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "scenes/names.h"
-#include "scheduler/image/metrics/color_space.h"
+#include "scheduler/image/picture.h"
 
 namespace penumbra {
 namespace {
@@ -56,12 +54,6 @@ std::optional<std::array<std::size_t, 3>> triple_of(const std::map<std::string, 
     if (all) return found;
   }
   return std::nullopt;
-}
-
-bool is_for_displays(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 9> kExtensions{".png", ".jpg",  ".jpeg", ".bmp", ".tga",
-                                                               ".tif", ".tiff", ".webp", ".gif"};
-  return std::ranges::find(kExtensions, extension_of(path)) != kExtensions.end();
 }
 
 }  // namespace
@@ -132,13 +124,9 @@ LayeredPicture layers_of(const Image& image, std::string name) {
 }
 
 Expected<Image> read_linear_image(const std::filesystem::path& path) {
-  Expected<Image> image = read_image(path);
-  if (!image || !is_for_displays(path)) return image;
-  for (std::size_t i = 0; i < image->values.size(); ++i) {
-    const std::string& channel = image->channels[i % image->channels.size()];
-    if (channel != "A") image->values[i] = float(linear_from_srgb(double(image->values[i])));
-  }
-  return image;
+  const Expected<Image> image = read_image(path);
+  if (!image) return image;
+  return linear_image(*image, "");
 }
 
 }  // namespace penumbra

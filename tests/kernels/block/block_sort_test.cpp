@@ -98,7 +98,7 @@ void expect_sorted(std::uint64_t features, RandomNumbers& random) {
 
 TEST(SortByFamily, EveryPathTakesAllThatTravelsAlong) {
   RandomNumbers random(1);
-  for (const std::uint32_t more : std::initializer_list<std::uint32_t>{
+  for (const std::uint64_t more : std::initializer_list<std::uint64_t>{
            FEATURE_PATH | FEATURE_QUADRICS, FEATURE_DIRECT | FEATURE_QUADRICS, FEATURE_DIRECT | FEATURE_UV,
            FEATURE_PATH | FEATURE_QUADRICS | FEATURE_POLYGONS | FEATURE_PROJECTED, FEATURE_ALL})
     for (int k = 0; k < 100 && !testing::Test::HasFatalFailure(); ++k)
