@@ -19,6 +19,7 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/output_check.h"
+#include "scheduler/image/picture.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 #include "scheduler/record/version.h"
@@ -55,7 +56,7 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
 Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
   std::vector<std::filesystem::path> inputs, outputs;
   if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
-    if (auto found = check_scene_file(scene, {}); !found && !is_image_file(scene)) return found;
+    if (auto found = check_scene_file(scene, {}); !found && !is_image_name(scene)) return found;
     inputs.emplace_back(scene);
   }
   if (!options.reference.empty()) inputs.emplace_back(options.reference);
@@ -97,7 +98,7 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
 
   const auto access = client_access(options.connect, options.preview.keys, KeyRole::kViewer);
   if (!access) return print_error(access.error()), kBadInput;
-  const bool shows_file = is_image_file(options.preview.scene.scene);
+  const bool shows_file = is_image_name(options.preview.scene.scene);
   std::vector<std::string> unused = preview_arguments(app);
   std::erase(unused, options.preview.scene.scene);
   if (shows_file && !unused.empty())

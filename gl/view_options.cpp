@@ -2,12 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <limits>
 #include <string_view>
 
-#include "scenes/names.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/keys/access_options.h"
 #include "scheduler/keys/tcp_address.h"
@@ -86,12 +83,6 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
       ->group(kOwn);
   app.add_flag("--gl-debug", options.gl_debug, "Let OpenGL check every call; exit code 1 if it complains")
       ->group(kOwn);
-}
-
-bool is_image_file(const std::string& path) {
-  static constexpr std::array<std::string_view, 9> kExtensions{".exr",  ".hdr", ".pfm",  ".png", ".jpg",
-                                                               ".jpeg", ".tif", ".tiff", ".tga"};
-  return std::ranges::find(kExtensions, extension_of(path)) != kExtensions.end();
 }
 
 std::vector<std::string> preview_arguments(const CLI::App& app) {

@@ -22,9 +22,6 @@ struct ViewOptions {
 
 void add_view_options(CLI::App& app, ViewOptions& options);
 
-/// Whether the window shows the file as it is and renders nothing, by its extension.
-bool is_image_file(const std::string& path);
-
 /// The arguments that the user gave for `penumbra preview`.
 std::vector<std::string> preview_arguments(const CLI::App& app);
 

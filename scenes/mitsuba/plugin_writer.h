@@ -40,19 +40,26 @@ inline std::string texture_id(int index) { return fmt::format("texture-{}", inde
 class XmlText {
  public:
   using PutTexture = std::function<void(int, TextureUse, std::string_view)>;
-  explicit XmlText(PutTexture put_texture) : put_texture_(std::move(put_texture)) {}
+  /// Called for each plugin by tag and type, and for each of its parameters by name.
+  using OnUse = std::function<void(std::string_view, std::string_view, std::string_view)>;
+  explicit XmlText(PutTexture put_texture, OnUse on_use = {})
+      : put_texture_(std::move(put_texture)), on_use_(std::move(on_use)) {}
 
   void open(std::string_view tag, std::string_view type, std::string_view attributes = "") {
     line(fmt::format("<{} type=\"{}\"{}>", tag, escaped(type), attributes));
     tags_.emplace_back(tag);
+    types_.emplace_back(type);
+    tell("");
   }
   void close() {
     const std::string tag = std::move(tags_.back());
     tags_.pop_back();
+    types_.pop_back();
     line(fmt::format("</{}>", tag));
   }
   void value(std::string_view tag, std::string_view name, std::string_view text) {
     line(fmt::format("<{} name=\"{}\" value=\"{}\"/>", tag, name, escaped(text)));
+    tell(name);
   }
   void reference(std::string_view id, std::string_view name = "") {
     line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
@@ -60,6 +67,7 @@ class XmlText {
   }
   /// Writes a texture as the parameter `name`, or as an unnamed nested texture.
   void texture(int index, TextureUse use, std::string_view name = "") {
+    tell(name);
     least_texture_ = std::min(least_texture_, index);
     put_texture_(index, use, name);
   }
@@ -75,6 +83,9 @@ class XmlText {
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
+  void tell(std::string_view parameter) const {
+    if (on_use_ && !tags_.empty()) on_use_(tags_.back(), types_.back(), parameter);
+  }
   void line(std::string_view what) {
     text_ += std::string(2 * (tags_.size() + 1), ' ');
     text_ += what;
@@ -82,8 +93,9 @@ class XmlText {
   }
 
   PutTexture put_texture_;
+  OnUse on_use_;
   std::string text_;
-  std::vector<std::string> tags_;
+  std::vector<std::string> tags_, types_;  ///< of open elements
   int least_texture_ = std::numeric_limits<int>::max();
 };
 

@@ -15,6 +15,7 @@
 #include "scenes/instances.h"
 #include "scenes/mesh_writer.h"
 #include "scenes/mitsuba/integrator_reader.h"
+#include "scenes/mitsuba/mitsuba3_limits.h"
 #include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/settings.h"
@@ -62,6 +63,8 @@ class SceneWriter {
     files_.push_back({file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n"});
     return std::move(files_);
   }
+  /// What Mitsuba 3 cannot read of it, each thing once.
+  [[nodiscard]] const std::vector<std::string>& refused() const { return refused_; }
 
  private:
   /// Writes a setting that differs from the value of a file without it.
@@ -257,9 +260,13 @@ class SceneWriter {
     xml_.close();
   }
 
-  [[nodiscard]] XmlText new_text() {
+  XmlText new_text() {
     return XmlText(
-        [this](int index, TextureUse use, std::string_view name) { put_texture(index, use, name); });
+        [this](int index, TextureUse use, std::string_view name) { put_texture(index, use, name); },
+        [this](std::string_view tag, std::string_view type, std::string_view parameter) {
+          const std::string why = why_mitsuba3_refuses(tag, type, parameter);
+          if (!why.empty() && std::ranges::find(refused_, why) == refused_.end()) refused_.push_back(why);
+        });
   }
 
   /// Writes a texture at its first use, and a reference later.
@@ -527,6 +534,7 @@ class SceneWriter {
 
   const SceneDescription& scene_;
   const fs::path file_;
+  std::vector<std::string> refused_;
   XmlText xml_ = new_text();
   std::vector<SceneFile> files_;
   int meshes_ = 0;                                       ///< number of meshes so far
@@ -539,8 +547,12 @@ class SceneWriter {
 
 }  // namespace
 
-Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene, const fs::path& file) {
-  return SceneWriter(scene, file).write();
+Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene, const fs::path& file,
+                                             std::vector<std::string>* refused) {
+  SceneWriter writer(scene, file);
+  auto files = writer.write();
+  if (refused != nullptr) *refused = writer.refused();
+  return files;
 }
 
 }  // namespace penumbra::mitsuba

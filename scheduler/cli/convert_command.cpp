@@ -24,10 +24,6 @@
 namespace penumbra {
 namespace {
 
-/// What images end in; everything else is a scene.
-constexpr std::array<std::string_view, 17> kImages = {".exr",  ".hdr", ".rgbe", ".pfm",  ".png", ".jpg",
-                                                      ".jpeg", ".tif", ".tiff", ".tga",  ".bmp", ".ppm",
-                                                      ".pgm",  ".pnm", ".dpx",  ".webp", ".gif"};
 constexpr double kMostStops = 64;
 constexpr const char* kOtherNameOfClamp = "srgb";
 constexpr const char* kImageOptions = "Images";
@@ -37,10 +33,6 @@ struct ConvertOptions {
   std::string output;
   PictureOptions picture;
 };
-
-bool is_image(const std::string& file) {
-  return std::ranges::find(kImages, extension_of(file)) != kImages.end();
-}
 
 ExitCode bad_usage(const std::string& message) { return print_error({message}), kBadInput; }
 
@@ -58,7 +50,7 @@ std::vector<std::string> out_of_place(const CLI::App& command, bool of_images) {
 std::string wrong_output(const ConvertOptions& options) {
   const std::string &input = options.scene.scene, &output = options.output;
   const std::string extension = extension_of(output);
-  if (is_image(input))
+  if (is_image_name(input))
     return extension == ".png" || extension == ".exr" ? ""
            : extension == ".xml"
                ? fmt::format(
@@ -67,7 +59,7 @@ std::string wrong_output(const ConvertOptions& options) {
                      input, input)
                : fmt::format("'{}' does not end in .png or .exr, to which images are converted", output);
   if (extension == ".xml") return "";
-  return is_image(output)
+  return is_image_name(output)
              ? fmt::format("'{}' is a scene: `penumbra render {} -o {}` renders an image of it", input, input,
                            output)
              : fmt::format("'{}' does not end in .xml: what is written is Mitsuba 3 XML", output);
@@ -118,10 +110,16 @@ ExitCode convert_scene(const ConvertOptions& options, const CLI::App& command) {
   if (const auto names = out_of_place(command, true); !names.empty())
     return bad_usage(
         fmt::format("{}: for images, and '{}' is a scene", fmt::join(names, ", "), options.scene.scene));
+  // Known before a long scene is read.
+  const std::array inputs{std::filesystem::path(options.scene.scene)},
+      outputs{std::filesystem::path(options.output)};
+  if (const auto checked = check_outputs(outputs, inputs); !checked)
+    return print_error(checked.error()), kBadInput;
   const auto scene = read_scene_with_options(options.scene);
   if (!scene) return print_error(scene.error()), kIncomplete;
   for (const std::string& warning : scene->warnings) print_warning(warning);
-  auto files = mitsuba::scene_files(*scene, options.output);
+  std::vector<std::string> refused;
+  auto files = mitsuba::scene_files(*scene, options.output, &refused);
   if (!files) return print_error(files.error()), kIncomplete;
   std::vector<std::filesystem::path> outputs;
   for (const mitsuba::SceneFile& file : *files) outputs.push_back(file.path);
@@ -136,12 +134,14 @@ ExitCode convert_scene(const ConvertOptions& options, const CLI::App& command) {
     file.contents.shrink_to_fit();
   }
   if (const auto done = batch.finish(); !done) return print_error(done.error()), kIncomplete;
+  for (const std::string& what : refused) print_warning(fmt::format("{}: {}", options.output, what));
   return kAllDone;
 }
 
 ExitCode convert(const ConvertOptions& options, const CLI::App& command) {
   if (const std::string wrong = wrong_output(options); !wrong.empty()) return bad_usage(wrong);
-  return is_image(options.scene.scene) ? convert_image(options, command) : convert_scene(options, command);
+  return is_image_name(options.scene.scene) ? convert_image(options, command)
+                                            : convert_scene(options, command);
 }
 
 void add_image_options(CLI::App& command, PictureOptions& options) {

@@ -153,6 +153,13 @@ std::string range_remark(const std::string& name, const Range& range) {
 
 }  // namespace
 
+bool is_image_name(const std::filesystem::path& path) {
+  static constexpr std::array<std::string_view, 17> kEndings = {
+      ".exr", ".hdr", ".rgbe", ".pfm", ".png", ".jpg", ".jpeg", ".tif", ".tiff",
+      ".tga", ".bmp", ".ppm",  ".pgm", ".pnm", ".dpx", ".webp", ".gif"};
+  return std::ranges::find(kEndings, extension_of(path)) != kEndings.end();
+}
+
 Expected<LayerPicture> picture_of(const Image& image, const PictureOptions& options) {
   const auto layer = shown_layer(image, options.layer);
   if (!layer) return std::unexpected(layer.error());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "scheduler/image/tone_map.h"
 
 namespace penumbra {
+
+/// Whether a file's name ends as images do, of any format that read_image reads; everything else is a scene.
+bool is_image_name(const std::filesystem::path& path);
 
 struct PictureOptions {
   std::string layer = {};  ///< as for layer_channels; empty: the beauty layer

@@ -17,8 +17,10 @@ namespace penumbra::convert_command_test {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kMesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 constexpr const char* kScene =
@@ -62,9 +64,39 @@ TEST_F(ConvertCommand, WhatCannotBeWrittenIsSaidAndLeavesNothing) {
   }
 }
 
+TEST_F(ConvertCommand, AWrongOutputIsSaidBeforeTheSceneIsRead) {
+  write_text(folder_ / "bad.xml", "<scene");
+  for (const auto& [output, why] : {std::pair("a.obj/t.xml", "a.obj is not a folder"),
+                                    std::pair("out.obj", "'out.obj' does not end in .xml")}) {
+    const ProgramResult done = run_penumbra(folder_.path(), {"convert", "bad.xml", output});
+    EXPECT_EQ(done.exit_code, 2);
+    EXPECT_THAT(done.err, AllOf(HasSubstr(why), Not(HasSubstr("bad.xml:"))));
+  }
+  // A scene that cannot be read makes no folder.
+  EXPECT_NE(run_penumbra(folder_.path(), {"convert", "bad.xml", "new/t.xml"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
+}
+
+TEST_F(ConvertCommand, WhatMitsubaCannotReadIsWarnedOfOnce) {
+  write_text(
+      folder_ / "ours.xml",
+      "<scene version='3.0.0'><integrator type='ao'/><sensor type='thinlens'><float name='aperture_radius' "
+      "value='0.1'/><float name='distortion_k1' value='0.1'/><sampler type='halton'/></sensor>"
+      "<shape type='sphere'><bsdf type='phong'/></shape><shape type='disk'><bsdf type='phong'>"
+      "<float name='exponent' value='7'/></bsdf></shape></scene>");
+  const ProgramResult done = run_penumbra(folder_.path(), {"convert", "ours.xml", "t.xml"});
+  EXPECT_EQ(done.exit_code, 0);
+  for (const char* what : {"t.xml: Mitsuba 3 has no integrator 'ao'",
+                           "t.xml: Mitsuba 3 has no sampler 'halton'", "t.xml: Mitsuba 3 has no bsdf 'phong'",
+                           "t.xml: Mitsuba 3's sensor 'thinlens' has no 'distortion_k1'"})
+    EXPECT_THAT(done.err, HasSubstr(what));
+  EXPECT_THAT(done.err, Not(ContainsRegex("phong(.|\n)*phong")));
+  EXPECT_THAT(convert("t.xml").err, Not(HasSubstr("Mitsuba 3")));
+}
+
 TEST_F(ConvertCommand, InputsAreNeverOutputs) {
   std::filesystem::create_symlink("s.xml", folder_ / "link.xml");
-  for (const auto& [output, input] : {std::pair("s.xml", "s-1.ply"), std::pair("link.xml", "link.xml"),
+  for (const auto& [output, input] : {std::pair("s.xml", "s.xml"), std::pair("link.xml", "link.xml"),
                                       std::pair("./s.XML", "s-1.ply"), std::pair("s.again.xml", "")}) {
     const ProgramResult done = convert(output);
     if (*input == '\0') {  // whose meshes have other names
