@@ -1,4 +1,5 @@
 // [camera] and [film] of TinyRender scenes, and the TOML file itself.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -96,6 +97,11 @@ TEST_F(TinyRenderToml, UnknownTablesAndKeys) {
   EXPECT_THAT(
       toml_error(scene_with("type = \"direct\"\nbsdfSample = 3")),
       HasSubstr("scene.toml:12:1: error: [renderer] has no key 'bsdfSample'; did you mean 'bsdfSamples'?"));
+  // Each name once, whether or not the scene has the key.
+  for (const char* up : {"", "up = [0, 1, 0]\n"})
+    EXPECT_THAT(toml_error(scene_with(
+                    kDirect, fmt::format("eye = [0, 1, 5]\nat = [0, 1, 0]\n{}fov = 40\nfow = 1", up))),
+                HasSubstr("[camera] has no key 'fow'; did you mean 'fov'? It has: eye, at, up, fov\n"));
   const SceneDescription lenient = good_toml(scene + "[lights]\na = 1\n", {.lenient = true});
   EXPECT_THAT(warnings(lenient), AllOf(HasSubstr("scene.toml:7:1: warning: [camera] has no key 'fow'"),
                                        HasSubstr("scene.toml:13:2: warning: a TinyRender scene has no table"),
