@@ -32,10 +32,15 @@ int plot_height(const std::string& script) {
   return kHeight + (told ? kRowHeight * std::atoi(script.c_str() + kLegendRows.size()) : 0);
 }
 
+/// Of UTF-8.
+std::size_t characters(const std::string& text) {
+  return std::size_t(std::ranges::count_if(text, [](unsigned char c) { return (c & 0xc0) != 0x80; }));
+}
+
 /// Labels that are too long for the legend lose their middle. The tables hold all of them.
 std::string shortened(const std::string& label) {
   constexpr std::size_t kMost = 34, kEnd = 12;
-  std::vector<std::size_t> starts;  // of characters in UTF-8
+  std::vector<std::size_t> starts;  // of characters
   for (std::size_t i = 0; i < label.size(); ++i)
     if ((static_cast<unsigned char>(label[i]) & 0xc0) != 0x80) starts.push_back(i);
   if (starts.size() <= kMost) return label;
@@ -86,9 +91,9 @@ class Script {
   /// The legend is above the plot, in as many columns as fit. Its rows increase the height; see plot_height.
   [[nodiscard]] std::string finished() const {
     if (empty()) return "";
-    constexpr std::size_t kCharacter = 9, kSample = 55;  // widths in pixels
+    constexpr std::size_t kCharacter = 11, kSample = 100;  // widths in pixels, as gnuplot estimates them
     std::size_t longest = 1;
-    for (const std::string& title : titles_) longest = std::max(longest, title.size());
+    for (const std::string& title : titles_) longest = std::max(longest, characters(title));
     const std::size_t columns = std::clamp<std::size_t>(kWidth / (kCharacter * longest + kSample), 1, 3);
     const std::size_t rows = (titles_.size() + columns - 1) / columns;
     const double top = double(kHeight - 14) / double(kHeight + kRowHeight * int(rows));

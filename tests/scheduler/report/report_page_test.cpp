@@ -63,6 +63,42 @@ TEST(ReportPage, IsReadableOnPhonesAndLaptopsInLightAndDark) {
   expect_readable(report_html(large_report(folder.path())), 2 * 4 * 10);
 }
 
+/// The number of texts in an SVG that begin so.
+std::size_t texts(const std::string& svg, const std::string& begin) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = svg.find("<text>" + begin, at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+TEST(ReportPage, LegendsFitWhateverTheLengthOfLabels) {
+  if (!find_browser()) GTEST_SKIP() << kNoBrowser;
+  const auto gnuplot = find_gnuplot();
+  if (!gnuplot) GTEST_SKIP() << gnuplot.error().message;
+  const TemporaryFolder folder;
+  ReportData report = some_report();
+  const SceneReport scene = report.scenes[0];
+  report.scenes.clear();
+  for (const std::size_t length : {1, 2, 3, 4, 5, 6, 8, 11, 15, 20, 25, 34, 49}) {
+    report.scenes.push_back(scene);
+    report.scenes.back().curves.resize(1 + length % 3);
+    report.scenes.back().name = std::to_string(length);
+    for (Curve& curve : report.scenes.back().curves)
+      curve.name.label = std::string("path_mis: mis=MAXIMUM, max_depth=-1, nee=CV, SOBOL").substr(0, length) +
+                         curve.name.label.front();
+  }
+  for (SceneReport& drawn : report.scenes) {
+    drawn.plots = draw_plots(*gnuplot, folder.path(), report, drawn).value();
+    // gnuplot leaves entries out that do not fit.
+    EXPECT_EQ(texts(drawn.plots[0].svg, "p"), drawn.curves.size()) << drawn.curves[0].name.label;
+    EXPECT_EQ(texts(drawn.plots[1].svg, "p"), std::min<std::size_t>(drawn.curves.size(), 2)) << "no peer";
+    EXPECT_EQ(texts(drawn.plots[1].svg, "slope −1"), 1u);
+  }
+  const auto seen = view_page(report_html(report), {});
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_GE((*seen)["svg_texts"].get<int>(), 13 * 3 * 10);
+  EXPECT_EQ((*seen)["cut_off"], nlohmann::json::array());
+}
+
 TEST(ReportPage, SwitchesBetweenImagesInPlace) {
   if (!find_browser()) GTEST_SKIP() << kNoBrowser;
   const TemporaryFolder folder;
