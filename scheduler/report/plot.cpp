@@ -57,7 +57,7 @@ class Script {
  public:
   Script(const std::string& x_label, const std::string& y_label) {
     text_ = fmt::format(
-        "set logscale xy\nset xlabel {0} offset 0,0.5\nset ylabel {1} offset 1\n"
+        "set logscale xy\nset xlabel {0} offset 0,0.5\nset ylabel {1} offset 1.8\n"
         "set grid xtics ytics lt 1 lc rgb '{4}' lw 1\nset border lc rgb '{3}'\nset bars 0.7\n"
         "set tics textcolor rgb '{2}'\nset lmargin at screen 0.2\nset rmargin at screen 0.97\n",
         gnuplot_quoted(x_label), gnuplot_quoted(y_label), kPlotText, kPlotFrame, kPlotGrid);
