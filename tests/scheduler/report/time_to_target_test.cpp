@@ -40,7 +40,8 @@ TEST(TimeToTarget, ExtrapolatesNothing) {
   EXPECT_EQ(shorter->cost, 1) << "the shortest run, which is more than enough";
   EXPECT_EQ(time_to_target(kInverse, 0.125)->kind, Reach::kMeasured);
   EXPECT_EQ(time_to_target(kInverse, 1)->kind, Reach::kMeasured);
-  EXPECT_EQ(time_to_target(std::vector<CostError>{{3, 0.5}}, 0.1)->kind, Reach::kNotReached) << "a single run";
+  EXPECT_EQ(time_to_target(std::vector<CostError>{{3, 0.5}}, 0.1)->kind, Reach::kNotReached)
+      << "a single run";
 }
 
 TEST(TimeToTarget, NeedsPointsAndATarget) {
@@ -90,7 +91,8 @@ TEST(Fastest, IsNobodyWhereItIsNotKnown) {
 }
 
 TEST(Fastest, MayBeFasterThanItsShortestRun) {
-  EXPECT_EQ(fastest_of({time(Reach::kMeasured, 3), time(Reach::kShorter, 2), time(Reach::kNotReached, 5)}), 1u);
+  EXPECT_EQ(fastest_of({time(Reach::kMeasured, 3), time(Reach::kShorter, 2), time(Reach::kNotReached, 5)}),
+            1u);
 }
 
 }  // namespace
