@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "scenes/diagnostic.h"
@@ -111,9 +112,8 @@ ExitCode convert_scene(const ConvertOptions& options, const CLI::App& command) {
     return bad_usage(
         fmt::format("{}: for images, and '{}' is a scene", fmt::join(names, ", "), options.scene.scene));
   // Known before a long scene is read.
-  const std::array inputs{std::filesystem::path(options.scene.scene)},
-      outputs{std::filesystem::path(options.output)};
-  if (const auto checked = check_outputs(outputs, inputs); !checked)
+  const std::filesystem::path input = options.scene.scene, output = options.output;
+  if (const auto checked = check_outputs(std::span(&output, 1), std::span(&input, 1)); !checked)
     return print_error(checked.error()), kBadInput;
   const auto scene = read_scene_with_options(options.scene);
   if (!scene) return print_error(scene.error()), kIncomplete;

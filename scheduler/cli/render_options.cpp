@@ -165,7 +165,7 @@ void add_scale_option(CLI::App& command, SceneOptions& options) {
             options.scale = *scale == 1 ? std::nullopt : std::optional(*scale);
           },
           "Film of so much of its width and height, with its crop window, as in 25% or 0.25; rounded to the "
-          "nearest pixel, at least 1. --crop and --pixel are in pixels of the scaled film")
+          "nearest pixel, at least 1")
       ->type_name("PERCENT")
       ->group(group::kRegion);
 }
@@ -277,7 +277,8 @@ void add_region_options(CLI::App& command, RenderOptions& options) {
         throw CLI::ValidationError("--crop",
                                    "'" + text + "' is not x0,y0,x1,y1 with 0 <= x0 < x1, 0 <= y0 < y1");
       },
-      "Render only these pixels of the film, without column x1 and row y1; they are the same as in the whole "
+      "Render only these pixels of the film, after --scale, without column x1 and row y1; they are the same "
+      "as in the whole "
       "image");
   crop->type_name("X0,Y0,X1,Y1")->group(group::kRegion);
   auto* pixel = command.add_option_function<std::string>(
