@@ -21,7 +21,8 @@ constexpr std::string_view kPrefix = "penumbra:";
 constexpr const char *kSeeds = "penumbra:seeds", *kMerged = "penumbra:merged";
 
 /// Metadata in which images of one scene and settings may differ.
-constexpr std::array<std::string_view, 26> kOfOneRender = {"seed",
+constexpr std::array<std::string_view, 27> kOfOneRender = {"seed",
+                                                           "film.layers",
                                                            "seeds",
                                                            "merged",
                                                            "spp",

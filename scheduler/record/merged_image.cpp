@@ -104,6 +104,8 @@ void ImageMerge::choose_channels() {
       channels_.push_back({name, Kind::kHalfA});
     else if (layer == "half_b")
       channels_.push_back({name, Kind::kHalfB});
+    else if (layer == kFilmLayers[LAYER_SHAPE].name)
+      channels_.push_back({name, Kind::kFirst});  // of IDs there is no mean
     else if (mean_of_variance(name).empty() && is_mean(name))
       channels_.push_back({name, Kind::kMean});
   }
@@ -170,6 +172,7 @@ void ImageMerge::add_pixel(std::size_t at, std::span<const float> values, double
     half_b = pixel.half_b;
     double all = before;
     if (channels_[c].kind == Kind::kMean) merge_mean(merged[c], values[c], all, weight);
+    if (channels_[c].kind == Kind::kFirst && before == 0 && weight > 0) merged[c] = values[c];
     if (channels_[c].kind == Kind::kHalfA) merge_mean(merged[c], values[c], half_a, weight * share_of_a);
     if (channels_[c].kind == Kind::kHalfB)
       merge_mean(merged[c], values[c], half_b, weight * (1 - share_of_a));

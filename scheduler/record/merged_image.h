@@ -44,7 +44,7 @@ class ImageMerge {
   [[nodiscard]] std::vector<std::string> remarks() const;
 
  private:
-  enum class Kind { kMean, kVariance, kSamples, kHalfA, kHalfB, kMatte };
+  enum class Kind { kMean, kFirst, kVariance, kSamples, kHalfA, kHalfB, kMatte };
   struct Channel {
     std::string name;
     Kind kind;

@@ -172,6 +172,21 @@ TEST(MergedImage, CryptomatteHasTheSixLargestIds) {
               ElementsAre(HasSubstr("Cryptomatte is approximate: 1 pixels")));
 }
 
+/// The first image with samples of the pixel decides, in the order of seeds.
+TEST(MergedImage, KeepsShapesOfTheFirstSeed) {
+  const std::vector<std::string> channels{"R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y", "shape.ID"};
+  const auto image = [&](std::uint32_t seed, float samples, float shape) {
+    return image_of(seed, {1, 1, 1, 0, 0, 0, samples, shape, 1, 1, 1, 0, 0, 0, 4, shape + 1}, channels);
+  };
+  for (const bool swapped : {false, true}) {
+    const Image first = image(1, 0, 5), second = image(2, 4, 9);
+    const Image merged = swapped ? merged_of({second, first}).image : merged_of({first, second}).image;
+    const std::size_t shape = merged.channel("shape.ID").value();
+    EXPECT_EQ(merged.at(0, 0, shape), 9) << "the first has no samples there";
+    EXPECT_EQ(merged.at(1, 0, shape), 6);
+  }
+}
+
 TEST(MergedImage, LeavesOutWhatNotAllHave) {
   Image other = random_image(2, {4});
   other.channels[6] = "depth.W";
