@@ -283,11 +283,13 @@ void Viewer::look_at_pixel(const PixelRectangle& place) {
   if (!value) return;
   const std::size_t at = std::size_t(y) * std::size_t(film_->width()) + std::size_t(x);
   const float error = film_->standard_error()[at];
-  status_.pixel = PixelValue{.x = x,
-                             .y = y,
-                             .value = *value,
-                             .samples = film_->radiance()[4 * at + 3],
-                             .standard_error = std::isnan(error) ? std::nullopt : std::optional(error)};
+  const bool is_image = settings_.layer == Layer::kComposite && settings_.comparison == Comparison::kNone;
+  status_.pixel =
+      PixelValue{.x = x,
+                 .y = y,
+                 .value = *value,
+                 .samples = film_->radiance()[4 * at + 3],
+                 .standard_error = is_image && !std::isnan(error) ? std::optional(error) : std::nullopt};
 }
 
 }  // namespace penumbra
