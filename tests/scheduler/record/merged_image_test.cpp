@@ -174,7 +174,8 @@ TEST(MergedImage, CryptomatteHasTheSixLargestIds) {
 
 /// The first image with samples of the pixel decides, in the order of seeds.
 TEST(MergedImage, KeepsShapesOfTheFirstSeed) {
-  const std::vector<std::string> channels{"R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y", "shape.ID"};
+  const std::vector<std::string> channels{"R",          "G",          "B",         "variance.R",
+                                          "variance.G", "variance.B", "samples.Y", "shape.ID"};
   const auto image = [&](std::uint32_t seed, float samples, float shape) {
     return image_of(seed, {1, 1, 1, 0, 0, 0, samples, shape, 1, 1, 1, 0, 0, 0, 4, shape + 1}, channels);
   };
