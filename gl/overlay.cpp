@@ -204,7 +204,7 @@ OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status, 
   const bool panel = settings.panel;
   draw_banner(status, {0, 0}, {panel ? std::max(left, 1.0f) : free_width, io.DisplaySize.y});
   if (panel) draw_panel(settings, status, shown, left, width, result);
-  draw_pixel(status, {free_width, io.DisplaySize.y});
+  if (!panel || beside) draw_pixel(status, {free_width, io.DisplaySize.y});
   if (!panel) draw_handle(settings);
   draw_help(settings, {free_width, io.DisplaySize.y});
   const float pixels = io.DisplayFramebufferScale.x;
