@@ -89,6 +89,7 @@ class SceneSet final : public JobSource {
       else
         entries_.emplace_back().files = files;
       entries_.back().name = member.name;
+      longest_name_ = std::max(longest_name_, member.name.size());
       entries_.back().scene = member.options.scene.scene;
       entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
@@ -120,6 +121,8 @@ class SceneSet final : public JobSource {
   void end(std::size_t index, SetState state, const std::string& error = {});
   [[nodiscard]] Expected<void> write_summary() const;
   [[nodiscard]] std::size_t ended();
+  /// Of all renders: " (0:41:10 left)"; empty while none has been rendered.
+  [[nodiscard]] std::string time_left_text(double share_of_present);
   ExitCode print_end();
 
   SetPlan plan_;
@@ -130,8 +133,11 @@ class SceneSet final : public JobSource {
   std::string worker_;   ///< hash of the worker's executable
   SharedScenes scenes_;  // used by the thread that reads scenes
 
-  std::mutex mutex_;  // protects entries_
+  const Clock::time_point began_ = Clock::now();
+  std::size_t longest_name_ = 0;
+  std::mutex mutex_;  // protects entries_ and how many of them have ended, and were rendered for that
   std::vector<SetEntry> entries_;
+  std::size_t ended_ = 0, rendered_ = 0;
   Clock::time_point next_summary_{};
   std::vector<SetEntry> earlier_;  // of other sets with the same summary file
   // Hashes of the requested renders; each is written before its render is passed on.
@@ -207,8 +213,10 @@ bool SceneSet::is_exhausted() {
 void SceneSet::progress(JobId id, const RenderProgress& progress) {
   if (open_.begin()->first != id) return;  // show only the most advanced render
   const std::size_t index = open_.begin()->second->index;
-  printer_.update(progress,
-                  fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].name));
+  const double done =
+      progress.samples_total > 0 ? double(progress.samples_done) / double(progress.samples_total) : 0.0;
+  printer_.update(progress, fmt::format("{} of {}{}, {}: ", ended() + 1, plan_.members.size(),
+                                        time_left_text(done), entries_[index].name));
 }
 
 void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
@@ -271,6 +279,12 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
   const std::lock_guard lock(mutex_);
   entries_[index].state = state;
   entries_[index].error = error;
+  ++ended_;
+  if (state != SetState::kUnchanged) ++rendered_;
+  if (!options_.quiet) {
+    clear_line();
+    print_remark(set_line(entries_[index], ended_, entries_.size(), longest_name_));
+  }
   if (state == SetState::kDone) entries_[index].key = keys_[index];
   // Writes the current state of the summary, so that finished renders count as such if this process ends.
   // Limits the time spent on it.
@@ -286,8 +300,15 @@ Expected<void> SceneSet::write_summary() const {
 
 std::size_t SceneSet::ended() {
   const std::lock_guard lock(mutex_);
-  return std::size_t(std::ranges::count_if(
-      entries_, [](const SetEntry& entry) { return entry.state != SetState::kWaiting; }));
+  return ended_;
+}
+
+std::string SceneSet::time_left_text(double share_of_present) {
+  const std::lock_guard lock(mutex_);
+  if (rendered_ == 0) return "";
+  const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+  const double left = double(entries_.size() - ended_) - share_of_present;
+  return fmt::format(" ({} left)", clock_text(seconds * left / (double(rendered_) + share_of_present)));
 }
 
 // --- Running all threads
@@ -323,7 +344,9 @@ ExitCode SceneSet::run() {
 }
 
 ExitCode SceneSet::print_end() {
-  if (!options_.quiet) print_remark(set_table(entries_) + fmt::format("wrote {}\n", plan_.summary.string()));
+  const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+  if (!options_.quiet)
+    print_remark(set_totals(entries_, seconds) + fmt::format("wrote {}\n", plan_.summary.string()));
   if (!options_.quiet && advises_sampler_) print_sampler_advice();
   const auto failed = std::ranges::count_if(entries_, [](const SetEntry& entry) {
     return entry.state == SetState::kFailed || entry.state == SetState::kIncomplete;

@@ -11,8 +11,8 @@
 namespace penumbra {
 
 /// Renders the set of plan_set on one farm, one render after the other. The next scenes are read and finished
-/// images are written while others render. A scene that fails does not stop the others. A table and a summary
-/// file list the result of each.
+/// images are written while others render. A scene that fails does not stop the others. A line tells
+/// the end of each, and a summary file lists them.
 ExitCode render_set(const RenderOptions& options, const CLI::App& command,
                     const std::vector<std::string>& command_line);
 

@@ -1,13 +1,17 @@
 #include "scheduler/cli/sets/set_summary.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/text.h"
+#include "scheduler/cli/progress.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/json_number.h"
 
@@ -107,20 +111,28 @@ std::vector<SetEntry> FinishedRenders::rest() && {
   return rest;
 }
 
-std::string set_table(const std::vector<SetEntry>& entries) {
-  std::size_t widest = 5;
-  for (const SetEntry& entry : entries) widest = std::max(widest, entry.name.size());
-  std::string table;
-  for (const SetEntry& entry : entries) {
-    table += fmt::format("{:{}}  {:10}", entry.name, widest, set_state_name(entry.state));
-    if (entry.samples > 0) table += fmt::format("  {:>6} spp  {:8.2f} s", entry.samples, entry.seconds);
-    if (entry.samples > 0 && std::isfinite(entry.relative_error))
-      table += fmt::format("  error {:.2g}%", 100 * entry.relative_error);
-    if (entry.budget_of > 0) table += fmt::format("  ended by the budget, of {} spp", entry.budget_of);
-    if (!entry.error.empty()) table += "  " + entry.error.substr(0, entry.error.find('\n'));
-    table += "\n";
-  }
-  return table;
+std::string set_line(const SetEntry& entry, std::size_t ended, std::size_t all, std::size_t widest) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::string line =
+      fmt::format("{:%H:%M:%S}  {:>{}} of {}  {:{}}  {:10}", local, ended, fmt::formatted_size("{}", all),
+                  all, entry.name, widest, set_state_name(entry.state));
+  if (entry.samples > 0) line += fmt::format("  {:>6} spp  {:8.2f} s", entry.samples, entry.seconds);
+  if (entry.samples > 0 && std::isfinite(entry.relative_error))
+    line += fmt::format("  error {:.2g}%", 100 * entry.relative_error);
+  if (entry.budget_of > 0) line += fmt::format("  ended by the budget, of {} spp", entry.budget_of);
+  if (!entry.error.empty()) line += "  " + entry.error.substr(0, entry.error.find('\n'));
+  return line + "\n";
+}
+
+std::string set_totals(const std::vector<SetEntry>& entries, double seconds) {
+  std::string text = counted(entries.size(), "render") + ":";
+  for (const SetState state :
+       {SetState::kDone, SetState::kUnchanged, SetState::kIncomplete, SetState::kFailed})
+    if (const auto count = std::ranges::count(entries, state, &SetEntry::state); count > 0)
+      text += fmt::format(" {} {},", count, set_state_name(state));
+  return fmt::format("{} in {}\n", text, clock_text(seconds));
 }
 
 }  // namespace penumbra

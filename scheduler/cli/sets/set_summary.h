@@ -50,7 +50,10 @@ class FinishedRenders {
   std::map<std::vector<std::string>, SetEntry> entries_;  ///< keyed by files
 };
 
-/// One line per entry.
-std::string set_table(const std::vector<SetEntry>& entries);
+/// One line about an entry that has ended, with its end: "14:03:27   3 of 24  NAME  done …". `ended` counts
+/// it and those before it; `widest` is the length of the longest name.
+std::string set_line(const SetEntry& entry, std::size_t ended, std::size_t all, std::size_t widest);
+/// The last line: how many renders ended how.
+std::string set_totals(const std::vector<SetEntry>& entries, double seconds);
 
 }  // namespace penumbra
