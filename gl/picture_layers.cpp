@@ -14,17 +14,6 @@ namespace {
 using Channels = std::array<std::string_view, 3>;
 constexpr std::array<Channels, 3> kTriples{{{"R", "G", "B"}, {"X", "Y", "Z"}, {"U", "V", "U"}}};
 
-/// NAME.COMPONENT; the component alone for channels without a dot.
-struct ChannelName {
-  std::string layer, component;
-};
-
-ChannelName split(const std::string& channel) {
-  const std::size_t dot = channel.rfind('.');
-  if (dot == std::string::npos) return {"", channel};
-  return {channel.substr(0, dot), channel.substr(dot + 1)};
-}
-
 bool is_identity(std::string_view layer, std::string_view component) {
   return layer.starts_with("Crypto") || component == "ID" || component == "id";
 }
@@ -97,8 +86,8 @@ LayeredPicture layers_of(const Image& image, std::string name) {
         make_layer(std::string(kImageLayer), LayerKind::kColor, values_of(image, *beauty), 3));
   std::map<std::string, std::map<std::string, std::size_t>> layers;
   for (std::size_t i = 0; i < image.channels.size(); ++i) {
-    const ChannelName channel = split(image.channels[i]);
-    layers[channel.layer][channel.component] = i;
+    const ChannelName channel = split_channel(image.channels[i]);
+    layers[std::string(channel.layer)][std::string(channel.component)] = i;
   }
   for (const auto& [layer, components] : layers) {
     const auto triple = triple_of(components);

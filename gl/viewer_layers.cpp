@@ -52,11 +52,6 @@ TileSnapshot tile_of(const LayeredPicture& picture) {
   return tile;
 }
 
-std::string text_of(const std::optional<MetadataValue>& value) {
-  const auto* text = value ? std::get_if<std::string>(&*value) : nullptr;
-  return text == nullptr ? "" : *text;
-}
-
 }  // namespace
 
 // --- Files
@@ -91,7 +86,7 @@ Expected<void> Viewer::read_file() {
   ++denoised_view_;
   status_.connection = ConnectionState::kFile;
   status_.scene = file_.string();
-  status_.integrator = text_of(image->attribute("penumbra:integrator"));
+  status_.integrator = metadata_text(*image, "penumbra:integrator");
   status_.film_width = layers_.width;
   status_.film_height = layers_.height;
   status_.finished = true;
@@ -188,10 +183,7 @@ void Viewer::next_layer() {
   std::vector<std::string> names{"image", "standard_error"};
   if (status_.hybrid) names.insert(names.end(), {"closed_form", "difference"});
   names.insert(names.end(), status_.named_layers.begin(), status_.named_layers.end());
-  std::string shown = settings_.named;
-  for (const auto& [name, layer] : kBuiltIn)
-    if (settings_.layer == layer) shown = name;
-  const auto found = std::ranges::find(names, shown);
+  const auto found = std::ranges::find(names, shown_layer_name());
   const std::size_t next = found == names.end() ? 0 : std::size_t(found - names.begin()) + 1;
   [[maybe_unused]] const auto done = show_layer(names[next % names.size()]);
 }

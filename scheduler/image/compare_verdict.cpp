@@ -13,19 +13,13 @@ namespace {
 /// If only a larger difference of the images' means would be found, their agreement means nothing.
 constexpr double kUsefulDifference = 0.1;
 
-std::string text_of(const Image& image, std::string_view attribute) {
-  const auto value = image.attribute(attribute);
-  const std::string* text = value ? std::get_if<std::string>(&*value) : nullptr;
-  return text != nullptr ? *text : "";
-}
-
 /// Why the layer `variance` of an image does not describe the noise of its blocks; empty: it does.
 std::string why_not_independent(const std::string& name, const Image& image) {
-  const std::string integrator = text_of(image, "penumbra:integrator");
+  const std::string integrator = metadata_text(image, "penumbra:integrator");
   if (integrator == PhotonMapIntegrator::kName || integrator == ProgressivePhotonIntegrator::kName)
     return fmt::format("the pixels of {} share photons ({}), so variances of pixels do not tell its noise",
                        name, integrator);
-  const std::string method = text_of(image, "penumbra:denoised_by");
+  const std::string method = metadata_text(image, "penumbra:denoised_by");
   if (!method.empty())
     return fmt::format("{} is denoised ({}), so its variances do not tell its error", name, method);
   return "";

@@ -1,5 +1,7 @@
 #include "scheduler/image/image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace penumbra {
@@ -24,11 +26,18 @@ std::optional<MetadataValue> Image::attribute(std::string_view name) const {
   return found->second;
 }
 
-bool is_display_image(const Image& image) {
-  const auto space = image.attribute("oiio:ColorSpace");
-  const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
-  return name != nullptr && *name == "sRGB";
+std::string metadata_text(const Image& image, std::string_view name) {
+  const auto value = image.attribute(name);
+  return value ? std::visit([](const auto& v) { return fmt::format("{}", v); }, *value) : std::string();
 }
+
+ChannelName split_channel(std::string_view channel) {
+  const std::size_t dot = channel.rfind('.');
+  if (dot == std::string_view::npos) return {"", channel};
+  return {channel.substr(0, dot), channel.substr(dot + 1)};
+}
+
+bool is_display_image(const Image& image) { return metadata_text(image, "oiio:ColorSpace") == "sRGB"; }
 
 bool describes_file(std::string_view name) {
   // OpenEXR's own attributes, which its writer sets, and OpenImageIO's names for some of them.

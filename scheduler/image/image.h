@@ -62,6 +62,15 @@ struct Image {
   }
 };
 
+/// A metadata entry as text; empty if there is none.
+std::string metadata_text(const Image& image, std::string_view name);
+
+/// The parts of a channel's name: "albedo" and "R" of albedo.R; no layer for R.
+struct ChannelName {
+  std::string_view layer, component;
+};
+ChannelName split_channel(std::string_view channel);
+
 /// Whether the values are signals of a display (sRGB), as OpenImageIO reports for PNG and JPEG, not radiance.
 bool is_display_image(const Image& image);
 

@@ -27,15 +27,12 @@ struct ShownLayer {
   Shown shown = Shown::kColour;
 };
 
-/// R for albedo.R and for R.
-std::string_view letter_of(std::string_view channel) { return channel.substr(channel.rfind('.') + 1); }
-
 bool is_beauty_name(std::string_view layer) { return layer.empty() || layer == "beauty"; }
 
 Shown way_to_show(std::string_view name, const LayerChannels& layer) {
   const std::string lower = to_lower_case(name);
   const auto is_named = [&](std::string_view word) { return lower.find(word) != std::string::npos; };
-  const std::string_view last = letter_of(layer.names.back());
+  const std::string_view last = split_channel(layer.names.back()).component;
   if (layer.names.size() == 3 && last == "Z" && is_named("normal") && !is_named("variance"))
     return Shown::kNormal;
   if (layer.names.size() == 1 && (last == "Z" || is_named("depth") || is_named("samples")))
@@ -51,7 +48,7 @@ Expected<ShownLayer> shown_layer(const Image& image, const std::string& name) {
     return fail(fmt::format("'{}' holds IDs, of which there is no picture; an .exr keeps them", name));
   ShownLayer layer;
   layer.alpha = is_beauty_name(name) ? image.channel("A") : std::nullopt;
-  if (!is_beauty_name(name) && found->names.size() == 4 && letter_of(found->names[3]) == "A") {
+  if (!is_beauty_name(name) && found->names.size() == 4 && split_channel(found->names[3]).component == "A") {
     layer.alpha = found->indices[3];
     found->indices.pop_back();
     found->names.pop_back();
@@ -197,10 +194,10 @@ Expected<Image> linear_image(const Image& image, const std::string& layer) {
     found->indices.push_back(*alpha);
     found->names.emplace_back("A");
   }
-  const bool is_colour = letter_of(found->names.front()) == "R" && found->names.size() >= 3;
+  const bool is_colour = split_channel(found->names.front()).component == "R" && found->names.size() >= 3;
   result.channels.clear();
   for (const std::string& name : found->names)
-    result.channels.push_back(is_colour ? std::string(letter_of(name)) : name);
+    result.channels.push_back(is_colour ? std::string(split_channel(name).component) : name);
   std::vector<float> values;
   values.reserve(image.pixels() * found->indices.size());
   for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel)

@@ -146,11 +146,6 @@ Expected<std::vector<MergedRender>> renders_of(const Image& header) {
 
 }  // namespace
 
-std::string metadata_text(const Image& image, std::string_view name) {
-  const auto value = image.attribute(name);
-  return value ? std::visit([](const auto& v) { return fmt::format("{}", v); }, *value) : std::string();
-}
-
 Expected<MergeSource> merge_source(const std::filesystem::path& file, Image header) {
   const auto refuse = [&](const std::string& why) { return fail(fmt::format("{} {}", file.string(), why)); };
   if (header.attribute("penumbra:denoised_by"))

@@ -45,7 +45,4 @@ std::string seeds_text(const std::vector<MergedRender>& renders);
 /// The renders of all sources, by seed.
 std::vector<MergedRender> all_renders(const std::vector<MergeSource>& sources);
 
-/// A metadata entry as text; empty if there is none.
-std::string metadata_text(const Image& image, std::string_view name);
-
 }  // namespace penumbra

@@ -21,26 +21,19 @@ constexpr std::size_t kMatteLayers = 2, kValuesOfMatteLayer = 2 * kCryptomatteRa
 // Coverage is stored as float: what it lacks to 1, or to a whole number of samples, is rounding below this.
 constexpr double kCoverageRounding = 1e-4;
 
-/// The layer's name and the letter; an empty name for R.
-std::pair<std::string, std::string> parts_of(const std::string& channel) {
-  const std::size_t dot = channel.rfind('.');
-  if (dot == std::string::npos) return {"", channel};
-  return {channel.substr(0, dot), channel.substr(dot + 1)};
-}
-
 /// The name of the mean of which the channel is the variance; empty: it is no variance.
 std::string mean_of_variance(const std::string& channel) {
-  const auto [layer, letter] = parts_of(channel);
-  if (layer == "variance") return letter;
+  const auto [layer, letter] = split_channel(channel);
+  if (layer == "variance") return std::string(letter);
   constexpr std::string_view kEnding = "_variance";
   if (!layer.ends_with(kEnding)) return {};
-  return layer.substr(0, layer.size() - kEnding.size()) + "." + letter;
+  return fmt::format("{}.{}", layer.substr(0, layer.size() - kEnding.size()), letter);
 }
 
 /// Whether the channel is a mean of samples in the images of film_image.h.
 bool is_mean(const std::string& channel) {
   if (channel == "R" || channel == "G" || channel == "B") return true;
-  const auto [layer, letter] = parts_of(channel);
+  const auto [layer, letter] = split_channel(channel);
   return std::ranges::any_of(kFilmLayers, [&](const FilmLayerInfo& each) {
     return each.name == layer && each.channels.find(letter) != std::string_view::npos;
   });
@@ -97,7 +90,7 @@ void ImageMerge::choose_channels() {
     return std::ranges::find(common, name) != common.end();
   });
   for (const std::string& name : common) {
-    const std::string layer = parts_of(name).first;
+    const std::string_view layer = split_channel(name).layer;
     if (name == "samples.Y")
       channels_.push_back({name, Kind::kSamples});
     else if (layer == "half_a")
@@ -254,7 +247,7 @@ std::vector<std::string> ImageMerge::remarks() const {
   std::vector<std::string> remarks;
   std::vector<std::string> layers;
   for (const std::string& channel : left_out_) {
-    const std::string layer = parts_of(channel).first, name = layer.empty() ? channel : layer;
+    const std::string layer(split_channel(channel).layer), name = layer.empty() ? channel : layer;
     if (std::ranges::find(layers, name) == layers.end()) layers.push_back(name);
   }
   std::ranges::sort(layers);
