@@ -67,17 +67,20 @@ Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::s
 /// unknown name, as for parse_name.
 Expected<std::vector<bool>> parse_names(std::string_view text, const std::vector<std::string>& names);
 
+template <typename T>
+std::vector<std::string> choice_names(const std::vector<std::pair<const char*, T>>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) names.emplace_back(name);
+  return names;
+}
+
 /// One of several values by name. If two names have the same value, the first is printed.
 template <typename T>
 struct OneOf {
   std::vector<std::pair<const char*, T>> choices;
 
   static constexpr SettingKind kKind = SettingKind::kText;
-  [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> result;
-    for (const auto& [name, value] : choices) result.emplace_back(name);
-    return result;
-  }
+  [[nodiscard]] std::vector<std::string> names() const { return choice_names(choices); }
   [[nodiscard]] std::string values() const { return list_names(names()); }
   [[nodiscard]] Expected<T> parse(std::string_view text) const {
     const auto index = parse_name(text, names());
@@ -97,11 +100,7 @@ struct SomeOf {
   std::vector<std::pair<const char*, T>> choices;
 
   static constexpr SettingKind kKind = SettingKind::kText;
-  [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> result;
-    for (const auto& [name, value] : choices) result.emplace_back(name);
-    return result;
-  }
+  [[nodiscard]] std::vector<std::string> names() const { return choice_names(choices); }
   [[nodiscard]] std::string values() const { return "none, or some of " + list_names(names()); }
   /// In the order of the choices, each once.
   [[nodiscard]] Expected<std::vector<T>> parse(std::string_view text) const {
