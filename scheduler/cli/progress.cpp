@@ -33,16 +33,21 @@ std::string clock_text(double seconds) {
   return fmt::format("{} s", rest);
 }
 
+std::optional<double> seconds_left(const RenderProgress& progress) {
+  const auto left = double(progress.samples_total - std::min(progress.samples_done, progress.samples_total));
+  const double rate = double(progress.samples_done - progress.samples_before) / progress.elapsed_seconds;
+  if (progress.samples_total > 0 && left == 0) return 0.0;
+  return rate > 0 && std::isfinite(rate) ? std::optional(left / rate) : std::nullopt;
+}
+
 std::string progress_text(const RenderProgress& progress) {
   // Rounded down, so that 100% means that everything is done.
   std::string text = fmt::format("{:3d}%", int(std::floor(done_share(progress) * 100)));
   if (progress.samples_done > 0 && progress.elapsed_seconds > 0) {
     const double rate = double(progress.samples_done - progress.samples_before) / progress.elapsed_seconds;
     text += fmt::format("  {:.2f} Msamples/s", rate * 1e-6);
-    if (rate > 0 && progress.samples_done < progress.samples_total) {
-      text +=
-          fmt::format("  {} left", clock_text(double(progress.samples_total - progress.samples_done) / rate));
-    }
+    if (const auto left = seconds_left(progress); left > 0.0)
+      text += fmt::format("  {} left", clock_text(*left));
   }
   if (std::isfinite(progress.relative_error))
     text += fmt::format("  error {:.2g}%", progress.relative_error * 100);

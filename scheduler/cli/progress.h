@@ -1,6 +1,7 @@
 // Shows the progress of a render: one line that is redrawn on a terminal, or occasional lines elsewhere.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "scheduler/farm/render_job.h"
@@ -17,6 +18,9 @@ constexpr double kSecondsBetweenLines = 10.0;
 
 /// Whole seconds, rounded up so that 0 appears only at the end: "1:02:03", "4:05", "12 s".
 std::string clock_text(double seconds);
+
+/// At the rate so far of this process; nothing as long as that is unknown, 0 at the end.
+std::optional<double> seconds_left(const RenderProgress& progress);
 
 /// Percentage, rate, remaining time, error and workers, without a bar. Unknown values are left out.
 std::string progress_text(const RenderProgress& progress);

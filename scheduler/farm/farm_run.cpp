@@ -180,7 +180,7 @@ void FarmRun::take_jobs() {
                          .first->second;
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
-    tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify});
+    tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify, taken.job().submitter});
     for (const PassesOfTile& passes : taken.passes_of_tiles()) tell_plan(passes);
   }
 }

@@ -30,7 +30,8 @@ struct RenderJob {
   /// Of each pixel; with a target error the limit, with adaptive sampling the mean. At most plan.stop_after.
   std::uint32_t spp = 16;
   PlanOptions plan;
-  int priority = 0;  ///< among jobs with work the highest goes first
+  int priority = 0;            ///< among jobs with work the highest goes first
+  std::string submitter = {};  ///< among jobs of equal priority, submitters have equal shares of the workers
   DeviceOptions device;
   /// The `penumbra render` command without a crop, quoted for a shell; the message about a failed unit adds
   /// `--crop x0,y0,x1,y1`.

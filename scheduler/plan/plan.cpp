@@ -48,6 +48,8 @@ void Plan::on(const JobAdded& event) {
   if (!is_new) return;
   Job& job = added->second;
   job.priority = event.priority;
+  job.submitter = event.submitter;
+  add_submitter(event.submitter);
   job.as_added = event.phases;
   job.verify = event.verify;
   job.begin();
@@ -65,7 +67,10 @@ void Plan::on(const JobRemoved& event) {
   if (found == jobs_.end()) return;
   forget_units(event.job);
   units_left_ -= found->second.units_left;
+  const std::string submitter = found->second.submitter;
   jobs_.erase(found);
+  if (std::ranges::none_of(jobs_, [&](const auto& job) { return job.second.submitter == submitter; }))
+    spent_.erase(submitter);
   if (!gave_up()) disputes_ = 0;  // disputes of a scheduler that runs for months must not add up
   order_jobs();
   for (auto& [id, worker] : workers_) {
@@ -285,8 +290,18 @@ void Plan::on(const Tick&) {
 void Plan::order_jobs() {
   order_.clear();
   for (const auto& [id, job] : jobs_) order_.push_back(id);
-  std::ranges::sort(order_, {},
-                    [this](JobId id) { return std::pair(-std::int64_t(jobs_.at(id).priority), id); });
+  std::ranges::sort(order_, {}, [this](JobId id) {
+    const Job& job = jobs_.at(id);
+    return std::tuple(-std::int64_t(job.priority), spent_.at(job.submitter), id);
+  });
+}
+
+/// Who comes later has no claim on the time before.
+void Plan::add_submitter(const std::string& submitter) {
+  if (spent_.contains(submitter)) return;
+  Seconds least = spent_.empty() ? 0 : spent_.begin()->second;
+  for (const auto& [other, spent] : spent_) least = std::min(least, spent);
+  spent_[submitter] = least;
 }
 
 /// Forgets all issued units of a job, also those that workers hold: results for them are not passed on any

@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,10 +20,11 @@
 namespace penumbra {
 
 /// The state of all jobs and workers of a scheduler. Its rules:
-///   - Jobs are ordered by priority, then by age. A worker gets units of the first job that has any for it. A
-///     worker that is not prepared for a job with work for it is told to prepare it after its current units.
-///     It gets nothing more until it is prepared. It keeps up to kJobsPerWorker jobs, and prepares one in
-///     advance when it has nothing else to do.
+///   - Jobs are ordered by priority, then by the time that workers have spent for their submitters while they
+///     had jobs, so that submitters have equal shares; then by age. A worker gets units of the first job that
+///     has any for it. A worker that is not prepared for a job with work for it is told to prepare it after
+///     its current units. It gets nothing more until it is prepared. It keeps up to kJobsPerWorker jobs, and
+///     prepares one in advance when it has nothing else to do.
 ///   - If a worker fails to prepare a job while it keeps others, it is told to try again without them. A job
 ///     that no worker can render, or whose preparation kills workers, is reported; the others go on.
 ///   - The phases of a job are sequential: each waits for its PhaseOpened.
@@ -108,6 +110,7 @@ class Plan {
   };
   struct Job {
     int priority = 0;
+    std::string submitter;
     std::vector<PhaseUnits> as_added;
     std::vector<Phase> phases;
     std::uint32_t phase = 0;
@@ -131,6 +134,7 @@ class Plan {
     std::optional<Seconds> idle_since;  // since when only verifications are left and no worker takes them
 
     void begin();
+    [[nodiscard]] Seconds expected() const { return timed > 0 ? total / Seconds(timed) : 1; }  // of a unit
   };
   struct Worker {
     std::deque<UnitId> units;  // the first is being rendered
@@ -188,6 +192,7 @@ class Plan {
   [[nodiscard]] static const Phase& present(const Job& job) { return job.phases[job.phase]; }
   [[nodiscard]] Phase& phase_of(UnitId id) { return jobs_.at(id.job).phases[id.phase]; }
   void order_jobs();
+  void add_submitter(const std::string& submitter);
   void forget_units(JobId job);
   void restart(JobId job);
   void count_left(UnitId id, std::int64_t more);
@@ -227,6 +232,7 @@ class Plan {
   std::optional<UnitId> next_for(WorkerId worker);
   [[nodiscard]] bool has_work(const Job& job, JobId id) const;
   void prepare_one(WorkerId id, bool in_advance);
+  [[nodiscard]] bool is_worth_forgetting_another(const Worker& worker, const Job& job) const;
   [[nodiscard]] bool make_room(WorkerId id);
   [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker, JobId job) const;
   [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker, JobId job) const;
@@ -254,6 +260,8 @@ class Plan {
   LeaseRule leases_;
   std::map<JobId, Job> jobs_;
   std::vector<JobId> order_;  // keys of jobs_ in the order in which units are taken from them
+  std::map<std::string, Seconds>
+      spent_;  // time of workers for each submitter with jobs, expected when a unit is issued
   std::map<WorkerId, Worker> workers_;
   std::map<UnitId, Unit> units_;
   std::set<UnitId> requeued_;         // units to be issued again

@@ -35,7 +35,10 @@ void Plan::issue_to(WorkerId id) {
   worker.units.push_back(*unit);
   units_[*unit].holders.insert(id);
   move_to(worker, *unit);
-  jobs_.at(unit->job).checks.erase(*unit);
+  Job& job = jobs_.at(unit->job);
+  job.checks.erase(*unit);
+  spent_.at(job.submitter) += job.expected();
+  if (spent_.size() > 1) order_jobs();
   dequeue(*unit);
   update_copyable(*unit);
   update_idle(id, worker);
@@ -94,7 +97,11 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
       if (in_advance || !worker.units.empty()) continue;
       forget_others(id);
     }
-    if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
+    if (int(worker.prepared.size()) >= kJobsPerWorker) {
+      if (in_advance) return;
+      if (!is_worth_forgetting_another(worker, jobs_.at(candidate))) continue;
+      if (!make_room(id)) return;
+    }
     worker.preparing = candidate;
     check_by(now_);
     update_idle(id, worker);
@@ -106,6 +113,16 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
 /// Makes a worker without units forget all other jobs.
 void Plan::forget_others(WorkerId id) {
   for (const JobId job : std::exchange(workers_.at(id).prepared, {})) orders_.push_back(Forget{id, job});
+}
+
+/// Not for equal shares alone, as long as they are not far from equal.
+bool Plan::is_worth_forgetting_another(const Worker& worker, const Job& job) const {
+  return std::ranges::none_of(worker.prepared, [&](JobId id) {
+    const Job& other = jobs_.at(id);
+    const Seconds lag = spent_.at(other.submitter) - spent_.at(job.submitter);
+    return other.priority == job.priority && other.submitter != job.submitter && has_work(other, id) &&
+           lag < kLargestLag * Seconds(workers_.size());
+  });
 }
 
 /// Makes the worker forget the last job of which it holds no unit. Returns whether there is one.

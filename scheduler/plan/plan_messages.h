@@ -50,6 +50,9 @@ constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; used only until a unit
 constexpr Seconds kTimeToFindASecond = 10;
 
 constexpr int kJobsPerWorker = 2;  ///< prepared jobs that a worker keeps: the current one and the next
+/// How far, for each worker, a submitter must lag behind others of equal priority before a worker forgets a
+/// job of theirs and prepares one of its jobs. Preparing takes time.
+constexpr double kLargestLag = 60;
 
 constexpr std::uint32_t kAllPasses = ~std::uint32_t(0);
 
@@ -82,12 +85,14 @@ enum class Fault {
 
 struct JobAdded {
   JobId job;
-  /// Units of the job with the highest priority are issued first; among equals the oldest job's.
+  /// Units of the job with the highest priority are issued first; among equals those of the submitter that
+  /// has had the least time of workers, and of the same submitter the oldest job's.
   int priority = 0;
   std::vector<PhaseUnits> phases;
   /// The fraction of units that a second worker renders too, to compare the results. Which units those are
   /// depends only on their IDs.
   double verify = 0;
+  std::string submitter = {};
 };
 /// The job is over, finished or not; nothing of it is needed any more.
 struct JobRemoved {

@@ -16,14 +16,8 @@ namespace {
 
 constexpr std::size_t kMostJobs = 100'000;
 constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;   // without the names of its mattes
-constexpr std::size_t kLargestMatteNames = std::size_t(16) << 20;  // in bytes; kept until the job is over
-constexpr std::size_t kMostMessages = 20;
-constexpr int kMostProblems = 20;                 // per job; the most recent ones
-constexpr std::chrono::hours kSceneIsAwaited{1};  // how long a scene is kept until a job uses it
-
-double seconds_since_1970() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
+constexpr std::size_t kLargestMatteNames = std::size_t(16) << 20;  // in bytes; kept until the job is done
+constexpr std::size_t kMostJobsWithProblems = 20;                  // of a reply
 
 std::unexpected<JobError> job_error(JobErrorKind kind, std::string message) {
   return std::unexpected(JobError{kind, std::move(message)});
@@ -50,20 +44,40 @@ bool is_over(const wire::JobStatus& job) {
   return job.state() != wire::JOB_QUEUED && job.state() != wire::JOB_RENDERING;
 }
 
-JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems) : spool_(spool) {
+double JobQueue::now() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems, bool tells_ends)
+    : spool_(spool), tells_ends_(tells_ends) {
+  for (wire::StoredGroup& stored : spool.read_groups(problems)) {
+    Group& group = groups_[stored.group().number()];
+    group.stored = std::move(stored);
+    group.stored.set_whole(true);  // who submitted it was told that this service has gone
+  }
   for (wire::StoredJob& stored : spool.read_jobs(problems)) {
     const JobId number = stored.status().job();
     Entry& entry = entries_[number];
     entry.job = std::move(stored);
     wire::JobStatus& status = *entry.job.mutable_status();
-    if (is_over(status)) {
+    if (const auto group = groups_.find(status.group()); group != groups_.end())
+      group->second.jobs.insert(number);
+    else
+      status.set_group(0);
+    if (penumbra::is_over(status)) {
       entry.stage = Stage::kOver;
-      spool.remove_checkpoint(number, entry.job.submission());  // a killed service may have left it
+      // A killed service may have left it.
+      if (status.state() == wire::JOB_DONE) spool.remove_checkpoint(number, entry.job.submission());
     } else {
       status.set_state(wire::JOB_QUEUED);
     }
   }
+  std::erase_if(groups_, [&](const auto& group) {
+    if (group.second.jobs.empty()) spool.remove_group(group.first);
+    return group.second.jobs.empty();
+  });
   next_ = spool.next_number();
+  fail_hopeless();
   if (problems.empty()) remove_scenes();  // otherwise an unreadable job may need them
 }
 
@@ -75,11 +89,14 @@ bool JobQueue::has_checkpoint(const Entry& entry) const {
 
 // --- Requests of clients
 
-JobExpected<JobQueue::Entry*> JobQueue::find(JobId job) {
-  const auto found = entries_.find(job);
-  if (found == entries_.end())
-    return job_error(JobErrorKind::kNotFound, fmt::format("there is no job {}", job));
-  return &found->second;
+JobExpected<std::vector<JobQueue::Entry*>> JobQueue::find(JobId number) {
+  if (const auto found = entries_.find(number); found != entries_.end()) return std::vector{&found->second};
+  const auto group = groups_.find(number);
+  if (group == groups_.end())
+    return job_error(JobErrorKind::kNotFound, fmt::format("there is no job {}", number));
+  std::vector<Entry*> jobs;
+  for (const JobId job : group->second.jobs) jobs.push_back(&entries_.at(job));
+  return jobs;
 }
 
 bool JobQueue::has_scene(const std::string& hash) {
@@ -94,7 +111,32 @@ void JobQueue::scene_came(const std::string& hash) {
   scenes_that_came_[hash] = std::chrono::steady_clock::now();
 }
 
-JobExpected<JobId> JobQueue::submit(const wire::Submission& message) {
+JobExpected<void> JobQueue::check(const wire::Submission& message) const {
+  if (!spool_.has_scene(message.scene()))
+    return job_error(JobErrorKind::kNotNow,
+                     fmt::format("the scene {} is not here (any more): send it first", message.scene()));
+  if (entries_.size() >= kMostJobs)
+    return job_error(JobErrorKind::kFull, fmt::format("there are {} already; remove some that are over",
+                                                      counted(entries_.size(), "job")));
+  if (const JobId group = message.group().number(); group > 0) {
+    const auto found = groups_.find(group);
+    if (found == groups_.end())
+      return job_error(JobErrorKind::kNotFound, fmt::format("there is no group {}", group));
+    if (found->second.stored.whole())
+      return job_error(JobErrorKind::kNotNow,
+                       fmt::format("group {} takes no more jobs: all have come, or it was cancelled", group));
+  }
+  for (const JobId before : message.after()) {
+    if (!entries_.contains(before) && !groups_.contains(before))
+      return job_error(JobErrorKind::kNotFound,
+                       fmt::format("there is no job {} for this one to come after", before));
+    if (before == message.group().number())
+      return job_error(JobErrorKind::kNonsense, "a job cannot come after the group that it is in");
+  }
+  return {};
+}
+
+JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& message) {
   const std::size_t names = message.mattes().ByteSizeLong();
   if (names > kLargestMatteNames)
     return job_error(JobErrorKind::kNonsense,
@@ -103,42 +145,76 @@ JobExpected<JobId> JobQueue::submit(const wire::Submission& message) {
                                  kLargestMatteNames));
   if (message.ByteSizeLong() - names > kLargestSubmission)
     return job_error(JobErrorKind::kNonsense, fmt::format("a job of more than {} bytes", kLargestSubmission));
-  if (const auto decoded = decode(message); !decoded)
-    return job_error(JobErrorKind::kNonsense, decoded.error().message);
+  const auto decoded = decode(message);
+  if (!decoded) return job_error(JobErrorKind::kNonsense, decoded.error().message);
   const std::lock_guard lock(mutex_);
-  if (!spool_.has_scene(message.scene()))
-    return job_error(JobErrorKind::kNotNow,
-                     fmt::format("the scene {} is not here (any more): send it first", message.scene()));
-  if (entries_.size() >= kMostJobs)
-    return job_error(JobErrorKind::kFull, fmt::format("there are {} already; remove some that are over",
-                                                      counted(entries_.size(), "job")));
-  const JobId number = next_;
+  if (const auto checked = check(message); !checked) return std::unexpected(checked.error());
+  const JobId group = !message.has_group()           ? 0
+                      : message.group().number() > 0 ? message.group().number()
+                                                     : next_;
+  const bool is_new_group = group == next_;
+  const JobId number = is_new_group ? next_ + 1 : next_;
   Entry entry;
   *entry.job.mutable_submission() = message;
   wire::JobStatus& status = *entry.job.mutable_status();
   status.set_job(number);
   status.set_name(wire_text(message.name(), kLongestName));
   status.set_priority(message.priority());
-  status.set_submitted(seconds_since_1970());
+  status.set_submitted(now());
   status.set_relative_error(std::numeric_limits<double>::quiet_NaN());
+  status.set_group(group);
+  status.set_submitter(decoded->submitter);
+  *status.mutable_after() = message.after();
+  status.set_folder(message.folder());
   Expected<void> kept = spool_.use_number(number);
+  Group found;
+  if (group > 0) {
+    if (is_new_group)
+      *found.stored.mutable_group() = message.group();
+    else
+      found = groups_.at(group);
+    found.stored.mutable_group()->set_number(group);
+    found.stored.set_latest(now());
+    found.stored.set_untold(tells_ends_);
+    found.jobs.insert(number);
+    if (kept) kept = spool_.keep(found.stored);
+  }
   if (kept) kept = spool_.keep(entry.job);
   if (!kept) {
     spool_.remove(number);
+    if (is_new_group) spool_.remove_group(group);
     return job_error(JobErrorKind::kFull, "the job cannot be kept: " + kept.error().message);
   }
-  ++next_;
+  next_ = number + 1;
   entries_.emplace(number, std::move(entry));
+  if (group > 0) groups_[group] = std::move(found);
+  fail_hopeless();
   changed_.notify_all();
-  return number;
+  return Submitted{number, group};
 }
 
-JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& jobs) {
+void JobQueue::add(const std::vector<Entry*>& entries, wire::StatusReply& reply) const {
+  std::map<JobId, std::size_t> groups;
+  for (const Entry* entry : entries) {
+    *reply.add_jobs() = entry->job.status();
+    ++groups[entry->job.status().group()];
+  }
+  groups.erase(0);
+  for (const auto& [number, jobs] : groups) {
+    const Group& group = groups_.at(number);
+    if (jobs < group.jobs.size()) continue;
+    wire::JobGroup& added = *reply.add_groups();
+    added = group.stored.group();
+    if (is_whole(group) || jobs > added.size()) added.set_size(std::uint32_t(jobs));
+  }
+}
+
+JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& numbers) {
   const std::lock_guard lock(mutex_);
   wire::StatusReply reply;
   reply.set_version(std::string(kVersion));
   reply.set_up_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
-  reply.set_now(seconds_since_1970());
+  reply.set_now(now());
   for (const FarmWorker& worker : workers_) {
     wire::FarmWorker& added = *reply.add_workers();
     added.set_number(worker.id);
@@ -151,236 +227,170 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& jobs) 
     added.set_since_seconds(worker.since);
   }
   for (const std::string& message : messages_) reply.add_messages(message);
-  if (jobs.empty())
-    for (const auto& [number, entry] : entries_) {
-      *reply.add_jobs() = entry.job.status();
-      // For many jobs they might exceed the size of a message.
-      reply.mutable_jobs()->rbegin()->clear_problems();
-    }
-  for (const JobId job : std::set<JobId>(jobs.begin(), jobs.end())) {
-    const auto found = find(job);
+  std::map<JobId, Entry*> asked;
+  for (const JobId number : numbers) {
+    const auto found = find(number);
     if (!found) return std::unexpected(found.error());
-    *reply.add_jobs() = (*found)->job.status();
+    for (Entry* entry : *found) asked.emplace(entry->number(), entry);
   }
+  if (numbers.empty())
+    for (auto& [number, entry] : entries_) asked.emplace(number, &entry);
+  std::vector<Entry*> entries;
+  for (const auto& [number, entry] : asked) entries.push_back(entry);
+  add(entries, reply);
+  // For many jobs they might exceed the size of a message.
+  if (entries.size() > kMostJobsWithProblems)
+    for (wire::JobStatus& job : *reply.mutable_jobs()) job.clear_problems();
   return reply;
 }
 
-JobExpected<void> JobQueue::cancel(JobId job) {
+/// Of a group, jobs whose state does not allow it are passed over.
+template <typename Change>
+JobExpected<void> JobQueue::change(JobId number, const Change& change) {
   const std::lock_guard lock(mutex_);
-  const auto found = find(job);
+  const auto found = find(number);
   if (!found) return std::unexpected(found.error());
-  Entry& entry = **found;
-  if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting)
-    return job_error(JobErrorKind::kNotNow,
-                     fmt::format("job {} is {}", job,
-                                 entry.stage == Stage::kWriting ? "over: its files are being written"
-                                                                : state_words(entry.job.status().state())));
-  entry.job.set_cancelled(true);
-  if (entry.stage == Stage::kOpen) changes_.emplace_back(CancelJob{job});
-  // If an earlier service has rendered a part of it, its files are written when its turn comes.
-  if (entry.stage == Stage::kWaiting && !has_checkpoint(entry))
-    end(entry, wire::JOB_CANCELLED, "cancelled before it began");
-  else
-    keep(entry);
-  return {};
-}
-
-JobExpected<void> JobQueue::set_priority(JobId job, int priority) {
-  const std::lock_guard lock(mutex_);
-  const auto found = find(job);
-  if (!found) return std::unexpected(found.error());
-  Entry& entry = **found;
-  if (entry.stage == Stage::kOver)
-    return job_error(JobErrorKind::kNotNow,
-                     fmt::format("job {} is {}", job, state_words(entry.job.status().state())));
-  entry.job.mutable_status()->set_priority(priority);
-  entry.job.mutable_submission()->set_priority(priority);
-  if (entry.stage == Stage::kOpen) changes_.emplace_back(PriorityChanged{job, priority});
-  keep(entry);
+  bool changed = false;
+  std::optional<JobError> refused;
+  for (Entry* entry : *found) {
+    const JobExpected<void> done = change(*entry);
+    changed |= done.has_value();
+    if (!done) refused = done.error();
+  }
+  if (refused && !changed)
+    return groups_.contains(number)
+               ? job_error(refused->kind, fmt::format("none of group {}: {}", number, refused->message))
+               : std::unexpected(*refused);
+  fail_hopeless();
   changed_.notify_all();
   return {};
 }
 
-JobExpected<void> JobQueue::remove(JobId job) {
-  const std::lock_guard lock(mutex_);
-  const auto found = find(job);
-  if (!found) return std::unexpected(found.error());
-  if ((*found)->stage != Stage::kOver)
-    return job_error(JobErrorKind::kNotNow, fmt::format("job {} is not over; cancel it first", job));
+JobExpected<void> JobQueue::cancel(JobId number) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto group = groups_.find(number); group != groups_.end()) {
+      group->second.stored.set_whole(true);  // whoever is submitting it is refused
+      keep(group->second);
+    }
+  }
+  return change(number, [this](Entry& entry) -> JobExpected<void> {
+    if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting)
+      return job_error(JobErrorKind::kNotNow,
+                       fmt::format("job {} is {}", entry.number(),
+                                   entry.stage == Stage::kWriting ? "over: its files are being written"
+                                                                  : state_words(entry.job.status().state())));
+    entry.job.set_cancelled(true);
+    if (entry.stage == Stage::kOpen) changes_.emplace_back(CancelJob{entry.number()});
+    // If an earlier service has rendered a part of it, its files are written when its turn comes.
+    if (entry.stage == Stage::kWaiting && !has_checkpoint(entry))
+      end(entry, wire::JOB_CANCELLED, "cancelled before it began");
+    else
+      keep(entry);
+    return {};
+  });
+}
+
+JobExpected<void> JobQueue::set_priority(JobId number, int priority) {
+  return change(number, [this, priority](Entry& entry) -> JobExpected<void> {
+    if (entry.stage == Stage::kOver)
+      return job_error(JobErrorKind::kNotNow,
+                       fmt::format("job {} is {}", entry.number(), state_words(entry.job.status().state())));
+    entry.job.mutable_status()->set_priority(priority);
+    entry.job.mutable_submission()->set_priority(priority);
+    if (entry.stage == Stage::kOpen) changes_.emplace_back(PriorityChanged{entry.number(), priority});
+    keep(entry);
+    return {};
+  });
+}
+
+JobExpected<void> JobQueue::retry(JobId number) {
+  return change(number, [this](Entry& entry) -> JobExpected<void> {
+    const wire::JobState state = entry.job.status().state();
+    if (entry.stage != Stage::kOver || state == wire::JOB_DONE)
+      return job_error(JobErrorKind::kNotNow,
+                       fmt::format("job {} is {}", entry.number(), state_words(state)));
+    if (!spool_.has_scene(entry.job.submission().scene()))
+      return job_error(
+          JobErrorKind::kNotNow,
+          fmt::format("the scene of job {} is not here any more: submit it again", entry.number()));
+    queue_again(entry);
+    return {};
+  });
+}
+
+void JobQueue::queue_again(Entry& first) {
+  std::vector<Entry*> again{&first};
+  while (!again.empty()) {
+    Entry& entry = *again.back();
+    again.pop_back();
+    entry.stage = Stage::kWaiting;
+    entry.job.set_cancelled(false);
+    entry.job.set_untold(false);
+    wire::JobStatus& status = *entry.job.mutable_status();
+    status.set_state(wire::JOB_QUEUED);
+    status.clear_error();
+    status.clear_ended();
+    status.clear_files();
+    keep(entry);
+    if (const auto group = groups_.find(status.group()); group != groups_.end()) {
+      group->second.stored.set_untold(tells_ends_);
+      keep(group->second);
+    }
+    for (auto& [number, other] : entries_) {
+      const wire::JobStatus& later = other.job.status();
+      const bool comes_after = std::ranges::any_of(later.after(), [&](JobId before) {
+        return before == status.job() || (status.group() > 0 && before == status.group());
+      });
+      if (comes_after && other.stage == Stage::kOver && later.state() == wire::JOB_FAILED &&
+          later.begun() == 0)
+        again.push_back(&other);
+    }
+  }
+}
+
+JobExpected<void> JobQueue::remove(JobId number) {
+  return change(number, [this](Entry& entry) -> JobExpected<void> {
+    if (entry.stage != Stage::kOver)
+      return job_error(JobErrorKind::kNotNow,
+                       fmt::format("job {} is not over; cancel it first", entry.number()));
+    forget(entry.number());
+    return {};
+  });
+}
+
+void JobQueue::forget(JobId job) {
   spool_.remove(job);
+  const JobId number = entries_.at(job).job.status().group();
   entries_.erase(job);
+  const auto group = groups_.find(number);
+  if (group == groups_.end()) return;
+  group->second.jobs.erase(job);
+  if (!group->second.jobs.empty()) return;
+  spool_.remove_group(number);
+  groups_.erase(group);
+}
+
+JobExpected<void> JobQueue::close_group(JobId number) {
+  const std::lock_guard lock(mutex_);
+  const auto group = groups_.find(number);
+  if (group == groups_.end())
+    return job_error(JobErrorKind::kNotFound, fmt::format("there is no group {}", number));
+  group->second.stored.set_whole(true);
+  keep(group->second);
+  changed_.notify_all();
   return {};
 }
 
 JobExpected<std::filesystem::path> JobQueue::file(JobId job, const std::string& name) {
   const std::lock_guard lock(mutex_);
-  const auto found = find(job);
-  if (!found) return std::unexpected(found.error());
-  for (const wire::StoredFile& file : (*found)->job.status().files())
+  const auto found = entries_.find(job);
+  if (found == entries_.end())
+    return job_error(JobErrorKind::kNotFound, fmt::format("there is no job {}", job));
+  for (const wire::StoredFile& file : found->second.job.status().files())
     if (file.name() == name) return spool_.folder_of(job) / name;
   return job_error(JobErrorKind::kNotFound,
                    fmt::format("job {} has no file '{}'", job, wire_text(name, kLongestName)));
-}
-
-// --- For the service itself
-
-JobQueue::Entries::iterator JobQueue::best() {
-  auto best = entries_.end();
-  for (auto at = entries_.begin(); at != entries_.end(); ++at)
-    if (at->second.stage == Stage::kWaiting &&
-        (best == entries_.end() || at->second.job.status().priority() > best->second.job.status().priority()))
-      best = at;
-  return best;
-}
-
-bool JobQueue::may_begin(const Entry& entry, int at_once, int at_most) const {
-  int under_way = 0;
-  bool is_most_urgent = true;
-  for (const auto& [number, other] : entries_) {
-    if (other.stage != Stage::kPreparing && other.stage != Stage::kOpen) continue;
-    ++under_way;
-    if (other.job.status().priority() >= entry.job.status().priority()) is_most_urgent = false;
-  }
-  return under_way < at_once || (is_most_urgent && under_way < at_most);
-}
-
-std::optional<JobQueue::Taken> JobQueue::take(int at_once, int at_most) {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    if (closed_) return {};
-    const auto found = best();
-    if (found == entries_.end() || !may_begin(found->second, at_once, at_most)) {
-      changed_.wait(lock);
-      continue;
-    }
-    auto submission = decode(found->second.job.submission());
-    if (!submission) {  // written by another version of this program
-      end(found->second, wire::JOB_FAILED, submission.error().message);
-      continue;
-    }
-    found->second.stage = Stage::kPreparing;
-    return Taken{found->first, std::move(*submission)};
-  }
-}
-
-bool JobQueue::open(JobId job) {
-  const std::lock_guard lock(mutex_);
-  Entry& entry = entries_.at(job);
-  if (entry.job.cancelled()) return false;
-  entry.stage = Stage::kOpen;
-  // The priority may have changed since the farm got its copy.
-  changes_.emplace_back(PriorityChanged{job, entry.job.status().priority()});
-  return true;
-}
-
-void JobQueue::progress(JobId job, const RenderProgress& progress) {
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(job);
-  if (found == entries_.end()) return;
-  wire::JobStatus& status = *found->second.job.mutable_status();
-  if (status.state() == wire::JOB_QUEUED && progress.elapsed_seconds > 0) {  // its first unit has been issued
-    status.set_state(wire::JOB_RENDERING);
-    if (status.begun() == 0) status.set_begun(seconds_since_1970() - progress.elapsed_seconds);
-  }
-  status.set_samples_done(progress.samples_done);
-  status.set_samples_total(progress.samples_total);
-  status.set_samples_before(progress.samples_before);
-  status.set_elapsed_seconds(progress.elapsed_seconds);
-  status.set_relative_error(progress.relative_error);
-  status.set_workers(std::uint32_t(std::max(0, progress.workers)));
-}
-
-void JobQueue::workers(const std::vector<FarmWorker>& workers) {
-  const std::lock_guard lock(mutex_);
-  workers_ = workers;
-}
-
-void JobQueue::say(const std::string& message) {
-  const std::lock_guard lock(mutex_);
-  tell(message);
-}
-
-void JobQueue::tell(std::string message) {
-  messages_.push_back(wire_text(message, kLongestText));
-  if (messages_.size() > kMostMessages) messages_.pop_front();
-}
-
-void JobQueue::problem(JobId job, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(job);
-  if (found == entries_.end()) return;
-  auto& problems = *found->second.job.mutable_status()->mutable_problems();
-  if (problems.size() >= kMostProblems) problems.erase(problems.begin());
-  *problems.Add() = wire_text(text, kLongestText);
-}
-
-bool JobQueue::begin_writing(JobId job) {
-  const std::lock_guard lock(mutex_);
-  Entry& entry = entries_.at(job);
-  entry.stage = Stage::kWriting;
-  changed_.notify_all();
-  return entry.job.cancelled();
-}
-
-void JobQueue::end(JobId job, wire::JobState state, const std::string& error) {
-  const std::lock_guard lock(mutex_);
-  end(entries_.at(job), state, error);
-}
-
-void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error) {
-  entry.stage = Stage::kOver;
-  wire::JobStatus& status = *entry.job.mutable_status();
-  status.set_state(state);
-  status.set_error(wire_text(error, kLongestText));
-  status.set_ended(seconds_since_1970());
-  status.set_workers(0);
-  entry.job.mutable_submission()->clear_mattes();
-  status.clear_files();
-  for (const std::string& name : entry.job.submission().files()) {
-    std::error_code missing;
-    const std::uintmax_t bytes = std::filesystem::file_size(spool_.folder_of(status.job()) / name, missing);
-    if (missing) continue;
-    status.add_files()->set_name(name);
-    status.mutable_files()->rbegin()->set_bytes(bytes);
-  }
-  keep(entry);
-  remove_scenes();
-  changed_.notify_all();
-}
-
-void JobQueue::put_back(JobId job) {
-  const std::lock_guard lock(mutex_);
-  Entry& entry = entries_.at(job);
-  entry.stage = Stage::kWaiting;
-  entry.job.mutable_status()->set_state(wire::JOB_QUEUED);
-  keep(entry);
-  changed_.notify_all();
-}
-
-std::vector<JobChange> JobQueue::take_changes() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(changes_, {});
-}
-
-void JobQueue::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  changed_.notify_all();
-}
-
-void JobQueue::keep(const Entry& entry) {
-  if (const auto kept = spool_.keep(entry.job); !kept)
-    tell(fmt::format("job {} cannot be kept on disk: {}", entry.job.status().job(), kept.error().message));
-}
-
-void JobQueue::remove_scenes() {
-  const auto now = std::chrono::steady_clock::now();
-  std::erase_if(scenes_that_came_, [&](const auto& scene) { return now - scene.second > kSceneIsAwaited; });
-  std::set<std::string> used;
-  for (const auto& [hash, when] : scenes_that_came_) used.insert(hash);
-  for (const auto& [number, entry] : entries_)
-    if (entry.stage != Stage::kOver) used.insert(entry.job.submission().scene());
-  spool_.remove_other_scenes(used);
 }
 
 }  // namespace penumbra

@@ -110,7 +110,7 @@ Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene
   return {};
 }
 
-Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceScene& scene) {
+Expected<wire::SubmitReply> JobsClient::submit(const Submission& submission, const DeviceScene& scene) {
   if (const auto sent = send_scene(submission.scene, scene); !sent) return std::unexpected(sent.error());
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
@@ -119,17 +119,17 @@ Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceSce
   wire::SubmitReply reply;
   if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok())
     return failed(status);
-  return reply.job();
+  return reply;
 }
 
-Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
+Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& numbers) {
   // Makes the channel reconnect, which a call alone does not. So a client that asks repeatedly notices soon
   // that the service is back.
   if (is_away_) connection_->channel->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
   auto asked = request<wire::StatusRequest>();
-  for (const JobId job : jobs) asked.add_jobs(job);
+  for (const JobId number : numbers) asked.add_jobs(number);
   wire::StatusReply reply;
   if (const grpc::Status status = connection_->stub->Status(&context, asked, &reply); !status.ok())
     return failed(status);
@@ -137,32 +137,44 @@ Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
   return reply;
 }
 
-Expected<void> JobsClient::change(wire::ChangeRequest request, const std::vector<JobId>& jobs) {
+Expected<void> JobsClient::change(JobId number, wire::ChangeRequest request) {
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
-  for (const JobId job : jobs) request.add_jobs(job);
+  request.add_jobs(number);
   wire::ChangeReply reply;
   if (const grpc::Status status = connection_->stub->Change(&context, request, &reply); !status.ok())
     return failed(status);
   return {};
 }
 
-Expected<void> JobsClient::cancel(const std::vector<JobId>& jobs) {
+Expected<void> JobsClient::cancel(JobId number) {
   auto asked = request<wire::ChangeRequest>();
   asked.set_cancel(true);
-  return change(std::move(asked), jobs);
+  return change(number, std::move(asked));
 }
 
-Expected<void> JobsClient::set_priority(const std::vector<JobId>& jobs, int priority) {
+Expected<void> JobsClient::set_priority(JobId number, int priority) {
   auto asked = request<wire::ChangeRequest>();
   asked.set_priority(priority);
-  return change(std::move(asked), jobs);
+  return change(number, std::move(asked));
 }
 
-Expected<void> JobsClient::remove(const std::vector<JobId>& jobs) {
+Expected<void> JobsClient::retry(JobId number) {
+  auto asked = request<wire::ChangeRequest>();
+  asked.set_retry(true);
+  return change(number, std::move(asked));
+}
+
+Expected<void> JobsClient::remove(JobId number) {
   auto asked = request<wire::ChangeRequest>();
   asked.set_remove(true);
-  return change(std::move(asked), jobs);
+  return change(number, std::move(asked));
+}
+
+Expected<void> JobsClient::close_group(JobId group) {
+  auto asked = request<wire::ChangeRequest>();
+  asked.set_whole(true);
+  return change(group, std::move(asked));
 }
 
 Expected<void> JobsClient::fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path) {

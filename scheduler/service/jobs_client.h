@@ -33,13 +33,17 @@ class JobsClient {
   void connect(const std::function<void()>& is_slow) const;
 
   /// Submits a job, after the scene if the service does not have it yet. The scene's hash must be that of the
-  /// submission.
-  Expected<JobId> submit(const Submission& submission, const DeviceScene& scene);
+  /// submission. The reply has the numbers of the job and of its group.
+  Expected<wire::SubmitReply> submit(const Submission& submission, const DeviceScene& scene);
+  // Numbers are those of jobs, or of groups for all their jobs.
   /// The status of these jobs, or of all if the list is empty.
-  Expected<wire::StatusReply> status(const std::vector<JobId>& jobs);
-  Expected<void> cancel(const std::vector<JobId>& jobs);
-  Expected<void> set_priority(const std::vector<JobId>& jobs, int priority);
-  Expected<void> remove(const std::vector<JobId>& jobs);
+  Expected<wire::StatusReply> status(const std::vector<JobId>& numbers);
+  Expected<void> cancel(JobId number);
+  Expected<void> set_priority(JobId number, int priority);
+  Expected<void> retry(JobId number);
+  Expected<void> remove(JobId number);
+  /// All jobs of the group have been submitted.
+  Expected<void> close_group(JobId group);
   /// Writes one of a job's files to `path` atomically.
   Expected<void> fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path);
   /// Whether the last error was that the service could not be reached.
@@ -47,7 +51,7 @@ class JobsClient {
 
  private:
   Expected<void> send_scene(const std::string& hash, const DeviceScene& scene);
-  Expected<void> change(wire::ChangeRequest request, const std::vector<JobId>& jobs);
+  Expected<void> change(JobId number, wire::ChangeRequest request);
   [[nodiscard]] std::unexpected<Error> failed(const grpc::Status& status);
   template <typename Request>
   Request request() const;

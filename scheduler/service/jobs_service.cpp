@@ -91,7 +91,8 @@ grpc::Status JobsService::Submit(grpc::ServerContext* context, const wire::Submi
   if (grpc::Status begun = begin(*context, *request); !begun.ok()) return begun;
   const auto job = queue_.submit(request->submission());
   if (!job) return status_of(job.error());
-  reply->set_job(*job);
+  reply->set_job(job->job);
+  reply->set_group(job->group);
   return grpc::Status::OK;
 }
 
@@ -118,6 +119,12 @@ grpc::Status JobsService::Change(grpc::ServerContext* context, const wire::Chang
         break;
       case wire::ChangeRequest::kRemove:
         changed = queue_.remove(job);
+        break;
+      case wire::ChangeRequest::kRetry:
+        changed = queue_.retry(job);
+        break;
+      case wire::ChangeRequest::kWhole:
+        changed = queue_.close_group(job);
         break;
       case wire::ChangeRequest::CHANGE_NOT_SET:
         return {grpc::StatusCode::INVALID_ARGUMENT, "a change that this service does not know"};

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kReadBytes = std::size_t(16) << 20;
 constexpr std::string_view kIncoming = ".incoming-";
 
-std::optional<JobId> job_number(const fs::path& folder) {
-  const std::string name = folder.filename().string();
+std::optional<JobId> number_of(const fs::path& path) {
+  const std::string name = path.filename().string();
   JobId number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   if (error != std::errc() || end != name.data() + name.size() || number == 0) return {};
@@ -52,7 +52,7 @@ void flush_folder(const fs::path& folder) {
 
 Expected<std::unique_ptr<Spool>> Spool::open(const fs::path& folder) {
   std::error_code error;
-  for (const fs::path& path : {folder, folder / "scenes", folder / "jobs"}) {
+  for (const fs::path& path : {folder, folder / "scenes", folder / "groups", folder / "jobs"}) {
     const bool made = fs::create_directories(path, error);
     if (error) return fail(fmt::format("cannot make the folder {}: {}", path.string(), error.message()));
     if (made) fs::permissions(path, fs::perms::owner_all, error);
@@ -67,6 +67,7 @@ Expected<std::unique_ptr<Spool>> Spool::open(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder / "scenes", error))
     if (entry.path().filename().string().starts_with(kIncoming)) fs::remove(entry.path(), error);
   remove_all_abandoned_parts(folder);
+  remove_all_abandoned_parts(folder / "groups");
   for (const auto& entry : fs::directory_iterator(folder / "jobs", error))
     remove_all_abandoned_parts(entry.path());
   return std::unique_ptr<Spool>(new Spool(folder, lock));
@@ -83,7 +84,7 @@ std::vector<wire::StoredJob> Spool::read_jobs(std::vector<std::string>& problems
   if (error)
     problems.push_back(fmt::format("cannot list the jobs of {}: {}", folder_.string(), error.message()));
   for (const auto& entry : folders) {
-    const std::optional<JobId> number = job_number(entry.path());
+    const std::optional<JobId> number = number_of(entry.path());
     const fs::path file = entry.path() / "job";
     if (!number) {
       problems.push_back(fmt::format("{} is no job's folder and left as it is", entry.path().string()));
@@ -112,6 +113,34 @@ Expected<void> Spool::keep(const wire::StoredJob& job) {
   return written;
 }
 
+std::vector<wire::StoredGroup> Spool::read_groups(std::vector<std::string>& problems) const {
+  std::vector<wire::StoredGroup> groups;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_ / "groups", ignored)) {
+    const std::optional<JobId> number = number_of(entry.path());
+    const auto bytes = read_whole(entry.path());
+    wire::StoredGroup group;
+    if (!number || !bytes || !group.ParseFromString(*bytes) || group.group().number() != *number)
+      problems.push_back(fmt::format("{} cannot be read and is left as it is", entry.path().string()));
+    else
+      groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+Expected<void> Spool::keep(const wire::StoredGroup& group) {
+  const fs::path path = folder_ / "groups" / fmt::to_string(group.group().number());
+  const std::string bytes = group.SerializeAsString();
+  const auto written = write_output(path, bytes_of(bytes));
+  if (written) flush_folder(path.parent_path());
+  return written;
+}
+
+void Spool::remove_group(JobId group) {
+  std::error_code ignored;
+  fs::remove(folder_ / "groups" / fmt::to_string(group), ignored);
+}
+
 void Spool::remove(JobId job) {
   std::error_code ignored;
   fs::remove_all(folder_of(job), ignored);
@@ -132,13 +161,14 @@ JobId Spool::next_number() const {
   if (const auto text = read_whole(folder_ / "next"))
     std::from_chars(text->data(), text->data() + text->size(), next);
   std::error_code ignored;  // also if that file is lost
-  for (const auto& entry : fs::directory_iterator(folder_ / "jobs", ignored))
-    if (const auto number = job_number(entry.path())) next = std::max(next, *number + 1);
+  for (const char* kind : {"jobs", "groups"})
+    for (const auto& entry : fs::directory_iterator(folder_ / kind, ignored))
+      if (const auto number = number_of(entry.path())) next = std::max(next, *number + 1);
   return next;
 }
 
-Expected<void> Spool::use_number(JobId job) {
-  const std::string text = fmt::format("{}\n", job + 1);
+Expected<void> Spool::use_number(JobId number) {
+  const std::string text = fmt::format("{}\n", number + 1);
   return write_output(folder_ / "next", bytes_of(text));
 }
 

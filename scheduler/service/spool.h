@@ -26,8 +26,9 @@ struct StoredScene {
 
 /// A folder that only one service at a time may use:
 ///      lock
-///      next                the number of the next job; numbers are never reused
+///      next                the number of the next job or group; numbers are never reused
 ///      scenes/HASH         serialised device scenes; see AssetManifest
+///      groups/NUMBER       wire::StoredGroup
 ///      jobs/NUMBER/job     wire::StoredJob
 ///      jobs/NUMBER/…       its images and statistics, and a checkpoint while it is rendered
 /// Several threads may call members at once, but only one at a time for the same job or scene.
@@ -48,12 +49,16 @@ class Spool {
   /// Writes the job atomically. Creates its folder if it is new.
   Expected<void> keep(const wire::StoredJob& job);
   void remove(JobId job);
+  /// The same for groups.
+  [[nodiscard]] std::vector<wire::StoredGroup> read_groups(std::vector<std::string>& problems) const;
+  Expected<void> keep(const wire::StoredGroup& group);
+  void remove_group(JobId group);
   /// The path of the job's checkpoint during its render, beside its first file.
   [[nodiscard]] std::filesystem::path checkpoint_of(JobId job, const wire::Submission& submission) const;
   void remove_checkpoint(JobId job, const wire::Submission& submission);
-  /// The number of the next job.
+  /// The number of the next job or group.
   [[nodiscard]] JobId next_number() const;
-  Expected<void> use_number(JobId job);
+  Expected<void> use_number(JobId number);
 
   [[nodiscard]] bool has_scene(const std::string& hash) const;
   /// Errors: the scene is missing or damaged.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <ranges>
 #include <set>
 
 #include "scenes/settings.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kLongestFileName =
     200;  // file systems allow 255 bytes, of which a checkpoint needs some
+constexpr std::size_t kLongestFolder = 1000;
 
 template <typename Field>
 void add_texts(const std::vector<std::string>& texts, Field* field) {
@@ -134,6 +136,17 @@ bool is_result_name(std::string_view name) {
   return extension == ".exr" || extension == ".png" || extension == ".json";
 }
 
+bool is_result_folder(std::string_view folder) {
+  if (folder.empty()) return true;
+  if (folder.size() > kLongestFolder) return false;
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (std::ranges::any_of(folder, is_control)) return false;
+  return std::ranges::all_of(std::views::split(folder, '/'), [](const auto& part) {
+    return !part.empty() && part.front() != '.' &&
+           std::size_t(std::ranges::distance(part)) <= kLongestFileName;
+  });
+}
+
 wire::Submission encode(const Submission& submission) {
   wire::Submission message;
   message.set_name(wire_text(submission.name, kLongestText));
@@ -152,6 +165,14 @@ wire::Submission encode(const Submission& submission) {
   message.set_strict_numerics(submission.strict_numerics);
   add_texts(submission.files, message.mutable_files());
   if (submission.record.cryptomatte) encode(submission.mattes, *message.mutable_mattes());
+  message.set_folder(submission.folder);
+  message.set_submitter(wire_text(submission.submitter, kLongestName));
+  if (const auto& group = submission.group) {
+    message.mutable_group()->set_number(group->number);
+    message.mutable_group()->set_name(wire_text(group->name, kLongestName));
+    message.mutable_group()->set_size(group->size);
+  }
+  for (const JobId job : submission.after) message.add_after(job);
   return message;
 }
 
@@ -198,6 +219,15 @@ Expected<Submission> decode(const wire::Submission& message) {
   auto mattes = decode(message.mattes());
   if (!mattes) return std::unexpected(mattes.error());
   submission.mattes = std::move(*mattes);
+  submission.folder = message.folder();
+  if (!is_result_folder(submission.folder))
+    return fail(fmt::format("'{}' is no folder for results: a relative path without '..'",
+                            wire_text(submission.folder, kLongestName)));
+  submission.submitter = wire_text(message.submitter(), kLongestName);
+  if (message.has_group())
+    submission.group = {message.group().number(), wire_text(message.group().name(), kLongestName),
+                        message.group().size()};
+  submission.after = {message.after().begin(), message.after().end()};
   return submission;
 }
 

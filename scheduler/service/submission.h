@@ -13,11 +13,19 @@
 #include "jobs.pb.h"
 #include "kernels/host/error.h"
 #include "scenes/matte_names.h"
+#include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/record/render_record.h"
 #include "worker/device.h"
 
 namespace penumbra {
+
+/// The jobs of one `penumbra submit` of several renders.
+struct SubmittedGroup {
+  JobId number = 0;  ///< 0: a new group, whose first job this is
+  std::string name;
+  std::uint32_t size = 0;  ///< how many jobs it will have
+};
 
 struct Submission {
   std::string name;   ///< for display
@@ -35,11 +43,20 @@ struct Submission {
   bool strict_numerics = false;
   std::vector<std::string> files = {};  ///< file names without folders
   MatteNames mattes = {};               ///< mattes of the scene, for Cryptomatte
+  std::string folder =
+      {};  ///< of its files, below the folder to which a client fetches; see is_result_folder
+  std::string submitter = {};  ///< USER@HOST, as the client says
+  std::optional<SubmittedGroup> group = {};
+  std::vector<JobId> after = {};  ///< jobs or groups that must be done before it begins
 };
 
 /// Whether a service may store a file of that name in a job's folder, and a client may write it to a folder:
 /// a plain name that ends in .exr, .png or .json and is not hidden.
 bool is_result_name(std::string_view name);
+/// Whether a client may put results there, below the folder that its user chose: "" or a relative path
+/// without
+/// "..", hidden names and control characters.
+bool is_result_folder(std::string_view folder);
 
 wire::Submission encode(const Submission& submission);
 /// Errors, in plain words: a setting that does not exist or an invalid value, file names that are invalid or

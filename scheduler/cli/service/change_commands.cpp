@@ -1,8 +1,10 @@
-// `penumbra cancel` and `penumbra prioritize`: change jobs of a service.
+// `penumbra cancel`, `prioritize` and `retry`: change jobs of a service.
+#include <functional>
 #include <memory>
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
 
 namespace penumbra {
@@ -10,19 +12,21 @@ namespace {
 
 struct ChangeOptions {
   ServiceAddress service;
-  std::vector<JobId> jobs;
+  std::vector<std::string> jobs;
   int priority = 0;
 };
+using Change = std::function<Expected<void>(JobsClient& service, JobId number, const ChangeOptions& options)>;
 
-/// Calls `change` for each job; an error of one does not stop the others.
-template <typename Change>
+/// Changes each job or group; an error of one does not stop the others.
 ExitCode change_all(const ChangeOptions& options, const Change& change) {
   const auto connected = connect_to_service(options.service);
   if (!connected) return print_error(connected.error()), kBadInput;
   JobsClient& service = **connected;
+  const auto numbers = numbers_of(options.jobs, service);
+  if (!numbers) return print_error(numbers.error()), kIncomplete;
   ExitCode code = kAllDone;
-  for (const JobId job : options.jobs) {
-    const Expected<void> changed = change(service, job);
+  for (const JobId number : *numbers) {
+    const Expected<void> changed = change(service, number, options);
     if (changed) continue;
     print_error(changed.error());
     code = kIncomplete;
@@ -31,23 +35,33 @@ ExitCode change_all(const ChangeOptions& options, const Change& change) {
   return code;
 }
 
+/// Adds a command that changes jobs; its options may be extended.
+std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, Command& chosen,
+                                                                const char* name, const char* description,
+                                                                Change change) {
+  CLI::App* command = app.add_subcommand(name, description);
+  const auto options = std::make_shared<ChangeOptions>();
+  add_jobs(*command, options->jobs)->required();
+  add_service_address(*command, options->service);
+  command->callback([options, change = std::move(change), &chosen] {
+    chosen = [options, change] { return change_all(*options, change); };
+  });
+  return {command, options};
+}
+
 }  // namespace
 
 void add_change_commands(CLI::App& app, Command& chosen) {
-  CLI::App* cancel = app.add_subcommand("cancel", "Cancel jobs; what is rendered of them is kept");
-  const auto cancelled = std::make_shared<ChangeOptions>();
-  add_jobs(*cancel, cancelled->jobs)->required();
-  add_service_address(*cancel, cancelled->service);
-  cancel->footer("Examples:\n  penumbra cancel 12 13 --to unix:/tmp/farm.socket");
-  cancel->callback([cancelled, &chosen] {
-    chosen = [cancelled] {
-      return change_all(*cancelled, [](JobsClient& service, JobId job) { return service.cancel({job}); });
-    };
-  });
+  const auto [cancel, cancelled] =
+      add_change(app, chosen, "cancel", "Cancel jobs; what is rendered of them is kept",
+                 [](JobsClient& service, JobId number, const auto&) { return service.cancel(number); });
+  cancel->footer("Examples:\n  penumbra cancel 12 14-19 jobs.toml --to unix:/tmp/farm.socket");
 
-  CLI::App* prioritize = app.add_subcommand("prioritize", "Change the priority of jobs");
-  const auto urgent = std::make_shared<ChangeOptions>();
-  add_jobs(*prioritize, urgent->jobs)->required();
+  const auto [prioritize, urgent] =
+      add_change(app, chosen, "prioritize", "Change the priority of jobs",
+                 [](JobsClient& service, JobId number, const ChangeOptions& options) {
+                   return service.set_priority(number, options.priority);
+                 });
   prioritize
       ->add_option("--priority", urgent->priority,
                    "The highest priority is rendered first; jobs begin with 0")
@@ -55,15 +69,16 @@ void add_change_commands(CLI::App& app, Command& chosen) {
       ->check(whole_number(-kMostUrgent, kMostUrgent))
       ->required()
       ->group("Jobs");
-  add_service_address(*prioritize, urgent->service);
   prioritize->footer("Examples:\n  penumbra prioritize 12 --priority 5 --to unix:/tmp/farm.socket");
-  prioritize->callback([urgent, &chosen] {
-    chosen = [urgent] {
-      return change_all(*urgent, [&](JobsClient& service, JobId job) {
-        return service.set_priority({job}, urgent->priority);
-      });
-    };
-  });
+
+  const auto [retry, again] =
+      add_change(app, chosen, "retry", "Queue jobs again that failed, are incomplete or were cancelled",
+                 [](JobsClient& service, JobId number, const auto&) { return service.retry(number); });
+  retry->footer(
+      "They continue with what was rendered of them. Jobs that failed because they come after them are "
+      "queued "
+      "again too.\n\n"
+      "Examples:\n  penumbra retry 12 --to unix:/tmp/farm.socket");
 }
 
 }  // namespace penumbra

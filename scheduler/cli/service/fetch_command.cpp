@@ -10,6 +10,7 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
+#include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/stop_signal.h"
@@ -25,17 +26,17 @@ constexpr int kLooks = 10;  // checks of the stop signal between two status requ
 struct FetchOptions {
   ServiceAddress service;
   std::string out = ".";
-  std::vector<JobId> jobs;
+  std::vector<std::string> jobs;
   bool all = false, wait = false, remove = false, quiet = false;
 };
 
 /// The status of the requested jobs, immediately or when all of them are over. Also waits for a service that
 /// is away.
 Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOptions& options,
-                                          const std::atomic<bool>& stop) {
+                                          const std::vector<JobId>& jobs, const std::atomic<bool>& stop) {
   bool was_reached = false, said = false;
   for (;;) {
-    auto status = service.status(options.jobs);
+    auto status = service.status(jobs);
     if (!status && !(options.wait && was_reached && service.is_away() && !stop)) return status;
     if (status) {
       was_reached = true;
@@ -50,26 +51,46 @@ Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOption
   }
 }
 
-/// The path for a file. If two jobs have files of the same name, the job's number is added.
-fs::path place_of(const FetchOptions& options, JobId job, const std::string& name,
-                  std::set<fs::path>& taken) {
+/// The path for a file: below the chosen folder, as the job file had it. If two jobs have the same path, the
+/// job's number is added.
+fs::path place_of(const fs::path& folder, JobId job, const std::string& name, std::set<fs::path>& taken) {
   const fs::path path(name);
-  fs::path place = fs::path(options.out) / path;
+  fs::path place = folder / path;
   for (std::string stem = path.stem().string(); !taken.insert(place).second;) {
     stem += fmt::format("-{}", job);
-    place = fs::path(options.out) / (stem + path.extension().string());
+    place = folder / (stem + path.extension().string());
   }
   return place;
 }
 
+/// Makes the job's folder below the chosen one. Errors: it is not below it, because of a symbolic link; it
+/// cannot be made.
+Expected<fs::path> make_folder(const FetchOptions& options, const wire::JobStatus& job) {
+  // A correct service has no other folders.
+  const fs::path folder =
+      is_result_folder(job.folder()) ? fs::path(options.out) / job.folder() : fs::path(options.out);
+  std::error_code error;
+  const fs::path root = fs::weakly_canonical(options.out, error),
+                 target = fs::weakly_canonical(folder, error);
+  if (error) return fail(fmt::format("cannot use the folder {}: {}", folder.string(), error.message()));
+  if (std::ranges::mismatch(root, target).in1 != root.end())
+    return fail(fmt::format("{} leads out of {} through a link; fetch to another folder (-o)",
+                            folder.string(), options.out));
+  fs::create_directories(target, error);
+  if (error) return fail(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+  return folder;
+}
+
 ExitCode fetch(const FetchOptions& options) {
   if (options.all == !options.jobs.empty())
-    return print_error({"say which jobs to fetch: their numbers, or --all"}), kBadInput;
+    return print_error({"say which jobs to fetch: numbers of jobs or groups, or --all"}), kBadInput;
   const std::atomic<bool>& stop = install_stop_signal();
   const auto connected = connect_to_service(options.service);
   if (!connected) return print_error(connected.error()), kBadInput;
   JobsClient& service = **connected;
-  const auto status = wait_for_jobs(service, options, stop);
+  const auto jobs = numbers_of(options.jobs, service);
+  if (!jobs) return print_error(jobs.error()), kIncomplete;
+  const auto status = wait_for_jobs(service, options, *jobs, stop);
   if (!status) return print_error(status.error()), kIncomplete;
   ExitCode code = kAllDone;
   std::set<fs::path> taken;
@@ -87,10 +108,16 @@ ExitCode fetch(const FetchOptions& options) {
       print_error({fmt::format("{}: {}: {}", what, job_state_name(job.state()), job.error())});
       code = kIncomplete;
     }
+    const auto folder = make_folder(options, job);
+    if (!folder) {
+      print_error({fmt::format("{}: {}", what, folder.error().message)});
+      code = kIncomplete;
+      continue;
+    }
     bool fetched = true;
     for (const wire::StoredFile& file : job.files()) {
       if (!is_result_name(file.name())) continue;  // a correct service has no such files
-      const fs::path place = place_of(options, job.job(), file.name(), taken);
+      const fs::path place = place_of(*folder, job.job(), file.name(), taken);
       const auto written = service.fetch(job.job(), file, place);
       if (!written) {
         print_error({fmt::format("{}: {}", what, written.error().message)});
@@ -101,7 +128,7 @@ ExitCode fetch(const FetchOptions& options) {
       }
     }
     if (fetched && options.remove)
-      if (const auto removed = service.remove({job.job()}); !removed) {
+      if (const auto removed = service.remove(job.job()); !removed) {
         print_error(removed.error());
         code = kIncomplete;
       }
@@ -129,8 +156,9 @@ void add_fetch_command(CLI::App& app, Command& chosen) {
   command->add_flag("-q,--quiet", options->quiet, "Do not list the files")->group(group::kGeneral);
   add_service_address(*command, options->service);
   command->footer(
-      "The exit code is 0 only if every job was done. What there is of jobs that were cancelled or are "
-      "incomplete is fetched too.\n\n"
+      "Images of a job file get the paths that it gives them, below the folder. The exit code is 0 only if "
+      "every "
+      "job was done. What there is of jobs that were cancelled or are incomplete is fetched too.\n\n"
       "Examples:\n"
       "  penumbra fetch 12 13 --wait -o out/ --to unix:/tmp/farm.socket");
   command->callback([options, &chosen] { chosen = [options] { return fetch(*options); }; });

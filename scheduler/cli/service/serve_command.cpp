@@ -1,11 +1,13 @@
 // `penumbra serve`: a scheduler to which clients submit jobs.
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/service/end_hook.h"
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/farm/checkpoint_sink.h"
@@ -60,6 +62,30 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->check(number_from_zero())
       ->group("Jobs")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--on-done", options->on_done,
+          "Shell command for each job and each group that ends, with the fields {job} (number), {kind} (job, "
+          "frame of a group, or group), {group}, {name}, {state}, {submitter}, {error}")
+      ->type_name("COMMAND")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const auto hook = EndHook::make(text);
+            return hook ? std::string() : hook.error().message;
+          },
+          ""))
+      ->group("Jobs");
+  command
+      ->add_option(
+          "--keep", options->keep,
+          "Remove jobs and their files so long after their end; of a group together (default: only `penumbra "
+          "fetch --remove` does): 90m, 12h, 7d")
+      ->type_name("TIME")
+      ->transform(
+          CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}},
+                                CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
+      ->check(number_from_zero())
+      ->group("Jobs");
   command->footer(
       "Jobs come with their scenes: a service needs no file system in common with its clients. A job is on "
       "disk before `penumbra submit` prints its number. After Ctrl-C, a crash or kill -9, the next service "

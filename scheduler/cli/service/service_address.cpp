@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "kernels/host/console.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
@@ -30,14 +28,6 @@ Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& a
   auto client = std::make_unique<JobsClient>(address.to, std::move(*access));
   client->connect([&] { print_message(fmt::format("waiting for the service at {}", address.to)); });
   return client;
-}
-
-CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs) {
-  return command
-      .add_option("JOB", jobs, "Numbers of jobs, as `penumbra submit` and `penumbra status` print them")
-      ->type_name("JOB")
-      ->check(whole_number(1, std::numeric_limits<JobId>::max()))
-      ->group("Jobs");
 }
 
 }  // namespace penumbra

@@ -23,7 +23,4 @@ void add_service_address(CLI::App& command, ServiceAddress& address, bool with_k
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address,
                                                          KeyRole role = KeyRole::kUser);
 
-/// Adds the positional argument "JOB…": numbers given out by a service.
-CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs);
-
 }  // namespace penumbra

@@ -16,6 +16,7 @@
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
+#include "scheduler/cli/service/end_hook.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/submitted_render.h"
 #include "scheduler/farm/access.h"
@@ -71,7 +72,8 @@ struct FinishedJob {
   Expected<RenderOutcome> outcome;
 };
 
-/// Three threads: one reads scenes, one drives the farm, one writes images.
+/// Four threads: one reads scenes, one drives the farm, one writes images, one looks after jobs that are
+/// over.
 class ServiceRun final : public JobSource {
  public:
   ServiceRun(const ServiceOptions& options, Spool& spool, JobQueue& queue, std::string worker,
@@ -99,12 +101,14 @@ class ServiceRun final : public JobSource {
   Expected<OpenJob> read_scene(const JobQueue::Taken& taken);
   void write_images();
   void write(FinishedJob finished);
+  void look_after_ends();
 
   const ServiceOptions& options_;
   Spool& spool_;
   JobQueue& queue_;
   const std::string worker_;  // hash of the worker's executable
   const std::atomic<bool>& stop_;
+  std::atomic<bool> is_over_ = false;
   // The first notices contain tokens, which must not be shown to everyone who may ask for the status.
   bool tells_tokens_ = true;
 
@@ -229,7 +233,28 @@ void ServiceRun::write(FinishedJob finished) {
                             end.error.empty() ? "" : ": ", end.error));
   queue_.end(job.id, state, end.error);
   // Only after the job's end is on disk; until then the checkpoint could be needed.
-  if (finished.outcome && !is_lost) remove_checkpoint(*job.prepared);
+  // Jobs that are not done keep it for `penumbra retry`.
+  if (state == wire::JOB_DONE) remove_checkpoint(*job.prepared);
+}
+
+// --- The thread that looks after jobs that are over
+
+void ServiceRun::look_after_ends() {
+  const auto hook = EndHook::make(options_.on_done);
+  if (!hook) return;  // checked before
+  while (!is_over_) {
+    if (options_.keep)
+      for (const JobId removed : queue_.remove_older_than(*options_.keep))
+        print_message(fmt::format("job {} has been over for long and is removed (--keep)", removed));
+    const auto ended = queue_.wait_for_end();
+    if (!ended) continue;
+    if (const auto called = hook->call(*ended, is_over_); !called) {
+      print_warning(called.error().message);
+      queue_.say(called.error().message);
+      if (is_over_) continue;  // the next service calls it again
+    }
+    queue_.told(*ended);
+  }
 }
 
 // --- Running all threads
@@ -248,8 +273,11 @@ ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<c
                    }};
   std::thread reader([this] { read_scenes(); });
   std::thread writer([this] { write_images(); });
+  std::thread caretaker([this] { look_after_ends(); });
   const Expected<void> ran = run_farm(farm, *this, stop_);
+  is_over_ = true;
   queue_.close();
+  caretaker.join();
   reader.join();
   finished_.close();
   writer.join();
@@ -270,7 +298,7 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   const auto spool = Spool::open(options.spool);
   if (!spool) return print_error(spool.error()), kBadInput;
   std::vector<std::string> problems;
-  JobQueue queue(**spool, problems);
+  JobQueue queue(**spool, problems, !options.on_done.empty());
   for (const std::string& problem : problems) print_warning(problem);
   ServiceOptions with_threads = options;
   if (options.threads == 0)

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "scheduler/cli/exit_code.h"
@@ -16,6 +17,8 @@ struct ServiceOptions {
   int workers = 1;              ///< local worker processes; 0: other workers join
   int threads = 0;              ///< per worker; 0: all cores of this machine, divided among the workers
   double checkpoint_interval = 0;
+  std::string on_done;         ///< shell command for the end of jobs and groups; see EndHook; empty: none
+  std::optional<double> keep;  ///< seconds after which jobs that are over are removed
 };
 
 /// Runs until `stop` becomes true or no worker is left. Unfinished jobs stay in the queue, and the next

@@ -7,6 +7,7 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
+#include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/terminal_screen.h"
@@ -20,19 +21,19 @@ constexpr int kLongestLine = 1000;    // if the output is not a terminal
 
 struct StatusOptions {
   ServiceAddress service;
-  std::vector<JobId> jobs;
-  bool watch = false, json = false;
+  std::vector<std::string> jobs;
+  bool watch = false, json = false, unfolded = false;
 };
 
 /// Runs until q or Ctrl-C. If the service is away, it waits for it and keeps showing the last state.
-ExitCode watch(JobsClient& service, const StatusOptions& options) {
+ExitCode watch(JobsClient& service, const std::vector<JobId>& jobs, bool unfolded) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto screen = TerminalScreen::open();
   if (!screen) return print_error(screen.error()), kBadInput;
   std::vector<std::string> messages;
   std::optional<wire::StatusReply> last;
   while (!stop) {
-    auto status = service.status(options.jobs);
+    auto status = service.status(jobs);
     if (!status && !service.is_away()) {
       const Error error = status.error();
       { const TerminalScreen closed = std::move(*screen); }
@@ -42,17 +43,18 @@ ExitCode watch(JobsClient& service, const StatusOptions& options) {
     const auto [columns, rows] = screen->size();
     std::vector<std::string> lines;
     if (last) {
-      lines = status_lines(*last, columns, std::max(1, rows - 4));
+      lines = status_lines(*last, columns, std::max(1, rows - 4), unfolded);
       const int room = std::max(0, rows - 1 - int(lines.size()));
       const int shown = std::min(last->messages_size(), std::min(room, 5));
       for (int i = last->messages_size() - shown; i < last->messages_size(); ++i)
         lines.push_back(fitted_line(last->messages(i), columns));
     }
-    lines.push_back(
-        fitted_line(status ? "q: quit" : "q: quit; trying again: " + status.error().message, columns));
+    const std::string keys = unfolded ? "q: quit, f: fold groups" : "q: quit, f: show jobs of groups";
+    lines.push_back(fitted_line(status ? keys : keys + "; trying again: " + status.error().message, columns));
     screen->show(lines);
     const int key = screen->key(kBetweenScreens);
     if (key == 'q' || key == 'Q' || key < 0) break;
+    if (key == 'f' || key == 'F') unfolded = !unfolded;
   }
   return kAllDone;
 }
@@ -61,14 +63,18 @@ ExitCode status(const StatusOptions& options) {
   const auto connected = connect_to_service(options.service, KeyRole::kViewer);
   if (!connected) return print_error(connected.error()), kBadInput;
   JobsClient& service = **connected;
-  if (options.watch) return watch(service, options);
-  const auto reply = service.status(options.jobs);
+  const auto jobs = numbers_of(options.jobs, service);
+  if (!jobs) return print_error(jobs.error()), kIncomplete;
+  const bool unfolded = options.unfolded || !options.jobs.empty();
+  if (options.watch) return watch(service, *jobs, unfolded);
+  const auto reply = service.status(*jobs);
   if (!reply) return print_error(reply.error()), kIncomplete;
   if (options.json) {
     print_answer(status_json(*reply).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     return kAllDone;
   }
-  for (const std::string& line : status_lines(*reply, kLongestLine, std::numeric_limits<int>::max() / 2))
+  for (const std::string& line :
+       status_lines(*reply, kLongestLine, std::numeric_limits<int>::max() / 2, unfolded))
     print_answer(line + "\n");
   return kAllDone;
 }
@@ -82,6 +88,8 @@ void add_status_command(CLI::App& app, Command& chosen) {
   CLI::Option* watched =
       command->add_flag("--watch", options->watch, "Show a full screen that is kept up to date")
           ->group(group::kOutput);
+  command->add_flag("--jobs", options->unfolded, "List the jobs of groups too, as if the groups were named")
+      ->group(group::kOutput);
   command->add_flag("--json", options->json, "Print JSON")->excludes(watched)->group(group::kOutput);
   add_service_address(*command, options->service);
   command->footer(

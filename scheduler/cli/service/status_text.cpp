@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "kernels/host/console.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/progress.h"
+#include "scheduler/cli/service/group_summary.h"
 #include "scheduler/files/json_number.h"
 
 namespace penumbra {
@@ -19,20 +23,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kWidthOfState = 11;
 
-RenderProgress progress_of(const wire::JobStatus& job) {
-  return {.samples_done = job.samples_done(),
-          .samples_total = job.samples_total(),
-          .samples_before = job.samples_before(),
-          .elapsed_seconds = job.elapsed_seconds(),
-          .relative_error = job.relative_error(),
-          .workers = int(job.workers())};
-}
-
 /// The description of a job beside its name.
 std::string detail(const wire::JobStatus& job, double now) {
   switch (job.state()) {
     case wire::JOB_QUEUED:
-      return fmt::format("since {}", clock_text(now - job.submitted()));
+      return fmt::format("since {}{}", clock_text(now - job.submitted()),
+                         job.after_size() > 0 ? fmt::format(", after {}", fmt::join(job.after(), ", ")) : "");
     case wire::JOB_RENDERING:
       return progress_text(progress_of(job));
     case wire::JOB_DONE: {
@@ -47,22 +43,60 @@ std::string detail(const wire::JobStatus& job, double now) {
   }
 }
 
-/// The jobs being rendered, then those waiting in the order in which they will be rendered, then those that
-/// ended last.
-std::vector<const wire::JobStatus*> by_interest(const wire::StatusReply& status) {
-  std::vector<const wire::JobStatus*> jobs;
-  for (const wire::JobStatus& job : status.jobs()) jobs.push_back(&job);
-  const auto key = [](const wire::JobStatus* job) {
-    const int group = job->state() == wire::JOB_RENDERING ? 0 : job->state() == wire::JOB_QUEUED ? 1 : 2;
-    return std::tuple(group, group == 2 ? 0 : -job->priority(), group == 2 ? -job->ended() : 0.0, job->job());
-  };
-  std::ranges::sort(jobs, {}, key);
-  return jobs;
+/// First what is being rendered, then what waits, in the order in which it will be rendered, then what ended
+/// last.
+std::tuple<int, int, double, JobId> interest(wire::JobState state, int priority, double ended, JobId number) {
+  const int bucket = state == wire::JOB_RENDERING ? 0 : state == wire::JOB_QUEUED ? 1 : 2;
+  return {bucket, bucket == 2 ? 0 : -priority, bucket == 2 ? -ended : 0.0, number};
 }
 
-std::string job_line(const wire::JobStatus& job, double now) {
-  return fmt::format("{:>6}  {:<{}} {:>4}  {}  {}", job.job(), job_state_name(job.state()), kWidthOfState,
-                     job.priority(), job.name(), detail(job, now));
+std::string line_of(JobId number, wire::JobState state, int priority, const std::string& name,
+                    const std::string& detail) {
+  return fmt::format("{:>6}  {:<{}} {:>4}  {}  {}", number, job_state_name(state), kWidthOfState, priority,
+                     name, detail);
+}
+
+/// "3 of 24 done, 1 failed   42%  12:10 left"
+std::string detail(const GroupSummary& group, double now) {
+  std::string text = fmt::format("{} of {} done", group.jobs[wire::JOB_DONE], group.group.size());
+  for (const wire::JobState state : {wire::JOB_INCOMPLETE, wire::JOB_FAILED, wire::JOB_CANCELLED})
+    if (const std::uint32_t count = group.jobs[std::size_t(state)]; count > 0)
+      text += fmt::format(", {} {}", count, job_state_name(state));
+  if (group.ended > 0)
+    return text + fmt::format(", in {}, {} ago", clock_text(group.begun > 0 ? group.ended - group.begun : 0),
+                              clock_text(now - group.ended));
+  text += fmt::format("  {}%", int(std::floor(100 * group.done)));
+  if (group.seconds_left) text += fmt::format("  {} left", clock_text(*group.seconds_left));
+  return text;
+}
+
+/// Lines about groups, and about jobs outside of groups or, `unfolded`, about all.
+std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolded) {
+  using Key = std::tuple<int, int, double, JobId>;
+  std::map<Key, std::vector<std::string>> lines;
+  std::map<JobId, std::map<Key, std::string>> jobs_of_groups;
+  const std::vector<GroupSummary> groups = group_summaries(status);
+  for (const wire::JobStatus& job : status.jobs()) {
+    const Key key = interest(job.state(), job.priority(), job.ended(), job.job());
+    const std::string line =
+        line_of(job.job(), job.state(), job.priority(), job.name(), detail(job, status.now()));
+    if (std::ranges::binary_search(groups, job.group(), {},
+                                   [](const GroupSummary& group) { return group.group.number(); }))
+      jobs_of_groups[job.group()][key] = line;
+    else
+      lines[key] = {line};
+  }
+  for (const GroupSummary& group : groups) {
+    const JobId number = group.group.number();
+    auto& of_group = lines[interest(group.state, group.priority, group.ended, number)];
+    of_group = {
+        line_of(number, group.state, group.priority, group.group.name(), detail(group, status.now()))};
+    if (unfolded)
+      for (const auto& [key, line] : jobs_of_groups[number]) of_group.push_back("  " + line);
+  }
+  std::vector<std::string> all;
+  for (auto& [key, of_key] : lines) std::ranges::move(of_key, std::back_inserter(all));
+  return all;
 }
 
 std::string worker_line(const wire::FarmWorker& worker) {
@@ -74,6 +108,28 @@ std::string worker_line(const wire::FarmWorker& worker) {
 }
 
 Json number_or_null(double value) { return value > 0 ? json_number(value) : Json(nullptr); }
+
+Json json_or_null(std::optional<double> value) { return value ? json_number(*value) : Json(nullptr); }
+
+Json group_json(const GroupSummary& group) {
+  Json jobs;
+  for (int state = 0; state < int(group.jobs.size()); ++state)
+    jobs[std::string(job_state_name(wire::JobState(state)))] = group.jobs[std::size_t(state)];
+  return {{"group", group.group.number()},
+          {"name", group.group.name()},
+          {"state", job_state_name(group.state)},
+          {"priority", group.priority},
+          {"submitter", group.submitter},
+          {"size", group.group.size()},
+          {"jobs", jobs},
+          {"samples_done", group.samples_done},
+          {"samples_total", group.samples_total},
+          {"done", group.done},
+          {"seconds_left", json_or_null(group.seconds_left)},
+          {"submitted", number_or_null(group.submitted)},
+          {"begun", number_or_null(group.begun)},
+          {"ended", number_or_null(group.ended)}};
+}
 
 Json job_json(const wire::JobStatus& job) {
   Json files = Json::array();
@@ -92,6 +148,12 @@ Json job_json(const wire::JobStatus& job) {
           {"samples_before", job.samples_before()},
           {"elapsed_seconds", json_number(job.elapsed_seconds())},
           {"relative_error", json_number(job.relative_error())},
+          {"seconds_left",
+           json_or_null(job.state() == wire::JOB_RENDERING ? seconds_left(progress_of(job)) : std::nullopt)},
+          {"group", job.group() > 0 ? Json(job.group()) : Json(nullptr)},
+          {"submitter", job.submitter()},
+          {"after", std::vector<JobId>(job.after().begin(), job.after().end())},
+          {"folder", job.folder()},
           {"files", files},
           {"problems", std::vector<std::string>(job.problems().begin(), job.problems().end())}};
 }
@@ -131,7 +193,7 @@ std::string fitted_line(std::string_view text, int columns) {
   return visible;
 }
 
-std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows) {
+std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows, bool unfolded) {
   const auto count = [&](wire::JobState state) {
     return std::ranges::count_if(status.jobs(), [&](const auto& job) { return job.state() == state; });
   };
@@ -144,11 +206,11 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
   for (const wire::FarmWorker& worker : status.workers()) workers.push_back(worker_line(worker));
   // Workers get at most half of the room.
   const int room = std::max(0, rows - 4), for_workers = std::min(int(workers.size()), std::max(1, room / 2));
-  const std::vector<const wire::JobStatus*> jobs = by_interest(status);
+  const std::vector<std::string> jobs = job_lines(status, unfolded);
   const int for_jobs = std::clamp(room - for_workers, 0, int(jobs.size()));
   if (!jobs.empty())
     lines.push_back(fmt::format("{:>6}  {:<{}} {:>4}  ", "job", "state", kWidthOfState, "prio"));
-  for (int i = 0; i < for_jobs; ++i) lines.push_back(job_line(*jobs[std::size_t(i)], status.now()));
+  std::copy_n(jobs.begin(), for_jobs, std::back_inserter(lines));
   if (for_jobs < int(jobs.size()))
     lines.push_back(fmt::format("        {} more", int(jobs.size()) - for_jobs));
   if (!workers.empty()) lines.push_back("worker");
@@ -161,7 +223,8 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
 }
 
 Json status_json(const wire::StatusReply& status) {
-  Json jobs = Json::array(), workers = Json::array();
+  Json groups = Json::array(), jobs = Json::array(), workers = Json::array();
+  for (const GroupSummary& group : group_summaries(status)) groups.push_back(group_json(group));
   for (const wire::JobStatus& job : status.jobs()) jobs.push_back(job_json(job));
   for (const wire::FarmWorker& worker : status.workers())
     workers.push_back({{"worker", worker.number()},
@@ -175,6 +238,7 @@ Json status_json(const wire::StatusReply& status) {
   return {{"penumbra", status.version()},
           {"up_seconds", status.up_seconds()},
           {"now", status.now()},
+          {"groups", groups},
           {"jobs", jobs},
           {"workers", workers},
           {"messages", std::vector<std::string>(status.messages().begin(), status.messages().end())}};

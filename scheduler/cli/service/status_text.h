@@ -17,10 +17,11 @@ std::string_view job_state_name(wire::JobState state);
 /// Shortens a text to one line of at most `columns` characters (UTF-8), without control characters.
 std::string fitted_line(std::string_view text, int columns);
 
-/// A table of jobs and workers: at most `rows` lines of at most `columns` characters, without newlines. If
-/// there is not enough room for all jobs, those being rendered, those waiting and those that ended last come
-/// first.
-std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows);
+/// A table of groups, jobs and workers: at most `rows` lines of at most `columns` characters, without
+/// newlines. If there is not enough room for all jobs, those being rendered, those waiting and those that
+/// ended last come first. `unfolded`: jobs of groups are listed too.
+std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows,
+                                      bool unfolded = false);
 
 /// The format is documented in scheduler/service/README.md.
 nlohmann::ordered_json status_json(const wire::StatusReply& status);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "kernels/host/text.h"
@@ -36,6 +37,78 @@ Expected<void> check_options(const CLI::App& command) {
   return {};
 }
 
+/// Submits the renders of one command. Several, or those of a job file, are a group.
+class Submitter {
+ public:
+  Submitter(const SubmitOptions& options, const SetPlan& plan, JobsClient& service,
+            const std::vector<std::string>& command_line)
+      : options_(options),
+        plan_(plan),
+        service_(service),
+        command_line_(command_line),
+        scenes_(scenes_of(plan)) {
+    if (plan.has_job_file || plan.members.size() > 1)
+      group_ = {0, plan.name, std::uint32_t(plan.members.size())};
+  }
+
+  /// Returns how many were submitted.
+  std::size_t submit_all(const std::atomic<bool>& stop);
+
+ private:
+  Expected<void> submit(std::size_t index);
+
+  const SubmitOptions& options_;
+  const SetPlan& plan_;
+  JobsClient& service_;
+  const std::vector<std::string>& command_line_;
+  SharedScenes scenes_;
+  std::optional<SubmittedGroup> group_;
+  std::map<std::size_t, JobId> jobs_;  // of the plan's members
+};
+
+Expected<void> Submitter::submit(std::size_t index) {
+  SetMember member = plan_.members[index];
+  if (options_.priority) member.priority = *options_.priority;
+  std::vector<JobId> after;
+  for (const std::size_t before : member.after) {
+    if (!jobs_.contains(before))
+      return fail(fmt::format("it comes after {}, which was not submitted", plan_.members[before].name));
+    after.push_back(jobs_.at(before));
+  }
+  const auto prepared = prepare_render(member.options, &scenes_);
+  if (!prepared) return std::unexpected(prepared.error());
+  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  Submission submission = submission_of(*prepared, member, command_line_);
+  submission.group = group_;
+  submission.after = std::move(after);
+  const auto reply = service_.submit(submission, prepared->job.scene);
+  if (!reply) return std::unexpected(reply.error());
+  jobs_[index] = reply->job();
+  const bool is_new_group = group_ && group_->number == 0;
+  if (is_new_group) group_->number = reply->group();
+  if (options_.render.quiet) {
+    if (!group_ || is_new_group) print_answer(fmt::format("{}\n", group_ ? reply->group() : reply->job()));
+    return {};
+  }
+  if (is_new_group)
+    print_answer(
+        fmt::format("group {}: {}, {}\n", reply->group(), plan_.name, counted(group_->size, "render")));
+  print_answer(fmt::format("{}job {}: {}\n", group_ ? "  " : "", reply->job(), member.name));
+  return {};
+}
+
+std::size_t Submitter::submit_all(const std::atomic<bool>& stop) {
+  for (std::size_t i = 0; i < plan_.members.size() && !stop; ++i) {
+    const auto submitted = submit(i);
+    if (submitted) continue;
+    print_error({fmt::format("{}: {}", plan_.members[i].name, submitted.error().message)});
+    if (service_.is_away()) break;
+  }
+  if (group_ && group_->number > 0)
+    if (const auto closed = service_.close_group(group_->number); !closed) print_error(closed.error());
+  return jobs_.size();
+}
+
 ExitCode submit(const SubmitOptions& options, const CLI::App& command,
                 const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
@@ -44,31 +117,7 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
   if (!plan) return print_error(plan.error()), kBadInput;
   const auto connected = connect_to_service({options.service.to, options.render.keys});
   if (!connected) return print_error(connected.error()), kBadInput;
-  JobsClient& service = **connected;
-  SharedScenes scenes(scenes_of(*plan));
-  std::size_t submitted = 0;
-  for (SetMember member : plan->members) {
-    if (stop) break;
-    if (options.priority) member.priority = *options.priority;
-    const auto complain = [&](const Error& error) {
-      print_error({fmt::format("{}: {}", member.name, error.message)});
-    };
-    const auto prepared = prepare_render(member.options, &scenes);
-    if (!prepared) {
-      complain(prepared.error());
-      continue;
-    }
-    for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    const auto job = service.submit(submission_of(*prepared, member, command_line), prepared->job.scene);
-    if (!job) {
-      complain(job.error());
-      if (service.is_away()) break;
-      continue;
-    }
-    ++submitted;
-    print_answer(options.render.quiet ? fmt::format("{}\n", *job)
-                                      : fmt::format("job {}: {}\n", *job, member.name));
-  }
+  const std::size_t submitted = Submitter(options, *plan, **connected, command_line).submit_all(stop);
   if (submitted == plan->members.size()) return kAllDone;
   print_error({fmt::format("{} of {} not submitted", plan->members.size() - submitted,
                            counted(plan->members.size(), "render"))});
@@ -93,8 +142,11 @@ void add_submit_command(CLI::App& app, const std::vector<std::string>& command_l
       ->group("Jobs");
   command->footer(
       "Takes scenes and job files with the options of `penumbra render`. Scenes are read here and sent, each "
-      "once. -o names the results; `penumbra fetch` chooses their folder. With --quiet only the number of "
-      "each job is printed.\n\n"
+      "once. Several renders, or those of a job file, are a group with a number of its own. -o names the "
+      "results; "
+      "`penumbra fetch` chooses their folder. With --quiet only the number of the group, or of the only job, "
+      "is "
+      "printed.\n\n"
       "Examples:\n"
       "  penumbra submit jobs.toml --to unix:/tmp/farm.socket\n"
       "  penumbra submit scene.xml --spp 4096 --priority 5 --to 127.0.0.1:7000");

@@ -1,8 +1,12 @@
 #include "scheduler/cli/service/submitted_render.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
 
 #include <algorithm>
+
+#include "kernels/host/process.h"
 
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/render_job_check.h"
@@ -10,9 +14,27 @@
 namespace penumbra {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// In the service's folder each kind of file has one fixed extension.
 std::string stored_name(const std::filesystem::path& path, const char* extension) {
   return std::filesystem::path(path.filename()).replace_extension(extension).string();
+}
+
+/// The folder of the member's files as the job file gives it, relative to that file's; empty if that is not
+/// below it.
+std::string stored_folder(const SetMember& member) {
+  if (member.base.empty()) return {};
+  const auto absolute = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
+  const fs::path folder = absolute(member.files.all().front()).parent_path();
+  const std::string below = folder.lexically_relative(absolute(member.base / "")).string();
+  return is_result_folder(below) ? below : "";
+}
+
+/// Of this process: USER@HOST.
+std::string submitter_name() {
+  const passwd* user = getpwuid(geteuid());
+  return fmt::format("{}@{}", user != nullptr ? user->pw_name : fmt::to_string(geteuid()), host_name());
 }
 
 }  // namespace
@@ -33,7 +55,9 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .build_seconds = prepared.scene.seconds,
                         .command_line = command_line,
                         .strict_numerics = member.options.strict_numerics,
-                        .mattes = prepared.scene.mattes};
+                        .mattes = prepared.scene.mattes,
+                        .folder = stored_folder(member),
+                        .submitter = submitter_name()};
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;
   if (files.exr) submission.files.push_back(stored_name(*files.exr, ".exr"));
@@ -79,6 +103,7 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
   prepared.job.time_budget = submission.time_budget;
   prepared.job.verify = submission.verify;
   prepared.job.priority = submission.priority;
+  prepared.job.submitter = submission.submitter;
   std::ranges::copy(submission.center, prepared.job.center);
   prepared.farm.workers = workers;
   if (const auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());

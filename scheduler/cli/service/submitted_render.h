@@ -12,7 +12,7 @@
 
 namespace penumbra {
 
-/// Everything except the scene's data.
+/// Everything except the scene's data, and except its group and the jobs that it comes after.
 Submission submission_of(const PreparedRender& prepared, const SetMember& member,
                          const std::vector<std::string>& command_line);
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "scenes/file_access.h"
 #include "scenes/names.h"
@@ -62,6 +64,7 @@ class JobFileReader {
         diagnostics.error(pattern.location, "this render has no scene: scene = \"file.xml\"");
       patterns.push_back(std::move(pattern));
     }
+    check_order(patterns);
     return patterns;
   }
 
@@ -83,6 +86,10 @@ class JobFileReader {
         read_out(*node, pattern);
       else if (name == "priority")
         read_priority(*node, pattern);
+      else if (name == "name")
+        read_name(*node, pattern);
+      else if (name == "after")
+        read_after(*node, pattern);
       else if (name == "frame")
         read_axis(AxisKind::kFrame, name, *node, pattern);
       else if (name == "set" || name == "define")
@@ -98,7 +105,7 @@ class JobFileReader {
   }
 
   void unknown(const toml::key& key) {
-    std::vector<std::string> known{"scene", "out", "priority", "frame", "set", "define"};
+    std::vector<std::string> known{"scene", "out", "name", "after", "priority", "frame", "set", "define"};
     known.insert(known.end(), render_option_names().begin(), render_option_names().end());
     error(key, fmt::format("a render has no '{}'{}", key.str(), known_names(key.str(), known, "It has")));
   }
@@ -210,6 +217,48 @@ class JobFileReader {
       return error(node, fmt::format("priority: a whole number from -{0} to {0}; the highest goes first",
                                      kHighestPriority));
     pattern.priority = int(number->get());
+  }
+
+  void read_name(const toml::node& node, RenderPattern& pattern) {
+    const auto* text = node.as_string();
+    if (text == nullptr || text->get().empty())
+      return error(node, "name: a text, by which other renders come after this one");
+    pattern.name = text->get();
+  }
+
+  void read_after(const toml::node& node, RenderPattern& pattern) {
+    pattern.after.clear();
+    for (const toml::node* each : values_of(node)) {
+      const auto* text = each->as_string();
+      if (text == nullptr || text->get().empty())
+        error(*each, "after: the name of another render, or a list of names");
+      else
+        pattern.after.push_back(text->get());
+    }
+  }
+
+  /// Each name after which a render comes must exist, and none may come after itself.
+  void check_order(const std::vector<RenderPattern>& patterns) {
+    std::map<std::string, std::set<std::string>> waits;  // of each name, the names that must be done first
+    for (const RenderPattern& pattern : patterns)
+      if (!pattern.name.empty()) waits[pattern.name].insert(pattern.after.begin(), pattern.after.end());
+    std::vector<std::string> names;
+    for (const auto& [name, after] : waits) names.push_back(name);
+    for (const RenderPattern& pattern : patterns)
+      for (const std::string& name : pattern.after)
+        if (!waits.contains(name))
+          diagnostics_->error(pattern.location, fmt::format("after: no render has the name '{}'{}", name,
+                                                            known_names(name, names, "There are")));
+    const auto is_free = [&](const auto& entry) {
+      return std::ranges::none_of(entry.second,
+                                  [&](const std::string& name) { return waits.contains(name); });
+    };
+    while (std::erase_if(waits, is_free) > 0) {
+    }
+    for (const RenderPattern& pattern : patterns)
+      if (waits.contains(pattern.name))
+        return diagnostics_->error(pattern.location,
+                                   fmt::format("after: '{}' would come after itself", pattern.name));
   }
 
   const SourceFile& file_;

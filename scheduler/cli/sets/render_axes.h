@@ -36,8 +36,10 @@ struct RenderPattern {
   std::vector<RenderAxis> axes = {};    ///< at most one for each kind and name; the first is kScene
   std::optional<std::string> out = {};  ///< pattern for the image's name, with fields
   int priority = 0;
-  std::filesystem::path folder = {};  ///< relative names are relative to this folder
-  SourceLocation location = {};       ///< where the pattern is defined, for errors
+  std::string name = {};                ///< by which others come after it; empty: none
+  std::vector<std::string> after = {};  ///< names of those that must be done before
+  std::filesystem::path folder = {};    ///< relative names are relative to this folder
+  SourceLocation location = {};         ///< where the pattern is defined, for errors
 };
 
 /// Replaces the axis of the same kind and name, or adds it.

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <thread>
 
@@ -36,6 +38,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kPreparedAhead = 1;  // prepared scenes beside those that the farm has taken
 constexpr std::size_t kMostUnwritten = 2;  // images waiting to be written
+constexpr std::chrono::milliseconds kBetweenLooks{100};  // at whether the set is to end
 // The pause after writing the summary, as a multiple of the time that it took.
 constexpr int kSummaryPause = 20;
 
@@ -113,7 +116,11 @@ class SceneSet final : public JobSource {
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
  private:
+  /// The first unread render that comes after none that is not over; waits for one. Removes it from `unread`.
+  /// Nothing if there is none or the set ends.
+  std::optional<std::size_t> next_to_read(std::vector<std::size_t>& unread);
   void read_scenes();
+  Expected<void> check_earlier(std::size_t index);
   Expected<void> read_scene(std::size_t index);
   void fail_member(std::size_t index, const Error& error);
   void write_images();
@@ -135,6 +142,7 @@ class SceneSet final : public JobSource {
 
   const Clock::time_point began_ = Clock::now();
   std::size_t longest_name_ = 0;
+  std::condition_variable ended_one_;
   std::mutex mutex_;  // protects entries_ and how many of them have ended, and were rendered for that
   std::vector<SetEntry> entries_;
   std::size_t ended_ = 0, rendered_ = 0;
@@ -154,8 +162,27 @@ class SceneSet final : public JobSource {
 
 // --- The thread that reads scenes
 
+std::optional<std::size_t> SceneSet::next_to_read(std::vector<std::size_t>& unread) {
+  std::unique_lock lock(mutex_);
+  while (!unread.empty() && !stop_ && !farm_is_over_) {
+    for (auto at = unread.begin(); at != unread.end(); ++at) {
+      const std::vector<std::size_t>& after = plan_.members[*at].after;
+      if (!std::ranges::all_of(after, [&](std::size_t i) { return entries_[i].state != SetState::kWaiting; }))
+        continue;
+      const std::size_t next = *at;
+      unread.erase(at);
+      return next;
+    }
+    ended_one_.wait_for(lock, kBetweenLooks);
+  }
+  return {};
+}
+
 void SceneSet::read_scenes() {
-  for (std::size_t i = 0; i < plan_.members.size() && !stop_ && !farm_is_over_; ++i) {
+  std::vector<std::size_t> unread(plan_.members.size());
+  std::iota(unread.begin(), unread.end(), 0);
+  while (const auto next = next_to_read(unread)) {
+    const std::size_t i = *next;
     try {
       if (const auto read = read_scene(i); !read) fail_member(i, read.error());
     } catch (const std::exception& error) {  // usually out of memory; other renders may need less
@@ -167,7 +194,17 @@ void SceneSet::read_scenes() {
   job_signal().notify();
 }
 
+Expected<void> SceneSet::check_earlier(std::size_t index) {
+  const std::lock_guard lock(mutex_);
+  for (const std::size_t i : plan_.members[index].after)
+    if (entries_[i].state == SetState::kFailed || entries_[i].state == SetState::kIncomplete)
+      return fail(fmt::format("not begun, because {}, after which it comes, is {}", entries_[i].name,
+                              set_state_name(entries_[i].state)));
+  return {};
+}
+
 Expected<void> SceneSet::read_scene(std::size_t index) {
+  if (const auto checked = check_earlier(index); !checked) return checked;
   const RenderOptions& options = plan_.members[index].options;
   auto prepared = prepare_render(options, &scenes_);
   if (!prepared) return std::unexpected(prepared.error());
@@ -280,6 +317,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
   entries_[index].state = state;
   entries_[index].error = error;
   ++ended_;
+  ended_one_.notify_all();
   if (state != SetState::kUnchanged) ++rendered_;
   if (!options_.quiet) {
     clear_line();

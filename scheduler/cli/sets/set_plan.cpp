@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <numeric>
 
 #include "scheduler/cli/sets/job_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
@@ -77,8 +78,11 @@ class SetPlanner {
     }
     if (!scenes.axes.front().values.empty())
       if (const auto added = add(scenes); !added) return std::unexpected(added.error());
-    for (auto& [priority, members] : by_priority_)
-      std::ranges::move(members, std::back_inserter(plan_.members));
+    order_members();
+    const std::size_t more = options_.scenes.size() - 1;
+    plan_.name = fs::path(options_.scenes.front()).filename().string();
+    if (more > 0) plan_.name += fmt::format(" and {} more", more);
+    plan_.has_job_file = !files_.empty();
     plan_.summary = options_.summary.empty() ? summary_folder() / "jobs.json" : fs::path(options_.summary);
     if (const auto taken = taken_by_.find(fs::absolute(plan_.summary).lexically_normal());
         taken != taken_by_.end())
@@ -92,7 +96,7 @@ class SetPlanner {
     const auto name = name_of_images(options_.out.empty() ? pattern.out.value_or("") : options_.out, pattern);
     if (!name)
       return fail_at(pattern.location, (options_.out.empty() ? "out " : "-o ") + name.error().message);
-    const std::size_t count = count_combinations(pattern.axes, kMostRenders - count_);
+    const std::size_t count = count_combinations(pattern.axes, kMostRenders - members_.size());
     if (count == 0)
       return fail_at(pattern.location, fmt::format("more than {} renders in all", kMostRenders));
     for (const RenderChoice& choice : all_choices(pattern.axes))
@@ -136,9 +140,40 @@ class SetPlanner {
     if (!files) return std::unexpected(files.error());
     member.files = std::move(*files);
     if (const auto taken = take_files(member); !taken) return taken;
-    by_priority_[member.priority].push_back(std::move(member));
-    ++count_;
+    if (options_.out.empty() && pattern.out) member.base = pattern.folder;
+    names_[{files_.size(), pattern.name}].push_back(members_.size());
+    members_.push_back({std::move(member), files_.size(), pattern.after});
     return {};
+  }
+
+  /// Moves the members to the plan: the most urgent first, of those before which all others are that must be.
+  void order_members() {
+    std::vector<std::size_t> left(members_.size()), places(members_.size());
+    std::iota(left.begin(), left.end(), 0);
+    std::ranges::sort(left, {}, [&](std::size_t i) { return std::pair(-members_[i].member.priority, i); });
+    std::vector<bool> is_placed(members_.size());
+    const auto is_next = [&](std::size_t i) {
+      return std::ranges::all_of(members_[i].after, [&](const std::string& name) {
+        return std::ranges::all_of(names_.at({members_[i].file, name}),
+                                   [&](std::size_t before) { return bool(is_placed[before]); });
+      });
+    };
+    while (!left.empty()) {
+      std::vector<std::size_t> waiting;
+      for (const std::size_t i : left) {
+        if (!is_next(i)) {
+          waiting.push_back(i);
+          continue;
+        }
+        for (const std::string& name : members_[i].after)
+          for (const std::size_t before : names_.at({members_[i].file, name}))
+            members_[i].member.after.push_back(places[before]);
+        is_placed[i] = true;
+        places[i] = plan_.members.size();
+        plan_.members.push_back(std::move(members_[i].member));
+      }
+      left = std::move(waiting);  // gets shorter: no render comes after itself
+    }
   }
 
   /// The summary is beside the first job file, so that its place does not depend on which renders there are.
@@ -171,8 +206,13 @@ class SetPlanner {
   const RenderOptions& options_;
   const std::vector<RenderAxis> given_;
   std::vector<JobFile> files_;
-  std::map<int, std::vector<SetMember>, std::greater<>> by_priority_;
-  std::size_t count_ = 0;  // number of members
+  struct Unordered {
+    SetMember member;
+    std::size_t file;  // names are those of one job file
+    std::vector<std::string> after;
+  };
+  std::vector<Unordered> members_;
+  std::map<std::pair<std::size_t, std::string>, std::vector<std::size_t>> names_;  // members of a file's name
   SetPlan plan_;
   std::map<fs::path, std::string> taken_by_;
 };

@@ -18,12 +18,18 @@ struct SetMember {
   RenderOptions options;
   OutputFiles files = {};
   int priority = 0;
-  std::string name;  ///< for display: the scene, and the varied parameters
+  std::filesystem::path base =
+      {};  ///< the folder of the job file, if that says where the images go; else empty
+  std::vector<std::size_t> after = {};  ///< earlier members of the plan that must be done before
+  std::string name;                     ///< for display: the scene, and the varied parameters
   std::vector<std::pair<std::string, std::string>> choices = {};  ///< all its parameters except the scene
 };
 
 struct SetPlan {
-  std::vector<SetMember> members;  ///< by descending priority, else in the given order
+  /// By descending priority, else in the given order; but each after those that must be done before.
+  std::vector<SetMember> members;
+  std::string name;  ///< for display: the job file, or the scene, and how many more there are
+  bool has_job_file = false;
   std::filesystem::path summary;
 };
 

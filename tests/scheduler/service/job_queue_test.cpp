@@ -6,8 +6,7 @@
 
 #include <future>
 
-#include "tests/scheduler/service/small_submission.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/scheduler/service/queue_fixture.h"
 
 namespace penumbra {
 namespace {
@@ -16,43 +15,6 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-class JobQueueTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    open();
-    put_scene(*spool_, scene_);
-  }
-  void open() {
-    queue_.reset();
-    spool_.reset();
-    auto spool = Spool::open(folder_.path());
-    ASSERT_TRUE(spool) << spool.error().message;
-    spool_ = std::move(*spool);
-    std::vector<std::string> problems;
-    queue_ = std::make_unique<JobQueue>(*spool_, problems);
-    EXPECT_THAT(problems, IsEmpty());
-  }
-  JobId submit(int priority = 0) {
-    const auto job = queue_->submit(encode(small_submission(scene_, priority)));
-    EXPECT_TRUE(job) << job.error().message;
-    return job.value_or(0);
-  }
-  wire::JobStatus status(JobId job) {
-    const auto reply = queue_->status({job});
-    EXPECT_TRUE(reply) << reply.error().message;
-    return reply ? reply->jobs(0) : wire::JobStatus();
-  }
-  JobId take(int at_once = 10, int at_most = 10) {
-    const auto taken = queue_->take(at_once, at_most);
-    return taken ? taken->job : 0;
-  }
-
-  const TemporaryFolder folder_;
-  const DeviceScene scene_ = fake_scene(40, 30, true);
-  std::unique_ptr<Spool> spool_;
-  std::unique_ptr<JobQueue> queue_;
-};
 
 TEST_F(JobQueueTest, HighestPriorityFirstThenOldest) {
   submit(0), submit(2), submit(-1), submit(2), submit(0);

@@ -57,24 +57,25 @@ TEST_F(JobsCall, FromSubmittingToTheResult) {
   const auto second = client_->submit(small_submission(scene_), scene_);
   ASSERT_TRUE(second) << second.error().message;
   EXPECT_EQ(calls_, 5);  // the scene is there
-  ASSERT_TRUE(client_->set_priority({*second}, 3));
+  ASSERT_TRUE(client_->set_priority(second->job(), 3));
   const auto taken = queue_->take(1, 1);
   ASSERT_TRUE(taken);
-  EXPECT_EQ(taken->job, *second);
+  EXPECT_EQ(taken->job, second->job());
   EXPECT_EQ(taken->submission.record.film.width, 40);
   const std::string image(3'000'000, 'x');  // more than a message
-  write_text(spool_->folder_of(*second) / "s.exr", image);
-  queue_->end(*second, wire::JOB_DONE, "");
-  ASSERT_TRUE(client_->cancel({*job}));
+  write_text(spool_->folder_of(second->job()) / "s.exr", image);
+  queue_->end(second->job(), wire::JOB_DONE, "");
+  ASSERT_TRUE(client_->cancel(job->job()));
   const auto status = client_->status({});
   ASSERT_TRUE(status) << status.error().message;
   ASSERT_EQ(status->jobs_size(), 2);
   EXPECT_EQ(status->jobs(0).state(), wire::JOB_CANCELLED);
   ASSERT_EQ(status->jobs(1).files_size(), 1);
-  const auto fetched = client_->fetch(*second, status->jobs(1).files(0), folder_ / "there.exr");
+  const auto fetched = client_->fetch(second->job(), status->jobs(1).files(0), folder_ / "there.exr");
   ASSERT_TRUE(fetched) << fetched.error().message;
   EXPECT_EQ(file_contents(folder_ / "there.exr"), image);
-  ASSERT_TRUE(client_->remove({*job, *second}));
+  ASSERT_TRUE(client_->remove(job->job()));
+  ASSERT_TRUE(client_->remove(second->job()));
   EXPECT_EQ(client_->status({})->jobs_size(), 0);
 }
 
