@@ -355,6 +355,7 @@ JobExpected<void> JobQueue::remove(JobId number) {
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("job {} is not over; cancel it first", entry.number()));
     forget(entry.number());
+    remove_scenes();
     return {};
   });
 }

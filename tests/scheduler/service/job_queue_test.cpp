@@ -188,6 +188,8 @@ TEST_F(JobQueueTest, ScenesAreKeptAsLongAsAJobNeedsThem) {
   queue_->end(first, wire::JOB_DONE, "");
   EXPECT_TRUE(spool_->has_scene(hash_of(scene_)));
   queue_->end(second, wire::JOB_FAILED, "why");
+  EXPECT_TRUE(spool_->has_scene(hash_of(scene_))) << "for a second try";
+  ASSERT_TRUE(queue_->remove(second));
   EXPECT_FALSE(spool_->has_scene(hash_of(scene_)));
   const auto late = queue_->submit(encode(small_submission(scene_)));
   ASSERT_FALSE(late);

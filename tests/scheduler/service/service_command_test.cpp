@@ -165,12 +165,84 @@ TEST_F(Service, AJobFileIsAsManyJobs) {
   serve();
   const ProgramResult submitted = run({"submit", "jobs.toml"});
   EXPECT_EQ(submitted.exit_code, 0) << submitted.err;
-  EXPECT_THAT(submitted.out, AllOf(HasSubstr("job 1: "), HasSubstr("job 3: "), HasSubstr("seed=2")));
-  const ProgramResult fetched = run({"fetch", "1", "2", "3", "--wait", "-o", "out"});
+  EXPECT_THAT(submitted.out, AllOf(HasSubstr("group 1: jobs.toml, 3 renders\n  job 2: "),
+                                   HasSubstr("job 4: "), HasSubstr("seed=2")));
+  const ProgramResult fetched = run({"fetch", "2", "3-4", "--wait", "-o", "out"});
   EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
   render({"--spp", "4", "--seed", "2"}, "ref.exr");
   EXPECT_EQ(contents("out/s-2.exr"), contents("ref.exr"));
-  EXPECT_EQ(job("1")["priority"], 3);
+  EXPECT_EQ(job("2")["priority"], 3);
+}
+
+TEST_F(Service, AGroupIsOneThing) {
+  for (const char* shot : {"1", "2"}) write_small_scene(folder_ / (std::string("shot") + shot + ".xml"));
+  std::filesystem::create_directories(folder_ / "project");
+  write_text(
+      folder_ / "project/night.toml",
+      "[defaults]\nspp = 2\n[[render]]\nscene = '../shot{frame}.xml'\nframe = '1..2'\n"
+      "out = 'shots/{frame:04}/beauty.exr'\nafter = 'first'\n[[render]]\nname = 'first'\nscene = '../s.xml'\n"
+      "out = '../elsewhere/s.exr'\n");
+  serve({"--workers", "1", "--threads", "1", "--on-done", "echo {kind} {job} {state} '{name}' >>ends.txt"});
+  const ProgramResult submitted = run({"submit", "project/night.toml", "-q"});
+  EXPECT_EQ(submitted.out, "1\n") << submitted.err;
+  EXPECT_EQ(run({"prioritize", "night.toml", "--priority", "4"}).exit_code, 0);
+  const ProgramResult fetched = run({"fetch", "night.toml", "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  EXPECT_THAT(fetched.out,
+              AllOf(HasSubstr("out/shots/0001/beauty.exr\n"), HasSubstr("out/shots/0002/beauty.png\n"),
+                    HasSubstr("out/s.exr\n")));  // never outside of out
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/shots/0002/beauty.exr"));
+  const nlohmann::json now = status();
+  EXPECT_EQ(now["groups"][0]["state"], "done");
+  EXPECT_EQ(now["groups"][0]["jobs"]["done"], 3);
+  EXPECT_LE(job("2")["ended"], job("3")["begun"]);  // the first came first
+  std::string ends;
+  for (int i = 0; i < 1000 && ends.find("group 1") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(10ms);
+    if (std::filesystem::exists(folder_ / "ends.txt")) ends = contents("ends.txt");
+  }
+  EXPECT_THAT(ends, AllOf(HasSubstr("frame 2 done"), HasSubstr("frame 4 done"),
+                          HasSubstr("group 1 done night.toml\n")));
+  // A link that leads out of the folder is not followed.
+  std::filesystem::remove_all(folder_ / "out");
+  std::filesystem::create_directories(folder_ / "out");
+  std::filesystem::create_directory_symlink(folder_ / "project", folder_ / "out/shots");
+  const ProgramResult linked = run({"fetch", "1", "-o", "out"});
+  EXPECT_EQ(linked.exit_code, 1);
+  EXPECT_THAT(linked.err, HasSubstr("leads out of out through a link"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "project/0001"));
+}
+
+TEST_F(Service, WhatWasCancelledGoesOnWithRetry) {
+  serve();
+  write_text(folder_ / "jobs.toml",
+             "[[render]]\nscene = 's.xml'\nname = 'a'\nspp = 20000\npass = 32\ntile = 8\n"
+             "[[render]]\nscene = 's.xml'\nafter = 'a'\nspp = 2\nout = 'b.exr'\n");
+  ASSERT_EQ(run({"submit", "jobs.toml", "-q"}).out, "1\n");
+  ASSERT_TRUE(comes("2", "rendering", 24 * 20 * 32));
+  EXPECT_EQ(run({"cancel", "2"}).exit_code, 0);
+  ASSERT_TRUE(comes("2", "cancelled"));
+  EXPECT_THAT(job("3")["error"].get<std::string>(), HasSubstr("`penumbra retry 2` queues both again"));
+  kill_service();
+  serve();
+  EXPECT_EQ(run({"retry", "1"}).exit_code, 0);
+  const ProgramResult fetched = run({"fetch", "1", "--wait", "--remove", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  render(kLong, "ref.exr");
+  EXPECT_EQ(contents("out/s.exr"), contents("ref.exr"));
+  EXPECT_GT(nlohmann::json::parse(contents("out/s.json"))["samples"]["before"], 0);
+  EXPECT_TRUE(status()["groups"].empty());
+  EXPECT_THAT(run({"retry", "7-9"}).err, HasSubstr("there is no job from 7 to 9"));
+  EXPECT_THAT(run({"cancel", "jobs.toml"}).err, HasSubstr("there is no group 'jobs.toml'"));
+}
+
+TEST_F(Service, OldJobsAreRemoved) {
+  serve();
+  EXPECT_TRUE(comes(submit({"--spp", "2"}), "done"));
+  kill_service();
+  serve({"--workers", "0", "--keep", "0s"});
+  for (int i = 0; i < 1000 && !status()["jobs"].empty(); ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(status()["jobs"].empty());
 }
 
 TEST_F(Service, NothingIsLostByItsDeath) {
@@ -250,7 +322,7 @@ TEST_F(Service, WhatAnEarlierServiceRenderedOfACancelledJobIsKept) {
   const auto statistics = nlohmann::json::parse(contents("out/s.json"));
   EXPECT_GT(statistics["samples"]["total"], 0);
   EXPECT_EQ(statistics["samples"]["total"], statistics["samples"]["before"]);
-  EXPECT_FALSE(std::filesystem::exists(checkpoint));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint)) << "for `penumbra retry`";
 }
 
 TEST_F(Service, ATimeBudgetIsOfTheJobsOwnTime) {
@@ -291,7 +363,7 @@ TEST_F(Service, ABadSceneStopsNothing) {
   const ProgramResult submitted = run({"submit", "bad.xml", "s.xml", "--spp", "2", "-o", "out/"});
   EXPECT_EQ(submitted.exit_code, 1);
   EXPECT_THAT(submitted.err, AllOf(HasSubstr("bad.xml:1:"), HasSubstr("1 of 2 renders not submitted")));
-  EXPECT_EQ(run({"fetch", "1", "--wait", "-o", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"fetch", "1", "--wait", "-o", "out"}).exit_code, 0);  // the group of one
 }
 
 TEST_F(Service, OtherWorkersJoin) {
@@ -378,10 +450,13 @@ TEST_F(Service, WrongUse) {
   EXPECT_THAT(error({"submit", "s.xml", "--resume", "--to", address_}),
               HasSubstr("--resume is not of a job"));
   EXPECT_THAT(error({"fetch", "--to", address_}), HasSubstr("--all"));
-  EXPECT_THAT(error({"fetch", "0", "--to", address_}), HasSubstr("0"));
+  EXPECT_THAT(error({"serve", "--listen", "unix:x", "--keep", "7"}), HasSubstr("--keep"));
+  EXPECT_THAT(error({"serve", "--listen", "unix:x", "--keep", "-7d"}), HasSubstr("--keep"));
+  EXPECT_THAT(error({"serve", "--listen", "unix:x", "--on-done", "mail {to}"}), HasSubstr("{to}"));
   EXPECT_THAT(error({"status", "--watch", "--to", address_}), HasSubstr("needs a terminal"));
   serve();
   EXPECT_THAT(error({"serve", "--listen", "unix:other", "--spool", "spool"}), HasSubstr("another service"));
+  EXPECT_THAT(run({"fetch", "0"}).err, HasSubstr("there is no group '0'"));
   const ProgramResult unknown = run({"fetch", "9"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.err, HasSubstr("there is no job 9"));

@@ -67,6 +67,63 @@ TEST(StatusText, SaysWhatIsUnderWayFirst) {
   EXPECT_THAT(lines[8], AllOf(HasSubstr("host:12"), HasSubstr("job 3"), HasSubstr("1.50 Msamples/s")));
 }
 
+/// A group of 4 renders, of which the last has not been submitted yet.
+wire::StatusReply with_group() {
+  wire::StatusReply reply = example();
+  wire::JobGroup& group = *reply.add_groups();
+  group.set_number(70);
+  group.set_name("jobs.toml");
+  group.set_size(4);
+  for (const int job : {0, 1, 2}) {
+    reply.mutable_jobs(job)->set_group(70);
+    reply.mutable_jobs(job)->set_submitter("ann@host");
+  }
+  reply.mutable_jobs(0)->set_samples_done(4'000'000);
+  reply.mutable_jobs(0)->set_elapsed_seconds(40);
+  reply.mutable_jobs(1)->set_samples_done(0);
+  reply.mutable_jobs(1)->set_elapsed_seconds(0);
+  reply.mutable_jobs(1)->add_after(1);
+  return reply;
+}
+
+TEST(StatusText, GroupsAreFoldedAndSayHowFarTheyAre) {
+  const auto folded = status_lines(with_group(), 200, 50);
+  ASSERT_THAT(folded, SizeIs(7));
+  // Done: 1 + 0.25 jobs of 4 in 50 s; the other 2.75 take 110 s.
+  EXPECT_THAT(folded[2], AllOf(HasSubstr("    70  rendering"), HasSubstr("jobs.toml"),
+                               HasSubstr("1 of 4 done"), HasSubstr("31%"), HasSubstr("1:50 left")));
+  EXPECT_THAT(folded[3], HasSubstr("next.xml"));
+  const auto unfolded = status_lines(with_group(), 200, 50, true);
+  ASSERT_THAT(unfolded, SizeIs(10));
+  EXPECT_THAT(unfolded[3], HasSubstr("now.xml"));
+  EXPECT_THAT(unfolded[4], AllOf(HasSubstr("later.xml"), HasSubstr("after 1")));
+  EXPECT_THAT(unfolded[5], HasSubstr("done.xml"));
+  const auto json = status_json(with_group());
+  EXPECT_EQ(json["groups"][0]["jobs"]["queued"], 2);
+  EXPECT_EQ(json["groups"][0]["seconds_left"], 110);
+  EXPECT_EQ(json["groups"][0]["submitter"], "ann@host");
+  EXPECT_EQ(json["groups"][0]["ended"], nullptr);
+  EXPECT_EQ(json["jobs"][1]["group"], 70);
+  EXPECT_EQ(json["jobs"][1]["after"][0], 1);
+  EXPECT_EQ(json["jobs"][2]["seconds_left"], 30);
+  EXPECT_EQ(json["jobs"][3]["group"], nullptr);
+}
+
+TEST(StatusText, AGroupThatIsOverSaysTheWorst) {
+  wire::StatusReply reply = with_group();
+  reply.mutable_groups(0)->set_size(3);
+  for (const auto& [state, name] :
+       {std::pair(wire::JOB_DONE, "done"), std::pair(wire::JOB_INCOMPLETE, "incomplete"),
+        std::pair(wire::JOB_CANCELLED, "cancelled"), std::pair(wire::JOB_FAILED, "failed")}) {
+    reply.mutable_jobs(2)->set_state(state);
+    reply.mutable_jobs(1)->set_state(wire::JOB_DONE);
+    EXPECT_EQ(status_json(reply)["groups"][0]["state"], name);
+    EXPECT_EQ(status_json(reply)["groups"][0]["seconds_left"], 0);
+  }
+  EXPECT_THAT(status_lines(reply, 200, 50)[4],
+              AllOf(HasSubstr("2 of 3 done, 1 failed"), HasSubstr("37 s ago")));
+}
+
 TEST(StatusText, FitsAnyTerminal) {
   for (const int rows : {1, 2, 3, 5, 8, 24})
     for (const int columns : {1, 20, 80}) {

@@ -135,6 +135,16 @@ TEST(Submission, ResultsAreNamesWithoutFolders) {
   EXPECT_FALSE(is_result_name(std::string(250, 'a') + ".exr"));
 }
 
+TEST(Submission, FoldersOfResultsStayBelowTheClients) {
+  for (const char* folder : {"", "shots", "shots/0001/a b", "ä/ö", "a..b"})
+    EXPECT_TRUE(is_result_folder(folder)) << folder;
+  for (const char* folder :
+       {"/", "/etc", "..", "a/..", "a/../..", ".ssh", "a/.git", "a//b", "a/", "./a", "a\nb"})
+    EXPECT_FALSE(is_result_folder(folder)) << folder;
+  EXPECT_FALSE(is_result_folder(std::string(1001, 'a')));
+  EXPECT_FALSE(is_result_folder(std::string(250, 'a')));
+}
+
 TEST(Submission, WhatMakesNoSenseIsSaid) {
   const auto error = [](auto change) {
     wire::Submission message = encode(full_submission());

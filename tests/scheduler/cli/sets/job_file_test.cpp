@@ -107,6 +107,12 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
       {"[[render]]\nscene = 'a'\npriority = 'high'", ":3:12", "the highest goes first"},
       {"[[render]]\nscene = 'a'\npriority = -9223372036854775807", ":3:12", "the highest goes first"},
       {"[[render]]\nscene = 'a'\nout = 3", ":3:7", "a folder, or a name"},
+      {"[[render]]\nscene = 'a'\nname = ''", ":3:8", "by which other renders come after"},
+      {"[[render]]\nscene = 'a'\nafter = 3", ":3:9", "the name of another render"},
+      {"[[render]]\nscene = 'a'\nafter = 'x'", ":1:1", "no render has the name 'x'"},
+      {"[[render]]\nscene = 'a'\nname = 'x'\nafter = 'x'", ":1:1", "'x' would come after itself"},
+      {"[[render]]\nscene = 'a'\nname = 'x'\nafter = ['y']\n[[render]]\nscene = 'b'\nname = 'y'\nafter = 'x'",
+       ":1:1", "'x' would come after itself"},
       {"[render]\nscene = 'a'", ":1:", "[defaults] and [[render]]"},
       {"[[render]]\nscene = 'a'\n[default]\nspp = 1", ":3:", "[defaults] and [[render]]"},
   };

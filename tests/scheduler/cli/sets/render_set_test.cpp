@@ -278,6 +278,24 @@ TEST_F(RenderSet, RendersThatComeGoOrMoveRenderNoOtherAnew) {
   EXPECT_THAT(states_of(first + second), ElementsAre("unchanged", "unchanged"));
 }
 
+TEST_F(RenderSet, RendersComeAfterThoseThatMustBeDone) {
+  write_text(folder_ / "jobs.toml",
+             "[defaults]\nspp = 1\nout = 'out/'\n[[render]]\nscene = 'a.xml'\nafter = ['second', 'first']\n"
+             "priority = 9\n[[render]]\nscene = 'b.xml'\nname = 'second'\nafter = 'first'\n"
+             "[[render]]\nscene = 'c.xml'\nname = 'first'\nseed = [1, 2]\n");
+  const ProgramResult set = run({"jobs.toml"});
+  EXPECT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_THAT(set.out, ContainsRegex("c.xml seed=1(.|\n)*c.xml seed=2(.|\n)*b.xml(.|\n)*a.xml"));
+  write_text(folder_ / "c.xml", "<scene version='3.0.0'><shape type='sphere'>");
+  const ProgramResult failed = run({"jobs.toml"});
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(
+      failed.err,
+      AllOf(ContainsRegex("b.xml: not begun, because .*c.xml seed=1, after which it comes, is failed"),
+            ContainsRegex("a.xml: not begun, because .*b.xml, after which it comes, is failed")));
+  EXPECT_THAT(states("jobs.json"), ElementsAre("failed", "failed", "failed", "failed"));
+}
+
 TEST_F(RenderSet, WhatTheCommandSaysCountsForAllOfAJobFile) {
   write_text(folder_ / "jobs.toml", R"([[render]]
 scene = "a.xml"
