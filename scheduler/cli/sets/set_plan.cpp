@@ -140,7 +140,7 @@ class SetPlanner {
     if (!files) return std::unexpected(files.error());
     member.files = std::move(*files);
     if (const auto taken = take_files(member); !taken) return taken;
-    if (options_.out.empty() && pattern.out) member.base = pattern.folder;
+    if (options_.out.empty() && pattern.out) member.base = fs::current_path() / pattern.folder;
     names_[{files_.size(), pattern.name}].push_back(members_.size());
     members_.push_back({std::move(member), files_.size(), pattern.after});
     return {};
