@@ -33,7 +33,7 @@ const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Scenes", {"info", "convert", "plugins", "settings"}},
     {"Images", {"denoise", "merge"}},
     {"Measure", {"compare", "report", "stress"}},
-    {"Service", {"serve", "submit", "status", "prioritize", "cancel", "fetch", "keys"}},
+    {"Service", {"serve", "submit", "status", "prioritize", "cancel", "retry", "fetch", "keys"}},
     {"Installation", {"completion", "man"}}};
 
 void group_commands(CLI::App& app) {

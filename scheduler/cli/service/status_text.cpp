@@ -76,10 +76,16 @@ std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolde
   std::map<Key, std::vector<std::string>> lines;
   std::map<JobId, std::map<Key, std::string>> jobs_of_groups;
   const std::vector<GroupSummary> groups = group_summaries(status);
+  const bool several = std::ranges::any_of(status.jobs(), [&](const wire::JobStatus& job) {
+    return job.submitter() != status.jobs(0).submitter();
+  });
+  const auto name_of = [several](const std::string& name, const std::string& submitter) {
+    return several && !submitter.empty() ? fmt::format("{} ({})", name, submitter) : name;
+  };
   for (const wire::JobStatus& job : status.jobs()) {
     const Key key = interest(job.state(), job.priority(), job.ended(), job.job());
-    const std::string line =
-        line_of(job.job(), job.state(), job.priority(), job.name(), detail(job, status.now()));
+    const std::string line = line_of(job.job(), job.state(), job.priority(),
+                                     name_of(job.name(), job.submitter()), detail(job, status.now()));
     if (std::ranges::binary_search(groups, job.group(), {},
                                    [](const GroupSummary& group) { return group.group.number(); }))
       jobs_of_groups[job.group()][key] = line;
@@ -89,8 +95,8 @@ std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolde
   for (const GroupSummary& group : groups) {
     const JobId number = group.group.number();
     auto& of_group = lines[interest(group.state, group.priority, group.ended, number)];
-    of_group = {
-        line_of(number, group.state, group.priority, group.group.name(), detail(group, status.now()))};
+    of_group = {line_of(number, group.state, group.priority, name_of(group.group.name(), group.submitter),
+                        detail(group, status.now()))};
     if (unfolded)
       for (const auto& [key, line] : jobs_of_groups[number]) of_group.push_back("  " + line);
   }

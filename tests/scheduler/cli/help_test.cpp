@@ -90,7 +90,7 @@ TEST(Help, SaysWhatAnOptionTakes) {
 
 TEST(Help, OfACommandHasItsOwnExamples) {
   const TemporaryFolder folder;
-  for (const char* command : {"cancel", "prioritize", "fetch", "plugins", "settings", "convert"}) {
+  for (const char* command : {"cancel", "prioritize", "retry", "fetch", "plugins", "settings", "convert"}) {
     const std::string help = output_of(folder, {command, "--help"});
     EXPECT_THAT(help,
                 AllOf(HasSubstr(std::string("\n  penumbra ") + command), Not(HasSubstr("penumbra render"))));

@@ -35,14 +35,15 @@ const std::map<std::string, Arguments> kCommands = {
     {"status", {"--to", "unix:none"}},
     {"cancel", {"1", "--to", "unix:none"}},
     {"prioritize", {"1", "1", "--to", "unix:none"}},
+    {"retry", {"1", "--to", "unix:none"}},
     {"fetch", {"1", "--to", "unix:none"}},
     {"worker", {"--connect", "unix:none", "--retry-for=0"}},
     {"view", {"none.xml"}},
     {"stress", {"--list"}},
 };
 /// What options take, as the help calls it.
-const std::set<std::string> kNumbers = {"N",   "S",     "SECONDS", "P",    "E",  "SHARE",
-                                        "INT", "STOPS", "DAYS",    "SIZE", "EV", "PERCENT"};
+const std::set<std::string> kNumbers = {"N",     "S",    "SECONDS", "P",  "E",       "SHARE", "INT",
+                                        "STOPS", "DAYS", "SIZE",    "EV", "PERCENT", "TIME"};
 const std::set<std::string> kTexts = {"NAME", "NAMES",   "KEY",   "FILE", "FOLDER", "ADDRESS",
                                       "HOST", "COMMAND", "TEXT",  "X",    "METRIC", "MAP",
                                       "LOW",  "KIND",    "PLACE", "DIR",  "A"};

@@ -109,6 +109,13 @@ TEST(StatusText, GroupsAreFoldedAndSayHowFarTheyAre) {
   EXPECT_EQ(json["jobs"][3]["group"], nullptr);
 }
 
+TEST(StatusText, SubmittersAreNamedWhereThereAreSeveral) {
+  wire::StatusReply reply = with_group();
+  EXPECT_THAT(status_lines(reply, 200, 50), Contains(HasSubstr("jobs.toml (ann@host)")));
+  for (wire::JobStatus& job : *reply.mutable_jobs()) job.set_submitter("ann@host");
+  EXPECT_THAT(status_lines(reply, 200, 50), Each(Not(HasSubstr("ann"))));
+}
+
 TEST(StatusText, AGroupThatIsOverSaysTheWorst) {
   wire::StatusReply reply = with_group();
   reply.mutable_groups(0)->set_size(3);
