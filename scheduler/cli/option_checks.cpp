@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
+#include <utility>
 
 #include "scenes/number.h"
 
@@ -50,6 +53,21 @@ CLI::Validator number_from_zero() {
   return number_check(
       [](double value) { return value >= 0 ? std::string() : fmt::format("{} is below 0", value); },
       "0 or above");
+}
+
+CLI::Validator duration() {
+  return {[](std::string& text) -> std::string {
+            constexpr std::pair<char, double> kUnits[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
+            const auto unit =
+                std::ranges::find(kUnits, text.empty() ? ' ' : text.back(), &std::pair<char, double>::first);
+            const auto number =
+                parse_number(std::string_view(text).substr(0, text.size() - (text.empty() ? 0 : 1)));
+            if (unit == std::end(kUnits) || !number || !(*number >= 0))
+              return fmt::format("'{}' is no time, as in 30s, 90m, 12h or 7d", text);
+            text = fmt::to_string(*number * unit->second);
+            return {};
+          },
+          ""};
 }
 
 CLI::Validator some_text() {

@@ -14,6 +14,9 @@ CLI::Validator number_between(double low, double high);
 CLI::Validator positive_number();
 CLI::Validator number_from_zero();
 
+/// A number from zero with its unit s, m, h or d, as in "90m"; becomes seconds. For CLI::Option::transform.
+CLI::Validator duration();
+
 /// Not empty.
 CLI::Validator some_text();
 /// NAME=VALUE, NAME not empty.

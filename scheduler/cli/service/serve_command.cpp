@@ -1,6 +1,5 @@
 // `penumbra serve`: a scheduler to which clients submit jobs.
 #include <filesystem>
-#include <map>
 #include <memory>
 
 #include "kernels/host/process.h"
@@ -80,17 +79,16 @@ void add_serve_command(CLI::App& app, Command& chosen) {
           "--keep", options->keep,
           "Remove jobs and their files so long after their end; of a group together (default: only `penumbra "
           "fetch --remove` does): 90m, 12h, 7d")
+      ->transform(duration())
       ->type_name("TIME")
-      ->transform(
-          CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}},
-                                CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
-      ->check(number_from_zero())
       ->group("Jobs");
   command->footer(
       "Jobs come with their scenes: a service needs no file system in common with its clients. A job is on "
       "disk before `penumbra submit` prints its number. After Ctrl-C, a crash or kill -9, the next service "
-      "with the same folder continues, to the same images. The highest priority is rendered first, then the "
-      "oldest job. Results wait in the folder for `penumbra fetch`.\n\n"
+      "with the same folder continues, to the same images. The highest priority is rendered first; among "
+      "equals "
+      "users have equal shares, and each one's oldest job is first. Results wait in the folder for `penumbra "
+      "fetch`.\n\n"
       "Examples:\n"
       "  penumbra serve --listen unix:/tmp/farm.socket --workers 4\n"
       "  penumbra submit scene.xml --spp 256 --to unix:/tmp/farm.socket\n"

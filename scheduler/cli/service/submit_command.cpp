@@ -24,16 +24,20 @@ struct SubmitOptions {
   std::optional<int> priority;
 };
 
-/// Rejects options that the service or `penumbra fetch` determines.
+/// Whether an option of `penumbra render` is not one of a job: the service or `penumbra fetch` determines it.
+bool is_refused(const CLI::Option& option) {
+  if (option.get_lnames().empty()) return false;
+  const std::string& name = option.get_lnames().front();
+  if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys") return false;
+  return name == "resume" || is_shared_option(name);
+}
+
 Expected<void> check_options(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || option->get_lnames().empty()) continue;
-    const std::string& name = option->get_lnames().front();
-    if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys") continue;
-    if (name == "resume" || is_shared_option(name))
-      return fail(fmt::format(
-          "--{} is not of a job: `penumbra serve`, or `penumbra fetch`, has what there is of it", name));
-  }
+  for (const CLI::Option* option : command.get_options())
+    if (option->count() > 0 && is_refused(*option))
+      return fail(
+          fmt::format("--{} is not of a job: `penumbra serve`, or `penumbra fetch`, has what there is of it",
+                      option->get_lnames().front()));
   return {};
 }
 
@@ -130,6 +134,8 @@ void add_submit_command(CLI::App& app, const std::vector<std::string>& command_l
   CLI::App* command = app.add_subcommand("submit", "Submit renders to a service");
   const auto options = std::make_shared<SubmitOptions>();
   add_render_options(*command, options->render);
+  for (CLI::Option* option : command->get_options())
+    if (is_refused(*option)) option->group("");  // not in the help
   add_service_address(*command, options->service, false);
   command->get_option("--keys")->description(
       "For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "

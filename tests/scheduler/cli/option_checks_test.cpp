@@ -34,6 +34,19 @@ TEST(OptionChecks, NumbersAreFiniteAndWhole) {
   EXPECT_EQ(positive_number()("1e300"), "");
 }
 
+TEST(OptionChecks, TimesHaveUnits) {
+  for (const auto& [text, seconds] : {std::pair("0s", 0.0), std::pair("90m", 5400.0),
+                                      std::pair("12h", 43200.0), std::pair("1.5d", 129600.0)}) {
+    std::string value = text;
+    EXPECT_EQ(duration()(value), "");
+    EXPECT_EQ(std::stod(value), seconds);
+  }
+  for (const char* text : {"", "7", "d", "-1d", "nand", "infd", "7 d", "7w", "1e999d"}) {
+    std::string value = text;
+    EXPECT_THAT(duration()(value), HasSubstr("as in 30s, 90m, 12h or 7d")) << text;
+  }
+}
+
 TEST(OptionChecks, HelpHasTheLimits) {
   EXPECT_EQ(whole_number(1, 10).get_description(), "1 to 10");
   CLI::App app;

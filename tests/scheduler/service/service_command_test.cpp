@@ -449,6 +449,10 @@ TEST_F(Service, WrongUse) {
               HasSubstr("--workers is not of a job"));
   EXPECT_THAT(error({"submit", "s.xml", "--resume", "--to", address_}),
               HasSubstr("--resume is not of a job"));
+  const std::string help = run_penumbra(folder_.path(), {"submit", "--help"}).out;
+  for (const char* refused : {"--workers", "--launch", "--listen", "--resume", "--estimate", "--force"})
+    EXPECT_THAT(help, Not(HasSubstr(std::string("  ") + refused + " "))) << refused;
+  EXPECT_THAT(help, AllOf(HasSubstr("  --spp "), HasSubstr("  --priority "), HasSubstr("  --backend ")));
   EXPECT_THAT(error({"fetch", "--to", address_}), HasSubstr("--all"));
   EXPECT_THAT(error({"serve", "--listen", "unix:x", "--keep", "7"}), HasSubstr("--keep"));
   EXPECT_THAT(error({"serve", "--listen", "unix:x", "--keep", "-7d"}), HasSubstr("--keep"));
