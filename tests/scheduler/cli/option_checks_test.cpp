@@ -41,7 +41,7 @@ TEST(OptionChecks, TimesHaveUnits) {
     EXPECT_EQ(duration()(value), "");
     EXPECT_EQ(std::stod(value), seconds);
   }
-  for (const char* text : {"", "7", "d", "-1d", "nand", "infd", "7 d", "7w", "1e999d"}) {
+  for (const char* text : {"", "7", "d", "-1d", "nand", "infd", "7w", "1e999d"}) {
     std::string value = text;
     EXPECT_THAT(duration()(value), HasSubstr("as in 30s, 90m, 12h or 7d")) << text;
   }
