@@ -167,17 +167,17 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
   *status.mutable_after() = message.after();
   status.set_folder(message.folder());
   Expected<void> kept = spool_.use_number(number);
-  Group found;
+  wire::StoredGroup stored_group;
   if (group > 0) {
-    if (is_new_group)
-      *found.stored.mutable_group() = message.group();
-    else
-      found = groups_.at(group);
-    found.stored.mutable_group()->set_number(group);
-    found.stored.set_latest(now());
-    found.stored.set_untold(tells_ends_);
-    found.jobs.insert(number);
-    if (kept) kept = spool_.keep(found.stored);
+    if (!is_new_group) stored_group = groups_.at(group).stored;
+    const bool is_to_be_kept = is_new_group || stored_group.untold() != tells_ends_;
+    wire::JobGroup& described = *stored_group.mutable_group();
+    described.set_number(group);
+    described.set_name(decoded->group->name);
+    described.set_size(decoded->group->size);
+    stored_group.set_latest(now());
+    stored_group.set_untold(tells_ends_);
+    if (kept && is_to_be_kept) kept = spool_.keep(stored_group);
   }
   if (kept) kept = spool_.keep(entry.job);
   if (!kept) {
@@ -187,8 +187,11 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
   }
   next_ = number + 1;
   entries_.emplace(number, std::move(entry));
-  if (group > 0) groups_[group] = std::move(found);
-  fail_hopeless();
+  if (group > 0) {
+    groups_[group].stored = std::move(stored_group);
+    groups_[group].jobs.insert(number);
+  }
+  if (message.after_size() > 0) fail_hopeless();
   changed_.notify_all();
   return Submitted{number, group};
 }
