@@ -10,6 +10,7 @@
 #include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
+#include "scheduler/service/status_wire.h"
 
 namespace penumbra {
 namespace {
@@ -139,17 +140,7 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& jobs) 
   reply.set_version(std::string(kVersion));
   reply.set_up_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
   reply.set_now(seconds_since_1970());
-  for (const FarmWorker& worker : workers_) {
-    wire::FarmWorker& added = *reply.add_workers();
-    added.set_number(worker.id);
-    added.set_name(wire_text(worker.name, kLongestName));
-    added.set_device(wire_text(worker.device, kLongestName));
-    added.set_units(worker.units);
-    added.set_samples(worker.samples);
-    added.set_busy_seconds(worker.busy_seconds);
-    added.set_job(worker.job.value_or(0));
-    added.set_since_seconds(worker.since);
-  }
+  for (const FarmWorker& worker : workers_) *reply.add_workers() = encode(worker);
   for (const std::string& message : messages_) reply.add_messages(message);
   if (jobs.empty())
     for (const auto& [number, entry] : entries_) {
@@ -282,12 +273,7 @@ void JobQueue::progress(JobId job, const RenderProgress& progress) {
     status.set_state(wire::JOB_RENDERING);
     if (status.begun() == 0) status.set_begun(seconds_since_1970() - progress.elapsed_seconds);
   }
-  status.set_samples_done(progress.samples_done);
-  status.set_samples_total(progress.samples_total);
-  status.set_samples_before(progress.samples_before);
-  status.set_elapsed_seconds(progress.elapsed_seconds);
-  status.set_relative_error(progress.relative_error);
-  status.set_workers(std::uint32_t(std::max(0, progress.workers)));
+  put_progress(progress, status);
 }
 
 void JobQueue::workers(const std::vector<FarmWorker>& workers) {
