@@ -25,7 +25,7 @@ declare -A lists=(
   [build]="clang-19 g++ cmake ninja-build ccache pkg-config git
     libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
     ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
-    libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
+    libssl-dev libcpp-httplib-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
     zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev
     libdraco-dev libmeshoptimizer-dev"
   [window]="libglfw3-dev libepoxy-dev libimgui-dev libfreetype-dev fonts-dejavu-core"

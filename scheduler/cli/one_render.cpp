@@ -21,7 +21,7 @@ OneRender::OneRender(const RenderOptions& options, const std::vector<std::string
 std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& prepare) {
   // Listen on a public address, or occupy hosts of a queue, only for a scene that can be rendered.
   const auto worker = find_program("penumbra-worker");
-  if (worker && options_.listen.empty() && options_.launch.empty()) {
+  if (worker && options_.listen.empty() && options_.launch.empty() && options_.web.empty()) {
     FarmOptions farm = farm_of(options_);
     farm.worker_executable = worker->string();
     farm.tells_how_to_watch = true;
@@ -32,6 +32,8 @@ std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& pr
   } else {
     prepare_by(prepare);
     if (!*prepared_) return std::unexpected(prepared_->error());
+    page_.add(options_.scene.scene);
+    if (const auto opened = page_.open(options_); !opened) return opened;
     render((*prepared_)->farm);
   }
 
@@ -46,7 +48,21 @@ std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& pr
       outcome_ = std::unexpected(ready.error());
   }
   if (writing_.valid()) written_ = writing_.get();
+  if (page_.is_open()) show_end();
   return {};
+}
+
+void OneRender::show_end() {
+  const bool has_failed = !outcome_ || !*outcome_ || !written_;
+  const std::string error = !written_                ? written_.error().message
+                            : outcome_ && !*outcome_ ? outcome_->error().message
+                                                     : "";
+  page_.end(0,
+            has_failed              ? wire::JOB_FAILED
+            : (*outcome_)->complete ? wire::JOB_DONE
+                                    : wire::JOB_INCOMPLETE,
+            error, prepared().files);
+  page_.close();
 }
 
 void OneRender::prepare_by(const std::function<Prepared()>& prepare) {
@@ -80,7 +96,8 @@ bool OneRender::is_exhausted() {
   return is_prepared_ && (is_taken_ || !prepared_ || !prepared_->has_value());
 }
 
-void OneRender::progress(JobId, const RenderProgress& progress) {
+void OneRender::progress(JobId id, const RenderProgress& progress) {
+  page_.progress(id, progress);
   RenderProgress with_notices = progress;
   with_notices.notices.insert(with_notices.notices.begin(), notices_.begin(), notices_.end());
   notices_.clear();

@@ -12,6 +12,7 @@
 
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_page.h"
 #include "scheduler/cli/render_preparation.h"
 
 namespace penumbra {
@@ -39,8 +40,13 @@ class OneRender final : public JobSource {
   // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override;
+  void took(JobId id) override { page_.took(0, id); }
+  void shown(JobId id, const std::shared_ptr<WatchBoard>& board) override { page_.shown(id, board); }
   void progress(JobId id, const RenderProgress& progress) override;
+  [[nodiscard]] bool wants_workers() const override { return page_.is_open(); }
+  void workers(const std::vector<FarmWorker>& workers) override { page_.workers(workers); }
   void notice(const std::string& text) override {
+    if (is_taken_) page_.say(text);                           // the first ones contain tokens
     if (told_.insert(text).second) notices_.push_back(text);  // a second attempt has the same address
   }
   void done(JobId id, Expected<RenderOutcome> outcome) override;
@@ -48,6 +54,7 @@ class OneRender final : public JobSource {
  private:
   void prepare_by(const std::function<Prepared()>& prepare);
   void render(const FarmOptions& farm);
+  void show_end();
 
   const RenderOptions& options_;
   const std::vector<std::string>& command_line_;
@@ -62,6 +69,7 @@ class OneRender final : public JobSource {
   std::vector<std::string> notices_, said_;  // said_: those shown by an earlier attempt
   std::optional<Expected<RenderOutcome>> outcome_;
   Expected<void> written_;
+  RenderPage page_;
   // The last member, so that it is waited for before the others are destroyed.
   std::future<Expected<void>> writing_;
 };

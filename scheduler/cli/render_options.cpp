@@ -11,6 +11,7 @@
 #include "scheduler/cli/film_scale.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/web_page.h"
 #include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
@@ -375,6 +376,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_layer_options(command, options.scene);
   add_output_options(command, options);
   add_worker_options(command, options);
+  add_web_option(command, options.web);
   command
       .add_option("--verify", options.verify,
                   "Share of the work units that a second worker renders too (0.05 is 5%). Where results "

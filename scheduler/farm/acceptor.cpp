@@ -207,9 +207,16 @@ void Acceptor::stop() {
   thread_.join();
 }
 
-void Acceptor::admit(const std::string& peer) {
+void Acceptor::admit(const std::string& peer) { admit_named(peer_name(peer)); }
+
+void Acceptor::admit(int descriptor) {
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
+  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&name), &size) == 0) admit_named(peer_name(name));
+}
+
+void Acceptor::admit_named(const std::string& name) {
   if (!is_tcp_) return;
-  const std::string name = peer_name(peer);
   const std::lock_guard lock(mutex_);
   for (Connection& connection : connections_)
     if (connection.peer == name) connection.admitted = true;

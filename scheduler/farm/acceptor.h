@@ -50,6 +50,8 @@ class Acceptor {
   void start(std::function<void(int descriptor, int listener)> hand_over);
   /// The peer has shown a valid token. `peer` is gRPC's name of it, such as "ipv4:127.0.0.1:7000".
   void admit(const std::string& peer);
+  /// The same for a connection that was handed over, by its descriptor.
+  void admit(int descriptor);
   /// Stops accepting. Existing connections stay open.
   void stop();
   /// Ends all connections at once, including those whose peers do not read what was sent to them.
@@ -68,6 +70,7 @@ class Acceptor {
   void serve();
   void accept_one();
   void drop(std::size_t index, bool by_force);
+  void admit_named(const std::string& name);
   [[nodiscard]] int milliseconds_to_wait();
 
   const std::string address_;

@@ -36,6 +36,7 @@ Expected<void> FarmRun::start() {
       Server::listen({.address = socket_->address(),
                       .more = options_.listen,
                       .keys = options_.keys,
+                      .watch_token = options_.watch_token,
                       .comes_back = options_.comes_back,
                       .largest_result = std::size_t(options_.largest_tile) *
                                         std::size_t(options_.largest_tile) * std::size_t(kMostPixelBytes),
@@ -180,6 +181,7 @@ void FarmRun::take_jobs() {
                          .first->second;
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
+    source_.shown(id, taken.board());
     tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify, taken.job().submitter});
     for (const PassesOfTile& passes : taken.passes_of_tiles()) tell_plan(passes);
   }

@@ -17,6 +17,8 @@
 
 namespace penumbra {
 
+class WatchBoard;
+
 struct FarmOptions {
   int workers = 1;                ///< number of local worker processes; 0 if only others join at `listen`
   std::string worker_executable;  ///< path of penumbra-worker
@@ -29,10 +31,12 @@ struct FarmOptions {
   std::shared_ptr<const Keys> keys = {};  ///< the keys for `listen`; see listening_keys
   bool comes_back = false;                ///< see ListenOptions::comes_back
   LeaseRule leases = {};                  ///< when a worker is considered hung
-  int largest_tile = 64;                  ///< the largest tile of any job; larger results are rejected
-  bool tells_how_to_watch = false;        ///< the first notices to JobSource say how to watch the render
-  int open_jobs = 2;                      ///< the number of jobs taken from the source at a time
-  ServiceMaker service = {};              ///< additional calls served at `listen`
+  /// Without keys: the token for watching at `listen`; empty: a random one.
+  std::string watch_token = {};
+  int largest_tile = 64;            ///< the largest tile of any job; larger results are rejected
+  bool tells_how_to_watch = false;  ///< the first notices to JobSource say how to watch the render
+  int open_jobs = 2;                ///< the number of jobs taken from the source at a time
+  ServiceMaker service = {};        ///< additional calls served at `listen`
 };
 
 /// A connected worker and its statistics.
@@ -66,6 +70,8 @@ class JobSource {
   [[nodiscard]] virtual bool is_exhausted() = 0;
   /// Tells the number of a job that was taken, in the order of next().
   virtual void took(JobId) {}
+  /// The board on which viewers see a job that was taken.
+  virtual void shown(JobId, const std::shared_ptr<WatchBoard>&) {}
   /// Called a few times a second for each open job.
   virtual void progress(JobId, const RenderProgress&) {}
   /// The connected workers, a few times a second. Only called if `wants_workers()`.

@@ -112,6 +112,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
     keep_out_of_core_dumps();
     for (const TokenKind& kind : kTokenKinds)
       state_->tokens.*kind.token = options.keys ? options.keys->tokens.*kind.token : make_token();
+    if (!options.keys && !options.watch_token.empty()) state_->tokens.watch = options.watch_token;
     credentials = token_credentials(state_->tokens, options.keys.get());
   }
   const auto on_call = [acceptor = state_->acceptor.get()](const std::string& peer) {

@@ -29,6 +29,7 @@ struct ListenOptions {
   /// any free port. Connections there never prevent the scheduler's own workers from connecting.
   std::string more = {};
   std::shared_ptr<const Keys> keys = {};  ///< the keys for `more` if it is TCP: for TLS, and their tokens
+  std::string watch_token = {};           ///< without keys: the token for watching; empty: a random one
   bool comes_back = false;  ///< workers dismissed at the end are told that the scheduler will return
   /// Size in bytes of the largest unit's samples. Larger messages are rejected.
   std::size_t largest_result = std::size_t(1) << 20;

@@ -37,6 +37,8 @@ std::string html_page(std::string_view title, std::string_view style, std::strin
       head, title, kBaseStyle, style, body);
 }
 
+std::string_view html_base_style() { return kBaseStyle; }
+
 std::string base64(std::span<const std::uint8_t> bytes) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;

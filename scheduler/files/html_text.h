@@ -15,6 +15,9 @@ namespace penumbra {
 std::string html_page(std::string_view title, std::string_view style, std::string_view head,
                       std::string_view body);
 
+/// The style sheet that all pages share.
+std::string_view html_base_style();
+
 /// Base64 with padding (RFC 4648).
 std::string base64(std::span<const std::uint8_t> bytes);
 

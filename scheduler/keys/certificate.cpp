@@ -166,6 +166,12 @@ Expected<KeyPair> make_certificate(const KeyPair& authority, const std::string& 
   return as_pem(made.get(), key.get());
 }
 
+bool is_certificate_for(const std::string& certificate, const std::string& host) {
+  const Certificate read = read_certificate(certificate);
+  return read && (X509_check_host(read.get(), host.data(), host.size(), 0, nullptr) == 1 ||
+                  X509_check_ip_asc(read.get(), host.c_str(), 0) == 1);
+}
+
 bool is_certificate_name(const std::string& name) {
   if (ASN1_OCTET_STRING* address = a2i_IPADDRESS(name.c_str())) {
     ASN1_OCTET_STRING_free(address);

@@ -42,6 +42,9 @@ Expected<void> check_certificate(const std::string& authority, const std::string
 /// "*.farm.example").
 bool is_certificate_name(const std::string& name);
 
+/// Whether a server with this certificate may have this host name or address.
+bool is_certificate_for(const std::string& certificate, const std::string& host);
+
 /// Explains an OpenSSL verification error (X509_V_ERR_…) of this certificate (an X509*, may be null). `host`:
 /// the name that the certificate had to match.
 std::string verification_text(int code, void* certificate, const std::string& host);

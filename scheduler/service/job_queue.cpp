@@ -10,6 +10,7 @@
 #include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
+#include "scheduler/service/status_wire.h"
 
 namespace penumbra {
 namespace {
@@ -218,17 +219,7 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& number
   reply.set_version(std::string(kVersion));
   reply.set_up_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
   reply.set_now(now());
-  for (const FarmWorker& worker : workers_) {
-    wire::FarmWorker& added = *reply.add_workers();
-    added.set_number(worker.id);
-    added.set_name(wire_text(worker.name, kLongestName));
-    added.set_device(wire_text(worker.device, kLongestName));
-    added.set_units(worker.units);
-    added.set_samples(worker.samples);
-    added.set_busy_seconds(worker.busy_seconds);
-    added.set_job(worker.job.value_or(0));
-    added.set_since_seconds(worker.since);
-  }
+  for (const FarmWorker& worker : workers_) *reply.add_workers() = encode(worker);
   for (const std::string& message : messages_) reply.add_messages(message);
   std::map<JobId, Entry*> asked;
   for (const JobId number : numbers) {

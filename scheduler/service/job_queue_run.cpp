@@ -6,6 +6,7 @@
 
 #include "scheduler/protocol/text.h"
 #include "scheduler/service/job_queue.h"
+#include "scheduler/service/status_wire.h"
 
 namespace penumbra {
 namespace {
@@ -147,12 +148,7 @@ void JobQueue::progress(JobId job, const RenderProgress& progress) {
     status.set_state(wire::JOB_RENDERING);
     if (status.begun() == 0) status.set_begun(now() - progress.elapsed_seconds);
   }
-  status.set_samples_done(progress.samples_done);
-  status.set_samples_total(progress.samples_total);
-  status.set_samples_before(progress.samples_before);
-  status.set_elapsed_seconds(progress.elapsed_seconds);
-  status.set_relative_error(progress.relative_error);
-  status.set_workers(std::uint32_t(std::max(0, progress.workers)));
+  put_progress(progress, status);
 }
 
 void JobQueue::workers(const std::vector<FarmWorker>& workers) {

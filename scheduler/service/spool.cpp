@@ -12,9 +12,11 @@
 #include <fstream>
 #include <optional>
 
+#include "kernels/host/owned_descriptor.h"
 #include "kernels/host/plain_file.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/file_target.h"
+#include "scheduler/keys/secrets.h"
 #include "scheduler/protocol/content_hash.h"
 
 namespace penumbra {
@@ -23,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBytes = std::size_t(16) << 20;
+constexpr std::uint64_t kMostTokenBytes = 256;
 constexpr std::string_view kIncoming = ".incoming-";
 
 std::optional<JobId> number_of(const fs::path& path) {
@@ -76,6 +79,17 @@ Expected<std::unique_ptr<Spool>> Spool::open(const fs::path& folder) {
 Spool::~Spool() { close(lock_); }
 
 fs::path Spool::folder_of(JobId job) const { return folder_ / "jobs" / fmt::to_string(job); }
+
+Expected<std::string> Spool::watch_token() {
+  const fs::path path = folder_ / "watch.token";
+  std::string token = make_token();
+  if (auto kept = read_plain_file(path, kMostTokenBytes); kept && kept->size() == token.size()) return kept;
+  const OwnedDescriptor file(
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (file.get() < 0 || ::write(file.get(), token.data(), token.size()) != ssize_t(token.size()))
+    return cannot_write(path, errno);
+  return token;
+}
 
 std::vector<wire::StoredJob> Spool::read_jobs(std::vector<std::string>& problems) const {
   std::vector<wire::StoredJob> jobs;

@@ -26,6 +26,7 @@ struct StoredScene {
 
 /// A folder that only one service at a time may use:
 ///      lock
+///      watch.token         see watch_token
 ///      next                the number of the next job or group; numbers are never reused
 ///      scenes/HASH         serialised device scenes; see AssetManifest
 ///      groups/NUMBER       wire::StoredGroup
@@ -56,6 +57,10 @@ class Spool {
   /// The path of the job's checkpoint during its render, beside its first file.
   [[nodiscard]] std::filesystem::path checkpoint_of(JobId job, const wire::Submission& submission) const;
   void remove_checkpoint(JobId job, const wire::Submission& submission);
+  /// A token for watching that stays the same for all services with this folder, so that a link to the page
+  /// in the browser stays good. Error: it cannot be kept.
+  Expected<std::string> watch_token();
+
   /// The number of the next job or group.
   [[nodiscard]] JobId next_number() const;
   Expected<void> use_number(JobId number);

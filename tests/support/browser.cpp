@@ -16,8 +16,28 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Runs in the page; tells its parent.
-constexpr const char* kMeasure = R"js(<script>
+constexpr const char* kTellMeasures = R"js(<script>
 window.addEventListener("load", () => {
+  const result = (MEASURE)();
+  result.script = (SCRIPT);
+  parent.postMessage(JSON.stringify(result), "*");
+});
+</script>
+)js";
+
+std::string unescaped(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool code = text[i] == '%' && i + 2 < text.size();
+    out += code ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+    if (code) i += 2;
+  }
+  return out;
+}
+
+}  // namespace
+
+const char* const kMeasurePage = R"js(() => {
   for (const details of document.querySelectorAll("details")) details.open = true;
   const result = {viewport: innerWidth, scroll_width: document.documentElement.scrollWidth, texts: 0, svg_texts: 0,
     contrast: {ratio: 21, text: ""}, svg_font: {size: 1e9, text: ""}, cut_off: []};
@@ -59,23 +79,8 @@ window.addEventListener("load", () => {
     const scale = parent.getScreenCTM(), size = parseFloat(style.fontSize) * Math.hypot(scale.c, scale.d);
     if (size < result.svg_font.size) result.svg_font = {size, text};
   }
-  result.script = (SCRIPT);
-  parent.postMessage(JSON.stringify(result), "*");
-});
-</script>
-)js";
-
-std::string unescaped(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool code = text[i] == '%' && i + 2 < text.size();
-    out += code ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
-    if (code) i += 2;
-  }
-  return out;
-}
-
-}  // namespace
+  return result;
+})js";
 
 std::optional<fs::path> find_browser() {
   const char* path = std::getenv("PATH");
@@ -92,8 +97,9 @@ Expected<nlohmann::json> view_page(const std::string& html, const PageView& view
   const auto browser = find_browser();
   if (!browser) return fail(kNoBrowser);
   const TemporaryFolder folder;
-  std::string measure = kMeasure, page = html;
+  std::string measure = kTellMeasures, page = html;
   measure.replace(measure.find("SCRIPT)"), 6, view.script);
+  measure.replace(measure.find("MEASURE)"), 7, kMeasurePage);
   page.insert(page.rfind("</body>"), measure);
   write_text(folder / "page.html", page);
   // The browser's own window cannot be as narrow as a phone, a frame can.

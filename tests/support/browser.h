@@ -15,6 +15,9 @@ std::optional<std::filesystem::path> find_browser();
 
 constexpr const char* kNoBrowser = "no Chromium here (Debian: apt-get install chromium)";
 
+/// A function in JavaScript that opens a page's <details> and returns what view_page does, without `script`.
+extern const char* const kMeasurePage;
+
 struct PageView {
   int width = 1280;  ///< of the viewport, in CSS pixels
   bool dark = false;

@@ -9,6 +9,7 @@
 #include "scheduler/cli/service/end_hook.h"
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/cli/web_page.h"
 #include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/keys/access_options.h"
 #include "scheduler/plan/work_unit.h"
@@ -38,6 +39,7 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->check(some_text())
       ->required();
   add_keys_option(*command, options->keys, "TLS and tokens for --listen HOST:PORT");
+  add_web_option(*command, options->web);
   command->option_defaults()->group(group::kWorkers);
   command->add_option("--spool", *spool, "Folder of jobs, scenes and results; used by one service at a time")
       ->type_name("FOLDER")

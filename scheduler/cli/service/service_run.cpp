@@ -17,8 +17,10 @@
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/service/end_hook.h"
+#include "scheduler/cli/service/service_page.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/submitted_render.h"
+#include "scheduler/cli/web_page.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/job_run.h"
 #include "scheduler/protocol/mailbox.h"
@@ -80,12 +82,15 @@ class ServiceRun final : public JobSource {
              const std::atomic<bool>& stop)
       : options_(options), spool_(spool), queue_(queue), worker_(std::move(worker)), stop_(stop) {}
 
-  ExitCode run(const std::string& worker_executable, std::shared_ptr<const Keys> keys);
+  ExitCode run(const std::string& worker_executable, std::shared_ptr<const Keys> keys, const WebPage& page);
 
   // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override { return false; }
   void took(JobId id) override { open_[id] = *std::exchange(taken_, {}); }
+  void shown(JobId id, const std::shared_ptr<WatchBoard>& board) override {
+    if (page_) page_->pictures().films().add(id, board);
+  }
   void progress(JobId id, const RenderProgress& progress) override;
   [[nodiscard]] bool wants_workers() const override { return true; }
   void workers(const std::vector<FarmWorker>& workers) override { queue_.workers(workers); }
@@ -116,6 +121,7 @@ class ServiceRun final : public JobSource {
   Mailbox<FinishedJob> finished_;
   std::optional<OpenJob> taken_;
   std::map<JobId, OpenJob> open_;
+  std::optional<ServicePage> page_;
   std::vector<OpenJob> again_;  // jobs to be rendered again because the automatically chosen device failed
   // Incomplete jobs. Whether the job or the whole farm has ended is known only when the farm goes on.
   std::vector<FinishedJob> unfinished_;
@@ -232,6 +238,7 @@ void ServiceRun::write(FinishedJob finished) {
   print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
                             end.error.empty() ? "" : ": ", end.error));
   queue_.end(job.id, state, end.error);
+  if (page_) page_->pictures().films().remove(job.id);
   // Only after the job's end is on disk; until then the checkpoint could be needed.
   // Jobs that are not done keep it for `penumbra retry`.
   if (state == wire::JOB_DONE) remove_checkpoint(*job.prepared);
@@ -259,12 +266,26 @@ void ServiceRun::look_after_ends() {
 
 // --- Running all threads
 
-ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<const Keys> keys) {
+ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<const Keys> keys,
+                         const WebPage& page) {
+  std::unique_ptr<WebServer> server;
+  std::string token;
+  if (!page.address.empty()) {
+    const auto kept = spool_.watch_token();
+    if (!kept) return print_error(kept.error()), kIncomplete;
+    token = *kept;
+    page_.emplace(queue_);
+    auto opened = open_web_page(page, token, true, *page_);
+    if (!opened) return print_error(opened.error()), kIncomplete;
+    server = std::move(*opened);
+    print_message(web_page_notice(*server, page));
+  }
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker_executable,
                    .listen = options_.listen,
                    .keys = std::move(keys),
                    .comes_back = true,
+                   .watch_token = token,
                    .largest_tile = kMaxTile,
                    .tells_how_to_watch = true,
                    .open_jobs = kMostOpenJobs,
@@ -295,6 +316,8 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   if (!worker) return print_error(worker.error()), kIncomplete;
   const auto keys = listening_keys(options.listen, options.keys);
   if (!keys) return print_error(keys.error()), kBadInput;
+  const auto page = web_page_of(options.web, options.keys);
+  if (!page) return print_error(page.error()), kBadInput;
   const auto spool = Spool::open(options.spool);
   if (!spool) return print_error(spool.error()), kBadInput;
   std::vector<std::string> problems;
@@ -304,7 +327,8 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   if (options.threads == 0)
     with_threads.threads =
         std::max(1, int(std::thread::hardware_concurrency()) / std::max(1, options.workers));
-  return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop).run(worker->string(), *keys);
+  return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop)
+      .run(worker->string(), *keys, *page);
 }
 
 }  // namespace penumbra

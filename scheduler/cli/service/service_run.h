@@ -13,6 +13,7 @@ namespace penumbra {
 struct ServiceOptions {
   std::string listen;           ///< address for clients, viewers and workers on other hosts
   std::string keys;             ///< folder of keys for `listen`; see listening_keys; empty: none
+  std::string web;              ///< address of the page in the browser; empty: none
   std::filesystem::path spool;  ///< see Spool
   int workers = 1;              ///< local worker processes; 0: other workers join
   int threads = 0;              ///< per worker; 0: all cores of this machine, divided among the workers

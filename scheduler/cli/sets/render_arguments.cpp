@@ -13,23 +13,10 @@ namespace penumbra {
 namespace {
 
 /// Options of the whole command, not of single renders.
-constexpr std::array<std::string_view, 17> kShared{"workers",
-                                                   "keys",
-                                                   "launch",
-                                                   "estimate",
-                                                   "json",
-                                                   "listen",
-                                                   "tev",
-                                                   "quiet",
-                                                   "force",
-                                                   "summary",
-                                                   "pixel",
-                                                   "statistics",
-                                                   "out",
-                                                   "help",
-                                                   "resume",
-                                                   "restart",
-                                                   "checkpoint-interval"};
+constexpr std::array<std::string_view, 18> kShared{
+    "workers",    "keys", "launch", "estimate", "json",    "listen",
+    "tev",        "web",  "quiet",  "force",    "summary", "pixel",
+    "statistics", "out",  "help",   "resume",   "restart", "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {

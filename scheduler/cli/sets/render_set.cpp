@@ -20,6 +20,7 @@
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
+#include "scheduler/cli/render_page.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/sets/set_summary.h"
@@ -63,6 +64,11 @@ std::string key_of(const PreparedRender& prepared, const std::string& worker, bo
   return identity.scene + content_hash(bytes_of(text)).substr(0, 16);
 }
 
+wire::JobState job_state_of(SetState state) {
+  if (state == SetState::kFailed) return wire::JOB_FAILED;
+  return state == SetState::kIncomplete ? wire::JOB_INCOMPLETE : wire::JOB_DONE;
+}
+
 struct ReadyRender {
   std::size_t index = 0;
   std::shared_ptr<PreparedRender> prepared;
@@ -97,6 +103,7 @@ class SceneSet final : public JobSource {
       entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
+      page_.add(member.name, member.priority);
     }
     earlier_ = std::move(finished).rest();
     keys_.resize(entries_.size());
@@ -107,11 +114,18 @@ class SceneSet final : public JobSource {
   // --- Called from the farm's thread
   std::shared_ptr<const RenderJob> next() override;
   bool is_exhausted() override;
-  void took(JobId id) override { open_[id] = std::move(taken_); }
+  void took(JobId id) override {
+    page_.took(taken_->index, id);
+    open_[id] = std::move(taken_);
+  }
+  void shown(JobId id, const std::shared_ptr<WatchBoard>& board) override { page_.shown(id, board); }
+  [[nodiscard]] bool wants_workers() const override { return page_.is_open(); }
+  void workers(const std::vector<FarmWorker>& workers) override { page_.workers(workers); }
   void progress(JobId id, const RenderProgress& progress) override;
   void notice(const std::string& text) override {
     // The user asked for an address, so its token must be shown.
     if (!options_.quiet || !options_.listen.empty()) print_message(text);
+    if (!open_.empty()) page_.say(text);  // the first ones contain tokens
   }
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
@@ -158,6 +172,7 @@ class SceneSet final : public JobSource {
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
   std::map<JobId, std::optional<ReadyRender>> open_;
+  RenderPage page_;
 };
 
 // --- The thread that reads scenes
@@ -248,6 +263,7 @@ bool SceneSet::is_exhausted() {
 }
 
 void SceneSet::progress(JobId id, const RenderProgress& progress) {
+  page_.progress(id, progress);
   if (open_.begin()->first != id) return;  // show only the most advanced render
   const std::size_t index = open_.begin()->second->index;
   const double done =
@@ -324,6 +340,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
     print_remark(set_line(entries_[index], ended_, entries_.size(), longest_name_));
   }
   if (state == SetState::kDone) entries_[index].key = keys_[index];
+  page_.end(index, job_state_of(state), error, plan_.members[index].files);
   // Writes the current state of the summary, so that finished renders count as such if this process ends.
   // Limits the time spent on it.
   const Clock::time_point begin = Clock::now();
@@ -364,6 +381,7 @@ ExitCode SceneSet::run() {
                    .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
   set_launch(options_, farm);
+  if (const auto opened = page_.open(options_); !opened) return opened.error();
   std::thread reader([this] { read_scenes(); });
   std::thread writer([this] { write_images(); });
   const Expected<void> ran = run_farm(farm, *this, stop_);
@@ -378,6 +396,7 @@ ExitCode SceneSet::run() {
     if (entries_[i].state == SetState::kWaiting)
       end(i, SetState::kFailed, stop_ ? "stopped by a signal before it began" : "no worker was left");
   if (const auto written = write_summary(); !written) return print_error(written.error()), kIncomplete;
+  page_.close();
   return print_end();
 }
 

@@ -1,0 +1,78 @@
+#include "scheduler/cli/web_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+
+#include "scheduler/cli/help_text.h"
+#include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/service/status_text.h"
+#include "scheduler/service/job_queue.h"
+#include "scheduler/web/web_access.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kMostJobs = 500;
+
+/// As the page and `penumbra status --watch` list them.
+auto interest(const wire::JobStatus& job) {
+  return std::tuple(is_over(job), job.state() == wire::JOB_QUEUED, is_over(job) ? -job.ended() : 0.0,
+                    -job.priority(), job.job());
+}
+
+}  // namespace
+
+void add_web_option(CLI::App& command, std::string& address) {
+  command
+      .add_option("--web", address,
+                  "Show jobs, images and workers in a browser: 127.0.0.1:PORT (0: a free port). The link is "
+                  "printed. With --keys other hosts too, encrypted")
+      ->type_name("ADDRESS")
+      ->check(some_text())
+      ->group(group::kNetwork);
+}
+
+Expected<WebPage> web_page_of(const std::string& address, const std::string& folder) {
+  if (address.empty()) return WebPage{};
+  if (const auto checked = check_web_address(address, !folder.empty()); !checked)
+    return fail("--web: " + checked.error().message);
+  if (!is_encrypted_at(address)) return WebPage{address};
+  auto keys = read_keys(folder, KeyRole::kScheduler);
+  if (!keys) return fail("--keys: " + keys.error().message);
+  return WebPage{address, std::move(*keys)};
+}
+
+Expected<std::unique_ptr<WebServer>> open_web_page(const WebPage& page, const std::string& token,
+                                                   bool comes_back, WebContent& content) {
+  WebOptions options{.address = page.address, .tokens = {token}, .keys = page.keys, .comes_back = comes_back};
+  if (page.keys) options.tokens = {page.keys->tokens.watch};
+  auto server = WebServer::listen(options, content);
+  if (!server) return fail("--web: " + server.error().message);
+  return server;
+}
+
+std::string web_page_notice(const WebServer& server, const WebPage& page) {
+  if (!page.keys) return "in a browser: " + server.url_with_token();
+  return fmt::format("in a browser: {}?token=… with the contents of {} of the keys for {} ('{}')",
+                     server.url(), key_files::token("watch"), info(KeyRole::kViewer).who,
+                     info(KeyRole::kViewer).folder);
+}
+
+nlohmann::ordered_json web_page_status(wire::StatusReply status) {
+  const int all = status.jobs_size();
+  if (all > kMostJobs) {
+    auto& jobs = *status.mutable_jobs();
+    std::partial_sort(jobs.begin(), jobs.begin() + kMostJobs, jobs.end(),
+                      [](const auto& a, const auto& b) { return interest(a) < interest(b); });
+    jobs.DeleteSubrange(kMostJobs, all - kMostJobs);
+  }
+  nlohmann::ordered_json json = status_json(status);
+  json["jobs_left_out"] = all - status.jobs_size();
+  return json;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,32 @@
+#include "scheduler/service/status_wire.h"
+
+#include <algorithm>
+
+#include "scheduler/protocol/text.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+
+wire::FarmWorker encode(const FarmWorker& worker) {
+  wire::FarmWorker message;
+  message.set_number(worker.id);
+  message.set_name(wire_text(worker.name, kLongestName));
+  message.set_device(wire_text(worker.device, kLongestName));
+  message.set_units(worker.units);
+  message.set_samples(worker.samples);
+  message.set_busy_seconds(worker.busy_seconds);
+  message.set_job(worker.job.value_or(0));
+  message.set_since_seconds(worker.since);
+  return message;
+}
+
+void put_progress(const RenderProgress& progress, wire::JobStatus& status) {
+  status.set_samples_done(progress.samples_done);
+  status.set_samples_total(progress.samples_total);
+  status.set_samples_before(progress.samples_before);
+  status.set_elapsed_seconds(progress.elapsed_seconds);
+  status.set_relative_error(progress.relative_error);
+  status.set_workers(std::uint32_t(std::max(0, progress.workers)));
+}
+
+}  // namespace penumbra
