@@ -64,6 +64,7 @@ std::string web_page_notice(const WebServer& server, const WebPage& page) {
 
 nlohmann::ordered_json web_page_status(wire::StatusReply status) {
   const int all = status.jobs_size();
+  nlohmann::ordered_json groups = groups_json(status);  // also of jobs that are left out
   if (all > kMostJobs) {
     auto& jobs = *status.mutable_jobs();
     std::partial_sort(jobs.begin(), jobs.begin() + kMostJobs, jobs.end(),
@@ -71,6 +72,7 @@ nlohmann::ordered_json web_page_status(wire::StatusReply status) {
     jobs.DeleteSubrange(kMostJobs, all - kMostJobs);
   }
   nlohmann::ordered_json json = status_json(status);
+  json["groups"] = std::move(groups);
   json["jobs_left_out"] = all - status.jobs_size();
   return json;
 }

@@ -228,9 +228,14 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
   return lines;
 }
 
-Json status_json(const wire::StatusReply& status) {
-  Json groups = Json::array(), jobs = Json::array(), workers = Json::array();
+Json groups_json(const wire::StatusReply& status) {
+  Json groups = Json::array();
   for (const GroupSummary& group : group_summaries(status)) groups.push_back(group_json(group));
+  return groups;
+}
+
+Json status_json(const wire::StatusReply& status) {
+  Json jobs = Json::array(), workers = Json::array();
   for (const wire::JobStatus& job : status.jobs()) jobs.push_back(job_json(job));
   for (const wire::FarmWorker& worker : status.workers())
     workers.push_back({{"worker", worker.number()},
@@ -244,7 +249,7 @@ Json status_json(const wire::StatusReply& status) {
   return {{"penumbra", status.version()},
           {"up_seconds", status.up_seconds()},
           {"now", status.now()},
-          {"groups", groups},
+          {"groups", groups_json(status)},
           {"jobs", jobs},
           {"workers", workers},
           {"messages", std::vector<std::string>(status.messages().begin(), status.messages().end())}};

@@ -23,6 +23,8 @@ std::string fitted_line(std::string_view text, int columns);
 std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows,
                                       bool unfolded = false);
 
+/// The groups of status_json.
+nlohmann::ordered_json groups_json(const wire::StatusReply& status);
 /// The format is documented in scheduler/service/README.md.
 nlohmann::ordered_json status_json(const wire::StatusReply& status);
 
