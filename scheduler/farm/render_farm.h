@@ -29,7 +29,6 @@ struct FarmOptions {
   std::shared_ptr<const Keys> keys = {};  ///< the keys for `listen`; see listening_keys
   bool comes_back = false;                ///< see ListenOptions::comes_back
   LeaseRule leases = {};                  ///< when a worker is considered hung
-  int largest_tile = 64;                  ///< the largest tile of any job; larger results are rejected
   bool tells_how_to_watch = false;        ///< the first notices to JobSource say how to watch the render
   int open_jobs = 2;                      ///< the number of jobs taken from the source at a time
   ServiceMaker service = {};              ///< additional calls served at `listen`

@@ -240,7 +240,6 @@ ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<c
                    .listen = options_.listen,
                    .keys = std::move(keys),
                    .comes_back = true,
-                   .largest_tile = kMaxTile,
                    .tells_how_to_watch = true,
                    .open_jobs = kMostOpenJobs,
                    .service = [this](std::function<void(const std::string&)> on_call) {
