@@ -26,8 +26,9 @@
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/token.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "worker/back_off.h"
+#include "worker/part_size.h"
 #include "worker/worker_pieces.h"
 
 namespace penumbra {
@@ -94,6 +95,7 @@ class Session {
   void read();
   void write();
   void write_all();
+  bool write_unit(const FinishedUnit& unit);
   void beat(const std::stop_token& stop);
   void leave();
   Expected<void> work();
@@ -125,6 +127,7 @@ class Session {
       newest_views_;  // the newest that has arrived, even if it is not processed yet
 
   std::atomic<bool> beat_waits_ = false;  // one is in the outbox
+  PartSize part_size_;                    // used by the writing thread only
 
   std::mutex jobs_mutex_;  // for changes: the beat thread reads it
   std::map<JobId, KnownJob> jobs_;
@@ -229,25 +232,37 @@ void Session::write() {
 
 void Session::write_all() {
   while (auto item = outbox_.take()) {
-    wire::WorkerMessage message;
-    if (auto* ready_made = std::get_if<wire::WorkerMessage>(&*item)) {
-      message = std::move(*ready_made);
-      if (message.has_beat()) beat_waits_ = false;
+    bool written = false;
+    if (const auto* message = std::get_if<wire::WorkerMessage>(&*item)) {
+      if (message->has_beat()) beat_waits_ = false;
+      written = stream_->Write(*message);
     } else {
-      const FinishedUnit& unit = std::get<FinishedUnit>(*item);
-      if (unit.result) {
-        wire::UnitResult& result = *message.mutable_result();
-        *result.mutable_id() = unit.id;
-        encode(*unit.result, result);
-        result.set_busy_seconds(unit.busy_seconds);
-        result.set_peak_memory_bytes(peak_memory_bytes());
-      } else {
-        *message.mutable_unit_failed()->mutable_id() = unit.id;
-        message.mutable_unit_failed()->set_message(wire_text(unit.result.error().message, kLongestText));
-      }
+      written = write_unit(std::get<FinishedUnit>(*item));
     }
-    if (!stream_->Write(message)) return;  // broken; the reading thread reports it
+    if (!written) return;  // broken; the reading thread reports it
   }
+}
+
+/// A large result is sent in parts, each of which is a sign of life. Returns whether all were written.
+bool Session::write_unit(const FinishedUnit& unit) {
+  wire::WorkerMessage message;
+  if (!unit.result) {
+    *message.mutable_unit_failed()->mutable_id() = unit.id;
+    message.mutable_unit_failed()->set_message(wire_text(unit.result.error().message, kLongestText));
+    return stream_->Write(message);
+  }
+  ResultCutter cutter(unit.id, *unit.result);
+  for (bool is_last = false; !is_last;) {
+    is_last = cutter.next(part_size_.bytes(), message);
+    if (is_last) {
+      message.mutable_result()->set_busy_seconds(unit.busy_seconds);
+      message.mutable_result()->set_peak_memory_bytes(peak_memory_bytes());
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    if (!stream_->Write(message)) return false;
+    part_size_.wrote(message.ByteSizeLong(), seconds_since(begin));
+  }
+  return true;
 }
 
 /// Finished results are sent first. Then the stream ends, so that the scheduler's last messages are not

@@ -9,21 +9,34 @@
 namespace penumbra {
 
 Expected<void> check_statistics(const SampleBuffer& buffer) {
-  for (int p = 0; p < buffer.planes; ++p) {
+  return check_statistics(buffer, 0, std::size_t(buffer.planes) * buffer.pixels());
+}
+
+Expected<void> check_statistics(const SampleBuffer& buffer, std::size_t begin, std::size_t end) {
+  const std::size_t pixels = buffer.pixels();
+  while (begin < end) {
+    const int p = int(begin / pixels);
+    const std::size_t plane_begin = std::size_t(p) * pixels;
     const bool is_deviation = p >= kDeviationR && p <= kDeviationB;
     const float least = is_deviation ? 0.0f : std::numeric_limits<float>::lowest();
-    const std::span<const float> plane = buffer.plane(p);
+    const std::span<const float> values =
+        std::span(buffer.values).subspan(begin, std::min(end, plane_begin + pixels) - begin);
     // The comparison also finds NaN.
-    const auto bad = std::ranges::find_if(plane, [least](float value) {
-      return !(value >= least && value <= std::numeric_limits<float>::max());
-    });
-    if (bad == plane.end()) continue;
-    const auto pixel = std::size_t(bad - plane.begin()), width = std::size_t(buffer.width);
+    const auto is_good = [least](float value) {
+      return bool(int(value >= least) & int(value <= std::numeric_limits<float>::max()));
+    };
+    // Counting is several times faster than searching.
+    if (std::size_t(std::ranges::count_if(values, is_good)) == values.size()) {
+      begin += values.size();
+      continue;
+    }
+    const auto bad = std::ranges::find_if_not(values, is_good);
+    const std::size_t pixel = begin + std::size_t(bad - values.begin()) - plane_begin;
     return fail(fmt::format("{} as {} of its pixel ({}, {})", *bad,
                             is_deviation          ? "a deviation"
                             : p < kRadiancePlanes ? "a mean radiance"
                                                   : "a layer",
-                            pixel % width, pixel / width));
+                            pixel % std::size_t(buffer.width), pixel / std::size_t(buffer.width)));
   }
   return {};
 }

@@ -100,6 +100,8 @@ struct SampleBuffer {
 /// Checks that the values are valid statistics: all finite, no negative deviation. Results from outside must
 /// pass this before they go into a film.
 Expected<void> check_statistics(const SampleBuffer& buffer);
+/// The same for the values [begin, end), which must be there.
+Expected<void> check_statistics(const SampleBuffer& buffer, std::size_t begin, std::size_t end);
 
 /// Converts the planes of mattes, which a device has written after the others, to `mattes`. The other planes
 /// remain.

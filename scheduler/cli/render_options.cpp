@@ -53,8 +53,6 @@ PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& inte
   return plan;
 }
 
-int largest_tile(const RenderOptions& options) { return options.tile.value_or(kTileWithMaps); }
-
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))
       ->required()

@@ -86,8 +86,6 @@ void add_denoise_device_options(CLI::App& command, RenderOptions& options);
 
 /// The plan with the defaults of this integrator.
 PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator);
-/// The largest tile that the plan may have, for any integrator.
-int largest_tile(const RenderOptions& options);
 
 /// Adds the options to a command. Parsing stores their values in `options`.
 void add_scene_options(CLI::App& command, SceneOptions& options);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -43,7 +44,9 @@ struct Leaving {  ///< the worker is about to end for a reason of its own; it wi
 };
 struct Beat {  ///< heartbeat: the worker is alive
   WorkerId worker;
-  std::uint64_t parts;  ///< number of parts of units that it has finished so far
+  /// Grows with progress: the number of parts of units that it has finished so far, and of parts of results
+  /// that have come.
+  std::uint64_t parts;
 };
 struct JobFailed {  ///< the worker cannot render this job at all
   WorkerId worker;
@@ -58,6 +61,7 @@ struct Result {  ///< a valid result: its size matches the unit and its checksum
   std::uint64_t hash;  ///< equal for results with equal contents
   double busy_seconds;
   std::uint64_t peak_memory_bytes;
+  std::shared_ptr<void> room;  ///< held while the buffer exists; see ResultRoom
 };
 struct BadResult {
   WorkerId worker;

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 
+#include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/wire.h"
@@ -16,11 +18,12 @@ constexpr std::chrono::milliseconds kTickInterval{20};
 // Limits the plan's time step, so that a pause of this process (Ctrl-Z, a suspended machine) does not look
 // like silence of the workers.
 constexpr Seconds kLongestTick = 1;
-constexpr Seconds kWorkersInterval = 0.5;
+constexpr Seconds kWorkersInterval = 0.5, kWaitingInterval = 1;
 constexpr std::size_t kMostProblems = 100;  // of the farm, which may run for months
 constexpr std::size_t kMostSaid = 10'000;
 // How long a job waits for a worker that can render it when the present ones cannot.
 constexpr Seconds kTimeForAnotherToJoin = 30;
+constexpr std::uint64_t kLeastRoomForResults = std::uint64_t(1) << 30;  // bytes
 constexpr Seconds kTimeToEnd = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
@@ -38,8 +41,7 @@ Expected<void> FarmRun::start() {
                       .keys = options_.keys,
                       .watch_token = options_.watch_token,
                       .comes_back = options_.comes_back,
-                      .largest_result = std::size_t(options_.largest_tile) *
-                                        std::size_t(options_.largest_tile) * std::size_t(kMostPixelBytes),
+                      .room_for_results = std::max(kLeastRoomForResults, memory_here() / 4),
                       .service = options_.service});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
@@ -357,6 +359,27 @@ void FarmRun::tick() {
     if (job->budget_is_spent()) tell_plan(NoFurtherUnits{id});
   }
   tell_plan(Tick{});
+  tell_if_workers_wait();
+}
+
+/// Once, for the job whose result came last.
+void FarmRun::tell_if_workers_wait() {
+  if (waiting_was_told_ || now_ < next_waiting_) return;
+  next_waiting_ = now_ + kWaitingInterval;
+  const JobRun* of = job(last_result_of_);
+  const int workers = ready_workers();
+  totals_.cpu = double(std::clock()) / CLOCKS_PER_SEC;
+  const bool has_enough = of != nullptr && !of->job().interactive &&
+                          plan_.units_left() > kUnitsPerWorker * std::uint64_t(workers);
+  const auto measured = waiting_share_.measure(now_, workers, has_enough, totals_);
+  if (!measured || measured->waiting < kMuchWaiting) return;
+  waiting_was_told_ = true;
+  // With photon maps, the samples of a pass share one, so fewer passes are another image.
+  const RenderJob& settings = of->job();
+  const std::uint32_t pass = settings.plan.samples_per_pass;
+  const bool has_maps = settings.scene.header.integrator.photons == PHOTONS_PROGRESSIVE;
+  const std::uint32_t more = has_maps ? 0 : std::min({4 * pass, settings.spp, kMaxSamplesPerUnit});
+  notice(waiting_text(*measured, pass, more));
 }
 
 void FarmRun::publish() {

@@ -16,6 +16,7 @@
 #include "scheduler/farm/problem_text.h"
 #include "scheduler/farm/render_farm.h"
 #include "scheduler/farm/server.h"
+#include "scheduler/farm/waiting_share.h"
 #include "scheduler/farm/worker_processes.h"
 
 namespace penumbra {
@@ -92,6 +93,7 @@ class FarmRun {
   void publish();
   void report_progress();
   void tell_how_to_watch();
+  void tell_if_workers_wait();
   void dismiss_all();
 
   [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
@@ -143,7 +145,12 @@ class FarmRun {
   std::atomic<bool> notified_ = false;                   // a JobsNotified event is on its way
   bool anyone_was_ready_ = false;
   int foreign_workers_ = 0;  // number of connected workers that this farm has not started
-  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;
+  WaitingShare waiting_share_;
+  WaitingShare::Totals totals_;
+  JobId last_result_of_ = 0;
+  bool waiting_was_told_ = false;
+  Seconds now_ = 0, next_waiting_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0,
+          hopeless_since_ = 0;
   // The workers are connected through this socket, so they are destroyed before it.
   std::optional<PrivateSocket> socket_;
   std::unique_ptr<Server> server_;

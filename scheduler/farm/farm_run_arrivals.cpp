@@ -71,7 +71,9 @@ void FarmRun::on(const arrivals::Ready& arrival) {
 }
 
 void FarmRun::on(const arrivals::Beat& arrival) {
-  Worker& worker = workers_.at(arrival.worker);
+  const auto found = workers_.find(arrival.worker);
+  if (found == workers_.end()) return;  // beats come before other events, even the first and the last
+  Worker& worker = found->second;
   workers_here_->is_heard_of(worker.pid, plan_time_);
   tell_plan(Alive{arrival.worker});
   if (arrival.parts != std::exchange(worker.parts, arrival.parts)) tell_plan(Progressed{arrival.worker});
@@ -97,6 +99,10 @@ void FarmRun::on(arrivals::Result& arrival) {
   Worker& worker = workers_.at(arrival.worker);
   worker.busy_seconds += arrival.busy_seconds;
   ++worker.units;
+  totals_.busy += arrival.busy_seconds;
+  totals_.bytes += arrival.buffer.values.size() * sizeof(float);
+  ++totals_.results;
+  last_result_of_ = arrival.unit.job;
   const RenderUnit done = of->unit(arrival.unit);
   worker.samples += std::uint64_t(done.width) * std::uint64_t(done.height) * done.sample_count;
   WorkerShare& share = of->share(arrival.worker);

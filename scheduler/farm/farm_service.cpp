@@ -32,6 +32,20 @@ std::vector<std::span<const std::uint8_t>> pieces_of(const OfferedAsset& asset) 
 
 // --- State shared by all addresses
 
+void Farm::put(Arrival arrival) {
+  const auto* beat = std::get_if<arrivals::Beat>(&arrival);
+  if (beat == nullptr) return mailbox.put(std::move(arrival));
+  const std::lock_guard lock(beats_mutex_);
+  beats_[beat->worker] = beat->parts;
+}
+
+std::optional<arrivals::Beat> Farm::take_beat() {
+  const std::lock_guard lock(beats_mutex_);
+  if (beats_.empty()) return {};
+  const auto first = beats_.extract(beats_.begin());
+  return arrivals::Beat{first.key(), first.mapped()};
+}
+
 void Farm::add_asset(OfferedAsset asset) {
   const std::lock_guard lock(mutex_);
   CountedAsset& counted = assets_[asset.manifest.hash];
@@ -53,7 +67,7 @@ std::shared_ptr<const OfferedAsset> Farm::asset(const std::string& hash) {
 std::pair<WorkerId, std::shared_ptr<WorkerConnection>> Farm::open() {
   const std::lock_guard lock(mutex_);
   const WorkerId worker = next_worker_++;
-  return {worker, connections_[worker] = std::make_shared<WorkerConnection>(worker)};
+  return {worker, connections_[worker] = std::make_shared<WorkerConnection>(worker, room_)};
 }
 
 void Farm::close(WorkerId worker) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/arrivals.h"
 #include "scheduler/farm/offered_asset.h"
+#include "scheduler/farm/result_room.h"
 #include "scheduler/farm/worker_connection.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
@@ -24,11 +26,21 @@ namespace penumbra {
 /// The state shared by all addresses on which the scheduler listens. Thread-safe.
 class Farm {
  public:
+  Farm(const Farm&) = delete;
+  Farm& operator=(const Farm&) = delete;
   /// Locks only for the thread sanitizer, which cannot see that all calls are over.
   ~Farm() { const std::lock_guard lock(mutex_); }
 
+  /// `room`: bytes for results that arrive in parts.
+  explicit Farm(std::size_t room) : room_(room) {}
+
   /// Bounded: if senders are faster than the farm's loop, they wait.
   Mailbox<Arrival> mailbox{kMostArrivals};
+  /// Puts an event from a worker into the mailbox. Beats wait elsewhere, so that other events do not delay
+  /// them.
+  void put(Arrival arrival);
+  /// A beat that waits: of each worker, at most the last one.
+  std::optional<arrivals::Beat> take_beat();
 
   /// Makes a job visible to viewers. An `interactive` job accepts Control.
   void show(JobId job, std::shared_ptr<WatchBoard> board, bool interactive);
@@ -75,6 +87,10 @@ class Farm {
 
   std::mutex view_mutex_;
   std::map<JobId, std::uint32_t> last_views_;
+  std::mutex beats_mutex_;
+  std::map<WorkerId, std::uint64_t> beats_;  // their parts
+
+  ResultRoom room_;
   std::mutex mutex_;
   WorkerId next_worker_ = 1;
   std::map<WorkerId, std::shared_ptr<WorkerConnection>> connections_;

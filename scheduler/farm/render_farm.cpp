@@ -55,10 +55,8 @@ Expected<RenderOutcome> run_render(const RenderJob& job, const FarmOptions& opti
                                    const std::atomic<bool>& stop,
                                    const std::function<void(const RenderProgress&)>& on_progress) {
   if (const Expected<void> checked = check_render_job(job); !checked) return std::unexpected(checked.error());
-  FarmOptions for_one = options;
-  for_one.largest_tile = job.plan.tile;
   SingleJob source(job, on_progress);
-  if (const Expected<void> ran = run_farm(for_one, source, stop); !ran) return std::unexpected(ran.error());
+  if (const Expected<void> ran = run_farm(options, source, stop); !ran) return std::unexpected(ran.error());
   return std::move(source).take_outcome();
 }
 

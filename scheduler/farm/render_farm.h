@@ -33,7 +33,6 @@ struct FarmOptions {
   LeaseRule leases = {};                  ///< when a worker is considered hung
   /// Without keys: the token for watching at `listen`; empty: a random one.
   std::string watch_token = {};
-  int largest_tile = 64;            ///< the largest tile of any job; larger results are rejected
   bool tells_how_to_watch = false;  ///< the first notices to JobSource say how to watch the render
   int open_jobs = 2;                ///< the number of jobs taken from the source at a time
   ServiceMaker service = {};        ///< additional calls served at `listen`

@@ -16,10 +16,6 @@ namespace {
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 constexpr std::uint64_t kMostPassesAtOnce = 64;
 
-std::uint64_t memory_here() {
-  return std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
-}
-
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
   const int films_beside = (job.checkpoints ? 1 : 0) + (job.plan.target_error ? AdaptiveTile::kMostFilms : 0);
   return pixel_memory(FilmLayers(job.scene.header.features, job.scene.header.matte_count))
@@ -27,6 +23,10 @@ std::uint64_t bytes_per_pixel(const RenderJob& job) {
 }
 
 }  // namespace
+
+std::uint64_t memory_here() {
+  return std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+}
 
 std::uint64_t memory_of_image(const RenderJob& job) {
   return std::uint64_t(job.width) * std::uint64_t(job.height) * bytes_per_pixel(job);

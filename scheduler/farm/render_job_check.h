@@ -10,6 +10,9 @@ namespace penumbra {
 /// possible.
 Expected<void> check_render_job(const RenderJob& job);
 
+/// The memory of this machine in bytes.
+std::uint64_t memory_here();
+
 /// The peak memory, in bytes, that the scheduler needs for the image and its files.
 std::uint64_t memory_of_image(const RenderJob& job);
 

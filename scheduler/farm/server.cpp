@@ -19,7 +19,8 @@ namespace {
 
 // Time for calls that are about to end when the server ends.
 constexpr std::chrono::milliseconds kTimeToEndCalls{300};
-constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
+
+constexpr std::chrono::milliseconds kBeatDelay{20};  // how long a beat may wait while nothing else arrives
 
 // The first address is only for this user, so apart from descriptors it needs no limit.
 constexpr AcceptorLimits kLimitsOfOwn{.connections = 1 << 16, .share_of_descriptors = 2};
@@ -32,9 +33,8 @@ constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
 constexpr int kPingMilliseconds = 10'000;
 constexpr int kLookaheadBytes = 1 << 20;  // bytes of a message that may arrive before it is read
 
-void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& options) {
-  const std::size_t largest = std::min(options.largest_result + kRoomForTexts, std::size_t(kMaxMessageBytes));
-  builder.SetMaxReceiveMessageSize(int(largest));
+void set_what_holds_for_all(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   // No compression: samples hardly compress, and a small compressed message may expand to a large one.
   for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
@@ -69,6 +69,9 @@ std::string cannot_start(const std::string& address) {
 }  // namespace
 
 struct Server::State {
+  explicit State(const ListenOptions& options)
+      : farm(options.room_for_results), comes_back(options.comes_back) {}
+
   Farm farm;
   Tokens tokens;
   bool comes_back = false;
@@ -90,7 +93,7 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
   state_->own_acceptor = std::move(*acceptor);
   state_->own_service = std::make_unique<FarmService>(state_->farm);
   grpc::ServerBuilder builder;
-  set_what_holds_for_all(builder, options);
+  set_what_holds_for_all(builder);
   builder.RegisterService(state_->own_service.get());
   state_->own_server =
       start(builder, grpc::InsecureServerCredentials(), *state_->own_acceptor, state_->own_connections);
@@ -122,7 +125,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   if (options.service) state_->further_service = options.service(on_call);
 
   grpc::ServerBuilder builder;
-  set_what_holds_for_all(builder, options);
+  set_what_holds_for_all(builder);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostCalls);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMilliseconds);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
@@ -140,8 +143,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
 
 Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options) {
   raise_descriptor_limit();
-  std::unique_ptr<Server> server(new Server(std::make_unique<State>()));
-  server->state_->comes_back = options.comes_back;
+  std::unique_ptr<Server> server(new Server(std::make_unique<State>(options)));
   Expected<void> listens = server->listen_for_own(options);
   if (listens && !options.more.empty()) listens = server->listen_for_all(options);
   if (!listens) return std::unexpected(listens.error());
@@ -219,7 +221,11 @@ void Server::wake() { state_->farm.mailbox.put(arrivals::JobsNotified{}); }
 void Server::stop_taking() { state_->farm.mailbox.close(); }
 
 std::optional<Arrival> Server::next(std::chrono::milliseconds patience) {
-  return state_->farm.mailbox.take(patience);
+  for (auto left = patience;; left -= kBeatDelay) {
+    if (const auto beat = state_->farm.take_beat()) return *beat;
+    std::optional<Arrival> arrival = state_->farm.mailbox.take(std::min(left, kBeatDelay));
+    if (arrival || left <= kBeatDelay) return arrival;
+  }
 }
 
 }  // namespace penumbra

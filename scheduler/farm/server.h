@@ -31,8 +31,8 @@ struct ListenOptions {
   std::shared_ptr<const Keys> keys = {};  ///< the keys for `more` if it is TCP: for TLS, and their tokens
   std::string watch_token = {};           ///< without keys: the token for watching; empty: a random one
   bool comes_back = false;  ///< workers dismissed at the end are told that the scheduler will return
-  /// Size in bytes of the largest unit's samples. Larger messages are rejected.
-  std::size_t largest_result = std::size_t(1) << 20;
+  /// Bytes of memory for results that arrive in parts. If that is not enough for all at a time, some wait.
+  std::size_t room_for_results = std::size_t(1) << 30;
   AcceptorLimits limits = {};  ///< limits for `more`
   ServiceMaker service = {};   ///< additional calls served at `more`
 };

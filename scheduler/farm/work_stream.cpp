@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kTimeToLeave{5000};  // time limit after the final message
 constexpr std::chrono::milliseconds kTimeToTake{300};    // time limit for the last message to be sent
+constexpr std::chrono::milliseconds kRoomInterval{100};  // how often room for a large result is looked for
 constexpr std::size_t kLongestKey = 64;
 
 /// The instruction sets of a worker. Unknown ones are left out.
@@ -40,11 +41,26 @@ WorkStream::WorkStream(Farm& farm, grpc::CallbackServerContext& context) : farm_
 void WorkStream::OnReadDone(bool ok) {
   if (!ok) return end(grpc::Status::OK);
   if (!connection_) return take_hello();
+  take_message();
+}
+
+void WorkStream::take_message() {
   auto understood = connection_->understand(incoming_);
-  incoming_.Clear();
   if (!understood) return end({grpc::StatusCode::INVALID_ARGUMENT, understood.error().message});
-  if (auto* arrival = std::get_if<Arrival>(&*understood)) farm_.mailbox.put(std::move(*arrival));
+  if (std::holds_alternative<WorkerConnection::NoRoom>(*understood)) return wait_for_room();
+  incoming_.Clear();
+  if (auto* arrival = std::get_if<Arrival>(&*understood)) farm_.put(std::move(*arrival));
   StartRead(&incoming_);
+}
+
+/// The worker cannot be heard meanwhile, through no fault of its own.
+void WorkStream::wait_for_room() {
+  farm_.put(connection_->vouch());
+  waiting_ = std::make_unique<grpc::Alarm>();
+  waiting_->Set(std::chrono::system_clock::now() + kRoomInterval, [this](bool) {
+    if (context_.IsCancelled()) return end(grpc::Status::CANCELLED);
+    take_message();
+  });
 }
 
 void WorkStream::take_hello() {

@@ -11,7 +11,8 @@
 namespace penumbra {
 
 /// Deletes itself when the call is over. If the mailbox is full, putting an event into it blocks gRPC's
-/// thread, which slows down workers that send faster than the scheduler consumes.
+/// thread, which slows down workers that send faster than the scheduler consumes. While there is no room for
+/// a large result, nothing more is read.
 class WorkStream final : public grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>,
                          public WorkerConnection::Stream {
  public:
@@ -27,6 +28,8 @@ class WorkStream final : public grpc::ServerBidiReactor<wire::WorkerMessage, wir
 
  private:
   void take_hello();
+  void take_message();
+  void wait_for_room();
   void end(const grpc::Status& status);
   void cut_off_in(std::chrono::milliseconds time, grpc::Alarm& alarm);
 
@@ -37,7 +40,7 @@ class WorkStream final : public grpc::ServerBidiReactor<wire::WorkerMessage, wir
   WorkerId worker_ = 0;
   std::shared_ptr<WorkerConnection> connection_;  // set when Hello has arrived
   grpc::Status status_;
-  std::unique_ptr<grpc::Alarm> leaving_, ending_;
+  std::unique_ptr<grpc::Alarm> leaving_, ending_, waiting_;
 };
 
 }  // namespace penumbra

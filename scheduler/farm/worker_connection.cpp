@@ -10,6 +10,8 @@ namespace penumbra {
 namespace {
 
 constexpr int kMostCompiles = 64;
+constexpr const char* kUnsolicited = "the worker was not asked for this unit";
+constexpr const char* kMixed = "it came between the parts of another result";
 
 }  // namespace
 
@@ -157,9 +159,9 @@ std::uint32_t WorkerConnection::view_of(JobId job) const {
   return found == views_.end() ? 0 : found->second;
 }
 
-bool WorkerConnection::is_outdated(const wire::UnitId& id) const {
+bool WorkerConnection::is_outdated(JobId job, std::uint32_t view) const {
   const std::lock_guard lock(mutex_);
-  return id.view() < view_of(id.job()) || forgotten_.contains(id.job());
+  return view < view_of(job) || forgotten_.contains(job);
 }
 
 bool WorkerConnection::is_awaited(JobId job) const {
@@ -178,38 +180,82 @@ Expected<bool> WorkerConnection::end_preparing(JobId job) {
   return is_last;
 }
 
+std::optional<WorkerConnection::Expectation> WorkerConnection::expectation(const UnitId& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = expected_.find(id);
+  return found == expected_.end() ? std::nullopt : std::optional(found->second);
+}
+
 std::optional<WorkerConnection::Expectation> WorkerConnection::fulfil(const UnitId& id) {
   const std::lock_guard lock(mutex_);
   const auto found = expected_.extract(id);
   return found ? std::optional(found.mapped()) : std::nullopt;
 }
 
+bool WorkerConnection::is_partial(const wire::UnitId& id) const {
+  return partial_ && partial_->unit == decode(id) && partial_->view == id.view();
+}
+
+Arrival WorkerConnection::bad_result(const wire::UnitId& id, std::string why) {
+  partial_.reset();
+  const UnitId unit = decode(id);
+  fulfil(unit);
+  return arrivals::BadResult{worker_, unit, id.view(), std::move(why)};
+}
+
+std::variant<WorkerConnection::Nothing, WorkerConnection::NoRoom, Arrival> WorkerConnection::take_part(
+    const wire::ResultPart& message) {
+  if (partial_ && !is_partial(message.id())) return bad_result(message.id(), kMixed);
+  if (!partial_) {
+    const UnitId id = decode(message.id());
+    const std::optional<Expectation> expected = expectation(id);
+    if (!expected) return bad_result(message.id(), kUnsolicited);
+    std::shared_ptr<void> room = room_.take(result_bytes(expected->unit, expected->layers));
+    if (!room) return NoRoom{};
+    partial_.emplace(id, message.id().view(), ResultAssembly(expected->unit, expected->layers),
+                     std::move(room));
+  }
+  if (const Expected<void> added = partial_->assembly.add(message); !added)
+    return bad_result(message.id(), added.error().message);
+  ++received_;
+  return arrivals::Beat{worker_, parts_ + received_};
+}
+
 Arrival WorkerConnection::decode_result(const wire::UnitResult& message) {
+  if (partial_ && !is_partial(message.id())) return bad_result(message.id(), kMixed);
   const UnitId id = decode(message.id());
   const std::optional<Expectation> expected = fulfil(id);
-  if (!expected)
-    return arrivals::BadResult{worker_, id, message.id().view(), "the worker was not asked for this unit"};
-  Expected<SampleBuffer> buffer = decode(message, expected->unit, expected->layers);
-  if (!buffer) return arrivals::BadResult{worker_, id, message.id().view(), buffer.error().message};
+  if (!expected) return bad_result(message.id(), kUnsolicited);
+  std::optional<Partial> partial = std::exchange(partial_, {});
+  ResultAssembly assembly =
+      partial ? std::move(partial->assembly) : ResultAssembly(expected->unit, expected->layers);
+  Expected<SampleBuffer> buffer = assembly.finish(message);
+  if (!buffer) return bad_result(message.id(), buffer.error().message);
   return arrivals::Result{.worker = worker_,
                           .unit = id,
                           .view = message.id().view(),
                           .buffer = std::move(*buffer),
-                          .hash = result_hash(message),
+                          .hash = assembly.hash(),
                           .busy_seconds = message.busy_seconds(),
-                          .peak_memory_bytes = message.peak_memory_bytes()};
+                          .peak_memory_bytes = message.peak_memory_bytes(),
+                          .room = partial ? std::move(partial->room) : nullptr};
 }
 
 Arrival WorkerConnection::decode_failure(const wire::UnitFailed& message) {
+  if (partial_ && !is_partial(message.id())) return bad_result(message.id(), kMixed);
+  partial_.reset();
   const UnitId id = decode(message.id());
-  if (!fulfil(id))
-    return arrivals::BadResult{worker_, id, message.id().view(), "the worker was not asked for this unit"};
+  if (!fulfil(id)) return bad_result(message.id(), kUnsolicited);
   return arrivals::UnitFailed{worker_, id, message.id().view(), wire_text(message.message(), kLongestText)};
 }
 
-Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::understand(
-    const wire::WorkerMessage& message) {
-  if (has_ended()) return Nothing{};
+Expected<std::variant<WorkerConnection::Nothing, WorkerConnection::NoRoom, Arrival>>
+WorkerConnection::understand(const wire::WorkerMessage& message) {
+  if (has_ended()) {
+    partial_.reset();
+    return Nothing{};
+  }
+  if (partial_ && is_outdated(partial_->unit.job, partial_->view)) partial_.reset();
   switch (message.content_case()) {
     case wire::WorkerMessage::kCompiling:
       if (!is_awaited(message.compiling().job()) || ++compiles_ > kMostCompiles)
@@ -231,7 +277,8 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
     case wire::WorkerMessage::kLeaving:
       return arrivals::Leaving{worker_, wire_text(message.leaving().reason(), kLongestText)};
     case wire::WorkerMessage::kBeat:
-      return arrivals::Beat{worker_, message.beat().parts()};
+      parts_ = message.beat().parts();
+      return arrivals::Beat{worker_, parts_ + received_};
     case wire::WorkerMessage::kJobFailed: {
       const JobId job = message.job_failed().job();
       const Expected<bool> wanted = end_preparing(job);
@@ -239,11 +286,14 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
       if (!*wanted) return Nothing{};
       return arrivals::JobFailed{worker_, job, wire_text(message.job_failed().message(), kLongestText)};
     }
+    case wire::WorkerMessage::kPart:
+      if (is_outdated(message.part().id().job(), message.part().id().view())) return Nothing{};
+      return take_part(message.part());
     case wire::WorkerMessage::kResult:
-      if (is_outdated(message.result().id())) return Nothing{};
+      if (is_outdated(message.result().id().job(), message.result().id().view())) return Nothing{};
       return decode_result(message.result());
     case wire::WorkerMessage::kUnitFailed:
-      if (is_outdated(message.unit_failed().id())) return Nothing{};
+      if (is_outdated(message.unit_failed().id().job(), message.unit_failed().id().view())) return Nothing{};
       return decode_failure(message.unit_failed());
     default:
       return fail("a message that a worker may not send here");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -13,7 +14,8 @@
 #include <variant>
 
 #include "scheduler/farm/arrivals.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/farm/result_room.h"
+#include "scheduler/protocol/unit_result.h"
 
 namespace penumbra {
 
@@ -35,7 +37,8 @@ class WorkerConnection {
     virtual void cancel() = 0;
   };
 
-  explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
+  /// `room`: for results that come in parts; it must outlive this.
+  WorkerConnection(WorkerId worker, ResultRoom& room) : worker_(worker), room_(room) {}
   /// Locks only for the thread sanitizer, which cannot see that all streams are over.
   ~WorkerConnection() { const std::lock_guard lock(mutex_); }
 
@@ -68,8 +71,12 @@ class WorkerConnection {
 
   /// The message is outdated: of an older view, of a forgotten job, or from a dismissed worker.
   struct Nothing {};
-  /// Decodes a message after Hello. An error ends the connection.
-  Expected<std::variant<Nothing, Arrival>> understand(const wire::WorkerMessage& message);
+  /// There is no room for the result that begins with the message, which must be shown again later.
+  struct NoRoom {};
+  /// Decodes a message after Hello. An error ends the connection. Not thread-safe.
+  Expected<std::variant<Nothing, NoRoom, Arrival>> understand(const wire::WorkerMessage& message);
+  /// Another sign of life with progress, for a worker that waits for room.
+  arrivals::Beat vouch() { return {worker_, parts_ + ++received_}; }
   /// Whether the scheduler or the worker has ended the conversation.
   [[nodiscard]] bool has_ended() const;
 
@@ -85,12 +92,24 @@ class WorkerConnection {
   [[nodiscard]] std::uint32_t view_of(JobId job) const;  // requires the lock
   [[nodiscard]] bool is_awaited(JobId job) const;
   Expected<bool> end_preparing(JobId job);
-  bool is_outdated(const wire::UnitId& id) const;
+  [[nodiscard]] bool is_outdated(JobId job, std::uint32_t view) const;
+  std::optional<Expectation> expectation(const UnitId& id) const;
   std::optional<Expectation> fulfil(const UnitId& id);
+  /// A result of which parts have come, but not its end.
+  struct Partial {
+    UnitId unit;
+    std::uint32_t view;
+    ResultAssembly assembly;
+    std::shared_ptr<void> room;
+  };
+  [[nodiscard]] bool is_partial(const wire::UnitId& id) const;
+  Arrival bad_result(const wire::UnitId& id, std::string why);
+  std::variant<Nothing, NoRoom, Arrival> take_part(const wire::ResultPart& message);
   Arrival decode_result(const wire::UnitResult& message);
   Arrival decode_failure(const wire::UnitFailed& message);
 
   const WorkerId worker_;
+  ResultRoom& room_;
   mutable std::mutex mutex_;
   Stream* stream_ = nullptr;
   std::deque<wire::SchedulerMessage> outbox_;
@@ -101,6 +120,10 @@ class WorkerConnection {
   std::set<JobId> forgotten_;
   bool sent_away_ = false, closed_ = false, writing_ = false;
   std::atomic<int> compiles_ = 0;
+  // Used only by understand(). Parts of units that the worker has done, as it says, and signs of progress of
+  // the results that it sends.
+  std::uint64_t parts_ = 0, received_ = 0;
+  std::optional<Partial> partial_;
 };
 
 }  // namespace penumbra

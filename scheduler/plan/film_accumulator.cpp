@@ -37,6 +37,51 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
   merged += (mean - merged) * weights.share;
 }
 
+constexpr int kLongestRun = 64;
+
+/// Pixels of a film beside each other.
+struct FilmRun {
+  PixelStatistics* pixels;
+  double* layers;              // of the first pixel; null: none are merged
+  std::size_t layer_count;     // of each pixel
+  std::size_t with_variances;  // so many layers come first, then the planes of their variances
+  std::optional<std::size_t> shape;
+  int count;
+};
+
+/// Merges a run plane by plane. The planes of a tile are a power of two apart in memory, so reading all of
+/// them for each pixel would push each other out of the cache. `from`: the first value of each plane.
+void merge_run(const FilmRun& run, const SampleBuffer& result, std::size_t from) {
+  const auto values = [&](std::size_t plane) {
+    return result.values.data() + plane * result.pixels() + from;
+  };
+  MergeWeights weights[kLongestRun];
+  for (int i = 0; i < run.count; ++i) weights[i] = merge_weights(run.pixels[i].count, result.sample_count);
+  const auto merge_with_deviation = [&](double* merged, double* merged_m2, std::size_t stride,
+                                        const float* means, const float* deviations) {
+    for (int i = 0; i < run.count; ++i, merged += stride, merged_m2 += stride) {
+      const double deviation = deviations[i];
+      merge_statistics(*merged, *merged_m2, means[i], deviation * deviation * result.sample_count,
+                       weights[i]);
+    }
+  };
+  for (std::size_t c = 0; c < 3; ++c)
+    merge_with_deviation(&run.pixels->mean[c], &run.pixels->m2[c], sizeof(PixelStatistics) / sizeof(double),
+                         values(kMeanR + c), values(kDeviationR + c));
+  if (run.layers != nullptr) {
+    for (std::size_t k = 0; k < run.with_variances; ++k)
+      merge_with_deviation(run.layers + k, run.layers + FEATURE_PLANES + k, run.layer_count,
+                           values(kRadiancePlanes + k), values(kRadiancePlanes + FEATURE_PLANES + k));
+    for (std::size_t k = 2 * run.with_variances; k < run.layer_count; ++k) {
+      const float* const means = values(kRadiancePlanes + k);
+      double* layer = run.layers + k;
+      for (int i = 0; i < run.count; ++i, layer += run.layer_count)
+        if (run.shape != k || run.pixels[i].count == 0) merge_mean(*layer, means[i], weights[i]);
+    }
+  }
+  for (int i = 0; i < run.count; ++i) run.pixels[i].count += result.sample_count;
+}
+
 }  // namespace
 
 FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, const FilmLayers& layers)
@@ -50,38 +95,22 @@ FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, const Film
       mattes_(pixels_.size(), layers.mattes()) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
-  const std::size_t plane = result.pixels();
-  const bool complete = result.planes == layers_.planes();
-  const std::size_t layer_count = complete ? layer_planes() : 0;
-  // The first layers, which the planes of their variances follow.
-  const std::size_t with_variances = complete && layers_.has(LAYER_ALBEDO_VARIANCE) ? FEATURE_PLANES : 0;
-  const std::optional<std::size_t> shape = complete ? shape_plane() : std::nullopt;
+  const std::size_t layer_count = layer_planes();
+  const bool complete = result.planes == layers_.planes() && layer_count > 0;
+  const std::size_t with_variances = layers_.has(LAYER_ALBEDO_VARIANCE) ? FEATURE_PLANES : 0;
   std::span<const std::uint32_t> mattes = result.mattes;
   for (int row = 0; row < result.height; ++row) {
     if (mattes_.is_kept() && !mattes.empty())
       mattes = mattes_.add(index(x, y + row), std::size_t(result.width), mattes);
-    PixelStatistics* pixel = &pixels_[index(x, y + row)];
-    double* layer = layer_means_.data() + index(x, y + row) * layer_planes();
-    const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
-    for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
-      const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
-      for (int c = 0; c < 3; ++c) {
-        const double deviation = value[(kDeviationR + c) * plane];
-        merge_statistics(pixel->mean[c], pixel->m2[c], value[(kMeanR + c) * plane],
-                         deviation * deviation * result.sample_count, weights);
-      }
-      const float* of_layers = value + kRadiancePlanes * plane;
-      for (std::size_t k = 0; k < with_variances; ++k) {
-        const double deviation = of_layers[(FEATURE_PLANES + k) * plane];
-        merge_statistics(layer[k], layer[FEATURE_PLANES + k], of_layers[k * plane],
-                         deviation * deviation * result.sample_count, weights);
-      }
-      const double first_shape = shape ? layer[*shape] : 0;
-      for (std::size_t k = 2 * with_variances; k < layer_count; ++k)
-        merge_mean(layer[k], of_layers[k * plane], weights);
-      if (shape && pixel->count > 0) layer[*shape] = first_shape;
-      layer += layer_count;
-      pixel->count += result.sample_count;
+    for (int column = 0; column < result.width; column += kLongestRun) {
+      const std::size_t first = index(x + column, y + row);
+      merge_run({.pixels = &pixels_[first],
+                 .layers = complete ? &layer_means_[first * layer_count] : nullptr,
+                 .layer_count = layer_count,
+                 .with_variances = with_variances,
+                 .shape = shape_plane(),
+                 .count = std::min(result.width - column, kLongestRun)},
+                result, std::size_t(row) * std::size_t(result.width) + std::size_t(column));
     }
   }
   if (std::ranges::any_of(result.flagged, [](const FlaggedSamples& kind) { return kind.count > 0; }))

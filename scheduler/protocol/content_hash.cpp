@@ -12,16 +12,41 @@
 
 namespace penumbra {
 
-ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>> parts) {
-  const std::unique_ptr<EVP_MD_CTX, Freed<EVP_MD_CTX_free>> state(EVP_MD_CTX_new());
-  bool is_good = state != nullptr && EVP_DigestInit_ex(state.get(), EVP_sha256(), nullptr) == 1;
-  for (const auto part : parts)
-    is_good = is_good && EVP_DigestUpdate(state.get(), part.data(), part.size()) == 1;
+namespace {
+
+/// This fails only if there is no memory, or if the system forbids SHA-256.
+void require(bool is_good) {
+  if (!is_good) throw std::runtime_error("OpenSSL cannot compute SHA-256");
+}
+
+}  // namespace
+
+struct ContentHasher::State {
+  std::unique_ptr<EVP_MD_CTX, Freed<EVP_MD_CTX_free>> context{EVP_MD_CTX_new()};
+};
+
+ContentHasher::ContentHasher() : state_(std::make_unique<State>()) {
+  require(state_->context && EVP_DigestInit_ex(state_->context.get(), EVP_sha256(), nullptr) == 1);
+}
+
+ContentHasher::~ContentHasher() = default;
+ContentHasher::ContentHasher(ContentHasher&&) noexcept = default;
+ContentHasher& ContentHasher::operator=(ContentHasher&&) noexcept = default;
+
+void ContentHasher::add(std::span<const std::uint8_t> bytes) {
+  require(EVP_DigestUpdate(state_->context.get(), bytes.data(), bytes.size()) == 1);
+}
+
+ContentDigest ContentHasher::digest() {
   ContentDigest digest;
-  // This fails only if there is no memory, or if the system forbids SHA-256.
-  if (!is_good || EVP_DigestFinal_ex(state.get(), digest.data(), nullptr) != 1)
-    throw std::runtime_error("OpenSSL cannot compute SHA-256");
+  require(EVP_DigestFinal_ex(state_->context.get(), digest.data(), nullptr) == 1);
   return digest;
+}
+
+ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>> parts) {
+  ContentHasher hasher;
+  for (const auto part : parts) hasher.add(part);
+  return hasher.digest();
 }
 
 std::string content_hash(std::span<const std::uint8_t> bytes) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,7 +15,24 @@ namespace penumbra {
 
 using ContentDigest = std::array<std::uint8_t, 32>;
 
-/// SHA-256 (FIPS 180-4) of the concatenated parts.
+/// Computes the SHA-256 (FIPS 180-4) of bytes that come one after the other.
+class ContentHasher {
+ public:
+  ContentHasher();
+  ~ContentHasher();
+  ContentHasher(ContentHasher&&) noexcept;
+  ContentHasher& operator=(ContentHasher&&) noexcept;
+
+  void add(std::span<const std::uint8_t> bytes);
+  /// The digest of all bytes so far; nothing may be added afterwards.
+  [[nodiscard]] ContentDigest digest();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// SHA-256 of the concatenated parts.
 ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>> parts);
 
 /// SHA-256 of the bytes as 64 hexadecimal digits.

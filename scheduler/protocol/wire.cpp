@@ -1,12 +1,10 @@
 #include "scheduler/protocol/wire.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/text.h"
@@ -14,21 +12,7 @@
 namespace penumbra {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "sample values travel as little-endian floats");
-
 bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
-
-std::uint64_t checksum_of(const wire::PixelResult& result) {
-  const std::uint64_t of_values = XXH3_64bits(result.values().data(), result.values().size());
-  const auto& mattes = result.mattes();
-  if (mattes.empty()) return of_values;
-  return XXH3_64bits_withSeed(mattes.data(), std::size_t(mattes.size()) * sizeof(std::uint32_t), of_values);
-}
-
-template <typename T, std::size_t kSize>
-std::span<const std::uint8_t> bytes_of(std::span<T, kSize> values) {
-  return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
-}
 
 template <typename Part>
 Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, const char* name,
@@ -186,102 +170,6 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
 #undef TAKE_FIELD
 }
 
-namespace {
-
-void encode(const FlaggedSamples& samples, wire::FlaggedSamples& message) {
-  message.set_count(samples.count);
-  message.set_x(samples.x);
-  message.set_y(samples.y);
-  message.set_sample(samples.sample);
-  message.set_source(samples.source.where);
-  message.set_step(samples.source.step);
-  message.set_shape(samples.shape);
-}
-
-/// Errors: values that are impossible for a result of the unit.
-Expected<FlaggedSamples> decode(const wire::FlaggedSamples& message, const RenderUnit& unit) {
-  const FlaggedSamples samples{.count = message.count(),
-                               .x = message.x(),
-                               .y = message.y(),
-                               .sample = message.sample(),
-                               .source = {message.source(), message.step()},
-                               .shape = message.shape()};
-  const std::uint64_t all = std::uint64_t(unit.width) * std::uint64_t(unit.height) * unit.sample_count;
-  if (samples.count > all)
-    return fail(fmt::format("the result counts {} samples of a kind among {}", samples.count, all));
-  const bool inside = samples.x >= unit.x && samples.x - unit.x < unit.width && samples.y >= unit.y &&
-                      samples.y - unit.y < unit.height &&
-                      samples.sample - unit.first_sample < unit.sample_count;
-  if (samples.count > 0 && !inside)
-    return fail(fmt::format(
-        "the result has its first flagged sample at ({}, {}), sample {}, which is not of its unit", samples.x,
-        samples.y, samples.sample));
-  if (!is_possible(samples))
-    return fail("the result has a flagged sample of a source or a shape that cannot be");
-  return samples;
-}
-
-}  // namespace
-
-void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
-  wire::PixelResult& message = *result.mutable_pixels();
-  message.Clear();
-  message.set_width(buffer.width);
-  message.set_height(buffer.height);
-  message.set_planes(buffer.planes);
-  message.set_sample_count(buffer.sample_count);
-  for (const FlaggedSamples& samples : buffer.flagged) encode(samples, *message.add_flagged());
-  message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
-  message.mutable_mattes()->Add(buffer.mattes.begin(), buffer.mattes.end());
-  message.set_checksum(checksum_of(message));
-}
-
-Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit,
-                              const FilmLayers& layers) {
-  const int planes = layers.planes();
-  if (!result.has_pixels()) return fail("the result is of another kind than its unit");
-  const wire::PixelResult& message = result.pixels();
-  if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
-      message.sample_count() != unit.sample_count) {
-    return fail(
-        fmt::format("the result has {} x {} pixels, {} planes and {} samples instead of {} x {}, {} and {}",
-                    message.width(), message.height(), message.planes(), message.sample_count(), unit.width,
-                    unit.height, planes, unit.sample_count));
-  }
-  SampleBuffer buffer{.width = unit.width,
-                      .height = unit.height,
-                      .planes = planes,
-                      .sample_count = unit.sample_count,
-                      .flagged = {},
-                      .values = {},
-                      .mattes = {}};
-  const std::size_t count = buffer.pixels() * std::size_t(planes);
-  if (message.values().size() != count * sizeof(float)) {
-    return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
-                            count * sizeof(float)));
-  }
-  if (!is_time(result.busy_seconds())) return fail("the time for the result is negative or not finite");
-  if (message.flagged_size() != BAD_KINDS)
-    return fail(fmt::format("the result has {} kinds of flagged samples instead of {}",
-                            message.flagged_size(), int(BAD_KINDS)));
-  for (int kind = 0; kind < BAD_KINDS; ++kind) {
-    const Expected<FlaggedSamples> samples = decode(message.flagged(kind), unit);
-    if (!samples) return std::unexpected(samples.error());
-    buffer.flagged[std::size_t(kind)] = *samples;
-  }
-  if (message.checksum() != checksum_of(message)) {
-    return fail("the result's checksum does not match its bytes");
-  }
-  buffer.values.resize(count);
-  std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
-  if (const Expected<void> checked = check_statistics(buffer); !checked)
-    return fail("the result has " + checked.error().message);
-  buffer.mattes.assign(message.mattes().begin(), message.mattes().end());
-  if (const Expected<void> checked = check_mattes(buffer, layers.mattes()); !checked)
-    return fail("the result has " + checked.error().message);
-  return buffer;
-}
-
 void encode(const AssetManifest& manifest, wire::AssetManifest& message) {
   for (const AssetPiece& piece : manifest.pieces) {
     wire::AssetPiece& part = *message.add_pieces();
@@ -320,22 +208,6 @@ Expected<View> decode(const wire::View& message) {
   if (const char* field = non_finite_field(view))
     return fail(fmt::format("a view whose {} is not finite", field));
   return view;
-}
-
-std::uint64_t result_hash(const wire::UnitResult& message) {
-  const wire::PixelResult& pixels = message.pixels();
-  std::vector<std::uint64_t> flagged = {std::uint64_t(pixels.flagged_size()),
-                                        std::uint64_t(pixels.mattes_size())};
-  // Without the source, which a worker may or may not know.
-  for (const wire::FlaggedSamples& kind : pixels.flagged())
-    flagged.insert(flagged.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()),
-                                   kind.sample(), std::uint64_t(kind.shape())});
-  const std::span mattes(pixels.mattes().data(), std::size_t(pixels.mattes_size()));
-  const ContentDigest digest =
-      content_digest({bytes_of(std::span(flagged)), bytes_of(mattes), bytes_of(std::span(pixels.values()))});
-  std::uint64_t hash = 0;
-  std::memcpy(&hash, digest.data(), sizeof hash);
-  return hash;
 }
 
 }  // namespace penumbra

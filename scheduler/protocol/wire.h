@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "kernels/host/error.h"
-#include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
 #include "penumbra.pb.h"
 #include "scheduler/plan/work_unit.h"
@@ -19,16 +18,15 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 12;
+constexpr std::uint32_t kProtocolVersion = 13;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
-/// The largest number of bytes per pixel in a result's message: all planes; the number of matte pairs; and
-/// the pairs, as varints of 7 bits per byte.
-constexpr int kMostPixelBytes = plane_count(FEATURE_ALL) * 4 + 1 + MAX_MATTE_PAIRS * (4 + 2);
-static_assert(MAX_MATTES < 1 << 28 && kMaxSamplesPerUnit < 1 << 14 && MAX_MATTE_PAIRS < 1 << 7);
+/// The largest message that a scheduler accepts. Results and scenes come in parts of at most 1 MiB.
+constexpr int kMaxRequestBytes = 4 << 20;
 
-/// The largest message that a peer accepts: a tile of 2048 x 2048 pixels with all of that, and a margin.
-constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kMostPixelBytes + (1 << 20);
+/// The largest message that a worker or a viewer accepts: a tile of 2048 x 2048 pixels with all layers, and a
+/// margin.
+constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) * 4 + (1 << 20);
 
 /// A text about different protocol versions; empty if they agree. `peer` is "worker" or "scheduler".
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer);
@@ -53,14 +51,6 @@ void encode(const RenderUnit& unit, wire::Unit& message);
 /// outside [1, kMaxSamplesPerUnit].
 Expected<RenderUnit> decode(const wire::Unit& message);
 
-/// The buffer, its counts and the checksum.
-void encode(const SampleBuffer& buffer, wire::UnitResult& message);
-/// Errors, in plain words: a wrong checksum, a buffer that does not have the shape of `unit` with these
-/// layers, values that are not valid statistics (see check_statistics), invalid mattes (see check_mattes), a
-/// time that is not finite.
-Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit,
-                              const FilmLayers& layers);
-
 void encode(const AssetManifest& manifest, wire::AssetManifest& message);
 /// Errors: the manifest does not have that hash, a piece is not of 1 to kLargestPiece bytes, a piece's name
 /// is not a hash.
@@ -69,9 +59,5 @@ Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::st
 void encode(const View& view, wire::View& message);
 /// Errors: numbers that are missing or not finite.
 Expected<View> decode(const wire::View& message);
-
-/// The first 64 bits of a cryptographic digest of everything that must be equal in two results of one unit. A
-/// worker cannot construct a different result with the same hash.
-std::uint64_t result_hash(const wire::UnitResult& message);
 
 }  // namespace penumbra

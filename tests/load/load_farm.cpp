@@ -135,6 +135,7 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   const auto job = std::make_shared<RenderJob>();
   const int size = settings.side * settings.tile;
   job->scene = fake_scene(size, size, false);
+  job->scene.header.features |= settings.features;
   job->width = job->height = size;
   job->plan.tile = settings.tile;
   job->plan.samples_per_pass = 1;
@@ -151,7 +152,7 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   board.units = std::uint64_t(tiles) * job->spp;
   LoadSource source(job, board);
   const std::atomic<bool> stop = false;
-  const FarmOptions farm{.workers = 1, .worker_executable = program, .largest_tile = settings.tile};
+  const FarmOptions farm{.workers = 1, .worker_executable = program};
   if (auto ran = run_farm(farm, source, stop); !ran) return std::unexpected(ran.error());
   if (!source.outcome_) return std::unexpected(source.outcome_.error());
   const RenderOutcome& outcome = *source.outcome_;
@@ -173,6 +174,7 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   ideal /= settings.workers;
   return LoadFigures{
       .units = units,
+      .bytes_per_result = std::uint64_t(settings.tile * settings.tile * board.planes) * sizeof(float),
       .units_per_second = is_measured ? measured_units / seconds : 0,
       .cpu_seconds_per_unit = is_measured ? (source.last_.cpu - first.cpu) / measured_units : 0,
       .order_p50 = board.orders.quantile(0.5),

@@ -12,13 +12,15 @@ struct LoadSettings {
   int workers = 10;
   int units = 20000;  ///< at least: as many whole passes as that takes
   double unit_seconds = 0;
-  int tile = 16;  ///< pixels along a side of a unit
-  int side = 64;  ///< tiles along a side of the film
+  int tile = 16;               ///< pixels along a side of a unit
+  int side = 64;               ///< tiles along a side of the film
+  std::uint64_t features = 0;  ///< FEATURE_* bits that results have layers of
   int deaths = 0;
 };
 
 struct LoadFigures {
   std::uint64_t units = 0;
+  std::uint64_t bytes_per_result = 0;
   double units_per_second = 0;          ///< between the first progress and the last; 0: too short to say
   double cpu_seconds_per_unit = 0;      ///< of the scheduler's process
   double order_p50 = 0, order_p99 = 0;  ///< seconds from a result that is sent to the order that comes for it

@@ -11,6 +11,7 @@
 #include <new>
 #include <vector>
 
+#include "kernels/film_layers.h"
 #include "scheduler/farm/acceptor.h"
 #include "scheduler/protocol/token.h"
 #include "tests/load/load_farm.h"
@@ -18,6 +19,10 @@
 
 namespace penumbra {
 namespace {
+
+/// As for `--denoise` and `--layers` with everything.
+constexpr std::uint64_t kAllLayers =
+    FEATURE_LAYERS | FEATURE_DENOISING | FEATURE_POLYGONS | FEATURE_COVERAGE | LAYERS_ON_DEMAND;
 
 /// As a scheduler starts it: the workers.
 int run_workers(const std::string& address) {
@@ -34,10 +39,12 @@ int run_workers(const std::string& address) {
 
 void print(const LoadSettings& settings, const LoadFigures& figures) {
   const auto milliseconds = [](double seconds) { return fmt::format("{:.3g} ms", 1e3 * seconds); };
-  fmt::print("| {} | {} | {} | {:.0f} | {} | {} | {:.0f} us | {:.0f} KiB | {:.0f} MB |", settings.workers,
-             settings.tile, figures.units, figures.units_per_second, milliseconds(figures.order_p50),
-             milliseconds(figures.order_p99), 1e6 * figures.cpu_seconds_per_unit,
-             figures.bytes_per_idle_worker / 1024, double(figures.peak_bytes) * 1e-6);
+  fmt::print("| {} | {:.0f} KB | {} | {:.0f} | {:.0f} | {} | {} | {:.0f} us | {:.0f} KiB | {:.0f} MB |",
+             settings.workers, double(figures.bytes_per_result) * 1e-3, figures.units,
+             figures.units_per_second, figures.units_per_second * double(figures.bytes_per_result) * 1e-6,
+             milliseconds(figures.order_p50), milliseconds(figures.order_p99),
+             1e6 * figures.cpu_seconds_per_unit, figures.bytes_per_idle_worker / 1024,
+             double(figures.peak_bytes) * 1e-6);
   fmt::print(" {} |", settings.unit_seconds > 0 ? fmt::format("{:.2f}%", 100 * figures.overhead) : "");
   if (settings.deaths > 0)
     fmt::print(" lost units are with others after {} (half of them), {} (all) |",
@@ -56,17 +63,23 @@ int main(int argc, char** argv) {
   LoadSettings settings;
   std::vector<int> workers{10, 100, 1000, 5000};
   double unit_milliseconds = 0;
+  std::string layers = "none";
   app.add_option("--workers", workers, "One run for each number")->delimiter(',')->capture_default_str();
   app.add_option("--units", settings.units, "Work units, at least")->capture_default_str();
   app.add_option("--unit-ms", unit_milliseconds, "What a unit takes a worker")->capture_default_str();
   app.add_option("--tile", settings.tile, "Pixels along a side of a unit")->capture_default_str();
   app.add_option("--side", settings.side, "Tiles along a side of the film")->capture_default_str();
+  app.add_option("--layers", layers, "Layers of results")
+      ->check(CLI::IsMember({"none", "default", "all"}))
+      ->capture_default_str();
   app.add_option("--deaths", settings.deaths, "Workers that leave with units in hand")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   settings.unit_seconds = 1e-3 * unit_milliseconds;
+  settings.features = layers == "all" ? kAllLayers : layers == "default" ? std::uint64_t(FEATURE_LAYERS) : 0;
   const std::string program = std::filesystem::canonical("/proc/self/exe");
   fmt::print(
-      "| workers | tile | units | units/s | order p50 | p99 | CPU a unit | an idle worker | peak | overhead "
+      "| workers | a result | units | units/s | MB/s | order p50 | p99 | CPU a unit | an idle worker | peak "
+      "| overhead "
       "|\n");
   for (const int count : workers) {
     settings.workers = count;

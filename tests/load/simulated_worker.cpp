@@ -89,12 +89,17 @@ void SimulatedWorker::finish_unit() {
   const Held done = held_.front();
   held_.pop_front();
   ++parts_;
-  wire::WorkerMessage message;
-  encode(done.id, done.view, *message.mutable_result()->mutable_id());
-  encode(load_samples(done.unit, crew_.board.planes), *message.mutable_result());
-  message.mutable_result()->set_busy_seconds(crew_.board.unit_seconds);
+  wire::UnitId id;
+  encode(done.id, done.view, id);
+  const SampleBuffer samples = load_samples(done.unit, crew_.board.planes);
+  ResultCutter cutter(id, samples);
   answered_.push_back(Clock::now());
-  say(std::move(message));
+  for (bool is_last = false; !is_last;) {
+    wire::WorkerMessage message;
+    is_last = cutter.next(kMostPartBytes, message);
+    if (is_last) message.mutable_result()->set_busy_seconds(crew_.board.unit_seconds);
+    say(std::move(message));
+  }
   if (!held_.empty()) begin_unit();
 }
 

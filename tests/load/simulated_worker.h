@@ -13,7 +13,7 @@
 #include <string>
 
 #include "penumbra.grpc.pb.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "tests/load/load_board.h"
 
 namespace penumbra {

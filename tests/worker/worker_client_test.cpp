@@ -10,7 +10,7 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
 #include "worker/back_off.h"

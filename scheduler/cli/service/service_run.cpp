@@ -286,7 +286,6 @@ ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<c
                    .keys = std::move(keys),
                    .comes_back = true,
                    .watch_token = token,
-                   .largest_tile = kMaxTile,
                    .tells_how_to_watch = true,
                    .open_jobs = kMostOpenJobs,
                    .service = [this](std::function<void(const std::string&)> on_call) {

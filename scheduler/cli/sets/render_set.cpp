@@ -50,12 +50,6 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
   return names;
 }
 
-int largest_tile(const SetPlan& plan) {
-  int largest = 0;
-  for (const SetMember& member : plan.members) largest = std::max(largest, largest_tile(member.options));
-  return largest;
-}
-
 /// The hash of everything on which the images depend.
 std::string key_of(const PreparedRender& prepared, const std::string& worker, bool strict_numerics) {
   const RenderIdentity identity = identity_of(prepared, worker);
@@ -378,7 +372,6 @@ ExitCode SceneSet::run() {
                    .worker_executable = worker->string(),
                    .listen = options_.listen,
                    .keys = *keys,
-                   .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
   set_launch(options_, farm);
   if (const auto opened = page_.open(options_); !opened) return opened.error();

@@ -22,12 +22,27 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 5> kStateNames{"waiting", "done", "unchanged", "incomplete", "failed"};
 
-Json json_of(const SetEntry& entry) {
+std::filesystem::path folder_of(const std::filesystem::path& summary) {
+  return std::filesystem::absolute(summary).lexically_normal().parent_path();
+}
+
+/// Names of files below the summary's folder are relative to it, so that the folder may be moved.
+std::vector<std::string> names_in(const std::filesystem::path& folder,
+                                  const std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) {
+    const std::filesystem::path relative = std::filesystem::path(file).lexically_relative(folder);
+    names.push_back(relative.empty() || *relative.begin() == ".." ? file : relative.string());
+  }
+  return names;
+}
+
+Json json_of(const SetEntry& entry, const std::filesystem::path& folder) {
   Json json = {{"name", entry.name},
                {"scene", entry.scene},
                {"options", Json::object()},
                {"state", set_state_name(entry.state)},
-               {"files", entry.files}};
+               {"files", names_in(folder, entry.files)}};
   for (const auto& [name, value] : entry.choices) json["options"][name] = value;
   if (!entry.key.empty()) json["key"] = entry.key;
   if (!entry.error.empty()) json["error"] = entry.error;
@@ -44,13 +59,14 @@ Json json_of(const SetEntry& entry) {
 }
 
 /// Throws the library's exceptions if the JSON is not valid.
-SetEntry entry_of(const nlohmann::json& json) {
+SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folder) {
   SetEntry entry;
   entry.name = json.value("name", "");
   entry.scene = json.at("scene").get<std::string>();
   const auto state = json.at("state").get<std::string>();
   entry.state = SetState(std::ranges::find(kStateNames, state) - kStateNames.begin());
-  entry.files = json.at("files").get<std::vector<std::string>>();
+  for (const auto& file : json.at("files").get<std::vector<std::string>>())
+    entry.files.push_back((folder / file).lexically_normal().string());
   entry.key = json.value("key", "");
   for (const auto& [name, value] : json.value("options", nlohmann::json::object()).items())
     entry.choices.emplace_back(name, value.get<std::string>());
@@ -69,8 +85,9 @@ std::string_view set_state_name(SetState state) { return kStateNames[std::size_t
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
                                  const std::vector<SetEntry>& earlier) {
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
-  for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry));
-  for (const SetEntry& entry : earlier) json["earlier"].push_back(json_of(entry));
+  const std::filesystem::path folder = folder_of(path);
+  for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry, folder));
+  for (const SetEntry& entry : earlier) json["earlier"].push_back(json_of(entry, folder));
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_output(path, bytes_of(text));
 }
@@ -80,6 +97,7 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file, nullptr, false);
   if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return finished;
+  const std::filesystem::path folder = folder_of(path);
   const auto is_there = [](const std::string& name) {
     std::error_code ignored;
     return std::filesystem::exists(name, ignored);
@@ -88,7 +106,7 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
     for (const char* list : {"jobs", "earlier"}) {
       if (!json.contains(list)) continue;
       for (const nlohmann::json& job : json.at(list)) {
-        SetEntry entry = entry_of(job);
+        SetEntry entry = entry_of(job, folder);
         if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
           finished.entries_.emplace(entry.files, std::move(entry));
       }

@@ -26,15 +26,8 @@ using namespace std::chrono_literals;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 
-constexpr int kSize = 64;
+constexpr int kSize = 64, kLargeSize = 256;
 constexpr std::uint32_t kSpp = 5;
-
-std::uint64_t expected_hash() {
-  FilmAccumulator film(0, 0, kSize, kSize, kNoLayers);
-  for (std::uint32_t sample = 0; sample < kSpp; ++sample)
-    film.add(0, 0, fake_samples({0, 0, kSize, kSize, sample, 1}, kNoLayers));
-  return film.hash();
-}
 
 /// A farm with a slow worker of its own and two that come over TCP.
 class NetworkFaults : public testing::Test {
@@ -42,6 +35,16 @@ class NetworkFaults : public testing::Test {
   void SetUp() override {
     setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
     FakeBehaviour{.delay_ms = 20}.to_environment();
+    job_.scene = fake_scene(kSize, kSize, false);
+    job_.width = job_.height = kSize;
+    job_.spp = kSpp;
+    job_.plan.samples_per_pass = 1;
+    job_.plan.tile = 8;
+    job_.workers = 1;
+    job_.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
+    job_.listen = "127.0.0.1:0";
+    job_.tells_how_to_watch = true;
+    job_.leases = {.initial = 5, .minimum = 2, .factor = 20, .growth = 2, .silence = 2.5, .patience = 1};
   }
   void TearDown() override {
     FakeBehaviour{}.to_environment();
@@ -53,6 +56,15 @@ class NetworkFaults : public testing::Test {
   void render(const std::function<void(const std::string&, const std::string&)>& join,
               const std::function<void(int)>& meanwhile);
 
+  [[nodiscard]] std::uint64_t expected_hash() const {
+    FilmAccumulator film(0, 0, job_.width, job_.height, layers_);
+    for (std::uint32_t sample = 0; sample < job_.spp; ++sample)
+      film.add(0, 0, fake_samples({0, 0, job_.width, job_.height, sample, 1}, layers_));
+    return film.hash();
+  }
+
+  LocalRender job_;
+  FilmLayers layers_ = kNoLayers;
   TemporaryFolder folder_;
   std::deque<Program> guests_;
   std::vector<std::string> problems_;
@@ -60,20 +72,9 @@ class NetworkFaults : public testing::Test {
 
 void NetworkFaults::render(const std::function<void(const std::string&, const std::string&)>& join,
                            const std::function<void(int)>& meanwhile) {
-  LocalRender job;
-  job.scene = fake_scene(kSize, kSize, false);
-  job.width = job.height = kSize;
-  job.spp = kSpp;
-  job.plan.samples_per_pass = 1;
-  job.plan.tile = 8;
-  job.workers = 1;
-  job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
-  job.listen = "127.0.0.1:0";
-  job.tells_how_to_watch = true;
-  job.leases = {.initial = 5, .minimum = 2, .factor = 20, .growth = 2, .silence = 2.5, .patience = 1};
   std::atomic<bool> stop = false;
   const auto deadline = std::chrono::steady_clock::now() + 60s;
-  const Expected<RenderOutcome> outcome = run_render(job, stop, [&](const RenderProgress& progress) {
+  const Expected<RenderOutcome> outcome = run_render(job_, stop, [&](const RenderProgress& progress) {
     const std::regex how(R"(to help render: PENUMBRA_TOKEN=(\S+) penumbra-worker --connect (\S+))");
     for (const std::string& notice : progress.notices)
       if (std::smatch match; std::regex_search(notice, match, how)) join(match[2], match[1]);
@@ -139,6 +140,23 @@ TEST_F(Relayed, WhatIsCutOffIsDoneByOthers) {
          });
   EXPECT_TRUE(cut) << "it was over before the guests were there";
   EXPECT_THAT(problems_, testing::Each(HasSubstr("hung")));
+}
+
+/// A network that takes several times as long for a result as a silent worker is waited for.
+TEST_F(Relayed, ASlowNetworkIsNoHungWorker) {
+  job_.scene = fake_scene(kLargeSize, kLargeSize, true);
+  job_.width = job_.height = job_.plan.tile = kLargeSize;
+  job_.spp = 2;
+  job_.workers = 0;
+  layers_ = kFeatureLayers;
+  const int bytes = kLargeSize * kLargeSize * kFeatureLayers.planes() * int(sizeof(float));
+  render(
+      [&](const auto& address, const auto& token) {
+        join(address, token);
+        relay_->set_rate(int(bytes / (2.5 * job_.leases.silence)));
+      },
+      [](int) {});
+  EXPECT_THAT(problems_, testing::IsEmpty());
 }
 
 // --- The same with the system's own network, in a namespace that this test makes and that goes with it

@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kPollMilliseconds = 2;
+constexpr std::size_t kSlowPiece = 4096;
+constexpr int kReceiveBuffer = 32 << 10;  // of a connection, so that a slow one is felt by its sender
 
 sockaddr_in loopback(int port) {
   sockaddr_in name{};
@@ -43,6 +45,7 @@ TcpRelay::TcpRelay(const std::string& target)
   listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in name = loopback(0);
   socklen_t size = sizeof name;
+  setsockopt(listener_, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
   if (bind(listener_, reinterpret_cast<sockaddr*>(&name), size) != 0 || listen(listener_, 16) != 0 ||
       getsockname(listener_, reinterpret_cast<sockaddr*>(&name), &size) != 0)
     throw std::runtime_error("no socket for a relay");
@@ -73,19 +76,25 @@ void TcpRelay::accept_all() {
     }
     // Whichever ends last closes both.
     const std::shared_ptr<void> both(nullptr, [client, server](void*) { close(client), close(server); });
-    threads_.emplace_back([this, client, server, both] { relay(client, server); });
-    threads_.emplace_back([this, client, server, both] { relay(server, client); });
+    threads_.emplace_back([this, client, server, both] { relay(client, server, true); });
+    threads_.emplace_back([this, client, server, both] { relay(server, client, false); });
   }
 }
 
-void TcpRelay::relay(int from, int to) {
+void TcpRelay::relay(int from, int to, bool is_up) {
   std::deque<std::pair<Clock::time_point, std::string>> on_the_way;
   char buffer[65536];
+  Clock::time_point free_at = Clock::now();  // the slow connection, of what it has taken
   while (!over_) {
     pollfd waiting{.fd = from, .events = POLLIN, .revents = 0};
-    if (!cut_ && poll(&waiting, 1, kPollMilliseconds) == 1) {
-      const ssize_t count = recv(from, buffer, sizeof buffer, 0);
+    const int rate = is_up ? rate_.load() : 0;
+    if (rate > 0) std::this_thread::sleep_until(std::min(free_at, Clock::now() + 10ms));
+    if (!cut_ && (rate == 0 || free_at <= Clock::now()) && poll(&waiting, 1, kPollMilliseconds) == 1) {
+      const ssize_t count = recv(from, buffer, rate > 0 ? kSlowPiece : sizeof buffer, 0);
       if (count <= 0) break;
+      if (rate > 0)
+        free_at = std::max(free_at, Clock::now()) +
+                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(count) / rate);
       on_the_way.emplace_back(Clock::now() + std::chrono::milliseconds(delay_ms_),
                               std::string(buffer, std::size_t(count)));
     }

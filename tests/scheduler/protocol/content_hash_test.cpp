@@ -11,7 +11,7 @@
 
 #include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_samples.h"
 #include "tests/support/xxh3_twins.h"
 
@@ -71,7 +71,7 @@ TEST(ResultHash, TellsApartWhatTheChecksumDoesNot) {
   encode(one, one_message);
   encode(other, other_message);
   ASSERT_EQ(one_message.pixels().checksum(), other_message.pixels().checksum()) << "the attack is one";
-  EXPECT_NE(result_hash(one_message), result_hash(other_message));
+  EXPECT_NE(result_hash(one), result_hash(other));
 }
 
 /// gRPC's own texts are for whoever debugs it: "Socket closed", "failed to connect to all addresses; last …".

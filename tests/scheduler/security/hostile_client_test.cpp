@@ -17,7 +17,7 @@
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "scheduler/watch/watch_client.h"
 #include "tests/scheduler/security/mutation.h"
 #include "tests/scheduler/security/preview_process.h"
@@ -253,7 +253,7 @@ TEST(HostileClient, MutatedMessagesOverASocketEndTheirCallAlone) {
       }
     }
   });
-  wire::WorkerMessage hello, ready, result;
+  wire::WorkerMessage hello, ready, result, part;
   hello.mutable_hello()->set_protocol_version(kProtocolVersion);
   hello.mutable_hello()->set_host("node7");
   ready.mutable_ready()->set_job(1);
@@ -262,6 +262,8 @@ TEST(HostileClient, MutatedMessagesOverASocketEndTheirCallAlone) {
   encode(fake_samples({.x = 0, .y = 0, .width = 4, .height = 4, .first_sample = 0, .sample_count = 4},
                       kNoLayers),
          *result.mutable_result());
+  part.mutable_part()->mutable_id()->set_job(1);
+  part.mutable_part()->set_values(std::string(400, '\1'));
   wire::WatchRequest watch;
   watch.set_protocol_version(kProtocolVersion);
   watch.set_job(1);
@@ -271,7 +273,9 @@ TEST(HostileClient, MutatedMessagesOverASocketEndTheirCallAlone) {
   asset.set_hash(std::string(64, '0'));
   const Tokens& tokens = server->tokens();
   RawCalls calls(server->more_address());
-  Mutator workers({hello.SerializeAsString(), ready.SerializeAsString(), result.SerializeAsString()}, 1),
+  Mutator workers({hello.SerializeAsString(), ready.SerializeAsString(), result.SerializeAsString(),
+                   part.SerializeAsString()},
+                  1),
       watchers({watch.SerializeAsString()}, 2), controls({control.SerializeAsString()}, 3),
       assets({asset.SerializeAsString()}, 4);
   std::map<grpc::StatusCode, int> codes;

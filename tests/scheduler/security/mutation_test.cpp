@@ -9,7 +9,7 @@
 #include "scheduler/farm/worker_connection.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/text.h"
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/unit_result.h"
 #include "scheduler/watch/watch_wire.h"
 #include "tests/scheduler/security/mutation.h"
 #include "tests/support/fake_samples.h"
@@ -20,6 +20,7 @@ namespace {
 const bool kQuiet = (route_grpc_log(), true);  // protobuf complains of each text that is not UTF-8
 
 constexpr RenderUnit kUnit{.x = 8, .y = 4, .width = 4, .height = 3, .first_sample = 16, .sample_count = 8};
+constexpr std::size_t kRoom = 1 << 20;
 constexpr UnitId kId{.job = 1, .phase = 0, .pass = 2, .tile = 3};
 
 int mutations() {
@@ -58,8 +59,19 @@ wire::WorkerMessage result() {
   return message;
 }
 
+/// The same result in three messages.
+std::vector<wire::WorkerMessage> parts() {
+  const SampleBuffer buffer = fake_samples(kUnit, kNoLayers);
+  wire::UnitId id;
+  encode(kId, 0, id);
+  ResultCutter cutter(id, buffer);
+  std::vector<wire::WorkerMessage> messages(3);
+  for (wire::WorkerMessage& message : messages) cutter.next(100, message);
+  return messages;
+}
+
 std::vector<wire::WorkerMessage> worker_messages() {
-  std::vector<wire::WorkerMessage> all(7);
+  std::vector<wire::WorkerMessage> all(8);
   all[0].mutable_hello()->set_protocol_version(kProtocolVersion);
   all[0].mutable_hello()->set_host("node7");
   all[0].mutable_hello()->set_key("0123456789abcdef");
@@ -76,6 +88,7 @@ std::vector<wire::WorkerMessage> worker_messages() {
   all[5].mutable_compiling()->set_job(1);
   all[5].mutable_compiling()->set_device("an abacus");
   all[6].mutable_beat()->set_parts(77);
+  all[7] = parts().front();
   return all;
 }
 
@@ -112,7 +125,8 @@ TEST(Mutation, WhatWorkersSay) {
     // Of each kind as many as of each other, and of all mixed.
     const auto wanted = one < seeds.size() ? std::vector{seeds[one]} : seeds;
     feed<wire::WorkerMessage>(wanted, [](const wire::WorkerMessage& message) {
-      WorkerConnection connection(7);
+      ResultRoom room(kRoom);
+      WorkerConnection connection(7, room);
       connection.send_job(1, "scene", {});
       connection.send_unit(kId, kUnit, kNoLayers);
       const auto understood = connection.understand(message);
@@ -122,6 +136,42 @@ TEST(Mutation, WhatWorkersSay) {
       return arrival != nullptr && !std::holds_alternative<arrivals::BadResult>(*arrival);
     });
   }
+}
+
+TEST(Mutation, PartsAreTheUnitsOwnResultOrRefusedWhateverTheirOrder) {
+  std::vector<std::string> seeds;
+  for (const wire::WorkerMessage& part : parts()) seeds.push_back(part.SerializeAsString());
+  Mutator mutator(seeds, 1234);
+  std::mt19937 random(99);
+  const auto one_in = [&](std::uint32_t n) { return random() % n == 0; };
+  const std::vector<float> values = fake_samples(kUnit, kNoLayers).values;
+  int results = 0, refusals = 0;
+  for (int i = 0; i < mutations(); ++i) {
+    ResultRoom room(kRoom);
+    WorkerConnection connection(7, room);
+    connection.send_unit(kId, kUnit, kNoLayers);
+    std::vector<std::string> said = seeds;
+    if (one_in(4)) std::ranges::shuffle(said, random);
+    if (one_in(4)) said.insert(said.begin() + random() % 3, seeds[random() % 3]);
+    if (one_in(4)) said.erase(said.begin() + random() % 3);
+    if (one_in(2)) said[random() % said.size()] = mutator.next();
+    for (const std::string& bytes : said) {
+      wire::WorkerMessage message;
+      if (!message.ParseFromString(bytes)) continue;
+      const auto understood = connection.understand(message);
+      if (!understood) break;
+      const auto* arrival = std::get_if<Arrival>(&*understood);
+      if (arrival == nullptr) continue;
+      std::visit(Checked{}, *arrival);
+      if (std::holds_alternative<arrivals::BadResult>(*arrival)) ++refusals;
+      if (const auto* taken = std::get_if<arrivals::Result>(arrival)) {
+        ++results;
+        EXPECT_EQ(taken->buffer.values, values);
+      }
+    }
+  }
+  EXPECT_GT(results, mutations() / 10);
+  EXPECT_GT(refusals, mutations() / 10);
 }
 
 TEST(Mutation, AResultIsTheUnitsOwnOrRefused) {

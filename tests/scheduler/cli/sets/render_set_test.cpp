@@ -296,6 +296,17 @@ TEST_F(RenderSet, RendersComeAfterThoseThatMustBeDone) {
   EXPECT_THAT(states("jobs.json"), ElementsAre("failed", "failed", "failed", "failed"));
 }
 
+TEST_F(RenderSet, AFolderWithItsJobFileAndImagesMayBeMoved) {
+  std::filesystem::create_directory(folder_ / "before");
+  write_small_scene(folder_ / "before/a.xml");
+  write_text(folder_ / "before/jobs.toml",
+             "[[render]]\nscene = \"a.xml\"\nseed = [1, 2]\nout = \"out/{seed}.exr\"\n");
+  ASSERT_EQ(run({"before/jobs.toml"}).exit_code, 0);
+  std::filesystem::rename(folder_ / "before", folder_ / "after");
+  ASSERT_EQ(run({"after/jobs.toml"}).exit_code, 0);
+  EXPECT_THAT(states("after/jobs.json"), ElementsAre("unchanged", "unchanged"));
+}
+
 TEST_F(RenderSet, WhatTheCommandSaysCountsForAllOfAJobFile) {
   write_text(folder_ / "jobs.toml", R"([[render]]
 scene = "a.xml"
