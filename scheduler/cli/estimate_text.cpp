@@ -26,6 +26,12 @@ std::string measured_image_text(const MeasuredWork& measured) {
   return measured.covered < 1 ? fmt::format("{:.0f}% of {}", measured.covered * 100, image) : image;
 }
 
+double cores_of_a_gigabit(const RenderEstimate& e) {
+  constexpr double kBytesPerSecond = 1e9 / 8;
+  const double result_bytes = double(e.plan.result_bytes) * e.samples / double(e.plan.samples);
+  return e.core_seconds * kBytesPerSecond / result_bytes;
+}
+
 std::string estimate_text(const RenderEstimate& e) {
   std::string text = "Plan\n";
   text += estimate_line("samples", fmt::format("{:.4g}", double(e.plan.samples)));
@@ -46,6 +52,11 @@ std::string estimate_text(const RenderEstimate& e) {
   if (e.samples < double(e.plan.samples))
     text += estimate_line("samples", fmt::format("{:.4g}, until the target error", e.samples));
   text += estimate_line("core time", core_time_text(e.core_seconds));
+  if (const double cores = cores_of_a_gigabit(e); cores >= 1)
+    text +=
+        estimate_line("network", fmt::format("a link of 1 Gbit/s to the scheduler is full with {:.0f} cores, "
+                                             "one of 10 Gbit/s with {:.0f}",
+                                             cores, 10 * cores));
   for (const WallTime& wall : e.wall)
     text += estimate_line("wall time", fmt::format("{} with {} x {} threads", clock_text(wall.seconds),
                                                    wall.workers, e.measured.threads));
@@ -82,6 +93,7 @@ Json estimate_json(const RenderEstimate& e) {
           {"estimate",
            {{"samples", e.samples},
             {"core_seconds", e.core_seconds},
+            {"cores_of_a_gigabit", json_number(cores_of_a_gigabit(e))},
             {"wall", wall},
             {"relative_error", json_number(e.relative_error)}}}};
 }

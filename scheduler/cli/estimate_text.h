@@ -8,6 +8,9 @@
 
 namespace penumbra {
 
+/// How many cores of workers fill a link of 1 Gbit/s to the scheduler with their results.
+double cores_of_a_gigabit(const RenderEstimate& estimate);
+
 std::string estimate_text(const RenderEstimate& estimate);
 /// With the members plan, measured and estimate.
 nlohmann::ordered_json estimate_json(const RenderEstimate& estimate);

@@ -14,6 +14,7 @@
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
 #include "worker/back_off.h"
+#include "worker/part_size.h"
 
 namespace penumbra {
 namespace {
@@ -183,6 +184,38 @@ TEST_F(WorkerClientTest, RendersUnitsInTheirOrder) {
     EXPECT_EQ(buffer->values, fake_samples(unit, kNoLayers).values);
     EXPECT_GT(result.peak_memory_bytes(), 1u << 20);
   }
+}
+
+TEST_F(WorkerClientTest, ALargeResultComesInParts) {
+  constexpr int kWide = 2000;  // 96 KB
+  std::vector<wire::WorkerMessage> answers;
+  run_ready([&](Stream& stream) {
+    stream.Write(unit_message(3, kWide));
+    do answers.push_back(read(stream));
+    while (answers.back().has_part());
+    stream.Write(dismissal());
+  });
+  ASSERT_EQ(answers.size(), 2u);
+  const RenderUnit unit{.x = 12, .y = 1, .width = kWide, .height = 2, .first_sample = 0, .sample_count = 3};
+  ResultAssembly assembly(unit, kNoLayers);
+  EXPECT_TRUE(assembly.add(answers[0].part()));
+  const Expected<SampleBuffer> buffer = assembly.finish(answers[1].result());
+  ASSERT_TRUE(buffer) << buffer.error().message;
+  EXPECT_EQ(buffer->values, fake_samples(unit, kNoLayers).values);
+}
+
+TEST(PartSize, GrowsWhileMessagesAreTakenAtOnceAndShrinksWhereTheyAreNot) {
+  PartSize size;
+  const std::size_t first = size.bytes();
+  size.wrote(first / 2, 0);
+  EXPECT_EQ(size.bytes(), first) << "a short message says little";
+  for (int i = 0; i < 100; ++i) size.wrote(size.bytes(), 0.001);
+  EXPECT_EQ(size.bytes(), kMostPartBytes);
+  size.wrote(size.bytes(), 0.2);
+  EXPECT_EQ(size.bytes(), kMostPartBytes);
+  for (int i = 0; i < 100; ++i) size.wrote(1, 2);
+  EXPECT_LT(size.bytes(), first);
+  EXPECT_GE(size.bytes(), 1024u);
 }
 
 TEST_F(WorkerClientTest, TheMachinesOwnerHasTheLastWord) {

@@ -169,6 +169,9 @@ TEST_F(Cluster, AnEstimateSaysWhatTheRenderThenTakes) {
       worker["busy_seconds"].get<double>() * json["measured"]["threads"].get<double>();
   EXPECT_GT(estimate["core_seconds"].get<double>(), core_seconds / 10);
   EXPECT_LT(estimate["core_seconds"].get<double>(), core_seconds * 10);
+  EXPECT_NEAR(estimate["cores_of_a_gigabit"].get<double>() * plan["result_bytes"].get<double>() /
+                  estimate["core_seconds"].get<double>(),
+              1e9 / 8, 1);
   double before = 1e30;
   for (const auto& wall : estimate["wall"]) {
     EXPECT_LE(wall["seconds"].get<double>(), before);
