@@ -91,7 +91,7 @@ class HttpServer::Routes final : public httplib::Server {
   /// Returns whether another request may follow.
   bool answer(ClientConnection& connection) {
     ConnectionStream stream(connection);
-    bool is_last = false;
+    bool is_last = true;  // of what cannot be read the end is unknown
     const auto set_up = [&](httplib::Request& request) {
       request.ranges.clear();
       // Compressing costs more time than it saves here.
@@ -100,8 +100,8 @@ class HttpServer::Routes final : public httplib::Server {
       const bool may_have_body = (request.method != "GET" && request.method != "HEAD") ||
                                  request.has_header("Content-Length") ||
                                  request.has_header("Transfer-Encoding");
+      is_last = may_have_body;
       if (!may_have_body) return;
-      is_last = true;
       request.headers.erase("Expect");
       request.headers.erase("Connection");
       request.headers.emplace("Connection", "close");

@@ -20,14 +20,16 @@ constexpr std::uint64_t kStored = std::numeric_limits<std::uint64_t>::max();  //
 
 JobPictures::JobPictures() : run_(make_token().substr(0, 8)) {}
 
-const JobPictures::Kept* JobPictures::find(const Key& key) {
+std::optional<JobPictures::Kept> JobPictures::find(const Key& key) {
+  const std::lock_guard lock(mutex_);
   const auto found = kept_.find(key);
-  if (found == kept_.end()) return nullptr;
+  if (found == kept_.end()) return {};
   last_used_.splice(last_used_.begin(), last_used_, found->second.place);
-  return &found->second;
+  return found->second;
 }
 
-const WebPicture& JobPictures::keep(const Key& key, std::uint64_t version, std::string png) {
+WebPicture JobPictures::keep(const Key& key, std::uint64_t version, std::string png) {
+  const std::lock_guard lock(mutex_);
   if (const auto old = kept_.find(key); old != kept_.end()) {
     bytes_ -= old->second.picture.png->size();
     last_used_.erase(old->second.place);
@@ -43,18 +45,17 @@ const WebPicture& JobPictures::keep(const Key& key, std::uint64_t version, std::
   }
   WebPicture picture{std::make_shared<const std::string>(std::move(png)),
                      fmt::format("{}-{}-{}-{}", run_, key.first, key.second, version)};
-  return kept_.emplace(key, Kept{version, std::move(picture), Clock::now(), last_used_.begin()})
-      .first->second.picture;
+  kept_.emplace(key, Kept{version, picture, Clock::now(), last_used_.begin()});
+  return picture;
 }
 
 std::optional<WebPicture> JobPictures::of_film(JobId job, int largest_side) {
   const Key key{job, largest_side};
   const std::optional<LiveFilm> film = films_.film(job, kLongestWait);
   if (!film) return {};
-  const std::lock_guard lock(mutex_);
-  const Kept* kept = find(key);
-  if (kept != nullptr && (kept->version == film->version || Clock::now() - kept->made < kPictureInterval))
-    return kept->picture;
+  const std::lock_guard one_at_a_time(making_film_);
+  if (const std::optional<Kept> kept = find(key))
+    if (kept->version == film->version || Clock::now() - kept->made < kPictureInterval) return kept->picture;
   auto png = picture_of_film(*film, largest_side);
   if (!png) return {};
   return keep(key, film->version, std::move(*png));
@@ -63,8 +64,8 @@ std::optional<WebPicture> JobPictures::of_film(JobId job, int largest_side) {
 std::optional<WebPicture> JobPictures::of_file(JobId job, const std::filesystem::path& file,
                                                int largest_side) {
   const Key key{job, largest_side};
-  const std::lock_guard lock(mutex_);
-  if (const Kept* kept = find(key); kept != nullptr && kept->version == kStored) return kept->picture;
+  const std::lock_guard one_at_a_time(reading_file_);
+  if (const std::optional<Kept> kept = find(key); kept && kept->version == kStored) return kept->picture;
   const auto header = read_image_header(file);
   if (!header || header->pixels() * header->channels.size() * sizeof(float) > kLargestImage) return {};
   const auto image = read_image(file);

@@ -16,7 +16,8 @@
 
 namespace penumbra {
 
-/// Thread-safe. One picture is made at a time, so that browsers take at most one core from the workers.
+/// Thread-safe. One picture of a film and one of a file are made at a time, so that browsers take little from
+/// the workers, and a slow disk does not keep films waiting.
 class JobPictures {
  public:
   JobPictures();
@@ -40,12 +41,13 @@ class JobPictures {
     std::list<Key>::iterator place;  // in last_used_
   };
 
-  [[nodiscard]] const Kept* find(const Key& key);
-  const WebPicture& keep(const Key& key, std::uint64_t version, std::string png);
+  [[nodiscard]] std::optional<Kept> find(const Key& key);
+  WebPicture keep(const Key& key, std::uint64_t version, std::string png);
 
   LiveFilms films_;
   const std::string run_;  // part of the tags: an earlier process may have counted its versions alike
-  std::mutex mutex_;       // held while a picture is made
+  std::mutex making_film_, reading_file_;
+  std::mutex mutex_;  // protects what follows
   std::map<Key, Kept> kept_;
   std::list<Key> last_used_;  // most recent first
   std::size_t bytes_ = 0;

@@ -12,9 +12,9 @@
 namespace penumbra {
 
 struct WebOptions {
-  std::string address;  ///< "127.0.0.1:8080"; port 0: any free port
+  std::string address = {};  ///< "127.0.0.1:8080"; port 0: any free port
   /// Any of them admits; the links contain the first. Never empty.
-  std::vector<std::string> tokens;
+  std::vector<std::string> tokens = {};
   std::shared_ptr<const Keys> keys = {};  ///< for addresses of other hosts, which are encrypted with them
   bool comes_back = false;                ///< at the end, pages wait for another process at the same address
   int most_connections = 256;

@@ -43,7 +43,8 @@ export function rate(samplesPerSecond) {
 }
 
 export function percent(share) {
-  return `${Math.floor(100 * share)}%`;
+  const whole = 100 * share;  // rounded down, so that 100% is all
+  return whole < 10 ? `${(Math.floor(10 * whole) / 10).toFixed(1)}%` : `${Math.floor(whole)}%`;
 }
 
 export function share(item) {

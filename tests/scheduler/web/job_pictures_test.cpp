@@ -19,19 +19,32 @@ using namespace std::chrono_literals;
 
 constexpr JobId kJob = 5;
 
+std::shared_ptr<const TileSnapshot> tile_at(int x, int y, int width, int height,
+                                            std::vector<float> radiance) {
+  TileSnapshot tile;
+  tile.x = x;
+  tile.y = y;
+  tile.width = width;
+  tile.height = height;
+  tile.samples = 1;
+  tile.radiance = std::move(radiance);
+  return std::make_shared<const TileSnapshot>(std::move(tile));
+}
+
 /// A film of 4 x 2 pixels at (10, 20) with a tile for each half.
 class Render {
  public:
   Render() {
-    board->describe(
-        {.id = kJob, .film_width = 100, .film_height = 100, .x = 10, .y = 20, .width = 4, .height = 2});
+    WatchedJob job;
+    job.x = 10;
+    job.y = 20;
+    job.width = 4;
+    job.height = 2;
+    board->describe(job);
     board->show_view({});
   }
   void show(std::uint32_t tile, float value) const {
-    const std::vector<float> radiance(12, value);
-    board->show_tile(
-        tile,
-        {.x = 10 + 2 * int(tile), .y = 20, .width = 2, .height = 2, .samples = 1, .radiance = radiance});
+    board->show_tile(tile, *tile_at(10 + 2 * int(tile), 20, 2, 2, std::vector<float>(12, value)));
   }
   /// As the farm does: all tiles, once somebody watches.
   void show_when_watched(float value) const {
@@ -42,6 +55,13 @@ class Render {
   const std::shared_ptr<WatchBoard> board = std::make_shared<WatchBoard>(2);
 };
 
+Image rgb_image(int width, int height) {
+  Image image;
+  image.data = image.display = {0, 0, width, height};
+  image.channels = {"R", "G", "B"};
+  return image;
+}
+
 Image decoded(const std::string& png) {
   const TemporaryFolder folder;
   write_text(folder / "a.png", png);
@@ -51,8 +71,7 @@ Image decoded(const std::string& png) {
 }
 
 TEST(FilmPicture, PixelsAreThoseOfAPngAndWhatIsMissingIsTransparent) {
-  const auto tile = std::make_shared<const TileSnapshot>(
-      TileSnapshot{.x = 12, .y = 20, .width = 1, .height = 1, .radiance = {0.25f, 2, -1}});
+  const auto tile = tile_at(12, 20, 1, 1, {0.25f, 2, -1});
   const auto png = picture_of_film({.x = 10, .y = 20, .width = 3, .height = 1, .tiles = {tile}}, 100);
   ASSERT_TRUE(png);
   const Image image = decoded(*png);
@@ -66,7 +85,7 @@ TEST(FilmPicture, PixelsAreThoseOfAPngAndWhatIsMissingIsTransparent) {
 }
 
 TEST(FilmPicture, SmallPicturesAreMeansInLinearLight) {
-  Image image{.data = {0, 0, 4, 2}, .display = {0, 0, 4, 2}, .channels = {"R", "G", "B"}};
+  Image image = rgb_image(4, 2);
   for (int i = 0; i < 8; ++i) image.values.insert(image.values.end(), 3, i % 2 == 0 ? 0.0f : 1.0f);
   const auto png = picture_of_image(image, 2);
   ASSERT_TRUE(png);
@@ -80,8 +99,7 @@ TEST(FilmPicture, NotANumberIsBlackAndOddSizesAreFine) {
   for (const int side : {1, 2, 3, 7, 1000})
     for (const int width : {1, 5, 999}) {
       std::vector<float> radiance(std::size_t(3 * width), std::nanf(""));
-      const auto tile = std::make_shared<const TileSnapshot>(
-          TileSnapshot{.x = 0, .y = 0, .width = width, .height = 1, .radiance = std::move(radiance)});
+      const auto tile = tile_at(0, 0, width, 1, std::move(radiance));
       const auto png = picture_of_film({.width = width, .height = 1, .tiles = {tile}}, side);
       ASSERT_TRUE(png) << side << " " << width;
       EXPECT_EQ(decoded(*png).data.width, std::min(side, width));
@@ -146,7 +164,7 @@ TEST(JobPictures, AJobThatBeginsAgainHasANewFilm) {
 
 TEST(JobPictures, OfFiles) {
   const TemporaryFolder folder;
-  Image image{.data = {0, 0, 600, 300}, .display = {0, 0, 600, 300}, .channels = {"R", "G", "B"}};
+  Image image = rgb_image(600, 300);
   image.values.assign(3 * image.pixels(), 0.5f);
   const auto exr = encode_exr(image);
   ASSERT_TRUE(exr);
