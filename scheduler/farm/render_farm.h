@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,12 +28,15 @@ struct FarmOptions {
   std::string launch_threads = "auto";
   std::string listen = {};                ///< an additional listening address; see ListenOptions::more
   std::shared_ptr<const Keys> keys = {};  ///< the keys for `listen`; see listening_keys
-  bool comes_back = false;                ///< see ListenOptions::comes_back
-  LeaseRule leases = {};                  ///< when a worker is considered hung
-  int largest_tile = 64;                  ///< the largest tile of any job; larger results are rejected
-  bool tells_how_to_watch = false;        ///< the first notices to JobSource say how to watch the render
-  int open_jobs = 2;                      ///< the number of jobs taken from the source at a time
-  ServiceMaker service = {};              ///< additional calls served at `listen`
+  /// A file for the address of `listen`; see keys/address_file.h. If `stop` ends the farm, workers are told
+  /// that it will return. Whoever runs the farm ends the file.
+  std::filesystem::path address_file = {};
+  bool comes_back = false;          ///< see ListenOptions::comes_back
+  LeaseRule leases = {};            ///< when a worker is considered hung
+  int largest_tile = 64;            ///< the largest tile of any job; larger results are rejected
+  bool tells_how_to_watch = false;  ///< the first notices to JobSource say how to watch the render
+  int open_jobs = 2;                ///< the number of jobs taken from the source at a time
+  ServiceMaker service = {};        ///< additional calls served at `listen`
 };
 
 /// A connected worker and its statistics.

@@ -323,6 +323,7 @@ ExitCode SceneSet::run() {
                    .worker_executable = worker->string(),
                    .listen = options_.listen,
                    .keys = *keys,
+                   .address_file = options_.address_file,
                    .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
   set_launch(options_, farm);
