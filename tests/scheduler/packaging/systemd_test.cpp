@@ -73,6 +73,7 @@ wait_until '[[ -n $(find ~/.local/state/penumbra/spool -name "*checkpoint*" -siz
 pid=$(of serve MainPID) worker=$(of worker@1 MainPID)
 kill -KILL "$pid"
 wait_until '[[ $(of serve NRestarts) == 1 && $(of serve ActiveState) == active ]]'
+wait_until 'penumbra status >/dev/null 2>&1'
 echo "restarted: $((pid != $(of serve MainPID)))"
 timeout 240 penumbra fetch 1 --wait -o ~/fetched -q
 echo "worker restarts: $(of worker@1 NRestarts), the same: $((worker == $(of worker@1 MainPID)))"
