@@ -110,21 +110,25 @@ int run(int argc, char** argv) {
   app.option_defaults()->group(group::kNetwork);
   app.add_option("--connect", options.address,
                  "Address of the scheduler: unix:/path, or HOST:PORT with --keys, or with the token that it "
-                 "printed in PENUMBRA_TOKEN")
+                 "printed in PENUMBRA_TOKEN. file:PATH: what a scheduler with --address-file PATH writes "
+                 "there; it is read again when the scheduler moves")
       ->type_name("ADDRESS")
       ->required();
   add_client_access_options(app, keys);
   app.add_option(
          "--retry-for", options.retry_for,
          "Time to wait for a scheduler that is not there yet, or no longer, with pauses of up to 15 s; inf: "
-         "for ever")
+         "for ever. After that the exit code is 1")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description("0 or above"))
-      ->check(
+      ->check(CLI::Validator(
           [](const std::string& text) {
-            return std::isnan(std::strtod(text.c_str(), nullptr)) ? "it is not a number" : "";
+            char* end = nullptr;
+            const double seconds = std::strtod(text.c_str(), &end);  // takes "inf", too
+            const bool is_number = !text.empty() && *end == '\0' && !std::isnan(seconds);
+            return is_number && seconds >= 0 ? std::string()
+                                             : "'" + text + "' is not a number from 0 up, or inf";
           },
-          "")
+          "0 or above"))
       ->capture_default_str();
   app.option_defaults()->group(group::kWorkers);
   const auto* backend_option = app.add_option("--backend", backend, "Backend, whatever the job says")
@@ -203,8 +207,7 @@ int run(int argc, char** argv) {
   options.token = access->token;
   options.keys = access->keys;
   options.reconnects = std::getenv(kWorkerKeyVariable) == nullptr;
-  if (options.reconnects)
-    options.on_waiting = [](const std::string& why) { print_message("waiting: " + why); };
+  if (options.reconnects) options.on_waiting = [](const std::string& text) { print_message(text); };
   options.make_device = make_device;
   options.leave = stop_by_signal();
   options.leave_reason = "it was told to end by a signal";

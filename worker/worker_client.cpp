@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
@@ -20,6 +22,8 @@
 
 #include "kernels/host/process.h"
 #include "penumbra.grpc.pb.h"
+#include "scheduler/keys/address_file.h"
+#include "scheduler/keys/client_access.h"
 #include "scheduler/keys/tcp_address.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
@@ -44,6 +48,7 @@ constexpr std::chrono::milliseconds kFirstPause{100}, kFirstPauseHere{20}, kLong
 // An attempt ends when it has failed, or after this time.
 constexpr std::chrono::seconds kTimeToConnect{10};
 constexpr std::chrono::milliseconds kTimeToExplain{2000};
+constexpr std::chrono::milliseconds kAddressFileInterval{500};  // between two looks into an address file
 // A unit whose result is no longer needed may take this long before the worker reconnects.
 constexpr std::chrono::seconds kTimeToFinish{120};
 constexpr double kLongestRetry = 1e9;  // seconds: forever
@@ -84,7 +89,8 @@ using SessionEnd = std::variant<Lost, Expected<void>>;
 /// One connection to a scheduler, from Hello to the end of the stream.
 class Session {
  public:
-  Session(const WorkerClientOptions& options, bool may_return) : options_(options), may_return_(may_return) {}
+  Session(const WorkerClientOptions& options, std::string address, bool may_return)
+      : options_(options), address_(std::move(address)), may_return_(may_return) {}
 
   /// Connects to the scheduler. If that fails, `why_not` says why, as far as it is known.
   bool connect(std::string& why_not);
@@ -108,6 +114,7 @@ class Session {
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
 
   const WorkerClientOptions& options_;
+  const std::string address_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Farm::Stub> stub_;
   grpc::ClientContext context_;
@@ -139,15 +146,14 @@ class Session {
 /// Makes one attempt to connect; the channel reports its failure.
 bool Session::connect(std::string& why_not) {
   // The channel must not retry by itself.
-  channel_ =
-      open_channel(options_.address, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
+  channel_ = open_channel(address_, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
   const auto deadline = std::chrono::system_clock::now() + kTimeToConnect;
   grpc_connectivity_state state = channel_->GetState(true);
   while (state != GRPC_CHANNEL_READY && state != GRPC_CHANNEL_TRANSIENT_FAILURE &&
          channel_->WaitForStateChange(state, deadline))
     state = channel_->GetState(true);
   if (state == GRPC_CHANNEL_READY) return true;
-  why_not = why_unreachable(options_.address, options_.keys.get(), kTimeToExplain);
+  why_not = why_unreachable(address_, options_.keys.get(), kTimeToExplain);
   return false;
 }
 
@@ -188,13 +194,12 @@ SessionEnd Session::run() {
 }
 
 Error Session::lost_text() const {
-  if (comes_back_) return {fmt::format("the scheduler at {} was stopped", options_.address)};
+  if (comes_back_) return {fmt::format("the scheduler at {} was stopped", address_)};
   if (is_final(status_.error_code()))
-    return {
-        fmt::format("the scheduler at {} refuses this worker: {}", options_.address, status_text(status_))};
+    return {fmt::format("the scheduler at {} refuses this worker: {}", address_, status_text(status_))};
   // A broken connection has no further details.
   const bool is_broken = status_.ok() || status_.error_code() == grpc::StatusCode::UNAVAILABLE;
-  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address, is_broken ? "" : ": ",
+  return {fmt::format("the scheduler at {} broke the connection{}{}", address_, is_broken ? "" : ": ",
                       is_broken ? "" : status_text(status_))};
 }
 
@@ -433,39 +438,99 @@ void Session::render(const wire::Unit& message) {
   outbox_.put(std::move(finished));
 }
 
-}  // namespace
+/// Connects again and again until the worker's work is over.
+class Attempts {
+ public:
+  explicit Attempts(const WorkerClientOptions& options)
+      : options_(options),
+        file_(address_file_of(options.address)),
+        patience_(std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)))),
+        reminder_(
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.reminder))),
+        pauses_(is_here() ? kFirstPauseHere : kFirstPause, is_here() ? kLongestPauseHere : kLongestPause,
+                std::random_device{}()) {}
 
-Expected<void> run_worker(const WorkerClientOptions& options) {
-  using Clock = std::chrono::steady_clock;
-  const auto patience = std::chrono::duration_cast<Clock::duration>(
-      std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
-  const bool is_here = !is_tcp(options.address) || is_loopback(split_address(options.address).host);
-  BackOff pauses(is_here ? kFirstPauseHere : kFirstPause, is_here ? kLongestPauseHere : kLongestPause,
-                 std::random_device{}());
-  Clock::time_point last_seen = Clock::now();
-  std::string why, told;
-  for (;;) {
-    Session session(options, options.reconnects && patience > Clock::duration::zero());
-    std::string why_not;
-    if (session.connect(why_not)) {
-      SessionEnd end = session.run();
+  Expected<void> run() {
+    for (;;) {
+      SessionEnd end = attempt();
       if (const auto* over = std::get_if<Expected<void>>(&end)) return *over;
       const Lost& lost = std::get<Lost>(end);
-      why = lost.why.message;
       if (lost.was_answered) {
-        last_seen = Clock::now();
-        pauses.reset();
+        last_seen_ = Clock::now();
+        pauses_.reset();
       }
-    } else {
-      why = fmt::format("no scheduler answers at {}{}{}", options.address, why_not.empty() ? "" : ": ",
-                        why_not);
+      const auto left = last_seen_ + patience_ - Clock::now();
+      if (left <= Clock::duration::zero())
+        return fail(options_.retry_for > 0
+                        ? fmt::format("{} (waited {} s)", lost.why.message, options_.retry_for)
+                        : lost.why.message);
+      tell(lost.why.message, left);
+      pause(std::min<Clock::duration>(pauses_.next(), left));
     }
-    const auto left = last_seen + patience - Clock::now();
-    if (left <= Clock::duration::zero())
-      return fail(options.retry_for > 0 ? fmt::format("{} (waited {} s)", why, options.retry_for) : why);
-    if (options.on_waiting && why != told) options.on_waiting(told = why);
-    std::this_thread::sleep_for(std::min<Clock::duration>(pauses.next(), left));
   }
-}
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] bool is_here() const {
+    return file_.empty() && (!is_tcp(options_.address) || is_loopback(split_address(options_.address).host));
+  }
+
+  SessionEnd attempt() {
+    address_ = options_.address;
+    if (!file_.empty()) {
+      address_.clear();
+      const auto read = read_address_file(file_);
+      if (!read) return Lost{read.error()};
+      if (!*read) {
+        if (options_.on_waiting)
+          options_.on_waiting(fmt::format("the render has ended, says {}", file_.string()));
+        return Expected<void>();
+      }
+      address_ = **read;
+      if (auto checked = check_encrypted(address_, options_.keys.get(), KeyRole::kWorker); !checked)
+        return checked;
+    }
+    Session session(options_, address_, options_.reconnects && patience_ > Clock::duration::zero());
+    std::string why_not;
+    if (session.connect(why_not)) return session.run();
+    return Lost{
+        {fmt::format("no scheduler answers at {}{}{}", address_, why_not.empty() ? "" : ": ", why_not)}};
+  }
+
+  void tell(const std::string& why, Clock::duration left) {
+    if (!options_.on_waiting || (why == told_ && Clock::now() < next_reminder_)) return;
+    told_ = why;
+    next_reminder_ = Clock::now() + reminder_;
+    const auto seconds = std::chrono::ceil<std::chrono::seconds>(left).count();
+    options_.on_waiting(std::isinf(options_.retry_for)
+                            ? "waiting: " + why
+                            : fmt::format("waiting for up to {} s (--retry-for): {}", seconds, why));
+  }
+
+  /// Ends early if the address file has changed.
+  void pause(Clock::duration time) {
+    const Clock::time_point end = Clock::now() + time;
+    for (auto now = Clock::now(); now < end; now = Clock::now()) {
+      if (!file_.empty())
+        if (const auto read = read_address_file(file_); read && *read != address_) return pauses_.reset();
+      std::this_thread::sleep_for(file_.empty() ? end - now
+                                                : std::min<Clock::duration>(end - now, kAddressFileInterval));
+    }
+  }
+
+  const WorkerClientOptions& options_;
+  const std::filesystem::path file_;
+  const Clock::duration patience_, reminder_;
+  BackOff pauses_;
+  Clock::time_point last_seen_ = Clock::now(), next_reminder_{};
+  std::string address_;  ///< of the last attempt; empty: the file had none
+  std::string told_;
+};
+
+}  // namespace
+
+Expected<void> run_worker(const WorkerClientOptions& options) { return Attempts(options).run(); }
 
 }  // namespace penumbra

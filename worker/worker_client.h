@@ -22,7 +22,7 @@ using DeviceFactory =
     std::function<Expected<std::unique_ptr<Device>>(const DeviceScene& scene, const DeviceOptions& options)>;
 
 struct WorkerClientOptions {
-  std::string address;                    ///< "unix:/path" or "host:port"
+  std::string address;                    ///< "unix:/path", "host:port", or "file:path"; see address_file.h
   std::string token;                      ///< access token of workers; empty over a Unix socket
   std::shared_ptr<const Keys> keys = {};  ///< for an encrypted connection
   /// Seconds during which the worker tries to reach a scheduler that does not answer, since its last sign of
@@ -50,15 +50,18 @@ struct WorkerClientOptions {
   /// Called from another thread when the connection is lost for good, possibly during a unit, which cannot be
   /// interrupted: a process should end here. May be empty; then `run_worker` returns after the unit.
   std::function<void(const Error&)> on_connection_lost = {};
-  /// Called with a text for users about what the worker waits for; may be empty.
+  /// Called with a text for users: what the worker waits for and how much longer, when that changes and every
+  /// `reminder` seconds; that the render had ended before. May be empty.
   std::function<void(const std::string&)> on_waiting = {};
+  double reminder = 120;
 };
 
-/// Works until the scheduler has no more work. If the connection is lost, or the scheduler restarts, it
-/// returns an error or reconnects with growing pauses. Errors: no scheduler is found for `retry_for` seconds;
-/// at once if the scheduler refuses this worker (version, token), or if no job could be rendered here (no
-/// such device, damaged scene). Results are sent by a thread of their own, so that the next unit does not
-/// wait for the network.
+/// Works until the scheduler has no more work, or an address file says that the render has ended. If the
+/// connection is lost, or the scheduler restarts, it returns an error or reconnects with growing pauses.
+/// Errors: no scheduler is found for `retry_for` seconds; at once if the scheduler refuses this worker
+/// (version, token), is on another host and there are no keys, or if no job could be rendered here (no such
+/// device, damaged scene). An address file is read again for each attempt, and a new address in it is tried
+/// at once. Results are sent by a thread of their own, so that the next unit does not wait for the network.
 Expected<void> run_worker(const WorkerClientOptions& options);
 
 }  // namespace penumbra

@@ -29,6 +29,8 @@ void add_convert_command(CLI::App& app, Command& chosen);
 void add_denoise_command(CLI::App& app, Command& chosen);
 void add_merge_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
+/// Writes, and submits, a render as jobs for Slurm.
+void add_sbatch_command(CLI::App& app, Command& chosen);
 // Commands for services.
 void add_serve_command(CLI::App& app, Command& chosen);
 void add_submit_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);

@@ -33,7 +33,7 @@ const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Scenes", {"info", "convert", "plugins", "settings"}},
     {"Images", {"denoise", "merge"}},
     {"Measure", {"compare", "report", "stress"}},
-    {"Service", {"serve", "submit", "status", "prioritize", "cancel", "retry", "fetch", "keys"}},
+    {"Service", {"serve", "submit", "status", "prioritize", "cancel", "retry", "fetch", "keys", "sbatch"}},
     {"Installation", {"completion", "man"}}};
 
 void group_commands(CLI::App& app) {
@@ -67,6 +67,7 @@ ExitCode run(int argc, char** argv) {
   add_change_commands(app, chosen);
   add_fetch_command(app, chosen);
   add_keys_command(app, chosen);
+  add_sbatch_command(app, chosen);
   add_reference_commands(app, chosen);
   app.footer(kExamples);
   group_commands(app);

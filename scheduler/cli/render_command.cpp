@@ -17,6 +17,7 @@
 #include "scheduler/cli/sets/render_set.h"
 #include "scheduler/cli/sets/set_estimate.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/keys/address_file.h"
 #include "scheduler/record/film_image.h"
 
 namespace penumbra {
@@ -80,6 +81,18 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   return outcome->complete && !is_wrong ? kAllDone : kIncomplete;
 }
 
+/// Tells workers that look for this scheduler later whether another one will follow: a render that a signal
+/// has interrupted is continued by the next start of the same command.
+ExitCode end_for_workers(const RenderOptions& options, ExitCode code, bool stopped) {
+  if (options.address_file.empty()) return code;
+  const bool is_interrupted = code == kIncomplete && stopped;
+  if (const auto ended = end_address_file(options.address_file, is_interrupted); !ended) {
+    print_error({"--address-file: " + ended.error().message});
+    return code == kAllDone ? kIncomplete : code;
+  }
+  return code;
+}
+
 }  // namespace
 
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
@@ -117,7 +130,10 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
     chosen = [options, command, &command_line] {
       const bool is_set = options->scenes.size() > 1 || is_job_file(options->scenes.front());
       if (options->estimate) return is_set ? estimate_set(*options, *command) : estimate(*options);
-      return is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
+      const std::atomic<bool>& stop = install_stop_signal();
+      const ExitCode code =
+          is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
+      return end_for_workers(*options, code, stop);
     };
   });
 }

@@ -65,6 +65,7 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
 void make_local(PreparedRender& prepared) {
   prepared.farm.launch.clear();
   prepared.farm.listen.clear();
+  prepared.farm.address_file.clear();
   prepared.farm.tells_how_to_watch = false;
   RenderJob& job = prepared.job;
   job.tev.clear();

@@ -376,6 +376,16 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_worker_options(command, options);
   add_web_option(command, options.web);
   command
+      .add_option("--address-file", options.address_file,
+                  "Write the address at which other hosts reach --listen into this file, where "
+                  "`penumbra-worker --connect file:FILE` looks for it, also after another start on another "
+                  "host")
+      ->type_name("FILE")
+      ->check(some_text())
+      ->needs("--listen")
+      ->excludes("--pixel")
+      ->group(group::kNetwork);
+  command
       .add_option("--verify", options.verify,
                   "Share of the work units that a second worker renders too (0.05 is 5%). Where results "
                   "differ both workers are dismissed and their work is done again. Needs two workers")

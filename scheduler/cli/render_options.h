@@ -59,6 +59,7 @@ struct RenderOptions {
   std::string listen;        ///< additional address for viewers; empty: only the private socket
   std::string keys;          ///< folder of keys for `listen`; empty: none
   std::string web;           ///< address of the page in the browser; empty: none
+  std::string address_file;  ///< in which workers find the address of `listen`; empty: none
   std::string tev;           ///< address of a tev viewer that shows the render; empty: none
   bool interactive = false;  ///< viewers choose camera and samples
   PlanOptions plan;          ///< except the next two, which depend on the integrator if they are not given

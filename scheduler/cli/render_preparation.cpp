@@ -122,6 +122,7 @@ FarmOptions farm_of(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
+  farm.address_file = options.address_file;
   set_launch(options, farm);
   // A unit is one sample of a tile, and after every change of the view nothing is known about the workers'
   // speed.

@@ -8,6 +8,7 @@
 
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/keys/address_file.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/wire.h"
 
@@ -45,6 +46,11 @@ Expected<void> FarmRun::start() {
                       .service = options_.service});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
+  if (!options_.address_file.empty()) {
+    const std::string address = reachable_address(server_->more_address());
+    if (const auto written = write_address_file(options_.address_file, address); !written)
+      return fail("--address-file: " + written.error().message);
+  }
   const bool far = !options_.launch.empty() && !options_.listen.empty();
   workers_here_.emplace(
       worker_command(options_, far ? reachable_address(server_->more_address()) : socket_->address(),
@@ -124,6 +130,7 @@ Expected<void> FarmRun::run() {
   }
   end_all_jobs();
   for (const auto& board : closed_boards_) board->wait_for_watchers(kPatienceWithWatchers);
+  if (stop_ && !options_.address_file.empty()) server_->will_come_back();
   server_.reset();
   if (never_began) return fail("no worker could be started:" + reasons);
   if (!stop_ && !could_go_on && !source_.is_exhausted()) return fail("no worker is left:" + reasons);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -33,6 +34,9 @@ struct FarmOptions {
   LeaseRule leases = {};                  ///< when a worker is considered hung
   /// Without keys: the token for watching at `listen`; empty: a random one.
   std::string watch_token = {};
+  /// A file for the address of `listen`; see keys/address_file.h. If `stop` ends the farm, workers are told
+  /// that it will return. Whoever runs the farm ends the file.
+  std::filesystem::path address_file = {};
   bool tells_how_to_watch = false;  ///< the first notices to JobSource say how to watch the render
   int open_jobs = 2;                ///< the number of jobs taken from the source at a time
   ServiceMaker service = {};        ///< additional calls served at `listen`

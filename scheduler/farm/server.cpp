@@ -150,6 +150,8 @@ Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options) {
   return server;
 }
 
+void Server::will_come_back() { state_->comes_back = true; }
+
 const std::string& Server::more_address() const { return state_->more_address; }
 const Tokens& Server::tokens() const { return state_->tokens; }
 

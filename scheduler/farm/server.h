@@ -44,6 +44,8 @@ class Server {
  public:
   /// Errors: an address that is in use, invalid, or reachable from other hosts without keys.
   static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options);
+  /// Sets ListenOptions::comes_back.
+  void will_come_back();
   /// Dismisses the remaining workers, breaks streams that do not end soon, and joins the threads.
   ~Server();
 

@@ -4,10 +4,21 @@
 
 #include <cstdlib>
 
+#include "scheduler/keys/address_file.h"
 #include "scheduler/keys/secrets.h"
 #include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
+
+Expected<void> check_encrypted(const std::string& address, const Keys* keys, KeyRole role) {
+  const auto [host, port] = split_address(address);
+  if (!is_tcp(address) || keys != nullptr || is_loopback(host)) return {};
+  return fail(fmt::format(
+      "{} is another host: give --keys (or {}), a copy of the folder '{}' that `penumbra keys` made "
+      "for that scheduler; without encryption everybody in between could read the token. Or reach it "
+      "through ssh -L as 127.0.0.1:{}",
+      address, kKeysVariable, info(role).folder, port));
+}
 
 Expected<ClientAccess> client_access(const std::string& address, const std::string& folder, KeyRole role) {
   ClientAccess access;
@@ -25,13 +36,9 @@ Expected<ClientAccess> client_access(const std::string& address, const std::stri
                                             : tokens.watch;
     return access;
   }
-  const auto [host, port] = split_address(address);
-  if (!is_loopback(host))
-    return fail(fmt::format(
-        "{} is another host: give --keys (or {}), a copy of the folder '{}' that `penumbra keys` made "
-        "for that scheduler; without encryption everybody in between could read the token. Or reach it "
-        "through ssh -L as 127.0.0.1:{}",
-        address, kKeysVariable, info(role).folder, port));
+  if (!address_file_of(address).empty()) return access;
+  if (const auto checked = check_encrypted(address, nullptr, role); !checked)
+    return std::unexpected(checked.error());
   return access;
 }
 

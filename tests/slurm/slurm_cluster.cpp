@@ -6,8 +6,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <random>
 #include <sstream>
 
@@ -92,11 +94,13 @@ void SlurmCluster::start() {
        << "\nJobAcctGatherType=jobacct_gather/none\nAccountingStorageType=accounting_storage/none"
        << "\nSelectType=select/cons_tres\nSelectTypeParameters=CR_Core\nReturnToService=2"
        << "\nSchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1,requeue_delay=0"
-       << "\nKillWait=2\nJobRequeue=1\n";
+       << "\nKillWait=2\nJobRequeue=1\nSlurmdTimeout=15"
+       << "\nPreemptType=preempt/partition_prio\nPreemptMode=REQUEUE\n";
   for (int i = 1; i <= kNodes; ++i)
     text << "NodeName=n" << i << " NodeHostname=" << host
          << " NodeAddr=127.0.0.1 Port=" << ports[std::size_t(i)] << " CPUs=1 State=UNKNOWN\n";
-  text << "PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n";
+  text << "PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP PriorityTier=2 PreemptMode=OFF\n"
+       << "PartitionName=preempted Nodes=ALL MaxTime=INFINITE State=UP PriorityTier=1 PreemptMode=REQUEUE\n";
   write_text(folder_ / "slurm.conf", text.str());
 
   const auto run = [&](const std::string& name, const std::string& program,
@@ -118,7 +122,9 @@ void SlurmCluster::start() {
     const std::string node = "n" + std::to_string(i);
     run(node, "slurmd", {"-D", "-N", node, "-f", configuration()});
   }
-  const auto idle = [&] { return ask("sinfo -h -o %T-%D") == "idle-" + std::to_string(kNodes) + "\n"; };
+  const auto idle = [&] {
+    return ask("sinfo -h -p all -o %T-%D") == "idle-" + std::to_string(kNodes) + "\n";
+  };
   if (!eventually(idle, 15s)) why_not_ = "Slurm's nodes do not become idle: " + log_ends();
 }
 
@@ -130,6 +136,42 @@ std::string SlurmCluster::log_ends() const {
     all += std::string(name) + ": " + log.substr(log.size() - std::min(log.size(), kLongest));
   }
   return all;
+}
+
+std::vector<pid_t> SlurmCluster::processes(const std::string& word, const std::string& node) const {
+  std::vector<pid_t> found;
+  for (const auto& process : fs::directory_iterator("/proc")) {
+    const std::string name = process.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (!file_contents(process.path() / "cmdline").contains(word)) continue;
+    // Variables are separated by zeros.
+    const std::string environment = file_contents(process.path() / "environ") + '\0';
+    if (environment.contains("SLURM_CONF=" + configuration() + '\0') &&
+        environment.contains("SLURMD_NODENAME=" + node + (node.empty() ? "" : std::string(1, '\0'))))
+      found.push_back(pid_t(std::stol(name)));
+  }
+  return found;
+}
+
+void SlurmCluster::lose_node(const std::string& node) {
+  const std::string daemon = "-N " + node + " -f " + configuration();
+  // The daemon first, so that it cannot report the end of its jobs. A slurmstepd is named by its job alone,
+  // and is the parent of what runs.
+  std::vector<pid_t> doomed;
+  for (const auto& one : daemons_) {
+    std::string command = file_contents(fs::path("/proc") / std::to_string(one->pid()) / "cmdline");
+    std::ranges::replace(command, '\0', ' ');
+    if (command.contains(daemon)) doomed.push_back(one->pid());
+  }
+  for (const pid_t pid : processes("", node)) {
+    const std::string status = file_contents(fs::path("/proc") / std::to_string(pid) / "status");
+    const std::size_t at = status.find("PPid:");
+    const pid_t parent = at == std::string::npos ? 0 : pid_t(std::atol(status.c_str() + at + 5));
+    if (file_contents(fs::path("/proc") / std::to_string(parent) / "comm").starts_with("slurmstepd"))
+      doomed.push_back(parent);
+    doomed.push_back(pid);
+  }
+  for (const pid_t pid : doomed) kill(pid, SIGKILL);
 }
 
 std::string SlurmCluster::ask(const std::string& command) const {

@@ -1,6 +1,8 @@
 // A real Slurm on this machine: munged, slurmctld, and three slurmd of one core each. They use a folder and
-// ports of their own.
+// ports of their own. Jobs of the partition "preempted" give way to those of "all", the default.
 #pragma once
+
+#include <sys/types.h>
 
 #include <memory>
 #include <string>
@@ -26,6 +28,11 @@ class SlurmCluster {
   [[nodiscard]] const std::string& why_not() const { return why_not_; }
   /// What a Slurm command such as "squeue -h" prints; empty if it fails.
   std::string ask(const std::string& command) const;
+  /// The processes of jobs, on that node or on all, whose command line contains the word.
+  [[nodiscard]] std::vector<pid_t> processes(const std::string& word, const std::string& node = "") const;
+  /// Kills the node's slurmd and whatever its jobs run, as a power failure would. Slurm notices after some 15
+  /// s.
+  void lose_node(const std::string& node);
   /// For the environment of programs that are to use it.
   [[nodiscard]] std::string configuration() const { return (folder_ / "slurm.conf").string(); }
 

@@ -71,17 +71,7 @@ class Slurm : public ::testing::Test {
     for (std::size_t at = 0; (at = text.find(wanted, at)) != std::string::npos; ++at) ++count;
     return count;
   }
-  int tasks_running() const {
-    int workers = 0;
-    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
-      const std::string command = file_contents(process.path() / "cmdline");
-      if (!command.contains("penumbra-worker")) continue;
-      const std::string environment = file_contents(process.path() / "environ");
-      workers += environment.contains("SLURM_CONF=" + cluster_.configuration()) &&
-                 environment.contains("SLURMD_NODENAME=");
-    }
-    return workers;
-  }
+  int tasks_running() const { return int(cluster_.processes("penumbra-worker").size()); }
 
   SlurmCluster cluster_;
   TemporaryFolder folder_;

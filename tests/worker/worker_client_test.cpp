@@ -10,9 +10,11 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
+#include "scheduler/keys/address_file.h"
 #include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/back_off.h"
 #include "worker/part_size.h"
 
@@ -328,6 +330,82 @@ TEST_F(WorkerClientTest, ASchedulerThatDoesNotComeBackIsGivenUp) {
       testing::AllOf(HasSubstr("no scheduler answers at " + socket_.address()), HasSubstr("waited 0.5 s")));
   EXPECT_GT(std::chrono::steady_clock::now() - start, 400ms);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 20s);
+}
+
+TEST_F(WorkerClientTest, SaysAgainWhatItWaitsForAndHowLong) {
+  options_.retry_for = 0.4;
+  options_.reminder = 0.05;
+  std::vector<std::string> said;
+  options_.on_waiting = [&](const std::string& text) { said.push_back(text); };
+  EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("waited 0.4 s"));
+  ASSERT_GE(said.size(), 2u);
+  for (const std::string& text : said)
+    EXPECT_THAT(text, testing::AllOf(HasSubstr("waiting for up to 1 s (--retry-for)"),
+                                     HasSubstr("no scheduler answers at " + socket_.address())));
+}
+
+class AddressFile : public WorkerClientTest {
+ protected:
+  AddressFile() {
+    options_.address = "file:" + file_.string();
+    options_.reconnects = true;
+    options_.on_waiting = [this](const std::string& text) { said_.push_back(text); };
+  }
+  /// A scheduler that dismisses whoever comes.
+  static std::unique_ptr<ScriptedScheduler> scheduler_at(const std::string& address, bool comes_back) {
+    return std::make_unique<ScriptedScheduler>(address, [comes_back](Stream& stream) {
+      read(stream);
+      wire::SchedulerMessage message = dismissal();
+      message.mutable_dismiss()->set_comes_back(comes_back);
+      stream.Write(message);
+    });
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "address";
+  std::vector<std::string> said_;
+};
+
+TEST_F(AddressFile, LeadsToASchedulerThatComesLaterAndToAnotherOneThatGoesOn) {
+  const PrivateSocket other = PrivateSocket::create().value();
+  std::unique_ptr<ScriptedScheduler> first, second;
+  options_.on_waiting = [&, is_next = false](const std::string& text) mutable {
+    said_.push_back(text);
+    if (said_.size() == 1) {
+      first = scheduler_at(socket_.address(), true);
+      ASSERT_TRUE(write_address_file(file_, socket_.address()));
+    } else if (text.contains("was stopped") && !std::exchange(is_next, true)) {
+      second = scheduler_at(other.address(), false);
+      ASSERT_TRUE(write_address_file(file_, other.address()));
+    }
+  };
+  EXPECT_TRUE(run_worker(options_));
+  ASSERT_GE(said_.size(), 2u);
+  EXPECT_THAT(said_.front(), HasSubstr("there is no file " + file_.string()));
+  EXPECT_TRUE(second) << "the second dismissed it";
+}
+
+TEST_F(AddressFile, ThatSaysThatTheRenderHasEndedEndsTheWorker) {
+  ASSERT_TRUE(end_address_file(file_, false));
+  EXPECT_TRUE(run_worker(options_));
+  EXPECT_THAT(said_, testing::ElementsAre(HasSubstr("the render has ended")));
+  ASSERT_TRUE(end_address_file(file_, true)) << "another scheduler follows";
+  options_.retry_for = 0;
+  EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("there is no file"));
+}
+
+TEST_F(AddressFile, WithAnythingElseIsWaitedForAndThenAnError) {
+  options_.retry_for = 0.1;
+  for (const char* text : {"", "\n", "host", "host:", ":7000", "host:70000", "unix:", "a b\nhost:1"}) {
+    write_text(file_, text);
+    EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("contains no address")) << text;
+  }
+}
+
+TEST_F(AddressFile, OfAnotherHostNeedsKeys) {
+  write_text(file_, "node7:7000\n");
+  options_.retry_for = 1e9;
+  EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("node7:7000 is another host: give --keys"));
 }
 
 TEST_F(WorkerClientTest, WhoIsRefusedDoesNotComeBack) {

@@ -13,10 +13,25 @@ namespace penumbra {
 namespace {
 
 /// Options of the whole command, not of single renders.
-constexpr std::array<std::string_view, 18> kShared{
-    "workers",    "keys", "launch", "estimate", "json",    "listen",
-    "tev",        "web",  "quiet",  "force",    "summary", "pixel",
-    "statistics", "out",  "help",   "resume",   "restart", "checkpoint-interval"};
+constexpr std::array<std::string_view, 19> kShared{"workers",
+                                                   "keys",
+                                                   "launch",
+                                                   "estimate",
+                                                   "json",
+                                                   "listen",
+                                                   "address-file",
+                                                   "tev",
+                                                   "web",
+                                                   "quiet",
+                                                   "force",
+                                                   "summary",
+                                                   "pixel",
+                                                   "statistics",
+                                                   "out",
+                                                   "help",
+                                                   "resume",
+                                                   "restart",
+                                                   "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {
@@ -122,6 +137,30 @@ Expected<void> check_value(AxisKind kind, const std::string& name, const std::st
   return Parser().parse(std::move(arguments));
 }
 
+std::vector<std::string> render_words(const CLI::App& command, std::span<const std::string_view> without) {
+  const Parser render;
+  std::vector<std::string> scenes, words;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = name_of(*option);
+    if (option->get_positional())
+      for (const std::string& scene : option->results())
+        scenes.push_back(scene.starts_with('-') ? "./" + scene : scene);
+    const std::string word = name.empty() ? kDefine : "--" + name;
+    if (option->count() == 0 || option->get_positional() ||
+        std::ranges::find(without, name) != without.end() || render.app.get_option_no_throw(word) == nullptr)
+      continue;
+    const bool is_flag = option->get_items_expected_max() == 0;
+    for (const std::string& value : option->results()) {
+      if (name.empty())
+        words.push_back(kDefine + value);
+      else
+        add_argument(words, {is_flag ? AxisKind::kFlag : AxisKind::kOption, name, {}}, value, false);
+    }
+  }
+  scenes.insert(scenes.end(), words.begin(), words.end());
+  return scenes;
+}
+
 std::vector<RenderAxis> axes_of_command(const CLI::App& command) {
   std::vector<RenderAxis> axes;
   for (const CLI::Option* option : command.get_options()) {
@@ -152,6 +191,7 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   options.scene.scene = scene;
   options.workers = shared.workers;
   options.listen = shared.listen;
+  options.address_file = shared.address_file;
   options.keys = shared.keys;
   options.launch = shared.launch;
   options.tev = shared.tev;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,10 @@ bool is_shared_option(std::string_view name);
 
 /// Checks a value of an axis by itself.
 Expected<void> check_value(AxisKind kind, const std::string& name, const std::string& value);
+
+/// The words of a `penumbra render` that does what this command was told by the options that both have,
+/// except those in `without` (long names without dashes): the scenes, then a word for each option.
+std::vector<std::string> render_words(const CLI::App& command, std::span<const std::string_view> without);
 
 /// The axes that the command line gives to each of its renders.
 std::vector<RenderAxis> axes_of_command(const CLI::App& command);

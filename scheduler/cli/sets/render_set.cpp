@@ -372,6 +372,7 @@ ExitCode SceneSet::run() {
                    .worker_executable = worker->string(),
                    .listen = options_.listen,
                    .keys = *keys,
+                   .address_file = options_.address_file,
                    .tells_how_to_watch = true};
   set_launch(options_, farm);
   if (const auto opened = page_.open(options_); !opened) return opened.error();

@@ -54,6 +54,14 @@ Arguments with(Arguments all, const Arguments& more) {
   return all;
 }
 
+TEST_F(Cluster, AWorkerMayWaitForEverAndEndsWhenItIsTold) {
+  Program worker(folder_.path(), kWorker, {"--connect", "unix:none", "--retry-for", "inf"});
+  EXPECT_TRUE(eventually([&] { return file_contents(folder_ / ".stderr").contains("waiting: "); }, 20s))
+      << file_contents(folder_ / ".stderr");
+  worker.send(SIGTERM);
+  EXPECT_EQ(worker.wait().exit_code, 0);
+}
+
 TEST_F(Cluster, WorkersOfAllInstructionSetsAndBackendsGiveTheSameBytes) {
   setenv("PENUMBRA_KERNEL_CACHE", (folder_ / "kernels").c_str(), 1);
   const bool has_opencl =

@@ -32,6 +32,7 @@ const std::map<std::string, Arguments> kCommands = {
     {"report", {"none.xml", "-o", "none"}},
     {"serve", {"--listen", "unix:none/none", "--spool", "none/none"}},
     {"submit", {"none.xml", "--to", "unix:none"}},
+    {"sbatch", {"none.xml", "--folder", "none/none"}},
     {"status", {"--to", "unix:none"}},
     {"cancel", {"1", "--to", "unix:none"}},
     {"prioritize", {"1", "1", "--to", "unix:none"}},

@@ -94,6 +94,27 @@ TEST_F(Installed, KnowsNothingOfWhereItWasBuilt) {
   EXPECT_THAT(paths.out, IsEmpty());
 }
 
+TEST(Tarball, RendersWhereItIsUnpackedAndAfterItWasMoved) {
+  const TemporaryFolder folder;
+  const auto shell = [&](const std::string& line) { return run_shell(folder.path(), line); };
+  if (shell("command -v cpack").exit_code != 0) GTEST_SKIP() << "there is no cpack";
+  const ProgramResult packed =
+      shell("cpack --config '" PENUMBRA_BINARY_DIR
+            "/CPackConfig.cmake' -G TGZ -B \"$PWD\" && mv penumbra-*.tar.gz p.tar.gz");
+  ASSERT_EQ(packed.exit_code, 0) << packed.out << packed.err;
+  const ProgramResult unpacked =
+      shell("mkdir there && tar xzf p.tar.gz -C there && ls there && mv there/* 'else where'");
+  ASSERT_EQ(unpacked.exit_code, 0) << unpacked.err;
+  EXPECT_THAT(unpacked.out, ::testing::MatchesRegex("penumbra-[0-9.]+-[a-z0-9_]+\n"))
+      << "one folder, which says what it is";
+  const ProgramResult run = shell(
+      "cp -r 'else where/share/penumbra/scenes/cornell-small' . && env -i 'else where/bin/penumbra' render "
+      "cornell-small/cornell-small.xml --spp 4 --workers 2 -q -o there.exr && penumbra render "
+      "cornell-small/cornell-small.xml --spp 4 -q -o built.exr && cmp there.exr built.exr && "
+      "env -i 'else where/bin/penumbra' compare there.exr built.exr --fail-above mse=0");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+}
+
 TEST(DebianPackage, NamesTheLibrariesThatItNeeds) {
   const TemporaryFolder folder;
   const auto shell = [&](const std::string& line) { return run_shell(folder.path(), line); };
