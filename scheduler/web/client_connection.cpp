@@ -38,6 +38,7 @@ ClientConnection::ClientConnection(int descriptor, SSL_CTX* tls, ConnectionLimit
 ClientConnection::~ClientConnection() {
   if (tls_ && SSL_is_init_finished(tls_.get()) == 1) SSL_shutdown(tls_.get());
   ERR_clear_error();
+  shutdown(socket_.get(), SHUT_RDWR);  // the acceptor has a duplicate, so closing alone would not end it
 }
 
 bool ClientConnection::wait(short events, Clock::time_point until) const {

@@ -58,10 +58,9 @@ class HttpClient {
   }
   /// Whether the server has ended the connection, or does so within a while.
   bool is_ended() {
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (std::chrono::steady_clock::now() < until)
-      if (!read_some()) return true;
-    return false;
+    while (read_some()) {
+    }
+    return is_over_;
   }
   void forget() { text_.clear(); }
 
@@ -87,17 +86,20 @@ class HttpClient {
   }
 
  private:
+  static constexpr int kPatience = 60'000;  // milliseconds
+
   bool read_some() {
     pollfd entry{socket_.get(), POLLIN, 0};
-    if (poll(&entry, 1, 30'000) <= 0) return false;
+    if (poll(&entry, 1, kPatience) <= 0) return false;
     char part[4096];
     const ssize_t got = recv(socket_.get(), part, sizeof part, 0);
+    is_over_ = got <= 0;
     if (got > 0) text_.append(part, std::size_t(got));
     return got > 0;
   }
 
   OwnedDescriptor socket_;
-  bool is_connected_ = false;
+  bool is_connected_ = false, is_over_ = false;
   std::string text_;
 };
 

@@ -189,7 +189,7 @@ TEST_F(WebServerTest, HostileNamesAreTextOfJson) {
   HttpClient events = client();
   events.send("GET /events HTTP/1.1\r\nHost: 127.0.0.1\r\n" + kBearer + "\r\n");
   const std::string stream = events.read_until("}\n\n");
-  EXPECT_EQ(stream.find("data: "), stream.rfind("data: ")) << "a name that adds an event";
+  EXPECT_EQ(stream.find("\ndata: "), stream.rfind("\ndata: ")) << "a name that adds an event";
 }
 
 TEST_F(WebServerTest, EventsComeWithChanges) {
