@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 5> kStateNames{"waiting", "done", "unchanged", "incomplete", "failed"};
 
-std::filesystem::path absolute_folder_of(const std::filesystem::path& summary) {
+std::filesystem::path folder_of_summary(const std::filesystem::path& summary) {
   return std::filesystem::absolute(summary).lexically_normal().parent_path();
 }
 
@@ -85,7 +85,7 @@ std::string_view set_state_name(SetState state) { return kStateNames[std::size_t
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
                                  const std::vector<SetEntry>& earlier) {
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
-  const std::filesystem::path folder = absolute_folder_of(path);
+  const std::filesystem::path folder = folder_of_summary(path);
   for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry, folder));
   for (const SetEntry& entry : earlier) json["earlier"].push_back(json_of(entry, folder));
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -97,7 +97,7 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file, nullptr, false);
   if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return finished;
-  const std::filesystem::path folder = absolute_folder_of(path);
+  const std::filesystem::path folder = folder_of_summary(path);
   const auto is_there = [](const std::string& name) {
     std::error_code ignored;
     return std::filesystem::exists(name, ignored);
