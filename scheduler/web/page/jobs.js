@@ -143,16 +143,17 @@ class GroupElement {
     this.shownState = group.state;
     this.node.dataset.group = group.group;
     for (const node of [this.node, this.details]) node.dataset.state = group.state;
-    setText(this.number, `${group.size ?? jobs.length} jobs`);
+    setText(this.number, String(group.group));
     setText(this.name, group.name || `group ${group.group}`);
     setText(this.state, group.state);
     const counts = Object.entries(group.jobs || {}).filter(([, count]) => count > 0).map(([name, count]) => `${count} ${name}`);
-    if (typeof group.seconds_left === "number") counts.push(`${clock(group.seconds_left)} left`);
+    counts.unshift(`${group.size ?? jobs.length} jobs`);
+    if (group.seconds_left > 0) counts.push(`${clock(group.seconds_left)} left`);
     if (group.submitter) counts.push(`by ${group.submitter}`);
     setText(this.detail, counts.join(" · "));
     this.bar.hidden = group.state !== "rendering";
     this.bar.setAttribute("aria-label", `Share of group ${group.group} that is rendered`);
-    this.bar.value = share(group);
+    this.bar.value = group.done ?? share(group);
   }
 
   remove() {
