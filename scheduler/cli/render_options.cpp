@@ -376,10 +376,10 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_worker_options(command, options);
   add_web_option(command, options.web);
   command
-      .add_option("--address-file", options.address_file,
-                  "Write the address at which other hosts reach --listen into this file, where "
-                  "`penumbra-worker --connect file:FILE` looks for it, also after another start on another "
-                  "host")
+      .add_option(
+          "--address-file", options.address_file,
+          "Write the address at which other hosts reach --listen into this file. Workers that are told "
+          "file:FILE as address find it there, again when the render goes on on another host")
       ->type_name("FILE")
       ->check(some_text())
       ->needs("--listen")
