@@ -171,14 +171,12 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
   wire::StoredGroup stored_group;
   if (group > 0) {
     if (!is_new_group) stored_group = groups_.at(group).stored;
-    const bool is_to_be_kept = is_new_group || stored_group.untold() != tells_ends_;
     wire::JobGroup& described = *stored_group.mutable_group();
     described.set_number(group);
     described.set_name(decoded->group->name);
     described.set_size(decoded->group->size);
     stored_group.set_latest(now());
-    stored_group.set_untold(tells_ends_);
-    if (kept && is_to_be_kept) kept = spool_.keep(stored_group);
+    if (kept && is_new_group) kept = spool_.keep(stored_group);
   }
   if (kept) kept = spool_.keep(entry.job);
   if (!kept) {
@@ -327,10 +325,6 @@ void JobQueue::queue_again(Entry& first) {
     status.clear_ended();
     status.clear_files();
     keep(entry);
-    if (const auto group = groups_.find(status.group()); group != groups_.end()) {
-      group->second.stored.set_untold(tells_ends_);
-      keep(group->second);
-    }
     for (auto& [number, other] : entries_) {
       const wire::JobStatus& later = other.job.status();
       const bool comes_after = std::ranges::any_of(later.after(), [&](JobId before) {

@@ -198,6 +198,11 @@ void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error)
   status.set_workers(0);
   if (state == wire::JOB_DONE) entry.job.mutable_submission()->clear_mattes();
   entry.job.set_untold(tells_ends_);
+  if (const auto group = groups_.find(status.group()); group != groups_.end())
+    if (group->second.stored.untold() != tells_ends_) {
+      group->second.stored.set_untold(tells_ends_);
+      keep(group->second);
+    }
   status.clear_files();
   for (const std::string& name : entry.job.submission().files()) {
     std::error_code missing;

@@ -52,7 +52,7 @@ class CompletionOf : public ::testing::Test {
 TEST_F(CompletionOf, Commands) {
   EXPECT_THAT(complete({""}), AllOf(Contains("render"), Contains("info"), Contains("worker"),
                                     Contains("completion"), Not(Contains(StartsWith("-")))));
-  EXPECT_THAT(complete({"re"}), UnorderedElementsAre("render", "report"));
+  EXPECT_THAT(complete({"re"}), UnorderedElementsAre("render", "report", "retry"));
   EXPECT_THAT(complete({"--v"}), ElementsAre("--version"));
   EXPECT_THAT(complete({"man", "rend"}), ElementsAre("render"));
   EXPECT_THAT(complete({"nothing-of-the-kind"}), IsEmpty());

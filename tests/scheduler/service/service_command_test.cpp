@@ -182,10 +182,13 @@ TEST_F(Service, AGroupIsOneThing) {
       "[defaults]\nspp = 2\n[[render]]\nscene = '../shot{frame}.xml'\nframe = '1..2'\n"
       "out = 'shots/{frame:04}/beauty.exr'\nafter = 'first'\n[[render]]\nname = 'first'\nscene = '../s.xml'\n"
       "out = '../elsewhere/s.exr'\n");
-  serve({"--workers", "1", "--threads", "1", "--on-done", "echo {kind} {job} {state} '{name}' >>ends.txt"});
+  serve({"--workers", "0"});
   const ProgramResult submitted = run({"submit", "project/night.toml", "-q"});
   EXPECT_EQ(submitted.out, "1\n") << submitted.err;
   EXPECT_EQ(run({"prioritize", "night.toml", "--priority", "4"}).exit_code, 0);
+  EXPECT_EQ(status()["groups"][0]["priority"], 4);
+  kill_service();
+  serve({"--workers", "1", "--threads", "1", "--on-done", "echo {kind} {job} {state} '{name}' >>ends.txt"});
   const ProgramResult fetched = run({"fetch", "night.toml", "--wait", "-o", "out"});
   EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
   EXPECT_THAT(fetched.out,
