@@ -249,8 +249,14 @@ Arrival WorkerConnection::decode_failure(const wire::UnitFailed& message) {
   return arrivals::UnitFailed{worker_, id, message.id().view(), wire_text(message.message(), kLongestText)};
 }
 
+arrivals::Beat WorkerConnection::vouch() {
+  const std::lock_guard reading(reading_mutex_);
+  return {worker_, parts_ + ++received_};
+}
+
 Expected<std::variant<WorkerConnection::Nothing, WorkerConnection::NoRoom, Arrival>>
 WorkerConnection::understand(const wire::WorkerMessage& message) {
+  const std::lock_guard reading(reading_mutex_);
   if (has_ended()) {
     partial_.reset();
     return Nothing{};

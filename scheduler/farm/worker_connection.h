@@ -40,7 +40,7 @@ class WorkerConnection {
   /// `room`: for results that come in parts; it must outlive this.
   WorkerConnection(WorkerId worker, ResultRoom& room) : worker_(worker), room_(room) {}
   /// Locks only for the thread sanitizer, which cannot see that all streams are over.
-  ~WorkerConnection() { const std::lock_guard lock(mutex_); }
+  ~WorkerConnection() { const std::scoped_lock lock(reading_mutex_, mutex_); }
 
   // --- To the worker. After the first final message (Refused or Dismiss) nothing more is sent.
 
@@ -76,7 +76,7 @@ class WorkerConnection {
   /// Decodes a message after Hello. An error ends the connection. Not thread-safe.
   Expected<std::variant<Nothing, NoRoom, Arrival>> understand(const wire::WorkerMessage& message);
   /// Another sign of life with progress, for a worker that waits for room.
-  arrivals::Beat vouch() { return {worker_, parts_ + ++received_}; }
+  arrivals::Beat vouch();
   /// Whether the scheduler or the worker has ended the conversation.
   [[nodiscard]] bool has_ended() const;
 
@@ -120,8 +120,10 @@ class WorkerConnection {
   std::set<JobId> forgotten_;
   bool sent_away_ = false, closed_ = false, writing_ = false;
   std::atomic<int> compiles_ = 0;
-  // Used only by understand(). Parts of units that the worker has done, as it says, and signs of progress of
-  // the results that it sends.
+  // Used only by understand() and vouch(), which are called one after the other, if from different threads.
+  // The lock is for the thread sanitizer, which cannot see that. Parts of units that the worker has done, as
+  // it says, and signs of progress of the results that it sends.
+  std::mutex reading_mutex_;  // before mutex_
   std::uint64_t parts_ = 0, received_ = 0;
   std::optional<Partial> partial_;
 };
