@@ -14,7 +14,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr int kSpp = 256;
+constexpr int kSpp = 256, kLongSpp = 4 * kSpp;  // long: not done before Slurm has acted on a requeue
 // From a change until Slurm has acted on it: it waits for nodes, and for the end of what ran there.
 constexpr std::chrono::seconds kPatience{90};
 
@@ -121,7 +121,7 @@ TEST_F(SbatchJobs, GoOnWhenTheSchedulersNodeIsLost) {
 }
 
 TEST_F(SbatchJobs, GoOnWhenTheSchedulerIsRequeuedToAnotherNode) {
-  submit({"--workers", "1"});
+  submit({"--workers", "1"}, kLongSpp);
   ASSERT_TRUE(joins(1) && has_checkpoint()) << log() << worker_log(1);
   const std::string before = node_of(scheduler_);
   cluster_.ask("scontrol update NodeName=" + before + " State=DRAIN Reason=test");
@@ -131,7 +131,7 @@ TEST_F(SbatchJobs, GoOnWhenTheSchedulerIsRequeuedToAnotherNode) {
   ASSERT_TRUE(runs_again(scheduler_)) << cluster_.ask("squeue") << log();
   EXPECT_NE(node_of(scheduler_), before);
   EXPECT_TRUE(joins(2)) << log() << worker_log(1);
-  expect_the_image();
+  expect_the_image(kLongSpp);
   EXPECT_THAT(log(), HasSubstr("going on with a.exr.checkpoint"));
 }
 
