@@ -86,13 +86,13 @@ TEST_F(Overnight, ABatchJobThatIsKilledOrCancelledGoesOnAndIsWatchedThroughATunn
                                      {{"--ntasks=32 --cpus-per-task=4", "--ntasks=3 --cpus-per-task=1"},
                                       {"film.width=1920", "film.width=128"},
                                       {"film.height=1080", "film.height=128"},
-                                      {"--spp 4096", "--spp 768"},
+                                      {"--spp 4096", "--spp 4096"},
                                       {"--pass 64", "--pass 16 --tile 32 --checkpoint-interval 0.05"},
                                       {"0.0.0.0:7000", "0.0.0.0:0"},
                                       kTasks});
   write_text(folder_ / "night.sbatch", script);
   constexpr const char* kRender =
-      "penumbra render scene.xml --set film.width=128 --set film.height=128 --spp 768 --pass 16 --tile 32 "
+      "penumbra render scene.xml --set film.width=128 --set film.height=128 --spp 4096 --pass 16 --tile 32 "
       "--denoise ";
   const ProgramResult estimated = run_shell(folder_.path(), std::string(kRender) + "--estimate --json");
   ASSERT_EQ(estimated.exit_code, 0) << estimated.err;
