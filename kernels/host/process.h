@@ -36,6 +36,11 @@ std::uint64_t peak_memory_bytes();
 /// The current time, as "2024-06-11T17:03:00Z".
 std::string utc_now();
 
+/// Seconds since 1970.
+inline double unix_time() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 /// Seconds since `begin` on the monotonic clock.
 inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

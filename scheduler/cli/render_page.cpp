@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
+#include "kernels/host/process.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/keys/secrets.h"
 #include "scheduler/protocol/text.h"
@@ -17,16 +18,13 @@ namespace {
 
 constexpr int kMostMessages = 20;
 
-double unix_time() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
 }  // namespace
 
 std::expected<void, ExitCode> RenderPage::open(const RenderOptions& options) {
   if (options.web.empty()) return {};
   const auto page = web_page_of(options.web, options.keys);
   if (!page) return print_error(page.error()), std::unexpected(kBadInput);
+  pictures_.emplace();
   auto server = open_web_page(*page, make_token(), false, *this);
   if (!server) return print_error(server.error()), std::unexpected(kIncomplete);
   server_ = std::move(*server);
@@ -57,7 +55,7 @@ void RenderPage::shown(JobId id, const std::shared_ptr<WatchBoard>& board) {
   if (!is_open()) return;
   const std::lock_guard lock(mutex_);
   if (const auto found = renders_.find(id); found != renders_.end())
-    pictures_.films().add(JobId(found->second + 1), board);
+    pictures_->films().add(JobId(found->second + 1), board);
 }
 
 void RenderPage::progress(JobId id, const RenderProgress& progress) {
@@ -65,10 +63,6 @@ void RenderPage::progress(JobId id, const RenderProgress& progress) {
   const auto found = renders_.find(id);
   wire::JobStatus* job = found != renders_.end() ? find(found->second) : nullptr;
   if (job == nullptr || is_over(*job)) return;
-  if (job->state() == wire::JOB_QUEUED && progress.elapsed_seconds > 0) {
-    job->set_state(wire::JOB_RENDERING);
-    job->set_begun(unix_time() - progress.elapsed_seconds);
-  }
   put_progress(progress, *job);
   for (const std::string& notice : progress.notices) *job->add_problems() = wire_text(notice, kLongestText);
 }
@@ -97,16 +91,9 @@ void RenderPage::end(std::size_t render, wire::JobState state, const std::string
   job->set_state(state);
   job->set_error(wire_text(error, kLongestText));
   job->set_ended(unix_time());
-  for (const std::filesystem::path& path : files.all()) {
-    std::error_code missing;
-    const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
-    if (missing) continue;
-    files_[render].push_back(path);
-    wire::StoredFile& file = *job->add_files();
-    file.set_name(wire_text(path.filename().string(), kLongestName));
-    file.set_bytes(bytes);
-  }
-  pictures_.films().remove(JobId(render + 1));
+  for (const std::filesystem::path& path : files.all())
+    if (add_file(path, *job)) files_[render].push_back(path);
+  if (pictures_) pictures_->films().remove(JobId(render + 1));
 }
 
 wire::StatusReply RenderPage::reply() {
@@ -143,7 +130,7 @@ std::optional<WebPicture> RenderPage::picture(JobId job, int largest_side) {
       for (const std::filesystem::path& path : files_[render])
         if (path.extension() == extension) stored = path;
   }
-  return stored ? pictures_.of_file(job, *stored, largest_side) : pictures_.of_film(job, largest_side);
+  return stored ? pictures_->of_file(job, *stored, largest_side) : pictures_->of_film(job, largest_side);
 }
 
 std::optional<std::filesystem::path> RenderPage::file(JobId job, const std::string& name) {

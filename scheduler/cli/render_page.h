@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@
 
 namespace penumbra {
 
-/// Numbers the renders from 1 on, in the order of add(). Thread-safe. Without --web all calls do nothing.
+/// Numbers the renders from 1 on, in the order of add(). Thread-safe. Without --web nothing is shown.
 class RenderPage final : public WebContent {
  public:
   /// Opens the page and prints where it is. Errors: see web_page_of (kBadInput) and open_web_page.
@@ -46,7 +47,7 @@ class RenderPage final : public WebContent {
   [[nodiscard]] wire::StatusReply reply();
 
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-  JobPictures pictures_;
+  std::optional<JobPictures> pictures_;  // nothing without --web: it has a thread
   std::mutex mutex_;
   wire::StatusReply state_;
   std::map<JobId, std::size_t> renders_;  // by the farm's numbers

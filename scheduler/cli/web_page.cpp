@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <tuple>
 #include <utility>
 
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/status_text.h"
-#include "scheduler/service/job_queue.h"
 #include "scheduler/web/web_access.h"
 
 namespace penumbra {
@@ -18,10 +16,8 @@ namespace {
 
 constexpr int kMostJobs = 500;
 
-/// As the page and `penumbra status --watch` list them.
-auto interest(const wire::JobStatus& job) {
-  return std::tuple(is_over(job), job.state() == wire::JOB_QUEUED, is_over(job) ? -job.ended() : 0.0,
-                    -job.priority(), job.job());
+JobInterest interest(const wire::JobStatus& job) {
+  return job_interest(job.state(), job.priority(), job.ended(), job.job());
 }
 
 }  // namespace

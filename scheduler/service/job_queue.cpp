@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "kernels/host/process.h"
 #include "kernels/host/text.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
@@ -43,10 +44,6 @@ std::string_view state_words(wire::JobState state) {
 
 bool is_over(const wire::JobStatus& job) {
   return job.state() != wire::JOB_QUEUED && job.state() != wire::JOB_RENDERING;
-}
-
-double JobQueue::now() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems, bool tells_ends)
@@ -161,7 +158,7 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
   status.set_job(number);
   status.set_name(wire_text(message.name(), kLongestName));
   status.set_priority(message.priority());
-  status.set_submitted(now());
+  status.set_submitted(unix_time());
   status.set_relative_error(std::numeric_limits<double>::quiet_NaN());
   status.set_group(group);
   status.set_submitter(decoded->submitter);
@@ -175,7 +172,7 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
     described.set_number(group);
     described.set_name(decoded->group->name);
     described.set_size(decoded->group->size);
-    stored_group.set_latest(now());
+    stored_group.set_latest(unix_time());
     if (kept && is_new_group) kept = spool_.keep(stored_group);
   }
   if (kept) kept = spool_.keep(entry.job);
@@ -216,7 +213,7 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& number
   wire::StatusReply reply;
   reply.set_version(std::string(kVersion));
   reply.set_up_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
-  reply.set_now(now());
+  reply.set_now(unix_time());
   for (const FarmWorker& worker : workers_) *reply.add_workers() = encode(worker);
   for (const std::string& message : messages_) reply.add_messages(message);
   std::map<JobId, Entry*> asked;

@@ -126,7 +126,6 @@ class JobQueue {
   /// Whether what a job comes after is done; whether it never will be.
   enum class Readiness { kReady, kWaits, kNever };
 
-  static double now();
   [[nodiscard]] JobExpected<std::vector<Entry*>> find(JobId number);
   template <typename Change>
   JobExpected<void> change(JobId number, const Change& change);

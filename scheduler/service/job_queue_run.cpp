@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "kernels/host/process.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/status_wire.h"
@@ -22,7 +23,7 @@ constexpr std::chrono::minutes kLongestWaitForAnEnd{1};
 // --- Which job is next
 
 bool JobQueue::is_whole(const Group& group) {
-  const double age = now() - group.stored.latest();
+  const double age = unix_time() - group.stored.latest();
   return group.stored.whole() || age > std::chrono::duration<double>(kSubmissionIsAwaited).count();
 }
 
@@ -144,10 +145,6 @@ void JobQueue::progress(JobId job, const RenderProgress& progress) {
   const auto found = entries_.find(job);
   if (found == entries_.end()) return;
   wire::JobStatus& status = *found->second.job.mutable_status();
-  if (status.state() == wire::JOB_QUEUED && progress.elapsed_seconds > 0) {  // its first unit has been issued
-    status.set_state(wire::JOB_RENDERING);
-    if (status.begun() == 0) status.set_begun(now() - progress.elapsed_seconds);
-  }
   put_progress(progress, status);
 }
 
@@ -194,7 +191,7 @@ void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error)
   wire::JobStatus& status = *entry.job.mutable_status();
   status.set_state(state);
   status.set_error(wire_text(error, kLongestText));
-  status.set_ended(now());
+  status.set_ended(unix_time());
   status.set_workers(0);
   if (state == wire::JOB_DONE) entry.job.mutable_submission()->clear_mattes();
   entry.job.set_untold(tells_ends_);
@@ -204,13 +201,8 @@ void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error)
       keep(group->second);
     }
   status.clear_files();
-  for (const std::string& name : entry.job.submission().files()) {
-    std::error_code missing;
-    const std::uintmax_t bytes = std::filesystem::file_size(spool_.folder_of(status.job()) / name, missing);
-    if (missing) continue;
-    status.add_files()->set_name(name);
-    status.mutable_files()->rbegin()->set_bytes(bytes);
-  }
+  for (const std::string& name : entry.job.submission().files())
+    add_file(spool_.folder_of(status.job()) / name, status);
   keep(entry);
   remove_scenes();
   changed_.notify_all();
@@ -278,7 +270,7 @@ std::vector<JobId> JobQueue::remove_older_than(double seconds) {
   const std::lock_guard lock(mutex_);
   const auto has_expired = [&](JobId job) {
     const Entry& entry = entries_.at(job);
-    return entry.stage == Stage::kOver && now() - entry.job.status().ended() > seconds;
+    return entry.stage == Stage::kOver && unix_time() - entry.job.status().ended() > seconds;
   };
   std::vector<JobId> expired;
   for (const auto& [number, entry] : entries_) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernels/host/process.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 
@@ -21,12 +22,26 @@ wire::FarmWorker encode(const FarmWorker& worker) {
 }
 
 void put_progress(const RenderProgress& progress, wire::JobStatus& status) {
+  if (status.state() == wire::JOB_QUEUED && progress.elapsed_seconds > 0) {
+    status.set_state(wire::JOB_RENDERING);
+    if (status.begun() == 0) status.set_begun(unix_time() - progress.elapsed_seconds);
+  }
   status.set_samples_done(progress.samples_done);
   status.set_samples_total(progress.samples_total);
   status.set_samples_before(progress.samples_before);
   status.set_elapsed_seconds(progress.elapsed_seconds);
   status.set_relative_error(progress.relative_error);
   status.set_workers(std::uint32_t(std::max(0, progress.workers)));
+}
+
+bool add_file(const std::filesystem::path& file, wire::JobStatus& status) {
+  std::error_code missing;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
+  if (missing) return false;
+  wire::StoredFile& added = *status.add_files();
+  added.set_name(wire_text(file.filename().string(), kLongestName));
+  added.set_bytes(bytes);
+  return true;
 }
 
 }  // namespace penumbra

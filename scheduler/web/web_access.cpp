@@ -1,6 +1,7 @@
 #include "scheduler/web/web_access.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
 
@@ -23,9 +24,7 @@ std::string cookie_value(const std::string& token) {
   unsigned size = 0;
   HMAC(EVP_sha256(), token.data(), int(token.size()), reinterpret_cast<const unsigned char*>(kPurpose.data()),
        kPurpose.size(), hash, &size);
-  std::string text;
-  for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", hash[i]);
-  return text;
+  return fmt::format("{:02x}", fmt::join(hash, hash + size, ""));
 }
 
 /// The host of a Host header, without its port.

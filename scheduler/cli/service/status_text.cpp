@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <tuple>
 
 #include "kernels/host/console.h"
 #include "kernels/host/text.h"
@@ -43,13 +42,6 @@ std::string detail(const wire::JobStatus& job, double now) {
   }
 }
 
-/// First what is being rendered, then what waits, in the order in which it will be rendered, then what ended
-/// last.
-std::tuple<int, int, double, JobId> interest(wire::JobState state, int priority, double ended, JobId number) {
-  const int bucket = state == wire::JOB_RENDERING ? 0 : state == wire::JOB_QUEUED ? 1 : 2;
-  return {bucket, bucket == 2 ? 0 : -priority, bucket == 2 ? -ended : 0.0, number};
-}
-
 std::string line_of(JobId number, wire::JobState state, int priority, const std::string& name,
                     const std::string& detail) {
   return fmt::format("{:>6}  {:<{}} {:>4}  {}  {}", number, job_state_name(state), kWidthOfState, priority,
@@ -72,7 +64,7 @@ std::string detail(const GroupSummary& group, double now) {
 
 /// Lines about groups, and about jobs outside of groups or, `unfolded`, about all.
 std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolded) {
-  using Key = std::tuple<int, int, double, JobId>;
+  using Key = JobInterest;
   std::map<Key, std::vector<std::string>> lines;
   std::map<JobId, std::map<Key, std::string>> jobs_of_groups;
   const std::vector<GroupSummary> groups = group_summaries(status);
@@ -83,7 +75,7 @@ std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolde
     return several && !submitter.empty() ? fmt::format("{} ({})", name, submitter) : name;
   };
   for (const wire::JobStatus& job : status.jobs()) {
-    const Key key = interest(job.state(), job.priority(), job.ended(), job.job());
+    const Key key = job_interest(job.state(), job.priority(), job.ended(), job.job());
     const std::string line = line_of(job.job(), job.state(), job.priority(),
                                      name_of(job.name(), job.submitter()), detail(job, status.now()));
     if (std::ranges::binary_search(groups, job.group(), {},
@@ -94,7 +86,7 @@ std::vector<std::string> job_lines(const wire::StatusReply& status, bool unfolde
   }
   for (const GroupSummary& group : groups) {
     const JobId number = group.group.number();
-    auto& of_group = lines[interest(group.state, group.priority, group.ended, number)];
+    auto& of_group = lines[job_interest(group.state, group.priority, group.ended, number)];
     of_group = {line_of(number, group.state, group.priority, name_of(group.group.name(), group.submitter),
                         detail(group, status.now()))};
     if (unfolded)
@@ -165,6 +157,11 @@ Json job_json(const wire::JobStatus& job) {
 }
 
 }  // namespace
+
+JobInterest job_interest(wire::JobState state, int priority, double ended, JobId number) {
+  const int bucket = state == wire::JOB_RENDERING ? 0 : state == wire::JOB_QUEUED ? 1 : 2;
+  return {bucket, bucket == 2 ? 0 : -priority, bucket == 2 ? -ended : 0.0, number};
+}
 
 std::string_view job_state_name(wire::JobState state) {
   switch (state) {

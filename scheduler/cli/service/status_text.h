@@ -4,15 +4,22 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "jobs.pb.h"
+#include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 
 /// "queued", "rendering", "done", "incomplete", "failed", "cancelled".
 std::string_view job_state_name(wire::JobState state);
+
+/// Sorts jobs and groups by interest: first what is being rendered, then what waits, in the order in which it
+/// will be rendered, then what ended last. `ended`: seconds since 1970.
+using JobInterest = std::tuple<int, int, double, JobId>;
+JobInterest job_interest(wire::JobState state, int priority, double ended, JobId number);
 
 /// Shortens a text to one line of at most `columns` characters (UTF-8), without control characters.
 std::string fitted_line(std::string_view text, int columns);
