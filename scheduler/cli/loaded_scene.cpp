@@ -50,6 +50,18 @@ Expected<void> check_they_agree(std::string_view key, std::string_view value,
   return {};
 }
 
+/// Takes Sobol points where the scene has the independent sampler and no option asks for it. Files have that
+/// sampler mostly because it is the default of their formats, and its noise is larger ("Samplers" in
+/// kernels/MEASUREMENTS.md). Returns whether the sampler was replaced.
+bool replace_independent_sampler(const SceneOptions& options, SceneDescription& scene) {
+  if (scene.sampler.kind != SamplerKind::kIndependent || options.sampler || options.needs_independent)
+    return false;
+  for (const auto& [key, value] : split_assignments(options.settings))
+    if (to_snake_case(key) == "sampler.type") return false;
+  scene.sampler.kind = SamplerKind::kSobol;
+  return true;
+}
+
 }  // namespace
 
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
@@ -65,8 +77,9 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   const auto text = [](const std::string& value) {
     return value.empty() ? std::nullopt : std::optional(value);
   };
+  const auto sampler = options.sampler == "scene" ? std::nullopt : options.sampler;
   const std::pair<const char*, std::optional<std::string>> overrides[] = {
-      {"integrator.type", options.integrator},       {"sampler.type", options.sampler},
+      {"integrator.type", options.integrator},       {"sampler.type", sampler},
       {"sampler.sample_count", number(options.spp)}, {"sampler.seed", number(options.seed)},
       {"film.denoise", text(options.denoise)},       {"film.layers", text(options.layers)},
   };
@@ -94,6 +107,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   const auto begin = std::chrono::steady_clock::now();
   auto description = read_scene_with_options(options);
   if (!description) return std::unexpected(description.error());
+  const bool sampler_replaced = replace_independent_sampler(options, *description);
   if (adjust) adjust(*description);
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
@@ -105,6 +119,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(mattes), {}, 0, {}};
   scene.boundary_names = boundary_names(scene.description);
   scene.summary = summarize(scene.device);
+  scene.sampler_replaced = sampler_replaced;
   scene.seconds = seconds_since(begin);
   return scene;
 }

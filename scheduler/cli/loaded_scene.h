@@ -20,9 +20,10 @@ struct LoadedScene {
   SceneSummary summary;
   MatteNames mattes;                          ///< only with --cryptomatte
   std::map<int, std::string> boundary_names;  ///< see boundary_names()
-  std::uint32_t asked_spp = 0;  ///< samples per pixel before a preview changed them; 0: it did not
-  double seconds = 0;           ///< load time
-  glm::dvec3 center{0.0};       ///< see scene_center; set by load_scene
+  std::uint32_t asked_spp = 0;    ///< samples per pixel before a preview changed them; 0: it did not
+  bool sampler_replaced = false;  ///< the scene's independent sampler, by sobol
+  double seconds = 0;             ///< load time
+  glm::dvec3 center{0.0};         ///< see scene_center; set by load_scene
 };
 
 /// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device

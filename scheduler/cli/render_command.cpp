@@ -75,7 +75,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (outcome->complete) remove_checkpoint(prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared);
-  if (show && is_sampler_advised(options, prepared)) print_sampler_advice();
+  if (show && prepared.scene.sampler_replaced) print_sampler_note();
   print_problems(*outcome, stop);
   const bool is_wrong = print_flagged(prepared, outcome->film, options.strict_numerics);
   return outcome->complete && !is_wrong ? kAllDone : kIncomplete;

@@ -45,6 +45,12 @@ std::optional<PixelPosition> parse_pixel(const std::string& text) {
   return PixelPosition{v[0], v[1]};
 }
 
+std::vector<std::string> sampler_names() {
+  std::vector<std::string> names = find_setting("sampler.type")->choices;
+  names.emplace_back("scene");
+  return names;
+}
+
 PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator) {
   const bool with_maps = integrator.is<ProgressivePhotonIntegrator>();
   PlanOptions plan = options.plan;
@@ -99,9 +105,11 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
       ->type_name("NAME")
       ->check(CLI::IsMember(find_setting("integrator.type")->choices))
       ->group(group::kSampling);
-  command.add_option("--sampler", options.sampler, "Sampler instead of the scene's")
+  command
+      .add_option("--sampler", options.sampler,
+                  "Sampler. scene: the scene's; without this option, sobol replaces the scene's independent")
       ->type_name("NAME")
-      ->check(CLI::IsMember(find_setting("sampler.type")->choices))
+      ->check(CLI::IsMember(sampler_names()))
       ->group(group::kSampling);
   command.add_option("--spp", options.spp, "Samples per pixel (default: the scene's)")
       ->type_name("N")
@@ -299,10 +307,15 @@ void add_effort_options(CLI::App& command, RenderOptions& options) {
       ->check(positive_number())
       ->group(group::kSampling);
   command
-      .add_option("--target-error", options.plan.target_error,
-                  "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
-                  "reached. Without bias; takes --sampler independent; the image depends on --tile. With "
-                  "photon mapping the error is that of noise alone, not of bias")
+      .add_option_function<double>(
+          "--target-error",
+          [&options](double error) {
+            options.plan.target_error = error;
+            options.scene.needs_independent = true;
+          },
+          "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
+          "reached. Without bias; takes --sampler independent; the image depends on --tile. With "
+          "photon mapping the error is that of noise alone, not of bias")
       ->type_name("E")
       ->check(positive_number())
       ->group(group::kSampling);

@@ -23,7 +23,8 @@ struct SceneOptions {
   bool strict = false;
   std::string dialect;                    ///< empty: determined from the scene file
   std::optional<std::string> integrator;  ///< one of the names of integrator.type
-  std::optional<std::string> sampler;
+  std::optional<std::string> sampler;     ///< one of the names of sampler.type, or "scene"
+  bool needs_independent = false;         ///< an independent sampler of the scene is not replaced
   std::optional<std::uint32_t> spp;
   std::optional<std::uint32_t> seed;
   std::string intersector = "auto";
@@ -84,6 +85,9 @@ struct RenderOptions {
 
 /// --threads, --backend, --opencl-device, --isa.
 void add_denoise_device_options(CLI::App& command, RenderOptions& options);
+
+/// The values of --sampler.
+std::vector<std::string> sampler_names();
 
 /// The plan with the defaults of this integrator.
 PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator);

@@ -107,14 +107,8 @@ void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared)
                            samples_per_second(outcome) * 1e-6));
 }
 
-bool is_sampler_advised(const RenderOptions& options, const PreparedRender& prepared) {
-  return !options.scene.sampler && !options.plan.target_error &&
-         prepared.scene.description.sampler.kind == SamplerKind::kIndependent;
-}
-
-// Measured: see "Samplers" in kernels/MEASUREMENTS.md.
-void print_sampler_advice() {
-  print_remark("hint: --sampler sobol mostly needs fewer samples than the scene's independent\n");
+void print_sampler_note() {
+  print_remark("note: sobol replaces the scene's independent sampler; --sampler scene keeps it\n");
 }
 
 // At edges, and where a boundary meets another surface, rounding decides which one is crossed first. In a

@@ -41,11 +41,8 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
 /// Prints files, size, samples and time, and whether a time budget has ended the render.
 void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared);
 
-/// Whether another sampler is worth a hint: the scene file asks for independent samples, neither the user nor
-/// a target error does.
-bool is_sampler_advised(const RenderOptions& options, const PreparedRender& prepared);
-/// Prints that hint, once for a render or a set of them.
-void print_sampler_advice();
+/// Says that Sobol points replace the scene's independent samples, once for a render or a set of them.
+void print_sampler_note();
 
 /// Whether the time budget ended the render before its last sample.
 bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job);

@@ -41,11 +41,11 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
       "the scene's)")
       ->type_name("[LABEL=]NAME[:KEY=VALUE,…]")
       ->group(kGroup);
-  command.add_option("--sampler", options.samplers, "Sampler; repeatable (default: the scene's)")
+  command.add_option("--sampler", options.samplers, "Sampler, as of `penumbra render`; repeatable")
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(CLI::IsMember(find_setting("sampler.type")->choices).description(""))
+      ->check(CLI::IsMember(sampler_names()).description(""))
       ->group(kGroup);
   command.add_option("--backend", options.backends, "native or opencl; repeatable (default: native)")
       ->type_name("NAME")

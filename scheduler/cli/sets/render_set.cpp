@@ -162,7 +162,7 @@ class SceneSet final : public JobSource {
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
-  std::atomic<bool> advises_sampler_ = false;  // for any of the renders
+  std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
   std::map<JobId, std::optional<ReadyRender>> open_;
@@ -224,7 +224,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
-  if (is_sampler_advised(options, *prepared)) advises_sampler_ = true;
+  if (prepared->scene.sampler_replaced) sampler_replaced_ = true;
   if (const auto made = make_folders(prepared->files); !made) return made;
   const auto resumed = attach_checkpoint(*prepared, options, worker_);
   if (!resumed) return std::unexpected(resumed.error());
@@ -398,7 +398,7 @@ ExitCode SceneSet::print_end() {
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
   if (!options_.quiet)
     print_remark(set_totals(entries_, seconds) + fmt::format("wrote {}\n", plan_.summary.string()));
-  if (!options_.quiet && advises_sampler_) print_sampler_advice();
+  if (!options_.quiet && sampler_replaced_) print_sampler_note();
   const auto failed = std::ranges::count_if(entries_, [](const SetEntry& entry) {
     return entry.state == SetState::kFailed || entry.state == SetState::kIncomplete;
   });

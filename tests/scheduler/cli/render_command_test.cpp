@@ -62,13 +62,27 @@ class RenderCommand : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(RenderCommand, SaysWhatSobolSavesWhereTheSceneAsksForIndependentSamples) {
-  const auto advice =
-      HasSubstr("\nhint: --sampler sobol mostly needs fewer samples than the scene's independent\n");
-  EXPECT_THAT(render({}).out, advice);
-  EXPECT_THAT(render({"--sampler", "independent", "--force"}).out, Not(advice));
-  EXPECT_THAT(render({"--sampler", "sobol", "--force"}).out, Not(advice));
-  EXPECT_THAT(render({"--quiet", "--force"}).out, Not(advice));
+TEST_F(RenderCommand, SobolReplacesTheIndependentSamplerOfAScene) {
+  const auto note =
+      HasSubstr("\nnote: sobol replaces the scene's independent sampler; --sampler scene keeps it\n");
+  const auto sampler = [&] { return report("s.json")["settings"]["sampler"].get<std::string>(); };
+  EXPECT_THAT(render({}).out, note);
+  EXPECT_EQ(sampler(), "sobol");
+  const auto hash = report("s.json")["film_hash"];
+  EXPECT_THAT(render({"--sampler", "sobol", "--force"}).out, Not(note));
+  EXPECT_EQ(report("s.json")["film_hash"], hash);
+  EXPECT_THAT(render({"--quiet", "--force"}).out, Not(note));
+  // Whoever needs independent samples asks for them.
+  const std::vector<std::string> asking[] = {{"--sampler", "scene"},
+                                             {"--sampler", "independent"},
+                                             {"--set", "sampler.type=independent"},
+                                             {"--target-error", "0.5"}};
+  for (std::vector<std::string> options : asking) {
+    options.emplace_back("--force");
+    EXPECT_THAT(render(options).out, Not(note));
+    EXPECT_EQ(sampler(), "independent");
+    EXPECT_NE(report("s.json")["film_hash"], hash);
+  }
 }
 
 TEST_F(RenderCommand, ARenderThatABudgetEndsSaysHowFarItCame) {

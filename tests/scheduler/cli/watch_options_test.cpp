@@ -82,7 +82,8 @@ TEST_F(WatchOptions, APreviewOfNothingIsBadInput) {
 }
 
 TEST_F(WatchOptions, APreviewsSampleIsTheRendersAndCtrlCEndsIt) {
-  Program preview(folder_.path(), {"preview", "s.xml", "--listen", address(), "--threads", "1"});
+  Program preview(folder_.path(),
+                  {"preview", "s.xml", "--sampler", "scene", "--listen", address(), "--threads", "1"});
   {
     WatchClient client(address(), "");
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -109,8 +110,8 @@ TEST_F(WatchOptions, APreviewsSampleIsTheRendersAndCtrlCEndsIt) {
     EXPECT_EQ(tile->samples, 1u);
     const TemporaryFolder other;  // each program's output goes to files of the same names
     write_small_scene(other / "s.xml");
-    const ProgramResult rendered =
-        run_penumbra(other.path(), {"render", "s.xml", "--spp", "1", "--pass", "1", "--threads", "1"});
+    const ProgramResult rendered = run_penumbra(other.path(), {"render", "s.xml", "--spp", "1", "--pass", "1",
+                                                               "--threads", "1", "--sampler", "scene"});
     ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
     const auto image = read_image(other / "s.exr");
     ASSERT_TRUE(image);

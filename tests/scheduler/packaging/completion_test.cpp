@@ -60,7 +60,7 @@ TEST_F(CompletionOf, Commands) {
 
 TEST_F(CompletionOf, OptionsAndTheirValues) {
   EXPECT_THAT(complete({"render", "--sa"}), ElementsAre("--sampler"));
-  EXPECT_THAT(complete({"render", "--sampler", "s"}), UnorderedElementsAre("stratified", "sobol"));
+  EXPECT_THAT(complete({"render", "--sampler", "s"}), UnorderedElementsAre("stratified", "sobol", "scene"));
   EXPECT_THAT(complete({"render", "--sampler=so"}), ElementsAre("--sampler=sobol"));
   EXPECT_THAT(complete({"render", "--seed", ""}), IsEmpty()) << "a number";
   EXPECT_THAT(complete({"render", "--seed", "4", "--qui"}), ElementsAre("--quiet"));

@@ -152,12 +152,12 @@ TEST_F(RenderSet, ABudgetThatEndsARenderIsSaidAndRecorded) {
   EXPECT_FALSE(job().contains("ended_by"));
 }
 
-TEST_F(RenderSet, HintsAndAddressesAreSaidOnce) {
+TEST_F(RenderSet, NotesAndAddressesAreSaidOnce) {
   const ProgramResult result = run({"a.xml", "b.xml", "-o", "out/"});
-  EXPECT_THAT(result.out, AllOf(HasSubstr("\nhint: --sampler sobol"), Not(ContainsRegex("hint(.|\n)*hint"))));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("\nnote: sobol"), Not(ContainsRegex("note(.|\n)*note"))));
   EXPECT_THAT(result.err, AllOf(HasSubstr("to watch: "), Not(ContainsRegex("to watch(.|\n)*to watch"))));
-  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--sampler", "sobol"}).out, Not(HasSubstr("hint")));
-  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--force", "-q"}).out, Not(HasSubstr("hint")));
+  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--sampler", "sobol"}).out, Not(HasSubstr("note")));
+  EXPECT_THAT(run({"a.xml", "b.xml", "-o", "out/", "--force", "-q"}).out, Not(HasSubstr("note")));
 }
 
 TEST_F(RenderSet, ASummaryThatIsNoneIsReplaced) {
