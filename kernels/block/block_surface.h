@@ -76,6 +76,12 @@ FIND_POINTS_OF_QUADRICS(find_quadric_points, quadric_point, is_quadric)
 FIND_POINTS_OF_QUADRICS(find_cylinder_points, cylinder_point, is_cylinder)
 #undef FIND_POINTS_OF_QUADRICS
 
+FN bool any_quadric_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  int last = -1;
+  for (int j = i; j < i + LANES; j++) last = max_i(last, get_hit(paths, j));
+  return last >= scene->header.tables.triangles.count;
+}
+
 /// The instance whose primitive a lane's ray hit, or -1.
 FN int instance_hit(const PRIVATE PathState* paths, int i) {
   const int hit = get_hit(paths, i), instance = get_hit_instance(paths, i);
@@ -164,13 +170,6 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
     }
 }
 
-/// Texture coordinates and tangents.
-FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
-                 const PRIVATE PrimitivePoints* points, PRIVATE Surfaces* surfaces) {
-  find_triangle_uvs(scene, paths, i, only, points, surfaces);
-  if (NEEDS(scene, QUADRICS)) find_quadric_uvs(scene, paths, i, points, surfaces);
-}
-
 /// The surfaces that the last rays of LANES paths from lane i on hit, without chosen leaves, media and bent
 /// normals.
 CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -179,14 +178,16 @@ CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
   const int only = only_triangle(scene, paths, i);
   find_triangle_points(scene, paths, i, only, &points);
   if (NEEDS(scene, SHADING_NORMALS)) interpolate_normals(scene, paths, i, only, &points);
-  if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
-  if (NEEDS(scene, CYLINDERS)) find_cylinder_points(scene, paths, i, &points);
+  const bool quadrics = NEEDS(scene, QUADRICS) && any_quadric_hit(scene, paths, i);
+  if (HAS(QUADRICS) && quadrics) find_quadric_points(scene, paths, i, &points);
+  if (NEEDS(scene, CYLINDERS) && quadrics) find_cylinder_points(scene, paths, i, &points);
   const bool instances = NEEDS(scene, INSTANCES) && any_instance_hit(paths, i);
   if (HAS(INSTANCES) && instances) find_instance_points(scene, paths, i, &points);
   see_surfaces(paths, i, &points, surfaces);
   if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
-  if (NEEDS(scene, UV)) find_uvs(scene, paths, i, only, &points, surfaces);
+  if (NEEDS(scene, UV)) find_triangle_uvs(scene, paths, i, only, &points, surfaces);
+  if (NEEDS(scene, UV) && HAS(QUADRICS) && quadrics) find_quadric_uvs(scene, paths, i, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
 }
 
@@ -209,6 +210,22 @@ STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* R
     }
 }
 
+/// Whether all of LANES paths scatter in media, as is common where paths are sorted by family.
+FN bool all_in_media(const PRIVATE PathState* paths, int i) {
+  int others = 0;
+  for (int j = i; j < i + LANES; j++) others |= get_hit(paths, j) != IN_MEDIUM ? 1 : 0;
+  return others == 0;
+}
+
+/// For such paths, instead of find_hit_surfaces.
+STAGE void see_no_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      store_surface(surfaces, j, surface_in_medium(get_ray_origin(paths, i + j)));
+      surfaces->span[j] = 0.0f;
+    }
+}
+
 /// Replaces the surfaces of paths that scatter in media.
 STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -223,13 +240,49 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
     }
 }
 
+// Where the shading normal differs much from the geometric one, the mirrored direction of the viewer may lie
+// beneath the surface. There it is lost (is_beneath), and smooth meshes of glass or mirrors would be too
+// dark. So their shading normals are turned until that direction rises to this cosine above the surface.
+#define LEAST_RISE 0.01f
+
+/// The direction that mirrors wo, and the cosine to the geometric normal that it must have.
+FN vec3 mirrored(Surface s) { return sub(scale(s.shading, 2.0f * dot3(s.shading, s.wo)), s.wo); }
+FN float least_rise(Surface s) { return min_f(0.9f * dot3(s.geometric, s.wo), LEAST_RISE); }
+
+STAGE bool any_mirrors_beneath(const PRIVATE Surfaces* RESTRICT surfaces) {
+  int any = 0;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      any |= (is_hit(s) & (dot3(mirrored(s), s.geometric) < least_rise(s))) ? 1 : 0;
+    }
+  return any != 0;
+}
+
+/// Turns the normals of such surfaces, except diffuse ones, which mirror nothing.
+STAGE void lift_reflections(const PRIVATE Scene* scene, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 beneath = mirrored(s);
+      const float rise = dot3(beneath, s.geometric), least = least_rise(s);
+      const vec3 lifted = normalize3(add_scaled(beneath, least - rise, s.geometric));
+      const bool turns = is_hit(s) & (rise < least) & (scene->materials[s.material].family != FAMILY_DIFFUSE);
+      STORE_LANE_vec3(surfaces->shading, j, select3(turns, normalize3(add(s.wo, lifted)), s.shading));
+    }
+}
+
 /// Where the last rays of LANES paths from lane i on ended.
 CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                              PRIVATE Surfaces* surfaces) {
-  find_hit_surfaces(scene, paths, i, surfaces);
+  if (NEEDS_MEDIA(scene) && all_in_media(paths, i))
+    see_no_surfaces(paths, i, surfaces);
+  else
+    find_hit_surfaces(scene, paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
+  if (NEEDS(scene, SHADING_NORMALS) && any_mirrors_beneath(surfaces)) lift_reflections(scene, surfaces);
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
 }
 

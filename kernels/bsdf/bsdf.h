@@ -41,6 +41,10 @@ PENUMBRA_NAMESPACE_BEGIN
         GLOBAL const Material* material = scene->materials + materials[j];                             \
         STORE_ENTRY_##type(closures->name, LANES, j, MATERIAL_VALUE_##type(material->name));           \
       }                                                                                                \
+  }                                                                                                    \
+  STAGE void clear_##name##_lanes(PRIVATE Closures* RESTRICT closures) {                               \
+    LANE_LOOP                                                                                          \
+      for (int j = 0; j < LANES; j++) STORE_ENTRY_##type(closures->name, LANES, j, ZERO_##type);       \
   }
 CLOSURE_FIELDS(RESOLVE_LANES, )
 #undef RESOLVE_LANES
@@ -79,14 +83,28 @@ CLOSURE_FIELDS(RESOLVE_LANES, )
 TEXTURED_FIELDS(TEXTURE_LANES, )
 #undef TEXTURE_LANES
 
-/// Resolves the closures of the surfaces' materials. Fields that no material of the scene uses are unchanged.
+/// A mask of the families of LANES closures.
+FN uint families_among(const PRIVATE Closures* closures) {
+  uint families = 0u;
+  for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
+  return families & compiled_families();
+}
+
+/// Resolves the closures of the surfaces' materials. Fields that none of their families uses become 0; those
+/// that no material of the scene uses are unchanged.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
-  const uint families = NEEDED(FAMILIES, scene->header.families) & compiled_families();
-#define RESOLVE_IF_USED(a, type, name)                                             \
-  if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u) \
-    resolve_##name##_lanes(scene, surfaces->material, closures);
-  CLOSURE_FIELDS(RESOLVE_IF_USED, )
+  const uint of_scene = NEEDED(FAMILIES, scene->header.families) & compiled_families();
+  resolve_family_lanes(scene, surfaces->material, closures);
+  const uint families = families_among(closures);
+#define RESOLVE_IF_USED(a, type, name)                                               \
+  if ((COMPILED_FAMILIES & USERS_##name) != 0u && (of_scene & USERS_##name) != 0u) { \
+    if ((families & USERS_##name) != 0u)                                             \
+      resolve_##name##_lanes(scene, surfaces->material, closures);                   \
+    else                                                                             \
+      clear_##name##_lanes(closures);                                                \
+  }
+  CLOSURE_PARAMETERS(RESOLVE_IF_USED, )
 #undef RESOLVE_IF_USED
 #define TEXTURE_IF_USED(a, type, name)                                               \
   if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u && \
@@ -96,13 +114,6 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
     TEXTURED_FIELDS(TEXTURE_IF_USED, )
   }
 #undef TEXTURE_IF_USED
-}
-
-/// A mask of the families of LANES closures.
-FN uint families_among(const PRIVATE Closures* closures) {
-  uint families = 0u;
-  for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
-  return families & compiled_families();
 }
 
 /// The x axis of the frame in which a family with these `properties` (a constant) is evaluated; 0 if any axis

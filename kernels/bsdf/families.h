@@ -83,8 +83,7 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, flatness) /* or subsurface */                                                  \
   F(a, float, clearcoat)                                                                     \
   F(a, float, clearcoat_gloss)
-#define CLOSURE_FIELDS(F, a)                                                         \
-  F(a, int, family)          /* FAMILY_* */                                          \
+#define CLOSURE_PARAMETERS(F, a)                                                     \
   F(a, int, variant)         /* of the family's formula */                           \
   F(a, int, curve)           /* start of its values in the table of curves */        \
   F(a, int, curve_rows)      /* 1, or CURVE_ROWS: number of curves over roughness */ \
@@ -95,6 +94,9 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, clearcoat_rate)                                                        \
   F(a, float, diff_trans_rate)                                                       \
   TEXTURED_FIELDS(F, a)
+#define CLOSURE_FIELDS(F, a)       \
+  F(a, int, family) /* FAMILY_* */ \
+  CLOSURE_PARAMETERS(F, a)
 LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 
 #define ENUMERATE_TEXTURED(a, type, name) TEXTURED_##name,
@@ -135,7 +137,6 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
-#define USERS_family 0xffffffffu
 #define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
 #define USERS_curve USERS(ROUGH_PLASTICS)
 #define USERS_curve_rows USERS(ROUGH_PLASTICS)

@@ -112,15 +112,16 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const Surface s = load_surface(&step->surfaces, j);
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
-      const bool own = is_among(load_closure(&step->closures, j), by_themselves);
+      const Closure c = load_closure(&step->closures, j);
+      const bool own = is_among(c, by_themselves);
       const float other = own ? value.pdf : direction_pdf(kind, s.shading, light.wi, value.pdf);
       const float shared = mis_weight(heuristic, emitter_samples * light.pdf, bsdf_samples * other);
       const float share = light.delta ? 1.0f : shared;
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
       const bool lit = is_hit(s) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
-      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
+      const bool controlled = is_controlled(scene, c, light.of_polygon);
       const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
-      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
+      request_shadow_ray(scene, paths, i + j, s, c, light, arriving, lit, controlled);
     }
 }
 
@@ -133,7 +134,8 @@ STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathStat
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
-      const bool traces = is_hit(s) & (next.pdf > 0.0f) & !is_beneath(s, next.wi);
+      const bool traces =
+          is_hit(s) & (next.pdf > 0.0f) & !is_cut_off(s, load_closure(&step->closures, j), next.wi);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
       set_ray_direction(&fields, i + j, next.wi);
       set_throughput(&fields, i + j, scale(next.weight, share));

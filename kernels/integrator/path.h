@@ -30,8 +30,9 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
 
     // Emission that the rays hit, weighted against the light samples that could have found it.
     const bool finds = any_finds_light(scene, &step.surfaces);
+    const bool emits = scatters & takes_light_samples(step.families);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
-    request_lights(scene, light_request(scene, true, scatters, scatters, balances), finds, &step, paths, i);
+    request_lights(scene, light_request(scene, true, emits, emits, balances), finds, &step, paths, i);
     if (finds) find_emissions(scene, &step.found, balances & (vertices > 0), &step.emissions);
     if (NEEDS(scene, POLYGONS) && finds) drop_controlled(paths, i, &step.emissions, &step.found);
     if (NEEDS(scene, POLYGONS)) note_controlled(scene, paths, i, &step.closures);
@@ -45,14 +46,18 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 
     // Next-event estimation: a point on a light, and the shadow ray to it.
-    sample_step_lights(scene, &step);
-    if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
-    if (NEEDS_PHOTONS(scene)) drop_photon_samples(paths, i, &step.closures, &step.lights);
-    eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
-    if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
-    request_light(scene, paths, i, &step);
-    if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
-    if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
+    if (emits) {
+      sample_step_lights(scene, &step);
+      if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
+      if (NEEDS_PHOTONS(scene)) drop_photon_samples(paths, i, &step.closures, &step.lights);
+      eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+      if (HAS(LTC) && has_lobe_control(scene)) admit_controls(scene, &step);
+      request_light(scene, paths, i, &step);
+      if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+      if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
+    } else {
+      request_no_light(paths, i);
+    }
 
     // Indirect light from photon maps.
     if (NEEDS_PHOTONS(scene)) add_photons(scene, paths, i, &step);

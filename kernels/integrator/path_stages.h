@@ -14,18 +14,20 @@ PENUMBRA_NAMESPACE_BEGIN
 /// t: this costs some steps and saves more variance. sqrt(2 t) was the best of t, sqrt t, 2 t, 4 t, the
 /// fourth root of t, mean and luminance. The cap ends paths that lose nothing, where the albedo is 1: n
 /// rounds are survived with probability at most (100 / n)^2, so weights grow only like n^2, which any albedo
-/// below 1 outweighs. A constant cap would have infinite variance for albedos above sqrt(cap).
-FN float roulette_survival(float throughput, int k) {
-  return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
+/// below 1 outweighs. A constant cap would have infinite variance for albedos above sqrt(cap). `least`: what
+/// a dielectric surface keeps of the throughput, 0 at others. Glass takes little, and light that is only seen
+/// through glass decides the noise of many images: with this, it is found as often behind glass as before it.
+FN float roulette_survival(float throughput, float least, int k) {
+  return min_f(max_f(SQRT(2.0f * throughput), least), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
 /// Survival probability of a path that scattered to `depth`. `strongest` is its largest throughput component,
 /// in a medium of relative refractive index `eta`. Radiance scales with the square of the index, and the
 /// radiance that arrives at the camera does not; eta^2 compensates.
-FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
+FN float path_survival(int rr_depth, int depth, float strongest, float eta, float least) {
   const bool roulette = depth >= rr_depth;
   const int throws = roulette ? depth - rr_depth : 0;
-  return roulette ? roulette_survival(strongest * (eta * eta), throws) : 1.0f;
+  return roulette ? roulette_survival(strongest * (eta * eta), least, throws) : 1.0f;
 }
 
 /// Random numbers for a step of LANES paths from lane i on. Numbers that the step does not need are not
@@ -55,13 +57,19 @@ FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* path
   return any != 0;
 }
 
+/// Whether light samples may count at closures of these families: not if all are delta.
+FN bool takes_light_samples(uint families) { return (families & ~families_with(DELTA)) != 0u; }
+
+STAGE void request_no_light(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_shadow_tmax(paths, j, -1.0f);
+}
+
 /// Ends LANES paths of which none scatters.
 STAGE void end_paths(const PRIVATE PathState* paths, int i) {
+  request_no_light(paths, i);
   LANE_LOOP
-    for (int j = i; j < i + LANES; j++) {
-      set_shadow_tmax(paths, j, -1.0f);
-      set_alive(paths, j, false);
-    }
+    for (int j = i; j < i + LANES; j++) set_alive(paths, j, false);
 }
 
 /// Drops emission that rays hit, if the surface that they left uses the closed form of that light: only
@@ -173,7 +181,8 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
       const float shared = balances ? mis_weight(heuristic, light.pdf, value.pdf) : 1.0f;
-      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
+      const Closure c = load_closure(&step->closures, j);
+      const bool controlled = is_controlled(scene, c, light.of_polygon);
       const bool alone = light.delta | controlled;
       const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
       const bool scatters = is_hit(s) & (get_depth(&fields, i + j) + 1 < max_depth);
@@ -181,7 +190,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
                        ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
       const vec3 arriving =
           mul(get_throughput(&fields, i + j), scale(mul(value.f_cos, light.radiance), weight));
-      request_shadow_ray(scene, &fields, i + j, s, light, arriving, lit, controlled);
+      request_shadow_ray(scene, &fields, i + j, s, c, light, arriving, lit, controlled);
     }
 }
 
@@ -255,9 +264,11 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const int depth = get_depth(&fields, i + j) + 1;
       const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
-      const float survival = path_survival(rr_depth, depth, strongest, step->eta[j]);
+      const Closure c = load_closure(&step->closures, j);
+      const float kept = is_among(c, DIELECTRICS) ? max_component(next.weight) * (next.eta * next.eta) : 0.0f;
+      const float survival = path_survival(rr_depth, depth, strongest, step->eta[j], kept);
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
-                         !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
+                         !is_cut_off(s, c, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_next_ray(&fields, i + j, s, next, scale(throughput, 1.0f / (alive ? survival : 1.0f)), alive);
     }
 }

@@ -157,11 +157,11 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
       b.eta *= next.eta;
       const vec3 throughput = mul(b.throughput, scale(next.weight, 1.0f - probabilities[j]));
       const float strongest = max_component(throughput);
-      const float survival = path_survival(rr_depth, b.depth, strongest, b.eta);
+      const float survival = path_survival(rr_depth, b.depth, strongest, b.eta, 0.0f);
       // The first branch uses this number itself.
       const float number = ONE_MINUS_EPSILON - lane_number(step, DIM_ROULETTE, j);
       const bool alive = (branching->lobes[j] != 0) & (next.pdf > 0.0f) & (strongest > 0.0f) &
-                         !is_beneath(s, next.wi) & (number < survival);
+                         !is_cut_off(s, load_closure(&step->closures, j), next.wi) & (number < survival);
       b.origin = leave_surface(s.p, s.geometric, s.error, next.wi);
       b.direction = next.wi;
       b.throughput =
