@@ -138,12 +138,12 @@ def numbers(values):
 
 
 class Scene:
-    """A Mitsuba scene and its meshes in the folder that the command line names."""
+    """A Mitsuba scene and its meshes, by default in the folder that the command line names."""
 
-    def __init__(self, name):
-        if len(sys.argv) != 2:
+    def __init__(self, name, folder=None):
+        if folder is None and len(sys.argv) != 2:
             sys.exit(f"usage: {sys.argv[0]} FOLDER")
-        self.folder, self.name = sys.argv[1], name
+        self.folder, self.name = folder or sys.argv[1], name
         os.makedirs(self.folder, exist_ok=True)
         self.parts = []
 
