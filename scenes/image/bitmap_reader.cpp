@@ -101,7 +101,8 @@ Expected<ImageContents> contents_of(const std::string& name, std::string_view co
   static const Expected<const void*> reader =
       load_module("libpenumbra_texel_reader.so", "penumbra_texel_reader");
   if (!reader)
-    return fail(fmt::format("cannot be read, because what reads images does not load: {}", reader.error().message));
+    return fail(
+        fmt::format("cannot be read, because what reads images does not load: {}", reader.error().message));
   return static_cast<const TexelReader*>(*reader)->read(name, contents, kMaxBitmapBytes);
 }
 
