@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <unordered_map>
 
 #include "scenes/mesh_reader.h"
 #include "scenes/names.h"
@@ -38,10 +37,35 @@ const std::vector<std::string> kIgnoredStatements = {
 std::string_view first_line(std::string_view text) { return text.substr(0, text.find('\n')); }
 
 /// A group while it grows.
-struct OpenGroup {
+class OpenGroup {
+ public:
   ObjGroup result;
   std::vector<Corner> corners;  ///< the corner from which each vertex was made
-  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices;
+
+  /// The vertex of the corner, which is new if there is no equal one.
+  std::uint32_t vertex(const Corner& corner) {
+    if (2 * (corners.size() + 1) > places_.size()) {
+      places_.assign(std::max<std::size_t>(16, 2 * places_.size()), kFree);
+      for (std::size_t i = 0; i < corners.size(); ++i) place_of(corners[i]) = std::uint32_t(i);
+    }
+    std::uint32_t& place = place_of(corner);
+    if (place == kFree) {
+      place = std::uint32_t(corners.size());
+      corners.push_back(corner);
+    }
+    return place;
+  }
+
+ private:
+  static constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+  /// A hash table of vertices, at most half full: a node for each vertex takes as long as its text.
+  std::vector<std::uint32_t> places_;
+
+  std::uint32_t& place_of(const Corner& corner) {
+    std::size_t at = CornerHash{}(corner) & (places_.size() - 1);
+    while (places_[at] != kFree && !(corners[places_[at]] == corner)) at = (at + 1) & (places_.size() - 1);
+    return places_[at];
+  }
 };
 
 class ObjReader {
@@ -166,7 +190,7 @@ class ObjReader {
     for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
       const auto read = corner(token);
       if (!read) return std::unexpected(read.error());
-      polygon_.push_back(vertex(group, *read));
+      polygon_.push_back(group.vertex(*read));
       outline_.push_back(positions_[std::size_t(read->position)]);
       is_textured = is_textured && read->texcoord >= 0;
     }
@@ -190,12 +214,6 @@ class ObjReader {
       group_->result.location = location;
     }
     return *group_;
-  }
-
-  static std::uint32_t vertex(OpenGroup& group, const Corner& corner) {
-    const auto [entry, is_new] = group.vertices.try_emplace(corner, std::uint32_t(group.corners.size()));
-    if (is_new) group.corners.push_back(corner);
-    return entry->second;
   }
 
   /// Corners go without what the file does not have.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <utility>
 #include <vector>
 
 #include "scenes/angles.h"
@@ -32,83 +33,109 @@ struct Rule {
   }
 };
 
-/// As many nodes in each dimension as in Mitsuba 3; more if there is total internal reflection.
-const Rule& rule_for(double ior) {
-  static const Rule few(32), many(128);
-  return ior > 1 ? few : many;
-}
-
-/// Finds where an increasing function has a given value, between low and high.
-template <typename Function>
-double solve(const Function& function, double value, double low, double high) {
+/// Finds where an increasing function has a given value, between low and high: by Newton's method, or by
+/// halving where that leaves the interval.
+template <typename Function, typename Slope>
+double solve(const Function& function, const Slope& slope, double value, double low, double high) {
+  double x = 0.5 * (low + high);
   for (int turn = 0; turn < 60; ++turn) {
-    const double middle = 0.5 * (low + high);
-    (function(middle) > value ? high : low) = middle;
+    const double beyond = function(x) - value;
+    (beyond > 0 ? high : low) = x;
+    const double next = x - beyond / slope(x);
+    const bool inside = next > low && next < high;
+    const double before = std::exchange(x, inside ? next : 0.5 * (low + high));
+    if (std::abs(x - before) <= 1e-16 * std::max(1.0, std::abs(x))) break;
   }
-  return 0.5 * (low + high);
+  return x;
 }
 
 /// The inverse distribution function of slopes perpendicular to the view plane, for a Gaussian surface of
 /// roughness 1.
 double gaussian_slope(double u) {
-  return solve([](double s) { return std::erf(s); }, 2 * u - 1, -6, 6);
+  return solve([](double s) { return std::erf(s); },
+               [](double s) { return 2 / std::sqrt(kPi) * std::exp(-s * s); }, 2 * u - 1, -6, 6);
 }
 
 /// The same for slopes in the view plane, among those visible from a direction whose tangent is `tangent`
 /// (Heitz and d'Eon 2014).
 double visible_gaussian_slope(double tangent, double u) {
   const auto below = [&](double s) { return 1 + std::erf(s) + tangent * std::exp(-s * s) / std::sqrt(kPi); };
+  const auto density = [&](double s) { return 2 / std::sqrt(kPi) * std::exp(-s * s) * (1 - s * tangent); };
   const double last = tangent > 1.0 / 6 ? 1 / tangent : 6;
-  return solve(below, u * below(last), -6, last);
+  return solve(below, density, u * below(last), -6, last);
 }
 
-/// The distribution of visible microfacet normals for a viewer at this cosine in the xz plane, represented by
-/// the nodes of a quadrature rule.
-class VisibleNormals {
+/// A rule for the normals of microfacets of roughness 1 that a viewer in the xz plane sees. They are mirrored
+/// by that plane, so one half has all the weight. What does not depend on the viewer is computed once.
+class NormalRule {
  public:
-  VisibleNormals(const RoughBoundary& boundary, double cosine, const Rule& rule)
-      : ggx_(boundary.distribution == DISTRIBUTION_GGX), alpha_(boundary.alpha) {
-    const double sine = std::sqrt(1 - cosine * cosine), length = std::hypot(alpha_ * sine, cosine);
-    cosine_ = cosine / length;
-    sine_ = alpha_ * sine / length;
-    if (ggx_) return;
-    for (const double node : rule.nodes) {
-      along_.push_back(visible_gaussian_slope(sine_ / cosine_, node));
-      across_.push_back(gaussian_slope(node));
+  /// For a rule of an even number of nodes.
+  NormalRule(bool ggx, const Rule& rule) : ggx_(ggx), rule_(rule) {
+    const std::size_t n = rule.nodes.size();
+    for (std::size_t i = 0; i < n / 2; ++i) {
+      if (!ggx) across_.push_back(gaussian_slope(rule.nodes[i]));
+      for (std::size_t j = 0; ggx && j < n; ++j) discs_.push_back(disc_point(rule.nodes[i], rule.nodes[j]));
     }
   }
 
-  /// The normal for nodes i and j of the rule.
-  [[nodiscard]] glm::dvec3 at(const Rule& rule, std::size_t i, std::size_t j) const {
-    const glm::dvec2 slope =
-        ggx_ ? ggx_slope(rule.nodes[i], rule.nodes[j]) : glm::dvec2(along_[i], across_[j]);
-    return glm::normalize(glm::dvec3(-alpha_ * slope.x, -alpha_ * slope.y, 1));
+  /// The mean of part(slope) over the slopes that are visible at an angle with this cosine and sine.
+  template <typename Part>
+  double mean(double cosine, double sine, const Part& part) const {
+    const std::size_t n = rule_.nodes.size();
+    double mean = 0;
+    for (std::size_t i = 0; ggx_ && i < n / 2; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        const DiscPoint& at = discs_[i * n + j];
+        const double share = 0.5 * (1 + cosine), q = (1 - share) * at.reach + share * at.along;
+        const double z = std::sqrt(std::max(0.0, at.reach * at.reach - q * q));
+        const double scale = 1 / (sine * q + cosine * z);
+        const glm::dvec2 slope((cosine * q - sine * z) * scale, at.across * scale);
+        mean += 2 * rule_.weights[i] * rule_.weights[j] * part(slope);
+      }
+    for (std::size_t j = 0; !ggx_ && j < n; ++j) {
+      const double along = visible_gaussian_slope(sine / cosine, rule_.nodes[j]);
+      for (std::size_t i = 0; i < n / 2; ++i)
+        mean += 2 * rule_.weights[i] * rule_.weights[j] * part(glm::dvec2(along, across_[i]));
+    }
+    return mean;
   }
 
  private:
-  /// GGX of roughness 1, whose visible normals are a projected hemisphere (Heitz 2018), with the concentric
-  /// disk map of Shirley and Chiu 1997.
-  [[nodiscard]] glm::dvec2 ggx_slope(double u, double v) const {
+  /// A point of the unit disc, perpendicular to the view plane and along it, and the extent of the disc along
+  /// the plane there.
+  struct DiscPoint {
+    double across, along, reach;
+  };
+
+  /// Visible normals of GGX are those of a projected hemisphere (Heitz 2018), with the concentric disk map of
+  /// Shirley and Chiu 1997.
+  static DiscPoint disc_point(double u, double v) {
     const double x = 2 * u - 1, y = 2 * v - 1;
     const bool steep = std::abs(x) < std::abs(y);
     const double r = steep ? y : x;
     const double angle = r == 0 ? 0 : steep ? kPi / 2 - kPi / 4 * x / y : kPi / 4 * y / x;
-    const double p = r * std::cos(angle), share = 0.5 * (1 + cosine_);
-    const double q = (1 - share) * std::sqrt(std::max(0.0, 1 - p * p)) + share * r * std::sin(angle);
-    const double z = std::sqrt(std::max(0.0, 1 - p * p - q * q));
-    return glm::dvec2(cosine_ * q - sine_ * z, p) / (sine_ * q + cosine_ * z);
+    const double across = r * std::cos(angle);
+    return {across, r * std::sin(angle), std::sqrt(std::max(0.0, 1 - across * across))};
   }
 
-  bool ggx_;
-  double alpha_, cosine_, sine_;
-  std::vector<double> along_, across_;
+  const bool ggx_;
+  const Rule& rule_;
+  std::vector<DiscPoint> discs_;  ///< GGX: of each pair of nodes
+  std::vector<double> across_;    ///< Beckmann: the slopes perpendicular to the view plane
 };
+
+/// As many nodes in each dimension as in Mitsuba 3; more if there is total internal reflection.
+const NormalRule& rule_for(const RoughBoundary& boundary) {
+  static const Rule few(32), many(128);
+  static const NormalRule beckmann[] = {{false, few}, {false, many}}, ggx[] = {{true, few}, {true, many}};
+  return (boundary.distribution == DISTRIBUTION_GGX ? ggx : beckmann)[boundary.ior > 1 ? 0 : 1];
+}
 
 /// Smith's masking for direction v on its side of the microfacet. For Gaussian surfaces it is the rational
 /// fit of Walter et al. 2007, which is part of the model.
 double masking(const RoughBoundary& boundary, const glm::dvec3& v, const glm::dvec3& m) {
   if (glm::dot(v, m) * v.z <= 0) return 0;
-  const double tangent = boundary.alpha * std::hypot(v.x, v.y) / std::abs(v.z);
+  const double tangent = boundary.alpha * std::sqrt(v.x * v.x + v.y * v.y) / std::abs(v.z);
   if (boundary.distribution == DISTRIBUTION_GGX) return 2 / (1 + std::sqrt(1 + tangent * tangent));
   if (tangent * 1.6 <= 1) return 1;
   const double a = 1 / tangent;
@@ -132,14 +159,13 @@ double knot_cosine(int i) { return std::max(1e-6, double(i) / (CURVE_KNOTS - 1))
 /// The mean of part(wo, m) over the normals m visible from a viewer wo at this cosine.
 template <typename Part>
 double mean_over_normals(const RoughBoundary& boundary, double cosine, const Part& part) {
-  const Rule& rule = rule_for(boundary.ior);
-  const VisibleNormals normals(boundary, cosine, rule);
   const glm::dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
-  double mean = 0;
-  for (std::size_t i = 0; i < rule.nodes.size(); ++i)
-    for (std::size_t j = 0; j < rule.nodes.size(); ++j)
-      mean += rule.weights[i] * rule.weights[j] * part(wo, normals.at(rule, i, j));
-  return mean;
+  // The surface of roughness 1 that is stretched to this one, and the viewer stretched with it.
+  const double length = std::hypot(boundary.alpha * wo.x, cosine);
+  return rule_for(boundary).mean(
+      cosine / length, boundary.alpha * wo.x / length, [&](const glm::dvec2& slope) {
+        return part(wo, glm::normalize(glm::dvec3(-boundary.alpha * slope.x, -boundary.alpha * slope.y, 1)));
+      });
 }
 
 }  // namespace

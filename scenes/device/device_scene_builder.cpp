@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "kernels/host/device_scene_check.h"
@@ -136,15 +137,18 @@ class Builder {
   [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0u; }
   [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
-  /// Position relative to the scene's centre. `reach`: the shape's extent around the position.
-  vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
+  /// Position relative to the scene's centre. `reach`: the shape's extent around the position. `what` returns
+  /// what it belongs to, for an error.
+  template <typename What>
+  vec3 local(const glm::dvec3& p, const What& what, double reach = 0) {
     const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
     if (!(finite(v) && std::isfinite(float(reach))) && problem_.empty())
-      problem_ = what + " has a position or a size that is too large for single precision";
+      problem_ = what() + " has a position or a size that is too large for single precision";
     return v;
   }
   vec3 local(const glm::dvec3& p, const Shape& shape, double reach = 0) {
-    return local(p, "shape '" + shape.name + "'", reach);
+    return local(
+        p, [&] { return "shape '" + shape.name + "'"; }, reach);
   }
 
   Expected<void> add_materials() {
@@ -364,7 +368,7 @@ class Builder {
     i.x = to_vec3(there[0]);
     i.y = to_vec3(there[1]);
     i.z = to_vec3(there[2]);
-    i.at = local(transform_point(place.to_world, center), name_of(place));
+    i.at = local(transform_point(place.to_world, center), [&] { return name_of(place); });
     const glm::dmat3 rows = glm::transpose(back);
     i.row_x = to_vec3(rows[0]);
     i.row_y = to_vec3(rows[1]);
@@ -485,7 +489,7 @@ class Builder {
 
   void add_other_lights() {
     h_.environment = -1;
-    const auto at = [&](const glm::dvec3& p) { return local(p, "a light"); };
+    const auto at = [&](const glm::dvec3& p) { return local(p, [] { return std::string("a light"); }); };
     // Add emitters kind by kind, so that their order in the file makes no difference.
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
@@ -513,7 +517,8 @@ class Builder {
   }
 
   void set_camera() {
-    const vec3 origin = local(glm::dvec3(scene_.camera.to_world[3]), "the camera");
+    const vec3 origin =
+        local(glm::dvec3(scene_.camera.to_world[3]), [] { return std::string("the camera"); });
     h_.camera = build_camera(scene_.camera, scene_.film, origin);
     need(camera_features(scene_.camera));
   }

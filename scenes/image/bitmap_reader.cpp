@@ -12,6 +12,7 @@
 
 #include "kernels/host/module.h"
 #include "scenes/diagnostic.h"
+#include "scenes/image/common_formats.h"
 #include "scenes/image/image_module.h"
 
 namespace penumbra {
@@ -94,6 +95,17 @@ void convert_primaries(const ColorMatrix& matrix, Bitmap& bitmap) {
   }
 }
 
+Expected<ImageContents> contents_of(const std::string& name, std::string_view contents) {
+  if (std::optional<ImageContents> common = read_common_image(contents, kMaxBitmapBytes))
+    return std::move(*common);
+  static const Expected<const void*> reader =
+      load_module("libpenumbra_texel_reader.so", "penumbra_texel_reader");
+  if (!reader)
+    return fail(
+        fmt::format("cannot be read, because what reads images does not load: {}", reader.error().message));
+  return static_cast<const TexelReader*>(*reader)->read(name, contents, kMaxBitmapBytes);
+}
+
 }  // namespace
 
 std::vector<std::string> describe(const BitmapFindings& findings, const std::string& name, bool reflects) {
@@ -116,10 +128,7 @@ std::vector<std::string> describe(const BitmapFindings& findings, const std::str
 Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents, BitmapChannels channels,
                              BitmapFindings& findings) {
   static_assert(std::endian::native == std::endian::little, "words are packed lowest byte first");
-  static const Expected<const void*> reader =
-      load_module("libpenumbra_texel_reader.so", "penumbra_texel_reader");
-  if (!reader) return fail(fmt::format("cannot load what reads images: {}", reader.error().message));
-  const auto image = static_cast<const TexelReader*>(*reader)->read(name, contents, kMaxBitmapBytes);
+  const Expected<ImageContents> image = contents_of(name, contents);
   if (!image) return fail(fmt::format("'{}' {}", name, image.error().message));
   const std::vector<std::size_t> from = chosen(image->channels, channels);
   if (from.empty()) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "scenes/heightfield.h"
 #include "scenes/instances.h"
@@ -28,6 +29,7 @@ namespace {
 struct ShapeInput {
   const Context& context;
   const FileAccess& files;
+  MeshesAhead& meshes;
   PluginReader& plugin;
   bool& flip_normals;  ///< reading the geometry may toggle it
 };
@@ -68,13 +70,15 @@ Parameters read_parameters(const ShapeInput& input) {
   return parameters;
 }
 
-Expected<MeshFile> read_file(const ObjShape&, const SourceFile& file, const MeshAttributeNames&) {
-  return read_obj(file);
+Expected<MeshFile> read_file(MeshesAhead& meshes, const ObjShape&, const SourceFile& file,
+                             const MeshAttributeNames&) {
+  return meshes.read({file.path, MeshRequest::Format::kObj}, file);
 }
-Expected<MeshFile> read_file(const PlyShape&, const SourceFile& file, const MeshAttributeNames& attributes) {
-  return read_ply(file, attributes);
+Expected<MeshFile> read_file(MeshesAhead& meshes, const PlyShape&, const SourceFile& file,
+                             const MeshAttributeNames& attributes) {
+  return meshes.read({file.path, MeshRequest::Format::kPly, attributes}, file);
 }
-Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& file,
+Expected<MeshFile> read_file(MeshesAhead&, const SerializedShape& shape, const SourceFile& file,
                              const MeshAttributeNames& attributes) {
   Expected<MeshFile> read = read_serialized(file, shape.shape_index);
   if (read && attributes.vertex != "color") read->mesh.colours.clear();
@@ -129,15 +133,13 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
   auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
-  auto read = read_file(given, *file, mesh_attribute_names(input.context, input.plugin.object()));
+  auto read =
+      read_file(input.meshes, given, *file, mesh_attribute_names(input.context, input.plugin.object()));
   if (!read) {
     report_mesh_error(input, read.error());
     return std::nullopt;
   }
-  // Free the text, which may take more memory than the mesh. Locations into it become invalid.
-  for (OddFaces* odd :
-       {&read->faces.warped, &read->faces.tangled, &read->faces.too_short, &read->faces.untextured})
-    odd->first = {};
+  // Free the text, which may take more memory than the mesh.
   file.reset();
   auto mesh = placed_mesh(input, given, std::move(*read));
   if (mesh && mesh->triangles.empty()) {
@@ -337,6 +339,32 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
 
 }  // namespace
 
+ShapeReader::ShapeReader(const Context& context, const FileAccess& files, MaterialReader& materials,
+                         SceneDescription& scene)
+    : context_(context),
+      files_(files),
+      materials_(materials),
+      scene_(scene),
+      meshes_(meshes_named(), files, std::max(1u, std::thread::hardware_concurrency()) - 1) {}
+
+/// The meshes that the shapes of all files name, by a guess at their parameters.
+std::vector<MeshRequest> ShapeReader::meshes_named() const {
+  const FileAccess files = files_;  // a copy, so that what it would remark upon is remarked upon in order
+  std::vector<MeshRequest> meshes;
+  for (const Object& object : context_.tree.objects) {
+    const bool is_ply = object.type == PlyShape::kPlugin;
+    if (object.tag != "shape" || (!is_ply && object.type != ObjShape::kPlugin)) continue;
+    if (!is_ply && names_materials(object)) continue;
+    for (const Parameter& parameter : object.parameters) {
+      const auto* name = std::get_if<std::string>(&parameter.value);
+      if (parameter.name != "filename" || name == nullptr) continue;
+      if (auto path = files.find(*name, context_.folders(object)))
+        meshes.push_back({*path, is_ply ? MeshRequest::Format::kPly : MeshRequest::Format::kObj});
+    }
+  }
+  return meshes;
+}
+
 void ShapeReader::read(const Object& object) {
   if (object.type == ShapeGroupShape::kPlugin) {
     group_of(object);
@@ -426,7 +454,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   Shape shape;
   shape.name = name_of(object);
   shape.id = object.id;
-  auto geometry = known->read({context_, files_, plugin, shape.flip_normals});
+  auto geometry = known->read({context_, files_, meshes_, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, shape, scene_);
@@ -461,7 +489,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   Shape whole;
   whole.name = name_of(object);
   whole.id = object.id;
-  std::vector<MeshPart> parts = read_obj_parts({context_, files_, plugin, whole.flip_normals});
+  std::vector<MeshPart> parts = read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, whole, scene_);

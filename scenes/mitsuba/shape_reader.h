@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scenes/file_access.h"
+#include "scenes/meshes_ahead.h"
 #include "scenes/mitsuba/material_reader.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/scene_description.h"
@@ -15,8 +16,7 @@ namespace penumbra::mitsuba {
 class ShapeReader {
  public:
   ShapeReader(const Context& context, const FileAccess& files, MaterialReader& materials,
-              SceneDescription& scene)
-      : context_(context), files_(files), materials_(materials), scene_(scene) {}
+              SceneDescription& scene);
 
   /// Reads `object`, a shape of the scene itself, into the scene. Problems are reported. A mesh in which no
   /// triangle has area is left out, with a warning. A shape group becomes visible only through its instances.
@@ -34,6 +34,7 @@ class ShapeReader {
     std::vector<const Object*> objects;  ///< for each shape the object from which it was read
   };
 
+  [[nodiscard]] std::vector<MeshRequest> meshes_named() const;
   bool begin(PluginReader& plugin, std::string_view if_cyclic);
   void read_into(const Object& object, Holder& holder);
   void read_merged(const Object& object, Holder& holder);
@@ -49,6 +50,7 @@ class ShapeReader {
   const FileAccess& files_;
   MaterialReader& materials_;
   SceneDescription& scene_;
+  MeshesAhead meshes_;
   std::map<const Object*, int> groups_;
   std::set<const Object*> reading_;
   std::vector<const Object*> objects_;                     ///< for each of the scene's shapes

@@ -46,9 +46,13 @@ CheckpointFile::~CheckpointFile() {
   thread_.join();
 }
 
-Expected<std::optional<ResumedState>> CheckpointFile::read(Merge empty) const {
+bool CheckpointFile::exists() const {
   std::error_code ignored;
-  if (!std::filesystem::exists(path_, ignored)) return std::nullopt;
+  return std::filesystem::exists(path_, ignored);
+}
+
+Expected<std::optional<ResumedState>> CheckpointFile::read(Merge empty) const {
+  if (!exists()) return std::nullopt;
   const auto bytes =
       read_plain_file(path_, kMostOtherBytes + kMostFilms * std::int64_t(empty.film().most_written()));
   if (!bytes) return std::unexpected(bytes.error());

@@ -30,6 +30,7 @@ class CheckpointFile final : public CheckpointSink {
   ~CheckpointFile() override;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] bool exists() const;
   /// The state in the file; nothing if there is no file. Errors: those of decode_checkpoint; the file cannot
   /// be read.
   [[nodiscard]] Expected<std::optional<ResumedState>> read(Merge empty) const;

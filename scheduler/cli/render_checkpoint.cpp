@@ -32,7 +32,8 @@ std::string what_is_there(const std::filesystem::path& path, const ResumedState&
 
 Expected<void> read_checkpoint(PreparedRender& prepared) {
   prepared.job.before.reset();
-  if (!prepared.checkpoint) return {};
+  // An empty film takes a while for large images.
+  if (!prepared.checkpoint || !prepared.checkpoint->exists()) return {};
   auto read = prepared.checkpoint->read(merge_of_job(prepared.job));
   if (!read) return std::unexpected(read.error());
   if (*read) prepared.job.before = std::make_shared<ResumedState>(std::move(**read));
