@@ -241,7 +241,7 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
 }
 
 // Where the shading normal differs much from the geometric one, the mirrored direction of the viewer may lie
-// beneath the surface. There it is lost (is_beneath), and smooth meshes of glass or mirrors would be too
+// beneath the surface. There it is lost (is_cut_off), and smooth meshes of mirrors or plastic would be too
 // dark. So their shading normals are turned until that direction rises to this cosine above the surface.
 #define LEAST_RISE 0.01f
 
@@ -259,15 +259,18 @@ STAGE bool any_mirrors_beneath(const PRIVATE Surfaces* RESTRICT surfaces) {
   return any != 0;
 }
 
-/// Turns the normals of such surfaces, except diffuse ones, which mirror nothing.
+/// Turns the normals of such surfaces, except diffuse ones, which mirror nothing, and those that transmit
+/// light, which lose none.
 STAGE void lift_reflections(const PRIVATE Scene* scene, PRIVATE Surfaces* RESTRICT surfaces) {
+  const uint others = families_with(TRANSMITS) | ONLY(DIFFUSE);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
       const vec3 beneath = mirrored(s);
       const float rise = dot3(beneath, s.geometric), least = least_rise(s);
       const vec3 lifted = normalize3(add_scaled(beneath, least - rise, s.geometric));
-      const bool turns = is_hit(s) & (rise < least) & (scene->materials[s.material].family != FAMILY_DIFFUSE);
+      const bool turns =
+          is_hit(s) & (rise < least) & (((others >> scene->materials[s.material].family) & 1u) == 0u);
       STORE_LANE_vec3(surfaces->shading, j, select3(turns, normalize3(add(s.wo, lifted)), s.shading));
     }
 }
