@@ -297,13 +297,12 @@ def glass_of_water(out):
     room.sky(4000, 70, 40)
     room.put(room.plastic("oak", 0.1, 2), f.slab(-1.5, -1, 1.5, 2, 0))
     room.put(room.diffuse((0.7, 0.7, 0.72)), f.wall("y", 2, 3, 2))
-    glass, r, h = [], 0.04, 0.12
-    room.put(GLASS, f.tumbler((0, 0, 0.0005), r, h, 192))
+    room.put(GLASS, f.tumbler((0, 0, 0.0005), 0.04, 0.12, 192))
     # Water that ends within the glass: three interfaces, as modellers leave them.
     room.put(WATER, f.turned([(0, 0.013), (0.0282, 0.0135), (0.031, 0.018), (0.0355, 0.075), (0.034, 0.078), (0, 0.078)], (0, 0, 0.0005), 192))
     for i in range(5):
-        a = room.random.uniform(0, 6.28)
-        room.put(frosted(0.05), f.boxes(*[((0.012 * f.math.cos(a) + 0.1 + 0.03 * i, -0.05 + 0.04 * (i % 2), 0.0005), (0.122 + 0.03 * i, -0.028 + 0.04 * (i % 2), 0.022))]))
+        x, y = 0.1 + 0.03 * i, -0.05 + 0.04 * (i % 2)
+        room.put(frosted(0.05), f.boxes(((x, y, 0.0005), (x + 0.022, y + 0.022, 0.0225))))
     room.put(GLASS, f.goblet((-0.12, 0.1, 0.0005), 0.16, 128), f.bottle((0.14, 0.16, 0.0005), 0.28, 128))
     room.put(room.metal("Ag", 0.08), f.boxes(((-0.06, -0.15, 0.001), (0.1, -0.14, 0.004))))
     return room
@@ -371,13 +370,12 @@ def door_ajar(out):
     paint = room.diffuse((0.8, 0.78, 0.7))
     room.put(paint, f.wall("y", 7, 4, 2.6), f.slab(0, 5.2, 4, 7, 2.6, down=True), f.wall("y", 5.2, 4, 2.6, [(2.35, 0, 3.35, 2.15)]))
     for x in (0, 4):
-        room.put(paint, *[_moved_wall(x)])
+        room.put(paint, hall_side(x))
     room.put(room.diffuse("oak"), f.slab(0, 5, 4, 7, 0))
-    a = f.math.radians(62)
-    hinge, end = (3.29, 5.0), (3.29 - 0.88 * f.math.sin(a) * 0.4, 5.0 - 0.88 * f.math.cos(a) * 0.4)
+    hinge = (3.29, 5.0)
     door = f.Mesh()
-    c, s = -0.97 * 0.88, -0.24 * 0.88
-    across = (0.24 * 0.04, -0.97 * 0.04)
+    c, s = -0.87 * 0.88, -0.5 * 0.88  # open by 30 degrees
+    across = (0.5 * 0.04, -0.87 * 0.04)
     p = [(hinge[0], hinge[1]), (hinge[0] + c, hinge[1] + s), (hinge[0] + c + across[0], hinge[1] + s + across[1]), (hinge[0] + across[0], hinge[1] + across[1])]
     for i in range(4):
         q, r = p[i], p[(i + 1) % 4]
@@ -393,7 +391,7 @@ def door_ajar(out):
     return room
 
 
-def _moved_wall(x):
+def hall_side(x):
     mesh = f.Mesh()
     mesh.quad((x, 5, 0), (x, 7, 0), (x, 7, 2.6), (x, 5, 2.6))
     return mesh
