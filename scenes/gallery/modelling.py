@@ -138,12 +138,14 @@ def numbers(values):
 
 
 class Scene:
-    """A Mitsuba scene and its meshes, by default in the folder that the command line names."""
+    """A Mitsuba scene and its meshes, in the folder that the command line names unless one is given."""
 
     def __init__(self, name, folder=None):
-        if folder is None and len(sys.argv) != 2:
-            sys.exit(f"usage: {sys.argv[0]} FOLDER")
-        self.folder, self.name = folder or sys.argv[1], name
+        if folder is None:
+            if len(sys.argv) != 2:
+                sys.exit(f"usage: {sys.argv[0]} FOLDER")
+            folder = sys.argv[1]
+        self.folder, self.name = folder, name
         os.makedirs(self.folder, exist_ok=True)
         self.parts = []
 

@@ -1,145 +1,237 @@
-"""Measures Penumbra against Mitsuba 3 (llvm_ad_rgb) on Mitsuba scenes and prints a Markdown table.
+#!/usr/bin/env python3
+"""Penumbra against Mitsuba 3 (llvm_ad_rgb) on scenes that both read, as a Markdown table.
 
-Usage: python3 against_mitsuba.py [--penumbra FOLDER]... [--spp 16] [--seeds 4] [--images FOLDER] SCENE.xml...
+Times are CPU seconds (user and system) of alternating renders on one core. An error is the variance between images of
+independent seeds over (converged image^2 + 0.01), of the means of 4 x 4 pixels: so no bias of either renderer counts.
+Equal error is found with error falling as 1 / spp. Ratios above 1: Penumbra is ahead. Needs mitsuba and numpy.
 
-Needs mitsuba, numpy and OpenEXR (pip). All renderers take turns in one run, with one thread each; times are user and
-system seconds of the process, so that other work on the machine matters less. With several --penumbra folders, builds
-are compared. With --images, Mitsuba's images go to FOLDER/SCENE/mitsuba/SECONDS-seconds.exr, for
-`penumbra report SCENE --peer FOLDER/SCENE`.
-
-Errors are variances between images of different seeds over (mean of all images)^2 + 0.01, of means of 4 x 4 pixels, so
-that no bias of a reference counts. `median` is their median over the image, `mean` their mean, which a few paths
-decide where caustics are. Means are compared by the mean over the image, in standard errors."""
+  start-up  CPU seconds before the first sample: loading; with Mitsuba also compiling
+  means     Penumbra's over Mitsuba's mean - 1, in percent and in standard errors; share of 4 x 4 blocks that differ by
+            more than 4 standard errors (0.1 % would by chance)
+"""
 
 import argparse
+import hashlib
 import json
 import os
+import pathlib
+import re
 import resource
 import subprocess
 import sys
-import tempfile
+import time
 
 try:
-    import numpy
-    import OpenEXR
-    import mitsuba
-    mitsuba.set_variant("llvm_ad_rgb")
-    import drjit
-except ImportError as error:
-    sys.exit(f"{error}; pip install mitsuba numpy OpenEXR")
+    import mitsuba as mi
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"{sys.argv[0]}: needs the Python packages mitsuba and numpy ({missing})")
+
+BATCHES = 12  # of a converged image
 
 
-def means_of_blocks(image):
-    height, width = (size // 4 * 4 for size in image.shape[:2])
-    return image[:height, :width].reshape(height // 4, 4, width // 4, 4, 3).mean((1, 3))
-
-
-def cpu_seconds(who):
+def cpu_of(who):
     usage = resource.getrusage(who)
     return usage.ru_utime + usage.ru_stime
 
 
+def serve(file):
+    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with CPU and wall seconds; first, those of the start-up."""
+    import drjit as dr
+    answers = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)
+    mi.set_variant("llvm_ad_rgb")
+    mi.set_log_level(mi.LogLevel.Error)
+    dr.eval(mi.Float(1) + 1)
+    start = cpu_of(resource.RUSAGE_SELF)
+    scene = mi.load_file(file)
+
+    def render(spp, seed, out):
+        cpu, wall = cpu_of(resource.RUSAGE_SELF), time.perf_counter()
+        image = mi.render(scene, spp=spp, seed=seed).numpy()
+        spent = cpu_of(resource.RUSAGE_SELF) - cpu, time.perf_counter() - wall
+        if out != "-":
+            np.save(out, image[:, :, :3].astype(np.float32))
+        return spent
+
+    render(1, 1000, "-")
+    first = cpu_of(resource.RUSAGE_SELF) - start
+    again = render(1, 1001, "-")[0]
+    answers.write(f"{first - again}\n")
+    for line in sys.stdin:
+        spp, seed, out = line.split()
+        answers.write("{} {}\n".format(*render(int(spp), int(seed), out)))
+
+
 class Mitsuba:
-    """Start: reading the scene and compiling the kernel."""
-    name = "Mitsuba"
+    def __init__(self, file, work, core):
+        self.out = os.path.join(work, "mitsuba.npy")
+        self.process = subprocess.Popen(["taskset", "-c", core, sys.executable, __file__, "--serve", file], stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, text=True)
+        self.start_up = float(self.answer()[0])
 
-    def __init__(self, scene, spp, images):
-        begin = cpu_seconds(resource.RUSAGE_SELF)
-        self.scene, self.spp, self.images = mitsuba.load_file(scene), spp, images
-        first = self.timed(0)[1]
-        self.start = cpu_seconds(resource.RUSAGE_SELF) - begin - min(first, self.timed(0)[1])
+    def answer(self):
+        line = self.process.stdout.readline()
+        if not line:
+            sys.exit("Mitsuba has ended; its message is above")
+        return line.split()
 
-    def timed(self, seed):
-        begin = cpu_seconds(resource.RUSAGE_SELF)
-        image = mitsuba.render(self.scene, spp=self.spp, seed=seed).numpy()[:, :, :3]
-        return image, cpu_seconds(resource.RUSAGE_SELF) - begin
+    def render(self, spp, seed):
+        """Image, CPU seconds of the samples."""
+        self.process.stdin.write(f"{spp} {seed} {self.out}\n")
+        self.process.stdin.flush()
+        cpu = float(self.answer()[0])
+        return np.load(self.out), cpu
 
-    def render(self, seed):
-        image, seconds = self.timed(seed)
-        if self.images:
-            os.makedirs(self.images, exist_ok=True)
-            mitsuba.Bitmap(image).write(os.path.join(self.images, f"{seconds:.3f}-seconds.exr"))
-        return image, seconds
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait()
 
 
 class Penumbra:
-    """Start: all that a render takes beside the samples: reading, building, processes, files."""
+    def __init__(self, file, folder, sampler, work, core, options):
+        self.command = ["taskset", "-c", core, os.path.join(folder, "penumbra"), "render", file, "--workers", "1", "--threads", "1"] + options
+        self.command += ["--sampler", sampler] if sampler else []
+        self.out = os.path.join(work, "penumbra.exr")
 
-    def __init__(self, name, folder, scene, spp, options):
-        self.name, self.folder, self.scene, self.spp, self.options = name, folder, scene, spp, options
-        self.file = os.path.join(tempfile.mkdtemp(), "image.exr")
-        self.start = min(self.whole(0, 1)[1] for _ in range(2))
+    def render(self, spp, seed):
+        """Image, CPU seconds of the whole program."""
+        before = cpu_of(resource.RUSAGE_CHILDREN)
+        done = subprocess.run(self.command + ["--spp", str(spp), "--seed", str(seed), "-o", self.out], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(done.args)}:\n{done.stderr}")
+        cpu = cpu_of(resource.RUSAGE_CHILDREN) - before
+        return image_of(self.out), cpu
 
-    def whole(self, seed, spp):
-        begin = cpu_seconds(resource.RUSAGE_CHILDREN)
-        subprocess.run([os.path.join(self.folder, "penumbra"), "render", self.scene, "-o", self.file, "--force",
-                        "--spp", str(spp), "--seed", str(seed), "--threads", "1", "-q", "--no-features"] + self.options,
-                       check=True, stderr=subprocess.DEVNULL)
-        seconds = cpu_seconds(resource.RUSAGE_CHILDREN) - begin
-        return OpenEXR.File(self.file).channels()["RGB"].pixels, seconds
-
-    def render(self, seed):
-        image, seconds = self.whole(seed, self.spp)
-        return image, (seconds - self.start) * self.spp / (self.spp - 1)
+    def end(self):
+        pass
 
 
-def measure(renderers, seeds):
-    """Images and seconds of all renderers, which take turns."""
-    images, seconds = ([[] for _ in renderers] for _ in range(2))
-    for seed in range(1, seeds + 1):
-        for i, renderer in enumerate(renderers):
-            image, time = renderer.render(seed)
-            images[i].append(means_of_blocks(numpy.asarray(image, dtype=numpy.float64)))
-            seconds[i].append(time)
-    return [numpy.stack(each) for each in images], [float(numpy.median(each)) for each in seconds]
+def image_of(file):
+    """The colours of an EXR file, without its other layers."""
+    for name, bitmap in mi.Bitmap(file).split():
+        if name in ("<root>", ""):
+            return np.array(bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
+    sys.exit(f"{file}: holds no colours")
 
 
-def row(name, label, peer, own, truth, samples):
-    """peer, own: (images, seconds, start)."""
-    def errors(images):
-        relative = images.var(0, ddof=1) / (truth**2 + 0.01)
-        return numpy.array([relative.mean(), numpy.median(relative)])
+def blocks(image):
+    h, w, c = image.shape
+    return image[:h // 4 * 4, :w // 4 * 4].reshape(h // 4, 4, w // 4, 4, c).mean((1, 3)).astype(np.float64)
 
-    by_mean, by_median = errors(peer[0]) * peer[1] / (errors(own[0]) * own[1])
-    of_images = [images.mean((1, 2, 3)) for images in (peer[0], own[0])]
-    noise = numpy.sqrt(sum(x.var(ddof=1) / len(x) for x in of_images))
-    apart = of_images[1].mean() - of_images[0].mean()
-    rates = [samples / seconds * 1e-6 for seconds in (peer[1], own[1])]
-    print(f"| {name} | {label} | {rates[0]:.2f}, {rates[1]:.2f} | {rates[1] / rates[0]:.2f} | {by_mean:.2f} | "
-          f"{by_median:.2f} | {peer[2]:.2f}, {own[2]:.2f} | {100 * apart / of_images[0].mean():+.2f} % "
-          f"({apart / max(noise, 1e-12):+.1f} σ) |", flush=True)
-    return rates[1] / rates[0], by_mean, by_median
+
+def errors(images, truth):
+    """Mean; mean without the largest 0.1 %; median over squares of 8 x 8 blocks of their means."""
+    variance = np.stack(images).var(0, ddof=1).mean(2) if len(images) > 1 else np.full(truth.shape[:2], np.nan)
+    relative = variance / (truth.mean(2)**2 + 0.01)
+    ordered = np.sort(relative.ravel())
+    h, w = (n // 8 * 8 for n in relative.shape)
+    squares = relative[:h, :w].reshape(h // 8, 8, w // 8, 8).mean((1, 3))
+    return relative.mean(), ordered[:int(len(ordered) * 0.999)].mean(), np.median(squares)
+
+
+def spelled_for_mitsuba(file, work):
+    """A file of version 0.x without what Mitsuba 3 does not read, beside links to its folders; others as they are."""
+    text = open(file, encoding="utf-8").read()
+    if re.search(r'<scene version="[1-9]', text):
+        return file
+    text = re.sub(r'\s*<(boolean|float|string) name="(strictNormals|extEta|gamma|banner|filterType)"[^>]*/>', "", text)
+    for entry in os.scandir(os.path.dirname(file)):
+        link = os.path.join(work, entry.name)
+        if entry.is_dir() and not os.path.lexists(link):
+            os.symlink(entry.path, link)
+    with open(os.path.join(work, "scene.xml"), "w", encoding="utf-8") as out:
+        out.write(text)
+    return os.path.join(work, "scene.xml")
+
+
+def converged(label, renderer, spp, work, digest):
+    """Mean and variance of the mean of 4 x 4 blocks over batches of independent seeds, from the cache where they are there."""
+    file = os.path.join(work, f"{label}-{spp}x{BATCHES}-{digest}.npz")
+    if not os.path.exists(file):
+        batches = [blocks(renderer.render(spp, 5000 + k)[0]) for k in range(BATCHES)]
+        np.savez(file[:-4], mean=np.mean(batches, 0), variance=np.var(batches, 0, ddof=1) / BATCHES,
+                 totals=[batch.mean() for batch in batches])
+    data = np.load(file)
+    return data["mean"], data["variance"], data["totals"]
+
+
+def measure(file, a):
+    name = pathlib.Path(file).parent.name
+    work = os.path.abspath(os.path.join(a.references, name))
+    os.makedirs(work, exist_ok=True)
+    digest = hashlib.sha256(open(file, "rb").read()).hexdigest()[:8]
+    mitsuba = Mitsuba(spelled_for_mitsuba(file, work), work, a.core)
+    first, cpu = mitsuba.render(2, 1)
+    spp = a.spp or max(2, round(2 * a.seconds / cpu))
+    jobs = {"mitsuba": mitsuba}
+    for folder in a.penumbra:
+        for sampler in (None, "independent", "sobol")[0 if len(a.penumbra) > 1 else 1:]:
+            jobs[f"{folder} {sampler or 'default'}"] = Penumbra(file, folder, sampler, work, a.core, a.options)
+    last = f"{a.penumbra[-1]} sobol"
+    more = max(spp, round(spp * a.reference_seconds / a.seconds / BATCHES))
+    ours = converged("penumbra", jobs[last], more, work, digest)
+    theirs = converged("mitsuba", mitsuba, more, work, digest)
+    truth = (ours[0] + theirs[0]) / 2
+    times, ones, images = ({label: [] for label in jobs} for _ in range(3))
+    for k in range(a.rounds):
+        for label, job in jobs.items():
+            if job is not mitsuba:
+                ones[label].append(job.render(1, 100 + k)[1])
+            image, cpu = job.render(spp, 1 + k)
+            times[label].append(cpu)
+            images[label].append(blocks(image))
+            if k == 0 and a.peer and job is mitsuba:
+                os.makedirs(os.path.join(a.peer, name), exist_ok=True)
+                mi.Bitmap(image).write(os.path.join(a.peer, name, f"{cpu:.3f}-seconds.exr"))
+    mitsuba.end()
+    pixels = first.shape[0] * first.shape[1]
+    their_cpu, their_error = np.median(times["mitsuba"]), errors(images["mitsuba"], truth)
+    difference = np.abs(ours[0] - theirs[0]) / np.sqrt(ours[1] + theirs[1] + 1e-20)
+    sigma = np.sqrt((ours[2].var(ddof=1) + theirs[2].var(ddof=1)) / BATCHES)
+    off = ours[2].mean() - theirs[2].mean()
+    means = f"{100 * off / theirs[2].mean():+.2f} %, {off / sigma:+.1f} σ, {100 * (difference > 4).mean():.2f} %"
+    rows = []
+    for label, job in jobs.items():
+        if job is mitsuba:
+            continue
+        one, whole = np.median(ones[label]), np.median(times[label])
+        each = (whole - one) / (spp - 1)
+        ratios = [their_cpu * e / (each * spp * o) for e, o in zip(their_error, errors(images[label], truth))]
+        mine, other = pixels / each * 1e-6, pixels * spp / their_cpu * 1e-6
+        rows.append(dict(scene=name, label=label, spp=spp, mine=mine, other=other, ratios=ratios, start=one - each, their_start=mitsuba.start_up, means=means))
+    return rows
 
 
 def main():
+    if sys.argv[1:2] == ["--serve"]:
+        return serve(sys.argv[2])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--penumbra", action="append", help="folder of a build (default: build/release)")
-    parser.add_argument("--option", action="append", default=[], help="an option for penumbra render")
-    parser.add_argument("--spp", type=int, default=16)
-    parser.add_argument("--seeds", type=int, default=4)
-    parser.add_argument("--images")
-    parser.add_argument("scenes", nargs="+")
-    arguments = parser.parse_args()
-    builds = arguments.penumbra or ["build/release"]
-    drjit.set_thread_count(1)
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)
-    print("| scene | build | million samples per second: Mitsuba, Penumbra | ratio | time to equal error, mean | median "
-          "| start | mean image |\n|---|---|---|---|---|---|---|---|")
-    ratios = [[] for _ in builds]
-    for scene in arguments.scenes:
-        name = os.path.splitext(os.path.basename(scene))[0]
-        folder = arguments.images and os.path.join(arguments.images, name, "mitsuba")
-        renderers = [Mitsuba(scene, arguments.spp, folder)]
-        for build in builds:
-            renderers.append(Penumbra(build, build, scene, arguments.spp, arguments.option))
-        images, seconds = measure(renderers, arguments.seeds)
-        truth = numpy.concatenate(images).mean(0)
-        samples = truth.shape[0] * truth.shape[1] * 16 * arguments.spp
-        results = list(zip(images, seconds, (renderer.start for renderer in renderers)))
-        for i, build in enumerate(builds):
-            ratios[i].append(row(name, build, results[0], results[1 + i], truth, samples))
-    for build, of_build in zip(builds, ratios):
-        print(f"{build}: medians over the scenes " + json.dumps(numpy.median(of_build, 0).round(2).tolist()))
+    parser.add_argument("scenes", nargs="+", metavar="SCENE.xml")
+    parser.add_argument("--penumbra", action="append", metavar="FOLDER", help="with penumbra and penumbra-worker; more than one are timed in one run")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--spp", type=int, default=0, help="of each timed image; 0: as many as --seconds allow")
+    parser.add_argument("--seconds", type=float, default=4, help="of Mitsuba for a timed image (default: 4)")
+    parser.add_argument("--reference-seconds", type=float, default=60, help="of Mitsuba for the converged image (default: 60); Penumbra gets as many samples")
+    parser.add_argument("--references", default="references", metavar="FOLDER", help="where converged images are kept")
+    parser.add_argument("--peer", metavar="DIR", help="also write Mitsuba's images for penumbra report --peer DIR")
+    parser.add_argument("--core", default="0", help="the core that both run on")
+    parser.add_argument("--json", metavar="FILE", help="also write all figures")
+    parser.add_argument("--options", type=str.split, default=[], help="further options of penumbra render")
+    a = parser.parse_args()
+    a.penumbra = [os.path.abspath(folder) for folder in a.penumbra or ["build/release"]]
+    mi.set_variant("scalar_rgb")
+    print("| scene | spp | Penumbra | Msamples / CPU s: Penumbra, Mitsuba, ratio | CPU time to equal error: mean, trimmed, median "
+          "| start-up: Penumbra, Mitsuba | means |\n|---|---|---|---|---|---|---|")
+    everything = []
+    for file in a.scenes:
+        for r in measure(os.path.abspath(file), a):
+            everything.append(r)
+            print(f"| {r['scene']} | {r['spp']} | {os.path.basename(r['label'])} | {r['mine']:.2f}, {r['other']:.2f}, {r['mine'] / r['other']:.2f} | " +
+                  ", ".join(f"{x:.2f}" for x in r["ratios"]) + f" | {r['start']:.1f}, {r['their_start']:.1f} | {r['means']} |", flush=True)
+            if a.json:
+                with open(a.json, "w", encoding="utf-8") as out:
+                    json.dump(everything, out, indent=1)
 
 
 if __name__ == "__main__":
