@@ -165,7 +165,9 @@ def frosted(alpha):
 
 
 def medium(identifier, sigma, albedo, g=0.0):
-    return (f'<medium type="homogeneous" id="{identifier}"><rgb name="sigma_t" value="{numbers(sigma)}"/><rgb name="albedo" value="{numbers(albedo)}"/>'
+    most = max(sigma)  # Mitsuba reads colours up to 1
+    return (f'<medium type="homogeneous" id="{identifier}"><rgb name="sigma_t" value="{numbers(x / most for x in sigma)}"/>'
+            f'<float name="scale" value="{most}"/><rgb name="albedo" value="{numbers(albedo)}"/>'
             f'<phase type="hg"><float name="g" value="{g}"/></phase></medium>')
 
 
