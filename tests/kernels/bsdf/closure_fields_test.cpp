@@ -47,7 +47,7 @@ Closure some_closure(int family, RandomNumbers& numbers) {
 Closure without_what_is_not_resolved(Closure c) {
 #define SPOIL(_, type, name) \
   if (((USERS_##name & ~EXTRA_FAMILIES) >> c.family & 1u) == 0u) c.name = spoilt(c.name);
-  CLOSURE_FIELDS(SPOIL, )
+  CLOSURE_PARAMETERS(SPOIL, )
 #undef SPOIL
   return c;
 }
@@ -141,7 +141,7 @@ TEST(ClosureFields, ThatAreResolvedAreRead) {
     resolved.emplace(family, #name);                                                                \
     if (!same_of(changed)) read.emplace(family, #name);                                             \
   }
-      CLOSURE_FIELDS(CHANGE, )
+      CLOSURE_PARAMETERS(CHANGE, )
 #undef CHANGE
     }
   EXPECT_EQ(read, resolved);
