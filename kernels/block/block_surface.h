@@ -240,41 +240,6 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
     }
 }
 
-// Where the shading normal differs much from the geometric one, the mirrored direction of the viewer may lie
-// beneath the surface. There it is lost (is_cut_off), and smooth meshes of mirrors or plastic would be too
-// dark. So their shading normals are turned until that direction rises to this cosine above the surface.
-#define LEAST_RISE 0.01f
-
-/// The direction that mirrors wo, and the cosine to the geometric normal that it must have.
-FN vec3 mirrored(Surface s) { return sub(scale(s.shading, 2.0f * dot3(s.shading, s.wo)), s.wo); }
-FN float least_rise(Surface s) { return min_f(0.9f * dot3(s.geometric, s.wo), LEAST_RISE); }
-
-STAGE bool any_mirrors_beneath(const PRIVATE Surfaces* RESTRICT surfaces) {
-  int any = 0;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
-      any |= (is_hit(s) & (dot3(mirrored(s), s.geometric) < least_rise(s))) ? 1 : 0;
-    }
-  return any != 0;
-}
-
-/// Turns the normals of such surfaces, except diffuse ones, which mirror nothing, and those that transmit
-/// light, which lose none.
-STAGE void lift_reflections(const PRIVATE Scene* scene, PRIVATE Surfaces* RESTRICT surfaces) {
-  const uint others = families_with(TRANSMITS) | ONLY(DIFFUSE);
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
-      const vec3 beneath = mirrored(s);
-      const float rise = dot3(beneath, s.geometric), least = least_rise(s);
-      const vec3 lifted = normalize3(add_scaled(beneath, least - rise, s.geometric));
-      const bool turns =
-          is_hit(s) & (rise < least) & (((others >> scene->materials[s.material].family) & 1u) == 0u);
-      STORE_LANE_vec3(surfaces->shading, j, select3(turns, normalize3(add(s.wo, lifted)), s.shading));
-    }
-}
-
 /// Where the last rays of LANES paths from lane i on ended.
 CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                              PRIVATE Surfaces* surfaces) {
@@ -285,7 +250,6 @@ CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
-  if (NEEDS(scene, SHADING_NORMALS) && any_mirrors_beneath(surfaces)) lift_reflections(scene, surfaces);
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
 }
 

@@ -80,23 +80,20 @@ TEST(SmoothNormals, RimsShowTheOutsideAsBrightAsTheRest) {
 }
 
 /// In front of a white sky, what absorbs nothing is white too, although a tenth of the mirrored directions
-/// would be beneath the triangles.
-TEST(SmoothNormals, MirrorsAndThinGlassLoseNoLight) {
-  for (const BsdfModel& bsdf : {BsdfModel(ConductorBsdf{}), BsdfModel(ThinDielectricBsdf{})}) {
-    SceneDescription scene = empty_scene(kPixels, kPixels, 16, 3);
-    scene.camera = look_at(dvec3(0, 0, 4), dvec3(0.02, 0.03, 0), dvec3(0, 1, 0), 30);
-    scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
-    scene.bsdfs.push_back({"surface", bsdf});
-    scene.shapes.push_back(icosahedron(dvec3(0), 1));
-    scene.shapes[0].front_bsdf = scene.shapes[0].back_bsdf = 0;
-    scene.integrator = path_integrator(DirectSampling::kMis);
-    param::max_depth(scene.integrator) = 1000;
-    param::rr_depth(scene.integrator) = 1000;
-    const FilmAccumulator film = render_or_throw(scene);
-    for (int y = 0; y < kPixels; ++y)
-      for (int x = 0; x < kPixels; ++x)
-        ASSERT_NEAR(film.at(x, y).mean[1], 1, kRounding) << bsdf.index() << ": " << x << ", " << y;
-  }
+/// are beneath the triangles.
+TEST(SmoothNormals, ThinGlassLosesNoLight) {
+  SceneDescription scene = empty_scene(kPixels, kPixels, 16, 3);
+  scene.camera = look_at(dvec3(0, 0, 4), dvec3(0.02, 0.03, 0), dvec3(0, 1, 0), 30);
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
+  scene.bsdfs.push_back({"glass", ThinDielectricBsdf{}});
+  scene.shapes.push_back(icosahedron(dvec3(0), 1));
+  scene.shapes[0].front_bsdf = scene.shapes[0].back_bsdf = 0;
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  param::max_depth(scene.integrator) = 1000;
+  param::rr_depth(scene.integrator) = 1000;
+  const FilmAccumulator film = render_or_throw(scene);
+  for (int y = 0; y < kPixels; ++y)
+    for (int x = 0; x < kPixels; ++x) ASSERT_NEAR(film.at(x, y).mean[1], 1, kRounding) << x << ", " << y;
 }
 
 /// Exactly, since nothing may be seen there.
