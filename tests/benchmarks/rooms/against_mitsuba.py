@@ -36,7 +36,8 @@ def cpu_of(who):
 
 
 def serve(file):
-    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with CPU and wall seconds; first, those of the start-up."""
+    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with CPU and wall seconds; first, those of the
+    start-up."""
     import drjit as dr
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
@@ -64,10 +65,13 @@ def serve(file):
 
 
 class Mitsuba:
+
     def __init__(self, file, work, core):
         self.out = os.path.join(work, "mitsuba.npy")
-        self.process = subprocess.Popen(["taskset", "-c", core, sys.executable, __file__, "--serve", file], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(["taskset", "-c", core, sys.executable, __file__, "--serve", file],
+                                        stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE,
+                                        text=True)
         self.start_up = float(self.answer()[0])
 
     def answer(self):
@@ -89,15 +93,22 @@ class Mitsuba:
 
 
 class Penumbra:
+
     def __init__(self, file, folder, sampler, work, core, options):
-        self.command = ["taskset", "-c", core, os.path.join(folder, "penumbra"), "render", file, "--workers", "1", "--threads", "1"] + options
+        self.command = [
+            "taskset", "-c", core,
+            os.path.join(folder, "penumbra"), "render", file, "--workers", "1", "--threads", "1"
+        ] + options
         self.command += ["--sampler", sampler] if sampler else []
         self.out = os.path.join(work, "penumbra.exr")
 
     def render(self, spp, seed):
         """Image, CPU seconds of the whole program."""
         before = cpu_of(resource.RUSAGE_CHILDREN)
-        done = subprocess.run(self.command + ["--spp", str(spp), "--seed", str(seed), "-o", self.out], capture_output=True, text=True)
+        done = subprocess.run(self.command +
+                              ["--spp", str(spp), "--seed", str(seed), "-o", self.out],
+                              capture_output=True,
+                              text=True)
         if done.returncode != 0:
             sys.exit(f"{' '.join(done.args)}:\n{done.stderr}")
         cpu = cpu_of(resource.RUSAGE_CHILDREN) - before
@@ -146,11 +157,14 @@ def spelled_for_mitsuba(file, work):
 
 
 def converged(label, renderer, spp, work, digest):
-    """Mean and variance of the mean of 4 x 4 blocks over batches of independent seeds, from the cache where they are there."""
+    """Mean and variance of the mean of 4 x 4 blocks over batches of independent seeds, from the cache where they are
+    there."""
     file = os.path.join(work, f"{label}-{spp}x{BATCHES}-{digest}.npz")
     if not os.path.exists(file):
         batches = [blocks(renderer.render(spp, 5000 + k)[0]) for k in range(BATCHES)]
-        np.savez(file[:-4], mean=np.mean(batches, 0), variance=np.var(batches, 0, ddof=1) / BATCHES,
+        np.savez(file[:-4],
+                 mean=np.mean(batches, 0),
+                 variance=np.var(batches, 0, ddof=1) / BATCHES,
                  totals=[batch.mean() for batch in batches])
     data = np.load(file)
     return data["mean"], data["variance"], data["totals"]
@@ -199,7 +213,16 @@ def measure(file, a):
         each = (whole - one) / (spp - 1)
         ratios = [their_cpu * e / (each * spp * o) for e, o in zip(their_error, errors(images[label], truth))]
         mine, other = pixels / each * 1e-6, pixels * spp / their_cpu * 1e-6
-        rows.append(dict(scene=name, label=label, spp=spp, mine=mine, other=other, ratios=ratios, start=one - each, their_start=mitsuba.start_up, means=means))
+        rows.append(
+            dict(scene=name,
+                 label=label,
+                 spp=spp,
+                 mine=mine,
+                 other=other,
+                 ratios=ratios,
+                 start=one - each,
+                 their_start=mitsuba.start_up,
+                 means=means))
     return rows
 
 
@@ -208,11 +231,17 @@ def main():
         return serve(sys.argv[2])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", metavar="SCENE.xml")
-    parser.add_argument("--penumbra", action="append", metavar="FOLDER", help="with penumbra and penumbra-worker; more than one are timed in one run")
+    parser.add_argument("--penumbra",
+                        action="append",
+                        metavar="FOLDER",
+                        help="with penumbra and penumbra-worker; more than one are timed in one run")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--spp", type=int, default=0, help="of each timed image; 0: as many as --seconds allow")
     parser.add_argument("--seconds", type=float, default=4, help="of Mitsuba for a timed image (default: 4)")
-    parser.add_argument("--reference-seconds", type=float, default=60, help="of Mitsuba for the converged image (default: 60); Penumbra gets as many samples")
+    parser.add_argument("--reference-seconds",
+                        type=float,
+                        default=60,
+                        help="of Mitsuba for the converged image (default: 60); Penumbra gets as many samples")
     parser.add_argument("--references", default="references", metavar="FOLDER", help="where converged images are kept")
     parser.add_argument("--peer", metavar="DIR", help="also write Mitsuba's images for penumbra report --peer DIR")
     parser.add_argument("--core", default="0", help="the core that both run on")
@@ -221,14 +250,18 @@ def main():
     a = parser.parse_args()
     a.penumbra = [os.path.abspath(folder) for folder in a.penumbra or ["build/release"]]
     mi.set_variant("scalar_rgb")
-    print("| scene | spp | Penumbra | Msamples / CPU s: Penumbra, Mitsuba, ratio | CPU time to equal error: mean, trimmed, median "
-          "| start-up: Penumbra, Mitsuba | means |\n|---|---|---|---|---|---|---|")
+    print(
+        "| scene | spp | Penumbra | Msamples / CPU s: Penumbra, Mitsuba, ratio | CPU time to equal error: mean, trimmed, median "
+        "| start-up: Penumbra, Mitsuba | means |\n|---|---|---|---|---|---|---|")
     everything = []
     for file in a.scenes:
         for r in measure(os.path.abspath(file), a):
             everything.append(r)
-            print(f"| {r['scene']} | {r['spp']} | {os.path.basename(r['label'])} | {r['mine']:.2f}, {r['other']:.2f}, {r['mine'] / r['other']:.2f} | " +
-                  ", ".join(f"{x:.2f}" for x in r["ratios"]) + f" | {r['start']:.1f}, {r['their_start']:.1f} | {r['means']} |", flush=True)
+            print(
+                f"| {r['scene']} | {r['spp']} | {os.path.basename(r['label'])} | {r['mine']:.2f}, {r['other']:.2f}, {r['mine'] / r['other']:.2f} | "
+                + ", ".join(f"{x:.2f}"
+                            for x in r["ratios"]) + f" | {r['start']:.1f}, {r['their_start']:.1f} | {r['means']} |",
+                flush=True)
             if a.json:
                 with open(a.json, "w", encoding="utf-8") as out:
                     json.dump(everything, out, indent=1)

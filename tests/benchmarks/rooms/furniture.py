@@ -18,7 +18,8 @@ def boxes(*corners):
 
 
 def wall(axis, at, width, height, holes=(), scale=1.0):
-    """A wall in the plane x = at or y = at, with holes (start, bottom, end, top). Texture coordinates are metres * scale."""
+    """A wall in the plane x = at or y = at, with holes (start, bottom, end, top). Texture coordinates are metres
+    * scale."""
     mesh = Mesh()
     xs = sorted({0, width, *(h[0] for h in holes), *(h[2] for h in holes)})
     zs = sorted({0, height, *(h[1] for h in holes), *(h[3] for h in holes)})
@@ -71,7 +72,8 @@ def pane(axis, at, hole):
 
 def table(x, y, width, depth, height=0.75):
     leg, x1, y1 = 0.06, x + width, y + depth
-    legs = [((px, py, 0), (px + leg, py + leg, height - 0.04)) for px in (x + 0.05, x1 - 0.11) for py in (y + 0.05, y1 - 0.11)]
+    legs = [((px, py, 0), (px + leg, py + leg, height - 0.04)) for px in (x + 0.05, x1 - 0.11)
+            for py in (y + 0.05, y1 - 0.11)]
     return boxes(((x, y, height - 0.04), (x1, y1, height)), *legs)
 
 
@@ -81,7 +83,8 @@ def chair(x, y, turned=1):
     low, high = sorted((back, back + 0.04 * turned))
     legs = [((px, py, 0), (px + 0.04, py + 0.04, 0.45)) for px in (x - 0.2, x + 0.16) for py in (y - 0.2, y + 0.16)]
     bars = [((px, low, 0.49), (px + 0.03, high, 1.0)) for px in (x - 0.2, x - 0.1, x, x + 0.1, x + 0.17)]
-    return boxes(((x - 0.22, y - 0.22, 0.45), (x + 0.22, y + 0.22, 0.49)), ((x - 0.21, low, 0.95), (x + 0.21, high, 1.02)), *legs, *bars)
+    return boxes(((x - 0.22, y - 0.22, 0.45), (x + 0.22, y + 0.22, 0.49)),
+                 ((x - 0.21, low, 0.95), (x + 0.21, high, 1.02)), *legs, *bars)
 
 
 def sheet(columns, rows, point):
@@ -109,6 +112,7 @@ def rug(x, y, width, depth, columns, rows, seed):
 
 
 def curtain(x, y, width, height, along="x", folds=9, columns=240, rows=60):
+
     def point(u, v):
         deep = 0.05 * math.sin(2 * math.pi * folds * u + 0.6 * math.sin(5 * v)) * (0.6 + 0.4 * v)
         s, z = width * u, height * v + 0.03
@@ -133,8 +137,9 @@ def vase(centre, size=0.3, segments=96):
 
 def tumbler(centre, radius=0.035, height=0.11, segments=96):
     wall_, foot = radius * 0.08, radius * 0.3
-    return turned([(0, 0), (radius * 0.8, 0), (radius * 0.88, radius * 0.1), (radius, height), (radius - wall_ / 2, height + wall_ / 2),
-                   (radius - wall_, height), (radius * 0.8 - wall_, foot * 1.3), (radius * 0.7, foot), (0, foot)], centre, segments)
+    return turned([(0, 0), (radius * 0.8, 0), (radius * 0.88, radius * 0.1), (radius, height),
+                   (radius - wall_ / 2, height + wall_ / 2), (radius - wall_, height),
+                   (radius * 0.8 - wall_, foot * 1.3), (radius * 0.7, foot), (0, foot)], centre, segments)
 
 
 def goblet(centre, size=0.2, segments=96):
@@ -144,20 +149,21 @@ def goblet(centre, size=0.2, segments=96):
 
 
 def bottle(centre, size=0.3, segments=64):
-    return turned([(r * size, z * size) for r, z in ((0, 0), (0.13, 0), (0.15, 0.03), (0.15, 0.5), (0.13, 0.62), (0.05, 0.75), (0.05, 0.97),
-                                                     (0.06, 1.0), (0, 1.0))], centre, segments)
+    return turned([(r * size, z * size)
+                   for r, z in ((0, 0), (0.13, 0), (0.15, 0.03), (0.15, 0.5), (0.13, 0.62), (0.05, 0.75), (0.05, 0.97),
+                                (0.06, 1.0), (0, 1.0))], centre, segments)
 
 
 def bowl(centre, radius=0.15, segments=128):
     r = radius
-    return turned([(0, 0), (0.4 * r, 0), (0.85 * r, 0.3 * r), (r, 0.65 * r), (0.97 * r, 0.66 * r), (0.93 * r, 0.63 * r), (0.78 * r, 0.33 * r),
-                   (0.3 * r, 0.07 * r), (0, 0.06 * r)], centre, segments)
+    return turned([(0, 0), (0.4 * r, 0), (0.85 * r, 0.3 * r), (r, 0.65 * r), (0.97 * r, 0.66 * r), (0.93 * r, 0.63 * r),
+                   (0.78 * r, 0.33 * r), (0.3 * r, 0.07 * r), (0, 0.06 * r)], centre, segments)
 
 
 def teapot(centre, size=0.25):
     """Body, and spout and handle."""
-    body = turned([(r * size, z * size) for r, z in ((0, 0), (0.35, 0), (0.5, 0.2), (0.5, 0.4), (0.3, 0.62), (0.08, 0.66), (0.05, 0.7), (0.08, 0.76),
-                                                     (0, 0.8))], centre, 128)
+    body = turned([(r * size, z * size) for r, z in ((0, 0), (0.35, 0), (0.5, 0.2), (0.5, 0.4), (0.3, 0.62),
+                                                     (0.08, 0.66), (0.05, 0.7), (0.08, 0.76), (0, 0.8))], centre, 128)
     at = lambda points: [tuple(c + size * p for c, p in zip(centre, (x, 0, z))) for x, z in points]  # noqa: E731
     body.tube(spline(at([(0.42, 0.2), (0.6, 0.3), (0.65, 0.5), (0.8, 0.6)])), 0.05 * size, 32)
     body.tube(spline(at([(-0.4, 0.5), (-0.7, 0.55), (-0.75, 0.3), (-0.46, 0.15)])), 0.03 * size, 24)
@@ -166,7 +172,9 @@ def teapot(centre, size=0.25):
 
 def tap(x, y, z, reach=0.18):
     mesh = Mesh()
-    mesh.tube(spline([(x, y, z), (x, y, z + 0.2), (x, y - reach / 2, z + 0.28), (x, y - reach, z + 0.2), (x, y - reach, z + 0.17)]), 0.015, 32)
+    mesh.tube(
+        spline([(x, y, z), (x, y, z + 0.2), (x, y - reach / 2, z + 0.28), (x, y - reach, z + 0.2),
+                (x, y - reach, z + 0.17)]), 0.015, 32)
     return mesh
 
 
@@ -183,7 +191,9 @@ def knot(centre, size, rings=1200, segments=48, p=2, q=3):
     for i in range(rings + 1):
         t = 2 * math.pi * i / rings
         r = 0.35 + 0.13 * math.cos(q * t)
-        path.append(tuple(c + size * x for c, x in zip(centre, (r * math.cos(p * t), r * math.sin(p * t), 0.5 + 0.3 * math.sin(q * t)))))
+        path.append(
+            tuple(c + size * x
+                  for c, x in zip(centre, (r * math.cos(p * t), r * math.sin(p * t), 0.5 + 0.3 * math.sin(q * t)))))
     mesh.tube(path, 0.07 * size, segments)
     return mesh
 
@@ -200,7 +210,9 @@ def statue(centre, size, rings, segments, seed):
     profile = []
     for i in range(rings + 1):
         t = i / rings
-        profile.append((size * 0.3 * math.sin(math.pi * t)**0.6 * (1 + 0.35 * math.sin(7 * t)) if 0 < i < rings else 0.0, size * t))
+        profile.append(
+            (size * 0.3 * math.sin(math.pi * t)**0.6 * (1 + 0.35 * math.sin(7 * t)) if 0 < i < rings else 0.0,
+             size * t))
     mesh.lathe(profile, centre, segments, radius)
     return mesh
 
@@ -216,8 +228,10 @@ def plant(centre, leaves, height, seed):
         rows = []
         for j in range(4):
             t = j / 3
-            rows.append([tuple(centre[k] + out[k] * (start + long * t) + side[k] * w * long * 0.5 for k in (0, 1)) +
-                         (centre[2] + rise + long * t * (0.6 - bend * t), ) for w in (-0.5, 0, 0.5)])
+            rows.append([
+                tuple(centre[k] + out[k] * (start + long * t) + side[k] * w * long * 0.5
+                      for k in (0, 1)) + (centre[2] + rise + long * t * (0.6 - bend * t), ) for w in (-0.5, 0, 0.5)
+            ])
         mesh.grid(rows)
     return mesh
 
@@ -225,7 +239,8 @@ def plant(centre, leaves, height, seed):
 def book(low, high):
     """Cover and pages."""
     (x0, y0, z0), (x1, y1, z1) = low, high
-    cover = boxes(((x0, y0, z0), (x0 + 0.003, y1, z1)), ((x1 - 0.003, y0, z0), (x1, y1, z1)), ((x0, y0 - 0.003, z0), (x1, y0, z1)))
+    cover = boxes(((x0, y0, z0), (x0 + 0.003, y1, z1)), ((x1 - 0.003, y0, z0), (x1, y1, z1)),
+                  ((x0, y0 - 0.003, z0), (x1, y0, z1)))
     return cover, boxes(((x0 + 0.003, y0, z0 + 0.004), (x1 - 0.003, y1 - 0.005, z1 - 0.004)))
 
 

@@ -89,7 +89,7 @@ def cloth(seed, a, b, threads=32):
 def tiles(seed, colours, joint, count=8):
     numbers = random.Random(seed)
     table = [[numbers.choice(colours) for _ in range(count)] for _ in range(count)]
-    noise = Noise(seed, ((64, 64),))
+    noise = Noise(seed, ((64, 64), ))
 
     def colour(u, v):
         x, y = u * count % count, v * count % count
@@ -171,7 +171,8 @@ def texture_file(folder, name):
 
 
 def sky_file(folder, name, sun, azimuth, height, width=512):
-    """A sky above z = 0 over a grey ground; the sun (a radiance; 0: overcast) covers about 3 degrees. Angles in degrees."""
+    """A sky above z = 0 over a grey ground; the sun (a radiance; 0: overcast) covers about 3 degrees. Angles in
+    degrees."""
     path = os.path.join(folder, "textures", f"{name}.hdr")
     os.makedirs(os.path.dirname(path), exist_ok=True)
     clouds = Noise(71, ((4, 8), (8, 16), (32, 32)))
