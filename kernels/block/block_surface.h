@@ -220,10 +220,8 @@ FN bool all_in_media(const PRIVATE PathState* paths, int i) {
 /// For such paths, instead of find_hit_surfaces.
 STAGE void see_no_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
+    for (int j = 0; j < LANES; j++)
       store_surface(surfaces, j, surface_in_medium(get_ray_origin(paths, i + j)));
-      surfaces->span[j] = 0.0f;
-    }
 }
 
 /// Replaces the surfaces of paths that scatter in media.

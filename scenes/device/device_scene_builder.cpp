@@ -143,7 +143,7 @@ class Builder {
   vec3 local(const glm::dvec3& p, const What& what, double reach = 0) {
     const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
     if (!(finite(v) && std::isfinite(float(reach))) && problem_.empty())
-      problem_ = what() + " has a position or a size that is too large for single precision";
+      problem_ = std::string(what()) + " has a position or a size that is too large for single precision";
     return v;
   }
   vec3 local(const glm::dvec3& p, const Shape& shape, double reach = 0) {
@@ -489,7 +489,7 @@ class Builder {
 
   void add_other_lights() {
     h_.environment = -1;
-    const auto at = [&](const glm::dvec3& p) { return local(p, [] { return std::string("a light"); }); };
+    const auto at = [&](const glm::dvec3& p) { return local(p, [] { return "a light"; }); };
     // Add emitters kind by kind, so that their order in the file makes no difference.
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
@@ -517,8 +517,7 @@ class Builder {
   }
 
   void set_camera() {
-    const vec3 origin =
-        local(glm::dvec3(scene_.camera.to_world[3]), [] { return std::string("the camera"); });
+    const vec3 origin = local(glm::dvec3(scene_.camera.to_world[3]), [] { return "the camera"; });
     h_.camera = build_camera(scene_.camera, scene_.film, origin);
     need(camera_features(scene_.camera));
   }

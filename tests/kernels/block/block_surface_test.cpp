@@ -76,7 +76,7 @@ void expect_same_surfaces(SceneTables& tables, RandomNumbers& random) {
     set_ray_direction(&paths, i, rounded(normalize(target - exact(origin))));
   }
   Surfaces surfaces;
-  find_hit_surfaces(&scene, &paths, kFirst, &surfaces);
+  find_surfaces(&scene, &paths, kFirst, &surfaces);
   for (int j = 0; j < LANES; ++j) {
     const int hit = get_hit(&paths, kFirst + j);
     const Surface s = load_surface(&surfaces, j);
