@@ -38,6 +38,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(MATTES, "objects and materials of pixels")                         \
   X(PARTS, "parts of the light of paths alone")                        \
   X(MEDIA, "participating media")                                      \
+  X(PANES, "thin panes that shadow rays pass")                         \
+  X(FLAT_GLASS, "plates of glass that shadow rays pass")               \
   X(LIGHT_EDGES, "edges of lights that the camera sees")               \
   X(PHOTONS, "photon maps")                                            \
   X(DENOISING, "half buffers and variances of layers, for denoising")  \

@@ -48,6 +48,11 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 #define NEEDS_SPLIT_LIGHT(scene) (NEEDS(scene, DIRECT_LAYER) || NEEDS(scene, INDIRECT_LAYER))
 // Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
+// Whether shadow rays may pass what they hit.
+#define NEEDS_PASSING_LIGHT(scene) (NEEDS(scene, NESTED) || NEEDS(scene, FLAT_GLASS))
+// Whether what shadow rays pass tints their light, and whether that or media colour it.
+#define NEEDS_TINTS(scene) (NEEDS(scene, PANES) || NEEDS(scene, FLAT_GLASS))
+#define NEEDS_PASSES(scene) (NEEDS_MEDIA(scene) || NEEDS_TINTS(scene))
 // Whether the scene has photon maps. If so, `photons` are they.
 #define NEEDS_PHOTONS(scene) (NEEDS(scene, PHOTONS) && (scene)->header.integrator.photons != PHOTONS_NONE)
 // Whether the paths are those of photons: there are no maps yet.

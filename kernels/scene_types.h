@@ -199,7 +199,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, bend_scale)   /* strength, see bend_normal.h; negative: bumps seen from the other side */ \
   F(float, bend_step)    /* difference of texture coordinates at which heights are compared */       \
   F(int, bend_shadows)   /* 1: bumps shadow each other, see bump_shadow */                           \
-  F(float, pane)         /* relative index of a thin pane, which rays pass at random; else 0 */
+  F(float, pane)         /* relative index of a thin pane, which rays pass at random; else 0 */      \
+  F(int, flat_glass)     /* 1: glass of plates, see flat_glass.h */
 
 #define MATERIAL_FIELDS(F)               \
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \

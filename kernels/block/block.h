@@ -199,6 +199,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     if (NEEDS_SPLIT_LIGHT(scene)) clear_direct(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
     if (NEEDS_PHOTONS(scene)) start_chains(paths, i);
+    if (NEEDS(scene, FLAT_GLASS)) start_without_glass(paths, i);
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
     if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);
@@ -247,7 +248,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
         step_occlusion(scene, paths, count, step, slots);
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
-      if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count);
+      if (NEEDS_PASSING_LIGHT(scene)) see_lights_through(scene, paths, count);
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
       if (HAS(POLYGONS) && control) add_light_with_control(scene, has_lobe_control(scene), paths, count);
       if (!control) add_light(paths, count);

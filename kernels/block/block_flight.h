@@ -17,7 +17,9 @@ PENUMBRA_NAMESPACE_BEGIN
 FN float share_behind(const PRIVATE Scene* scene, int primitive) {
   const SideMaterials sides = side_materials(scene, primitive);
   const int front = scene->materials[sides.front].passes, back = scene->materials[sides.back].passes;
-  return primitive < 0 ? 1.0f : ((front | back) != PASSES_NONE ? -1.0f : 0.0f);
+  int passes = front | back;
+  if (NEEDS(scene, FLAT_GLASS)) passes |= scene->materials[sides.front].flat_glass;
+  return primitive < 0 ? 1.0f : (passes != PASSES_NONE ? -1.0f : 0.0f);
 }
 
 /// Sets the transmittance of a shadow ray that hit `primitive`, or nothing if that is -1. Negative if the
@@ -25,7 +27,7 @@ FN float share_behind(const PRIVATE Scene* scene, int primitive) {
 FN void set_transmittance_of_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  int primitive) {
   float share = primitive < 0 ? 1.0f : 0.0f;
-  if (NEEDS(scene, NESTED)) share = share_behind(scene, primitive);
+  if (NEEDS_PASSING_LIGHT(scene)) share = share_behind(scene, primitive);
   set_shadow_transmittance(paths, i, share);
 }
 

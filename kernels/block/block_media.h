@@ -259,7 +259,6 @@ STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
         set_shadow_passes(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
-        set_shadow_tint(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
         set_way(&fields, j, 0.0f);
         set_crossed(&fields, j, 0);
       }
@@ -336,9 +335,9 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
   dim_in_grids(scene, paths, i, ways, under_way);
 }
 
-/// Combines, for shadow rays, the transmittance of media, the tint of panes and the MIS weight against
-/// direction sampling. A path that sampled the light's direction would have reached the light with a density
-/// proportional to the mean transmittance of its channels. Panes are part of neither density.
+/// Combines, for shadow rays, the transmittance of media and the MIS weight against direction sampling. A
+/// path that sampled the light's direction would have reached the light with a density proportional to the
+/// mean transmittance of its channels. Panes are part of neither density.
 STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const int heuristic = scene->header.integrator.heuristic;
   const PathState fields = *paths;
@@ -347,20 +346,8 @@ STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState
       for (int j = i; j < i + LANES; j++) {
         const vec3 passes = get_shadow_passes(&fields, j);
         const float found = get_shadow_balance(&fields, j) * mean3(mul(get_channels(&fields, j), passes));
-        const vec3 tint = get_shadow_tint(&fields, j);
-        set_shadow_passes(&fields, j, scale(mul(passes, tint), mis_weight(heuristic, 1.0f, found)));
+        set_shadow_passes(&fields, j, scale(passes, mis_weight(heuristic, 1.0f, found)));
       }
-  }
-}
-
-/// Applies this factor to the light of shadow rays. It is not used with control variates, whose unshadowed
-/// light must not change.
-STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
-  const PathState fields = *paths;
-  for (int i = 0; i < count; i += LANES) {
-    LANE_LOOP
-      for (int j = i; j < i + LANES; j++)
-        set_shadow_radiance(&fields, j, mul(get_shadow_radiance(&fields, j), get_shadow_passes(&fields, j)));
   }
 }
 

@@ -3,6 +3,7 @@
 #ifndef PENUMBRA_BLOCK_SEE_LIGHTS_H
 #define PENUMBRA_BLOCK_SEE_LIGHTS_H
 #include "kernels/block/block_see_through.h"
+#include "kernels/integrator/flat_glass.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -78,18 +79,52 @@ STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE
     }
 }
 
+/// Nothing has tinted the shadow rays yet. `passes`: nothing else sets `shadow_passes`.
+STAGE void start_tints(const PRIVATE PathState* paths, int count, bool passes) {
+  const vec3 one = make_vec3(1.0f, 1.0f, 1.0f);
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        set_shadow_tint(&fields, j, one);
+        if (passes) set_shadow_passes(&fields, j, one);
+      }
+  }
+}
+
+/// Multiplies what passes by the tint.
+STAGE void apply_tints(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++)
+        set_shadow_passes(&fields, j, mul(get_shadow_passes(&fields, j), get_shadow_tint(&fields, j)));
+  }
+}
+
+/// Multiplies the light of shadow rays by what passes. It is not used with control variates, whose unshadowed
+/// light must not change.
+STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++)
+        set_shadow_radiance(&fields, j, mul(get_shadow_radiance(&fields, j), get_shadow_passes(&fields, j)));
+  }
+}
+
 FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   Surfaces surfaces;
   PaneTints light;
   float shares[LANES];
   int passes[LANES];
   find_hit_surfaces(scene, paths, i, &surfaces);
-  passing_light(scene, &surfaces, shares, &light);
+  if (NEEDS(scene, NESTED)) passing_light(scene, &surfaces, shares, &light);
+  if (!NEEDS(scene, NESTED)) start_passing(shares, &light);
   float lengths[LANES];
-  if (NEEDS_MEDIA(scene)) {
-    tint_shadow_rays(paths, i, shares, &light);
-    dim_flights(scene, paths, i, &surfaces, lengths);
-  }
+  if (NEEDS(scene, FLAT_GLASS)) pass_glass(scene, paths, i, &surfaces, shares, &light);
+  if (NEEDS_TINTS(scene)) tint_shadow_rays(paths, i, shares, &light);
+  if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
   if (NEEDS_MEDIA(scene)) follow_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
@@ -105,6 +140,7 @@ CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE Path
     start_shadow_flights(paths, count);
     dim_unobstructed(scene, paths, count);
   }
+  if (NEEDS_TINTS(scene)) start_tints(paths, count, !NEEDS_MEDIA(scene));
   bool any = follow_shadow_rays(paths, count);
   for (int k = 0; any && k < most; k++) {
     intersect_block(scene, paths, count, false);
@@ -116,7 +152,8 @@ CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE Path
   if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
   leave_shadow_rays(paths, count);
   if (NEEDS_MEDIA(scene)) weigh_shadow_rays(scene, paths, count);
-  if (NEEDS_MEDIA(scene) && !has_control(scene)) dim_shadow_light(paths, count);
+  if (NEEDS_TINTS(scene)) apply_tints(paths, count);
+  if (NEEDS_PASSES(scene) && !has_control(scene)) dim_shadow_light(paths, count);
 }
 
 PENUMBRA_NAMESPACE_END

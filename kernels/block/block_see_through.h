@@ -115,7 +115,7 @@ STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* path
       // If the leaf is the side's own material, it is not stored, so that the result does not depend on the
       // other lanes. A pane is stored: a ray may meet it behind another side of the same primitive.
       bool is_chosen = leaf != surfaces->material[j];
-      if (HAS(MEDIA)) is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
+      if (HAS(PANES)) is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
       set_material(paths, i + j, (hit & !through & is_chosen) ? leaf : before);
     }
 }
@@ -172,8 +172,8 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
   walk_to_leaves(scene, surfaces, numbers, leaves);
   leaf_shares(scene, surfaces, leaves, shares);
   PaneTints tints;
-  const bool panes = NEEDS_MEDIA(scene) && any_pane(scene, leaves);
-  if (HAS(MEDIA) && panes) find_tints(scene, surfaces, leaves, &tints);
+  const bool panes = NEEDS(scene, PANES) && any_pane(scene, leaves);
+  if (HAS(PANES) && panes) find_tints(scene, surfaces, leaves, &tints);
   pass_leaves(numbers, shares, leaves);
   note_leaves(scene, paths, i, surfaces, leaves, passes);
   if (!TRACES_PHOTONS(scene) && any_passed_light(surfaces, passes)) {
@@ -181,7 +181,7 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
     see_from_starts(paths, i, &seen);
     add_passed_light(scene, paths, i, step, &seen, passes);
   }
-  if (HAS(MEDIA) && panes) tint_paths(paths, i, leaves, &tints);
+  if (HAS(PANES) && panes) tint_paths(paths, i, leaves, &tints);
 }
 
 /// Starts the flights of LANES paths.

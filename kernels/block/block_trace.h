@@ -128,7 +128,7 @@ FN void occlude_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState*
     gather_shadow_rays(&lanes, paths, wanted + i);
     intersect_brute_force(scene, &lanes);
     scatter_transmittances(&lanes, paths, wanted + i);
-    if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
+    if (NEEDS_PASSING_LIGHT(scene)) doubt_transmittances(scene, &lanes, paths, wanted + i);
   }
 }
 
@@ -248,7 +248,7 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.occlude) {
     scene->tracer.occlude(scene->tracer.context, paths, count);
-    if (NEEDS(scene, NESTED)) doubt_occluded(paths, count);
+    if (NEEDS_PASSING_LIGHT(scene)) doubt_occluded(paths, count);
     return;
   }
 #endif
@@ -284,8 +284,8 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 
 /// The same for a path with control variates of polygon lights: their light goes into separate sums, with and
 /// without shadows. `has_own_control`: the unshadowed sum gets `shadow_control` instead of the path's own
-/// light. `media`: media attenuate the light.
-FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_control, bool media) {
+/// light. `coloured`: see NEEDS_PASSES.
+FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_control, bool coloured) {
   const int kind = get_shadow_controlled(paths, i);
   const bool controlled = kind != CONTROL_NONE;
   const float transmittance = get_shadow_transmittance(paths, i);
@@ -297,7 +297,7 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_contr
     unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
   }
   vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
-  if (HAS(MEDIA) && media) {
+  if ((HAS(MEDIA) || HAS(PANES) || HAS(FLAT_GLASS)) && coloured) {
     other = mul(other, get_shadow_passes(paths, i));
     shadowed = mul(shadowed, get_shadow_passes(paths, i));
   }
@@ -307,25 +307,25 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool has_own_contr
 }
 
 // For all lanes.
-#define ADD_CONTROLLED_LIGHT(stage, has_own_control, media)                                   \
-  STAGE void stage(const PRIVATE PathState* paths, int count) {                               \
-    for (int i = 0; i < count; i += LANES) {                                                  \
-      LANE_LOOP                                                                               \
-        for (int j = i; j < i + LANES; j++) add_controlled(paths, j, has_own_control, media); \
-    }                                                                                         \
+#define ADD_CONTROLLED_LIGHT(stage, has_own_control, coloured)                                   \
+  STAGE void stage(const PRIVATE PathState* paths, int count) {                                  \
+    for (int i = 0; i < count; i += LANES) {                                                     \
+      LANE_LOOP                                                                                  \
+        for (int j = i; j < i + LANES; j++) add_controlled(paths, j, has_own_control, coloured); \
+    }                                                                                            \
   }
 ADD_CONTROLLED_LIGHT(add_controlled_light, false, false)
 ADD_CONTROLLED_LIGHT(add_controlled_light_by_form, true, false)
-ADD_CONTROLLED_LIGHT(add_controlled_light_in_media, false, true)
-ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
+ADD_CONTROLLED_LIGHT(add_controlled_coloured_light, false, true)
+ADD_CONTROLLED_LIGHT(add_controlled_coloured_light_by_form, true, true)
 #undef ADD_CONTROLLED_LIGHT
 
 /// Calls the variant that the scene needs.
 FN void add_light_with_control(const PRIVATE Scene* scene, bool has_own_control,
                                const PRIVATE PathState* paths, int count) {
-  if (NEEDS_MEDIA(scene)) {
-    if (HAS(LTC) && has_own_control) add_controlled_light_by_form_in_media(paths, count);
-    if (!has_own_control) add_controlled_light_in_media(paths, count);
+  if (NEEDS_PASSES(scene)) {
+    if (HAS(LTC) && has_own_control) add_controlled_coloured_light_by_form(paths, count);
+    if (!has_own_control) add_controlled_coloured_light(paths, count);
     return;
   }
   if (HAS(LTC) && has_own_control) add_controlled_light_by_form(paths, count);

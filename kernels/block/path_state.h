@@ -12,13 +12,15 @@ PENUMBRA_NAMESPACE_BEGIN
 // clang-format off
 #define EVERY_SCENE FEATURE_ALL
 #define NEVER 0u
-#define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
+#define LIGHT_THROUGH (FEATURE_NESTED | FEATURE_FLAT_GLASS)
+#define THROUGH (LIGHT_THROUGH | FEATURE_LOOK_THROUGH)
 #define SPLIT_LIGHT (FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)
 // A field is needed by any of its features; with ALL_OF, only by all of them together.
 #define ALL_OF(features) ((ulong)1 << 63 | (features))
 
 #define LTC_PROJECTED ALL_OF(FEATURE_LTC | FEATURE_PROJECTED)
 #define LTC_CONTROLLED ALL_OF(FEATURE_LTC | FEATURE_POLYGONS)
+#define TINTS (FEATURE_PANES | FEATURE_FLAT_GLASS)
 #define KEEPS_SURFACE (FEATURE_DIRECT | FEATURE_OCCLUSION)
 #define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, KEEPS_SURFACE, KEEPS_SURFACE)
 #define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
@@ -34,7 +36,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, ray_tmax, EVERY_SCENE, EVERY_SCENE)          /* negative: no ray in this step */                           \
   X(int, ray_skip, EVERY_SCENE, EVERY_SCENE)            /* primitive that it starts on, or -1 */                      \
   X(int, ray_skip_instance, FEATURE_INSTANCES, FEATURE_INSTANCES) /* the instance of that primitive, or -1 */         \
-  X(float, direction_pdf, EVERY_SCENE, EVERY_SCENE)     /* per solid angle; see DELTA_PDF */                          \
+  X(float, direction_pdf, EVERY_SCENE, EVERY_SCENE)     /* per solid angle; see DELTA_PDF; negative: see flat_glass.h */ \
   X(int, hit, EVERY_SCENE, NEVER)                       /* primitive that it hits, or -1 */                           \
   X(int, hit_instance, FEATURE_INSTANCES, NEVER)        /* the instance of that primitive, or -1 */                   \
   /* the path */                                                                                                      \
@@ -61,12 +63,17 @@ PENUMBRA_NAMESPACE_BEGIN
   /* rays that pass through surfaces: see block_see_through.h */                                                      \
   X(int, material, FEATURE_NESTED, FEATURE_NESTED)      /* leaf chosen at the hit, or -1: the side's material */      \
   X(vec3, kept_origin, THROUGH, FEATURE_NESTED)         /* start of the ray, before it passed surfaces */             \
-  X(vec3, kept_direction, FEATURE_NESTED, NEVER)                                                                      \
+  X(vec3, kept_direction, LIGHT_THROUGH, NEVER)                                                                       \
   X(float, kept_tmax, THROUGH, NEVER)                                                                                 \
-  X(int, kept_skip, FEATURE_NESTED, NEVER)                                                                            \
+  X(int, kept_skip, LIGHT_THROUGH, NEVER)                                                                             \
   X(int, kept_hit, THROUGH, NEVER)                                                                                    \
-  X(int, kept_skip_instance, ALL_OF(FEATURE_NESTED | FEATURE_INSTANCES), NEVER)                                       \
+  X(int, kept_skip_instance, FEATURE_INSTANCES, NEVER)                                                                \
   X(int, kept_hit_instance, FEATURE_INSTANCES, NEVER)                                                                 \
+  /* plates of glass: see flat_glass.h */                                                                             \
+  X(int, glass, FEATURE_FLAT_GLASS, FEATURE_FLAT_GLASS) /* GLASS_* */                                                 \
+  X(vec3, glass_direction, FEATURE_FLAT_GLASS, FEATURE_FLAT_GLASS) /* in which it left another surface */             \
+  X(float, glass_pdf, FEATURE_FLAT_GLASS, FEATURE_FLAT_GLASS)   /* of that direction */                               \
+  X(int, shadow_glass, FEATURE_FLAT_GLASS, NEVER)       /* boundaries that the shadow ray has passed; -1: it cannot */\
   /* media: see medium_stack.h and flight.h */                                                                        \
   X(int, media_low, FEATURE_MEDIA, FEATURE_MEDIA)       /* media at the path, on the ray's side of its surface */     \
   X(int, media_high, FEATURE_MEDIA, FEATURE_MEDIA)                                                                    \
@@ -84,8 +91,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + first contradictory shape; 0: none; -1: unknown */     \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media that the shadow ray is in */                         \
   X(int, shadow_high, FEATURE_MEDIA, NEVER)                                                                           \
-  X(vec3, shadow_passes, FEATURE_MEDIA, NEVER)          /* transmittance of media */                                  \
-  X(vec3, shadow_tint, FEATURE_MEDIA, NEVER)            /* tint by panes */                                           \
+  X(vec3, shadow_passes, FEATURE_MEDIA | TINTS, NEVER)  /* transmittance of media; then also the tint */              \
+  X(vec3, shadow_tint, TINTS, NEVER)                    /* tint by glass */                                           \
   X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* its pdf by direction sampling over that by lights */       \
   /* whitted: branches that are left when the path ends, see BRANCH_FIELDS */                                         \
   X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are stored */               \

@@ -1,7 +1,7 @@
 // Material trees: at each point of a surface, an inner node is one of two other materials at random. A leaf
-// scatters, or is empty, so that rays pass through. Descents end, since children have lower indices. With
-// volpath, thin panes are leaves that rays pass at random, and mirrors for the other rays: transmission then
-// does not depend on the path's BSDF samples, so that shadow rays pass, too.
+// scatters, or is empty, so that rays pass through. Descents end, since children have lower indices. Thin
+// panes (FEATURE_PANES) are leaves that rays pass at random, and mirrors for the other rays: transmission
+// then does not depend on the path's BSDF samples, so that shadow rays pass, too.
 #ifndef PENUMBRA_MATERIAL_TREE_H
 #define PENUMBRA_MATERIAL_TREE_H
 #include "kernels/bsdf/thindielectric.h"
@@ -43,7 +43,7 @@ FN bool any_pane(const PRIVATE Scene* scene, const PRIVATE int* materials) {
 
 /// Whether any of the materials needs a random number.
 FN bool any_chance(const PRIVATE Scene* scene, const PRIVATE int* materials) {
-  if (NEEDS_MEDIA(scene) && any_pane(scene, materials)) return true;
+  if (NEEDS(scene, PANES) && any_pane(scene, materials)) return true;
   return any_branch(scene, materials);
 }
 
@@ -141,7 +141,7 @@ STAGE void pane_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTR
 FN void leaf_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
                     PRIVATE float* shares) {
   plain_leaf_shares(scene, leaves, shares);
-  if (NEEDS_MEDIA(scene) && any_pane(scene, leaves)) pane_shares(scene, surfaces, leaves, shares);
+  if (NEEDS(scene, PANES) && any_pane(scene, leaves)) pane_shares(scene, surfaces, leaves, shares);
 }
 
 /// Descends from the surfaces' materials to leaves, chosen by `numbers`, uniform in [0, 1).

@@ -229,9 +229,13 @@ class Checker {
               "a material with a wrong number of leaves that let rays pass");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NONE, BEND_BUMP_MAP), "a normal is bent in an unknown way");
-      require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_MEDIA) &&
+      require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_PANES) &&
                                  m.branches == 0 && m.passes == PASSES_SOME),
               "a thin pane that is none");
+      require(m.flat_glass == 0 || (m.flat_glass == 1 && m.family == FAMILY_DIELECTRIC && m.branches == 0 &&
+                                    m.bend == BEND_NONE && m.transmitted_texture == -1 &&
+                                    has(FEATURE_FLAT_GLASS) && has(FEATURE_PATH) && !has(FEATURE_MEDIA)),
+              "flat glass that is none");
       require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
               "materials that hold others without their feature bit");
       require(m.bend == BEND_NONE || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),

@@ -275,17 +275,24 @@ STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPl
     }
 }
 
-/// Stores them: the next rays leave these surfaces.
-STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE LitPlaces* RESTRICT places,
+/// Stores them: the next rays leave these surfaces. At glass, those before it stay: its directions are delta,
+/// and behind flat glass the choice before it counts.
+STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE Closures* RESTRICT closures,
+                            const PRIVATE LitPlaces* RESTRICT places,
                             const PRIVATE LightScales* RESTRICT scales) {
+  const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
+      const bool stays = load_closure(closures, j).family == FAMILY_DIELECTRIC;
       const LitPlace place = load_lit_place(places, j);
-      set_left_place(paths, i + j, place.p);
-      set_left_facing(paths, i + j, place.facing);
       const LightScale scale = load_light_scales(scales, j);
-      set_left_finite_scale(paths, i + j, scale.finite);
-      set_left_infinite_scale(paths, i + j, scale.infinite);
+      const vec3 p = get_left_place(&fields, i + j), facing = get_left_facing(&fields, i + j);
+      const float finite = get_left_finite_scale(&fields, i + j),
+                  infinite = get_left_infinite_scale(&fields, i + j);
+      set_left_place(&fields, i + j, select3(stays, p, place.p));
+      set_left_facing(&fields, i + j, select3(stays, facing, place.facing));
+      set_left_finite_scale(&fields, i + j, stays ? finite : scale.finite);
+      set_left_infinite_scale(&fields, i + j, stays ? infinite : scale.infinite);
     }
 }
 
@@ -313,7 +320,7 @@ FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool f
   else
     find_light_scales(scene, &places, &scales);
   if (finds_here) find_tree_pmfs(scene, &places, &scales, &step->found);
-  if (request.tree_found & request.path) note_left_places(paths, i, &places, &scales);
+  if (request.tree_found & request.path) note_left_places(paths, i, &step->closures, &places, &scales);
 }
 
 /// The lights of surfaces that rays pass, in the lanes with `passes`.

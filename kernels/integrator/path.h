@@ -7,6 +7,7 @@
 // does not need is not called (NEEDS). The stages are in path_stages.h and step.h.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
+#include "kernels/integrator/flat_glass.h"
 #include "kernels/integrator/path_stages.h"
 #include "kernels/photon/photon_chains.h"
 
@@ -55,6 +56,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       request_light(scene, paths, i, &step);
       if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
       if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
+      if (NEEDS(scene, FLAT_GLASS)) request_through_glass(paths, i, &step.lights);
     } else {
       request_no_light(paths, i);
     }
@@ -68,6 +70,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     shade_bumps(scene, &step.surfaces, &step.samples);
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
     continue_paths(scene, paths, i, &step);
+    if (NEEDS(scene, FLAT_GLASS)) follow_through_glass(scene, paths, i, &step.surfaces);
     if (NEEDS_PHOTONS(scene)) follow_chains(scene, paths, i, &step.surfaces, &step.closures);
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);

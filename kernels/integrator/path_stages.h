@@ -132,9 +132,11 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
       const float pdf = get_direction_pdf(paths, i + j);
-      const bool alone = (sampling == SAMPLING_BSDF_ONLY) | (pdf == DELTA_PDF);
+      // Behind flat glass, only light from infinity was sampled.
+      const bool unsampled = (pdf < 0.0f) & (get_hit(paths, i + j) != NOTHING_HIT);
+      const bool alone = (sampling == SAMPLING_BSDF_ONLY) | (pdf == DELTA_PDF) | unsampled;
       const float bsdf_weight = alone                      ? 1.0f
-                                : sampling == SAMPLING_MIS ? mis_weight(heuristic, pdf, emission.pdf)
+                                : sampling == SAMPLING_MIS ? mis_weight(heuristic, FABS(pdf), emission.pdf)
                                                            : 0.0f;
       const float weight = get_depth(paths, i + j) > 0 ? bsdf_weight : seen;
       const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));

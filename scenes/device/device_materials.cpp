@@ -1,8 +1,10 @@
 #include "scenes/device/device_materials.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <map>
 #include <variant>
 
 #include "kernels/host/material_closure.h"
@@ -23,13 +25,42 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
-void open_pane(Material& m) {
-  if (m.family != FAMILY_THINDIELECTRIC) return;
+bool open_pane(Material& m) {
+  if (m.family != FAMILY_THINDIELECTRIC) return false;
   m.family = FAMILY_CONDUCTOR;
   m.eta = {0, 0, 0};
   m.k = {1, 1, 1};
   m.pane = m.ior;
   m.passes = PASSES_SOME;
+  return true;
+}
+
+bool is_glass(const std::vector<Material>& materials, int index) {
+  const Material& m = materials[std::size_t(index)];
+  return m.branches == 0 && m.family == FAMILY_DIELECTRIC && m.bend == BEND_NONE &&
+         m.transmitted_texture == kNoTexture && std::ranges::none_of(materials, [&](const Material& other) {
+           return other.branches != 0 && (other.first == index || other.second == index);
+         });
+}
+
+bool has_flat_sides(const Mesh& mesh) {
+  constexpr double kSteps = 1000, kLeastShare = 0.25;
+  std::map<std::array<int, 3>, double> areas;
+  double area = 0, largest = 0;
+  for (const glm::uvec3& corner : mesh.triangles) {
+    const auto at = [&](unsigned k) { return glm::dvec3(mesh.positions[k]); };
+    glm::dvec3 normal = glm::cross(at(corner.y) - at(corner.x), at(corner.z) - at(corner.x));
+    const double twice = glm::length(normal);
+    if (!(twice > 0)) continue;
+    normal /= twice;
+    const glm::dvec3 size = glm::abs(normal);
+    const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    if (normal[axis] < 0) normal = -normal;
+    const auto cell = [&](double x) { return int(std::lround(x * kSteps)); };
+    area += twice;
+    largest = std::max(largest, areas[{cell(normal.x), cell(normal.y), cell(normal.z)}] += twice);
+  }
+  return largest >= kLeastShare * area;
 }
 
 float bend_step(const SceneDescription& scene, int texture) {

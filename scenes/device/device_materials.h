@@ -12,9 +12,17 @@ namespace penumbra {
 /// children come before it in the list.
 void set_passes(Material& m, const std::vector<Material>& before);
 
-/// For scenes with media: a thin pane lets rays pass straight through with some probability, and acts as a
-/// mirror for the others.
-void open_pane(Material& m);
+/// If the material is a thin pane, it then lets rays pass straight through with some probability, and is a
+/// mirror for the others. Returns whether it is one.
+bool open_pane(Material& m);
+
+/// Whether plates of that material are flat glass for the kernels (flat_glass.h): a smooth dielectric without
+/// textures, and no other material holds it.
+bool is_glass(const std::vector<Material>& materials, int index);
+
+/// Whether the mesh has flat sides, like a plate: a quarter of its area or more has the same normal, up to
+/// its sign.
+bool has_flat_sides(const Mesh& mesh);
 
 /// The distance in texture coordinates of a bump map's finite differences. It is a small part of a texel,
 /// because slopes change at the edges of texels.

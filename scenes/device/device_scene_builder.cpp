@@ -151,6 +151,10 @@ class Builder {
         p, [&] { return "shape '" + shape.name + "'"; }, reach);
   }
 
+  [[nodiscard]] bool follows_paths() const {
+    return scene_.integrator.is<PathIntegrator>() || scene_.integrator.is<VolpathIntegrator>();
+  }
+
   Expected<void> add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
     const std::vector<int> of_lights = textures_of_lights(scene_);
@@ -158,7 +162,8 @@ class Builder {
     MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m = material_of(bsdf, tables);
-      if (!media_->empty()) open_pane(m);
+      // Other integrators meet panes as they meet other glass, except in media.
+      if ((follows_paths() || !media_->empty()) && open_pane(m)) need(FEATURE_PANES);
       set_passes(m, records_.materials);
       if (m.passing_leaves > MOST_PASSING_LEAVES)
         return fail(
@@ -503,6 +508,29 @@ class Builder {
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
+    if (h_.environment >= 0 && passes_flat_glass()) {
+      mark_flat_glass(scene_.shapes);
+      for (const ShapeGroup& group : scene_.groups) mark_flat_glass(group.shapes);
+    }
+  }
+
+  /// Whether shadow rays pass plates of glass: with `path` where there are no media, and where no light is
+  /// told by the surfaces that scattered it.
+  [[nodiscard]] bool passes_flat_glass() const {
+    const auto* path = scene_.integrator.get<PathIntegrator>();
+    const bool whole = path == nullptr || !keeps_parts(*path);
+    return follows_paths() && whole && media_->empty() && !has(FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER);
+  }
+  void mark_flat_glass(const std::vector<Shape>& shapes) {
+    for (const Shape& shape : shapes) {
+      const int sides[] = {material_index(shape.front_bsdf), material_index(shape.back_bsdf)};
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      const bool glass =
+          std::ranges::all_of(sides, [&](int side) { return is_glass(records_.materials, side); });
+      if (mesh == nullptr || !glass || !has_flat_sides(*mesh)) continue;
+      for (const int side : sides) records_.materials[std::size_t(side)].flat_glass = 1;
+      need(FEATURE_FLAT_GLASS);
+    }
   }
 
   /// Adds everything that is found by tracing rays through the scene, which is complete otherwise.

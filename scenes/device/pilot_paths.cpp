@@ -69,8 +69,8 @@ class PilotPaths {
   }
   [[nodiscard]] bool may_pass(int primitive) const {
     const SideMaterials sides = side_materials(&scene_, primitive);
-    return scene_.materials[sides.front].passes != PASSES_NONE ||
-           scene_.materials[sides.back].passes != PASSES_NONE;
+    const Material &front = scene_.materials[sides.front], &back = scene_.materials[sides.back];
+    return front.passes != PASSES_NONE || back.passes != PASSES_NONE || front.flat_glass != 0;
   }
 
   /// The closest hit in (0, tmax), ignoring the primitive on which the ray starts: `skip` of instance

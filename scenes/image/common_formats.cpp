@@ -23,6 +23,8 @@
 // After stdio.h, which it needs.
 #include <jpeglib.h>
 
+#include "scenes/image/radiance_format.h"
+
 namespace penumbra {
 namespace {
 
@@ -203,6 +205,7 @@ std::optional<ImageContents> read_common_image(std::string_view contents, std::s
     if (contents.starts_with("\xff\xd8\xff") && read_jpeg(contents, most_bytes, image)) return image;
     if (contents.starts_with("\x89PNG\r\n\x1a\n") && read_png(contents, most_bytes, image)) return image;
     if (contents.starts_with("\x76\x2f\x31\x01") && read_exr(contents, most_bytes, image)) return image;
+    if (contents.starts_with("#?") && read_radiance(contents, most_bytes, image)) return image;
   } catch (const std::exception&) {
     // TexelReader says what is wrong.
   }

@@ -9,10 +9,10 @@
 
 namespace penumbra {
 
-/// An image of a usual JPEG, PNG or OpenEXR file, with the same contents as from TexelReader. Loading
-/// OpenImageIO with its 250 libraries takes half a second, which is more than reading most scenes. Nothing:
-/// another format or variant, a damaged file, or an image larger than `most_bytes`. TexelReader reads those,
-/// or says what is wrong with them.
+/// An image of a usual JPEG, PNG, OpenEXR or Radiance file, with the same contents as from TexelReader.
+/// Loading OpenImageIO with its 250 libraries takes half a second, which is more than reading most scenes.
+/// Nothing: another format or variant, a damaged file, or an image larger than `most_bytes`. TexelReader
+/// reads those, or says what is wrong with them.
 std::optional<ImageContents> read_common_image(std::string_view contents, std::size_t most_bytes);
 
 }  // namespace penumbra

@@ -216,7 +216,7 @@ TEST(Media, AreLeftOutWhereThereAreNone) {
   EXPECT_EQ(mean_image(render_or_throw(a)).values, mean_image(render_or_throw(b)).values);
 }
 
-// --- Thin panes, which volpath's rays pass as they pass boundaries, where there are no media too.
+// --- Thin panes, which rays pass as they pass boundaries, where there are no media too.
 
 int add_clear_pane(SceneDescription& scene, float ior) {
   ThinDielectricBsdf pane;
@@ -251,9 +251,9 @@ TEST(Media, PanesOfBallsReflectWithin) {
   scene.shapes.push_back(sphere({0, 0, 0}, 1, add_clear_pane(scene, 2.17f)));
   scene.shapes.push_back(parallelogram({-4, -1.2, 4}, {8, 0, 0}, {0, 0, -8}, add_diffuse(scene, 0.2f)));
   scene.emitters.emplace_back(ConstantEnvironment{});
-  SceneDescription paths = scene;
-  paths.integrator = {.method = PathIntegrator{.max_depth = -1}};
-  expect_alike(scene, paths);
+  SceneDescription branching = scene;  // where panes are surfaces like others
+  branching.integrator = {.method = WhittedIntegrator{.max_depth = -1}};
+  expect_alike(scene, branching);
 }
 
 /// Fog that ends nowhere, in a scene without any triangle.

@@ -83,6 +83,7 @@ TEST_F(CommonFormats, AreReadAlike) {
       {"m.exr", half, 4, {{"compression", "none"}}},
       {"n.exr", single, 1, {{"compression", "rle"}}},
       {"o.exr", half, 3, {{"compression", "zips"}}},
+      {"p.hdr", single, 3},
   };
   for (const Kind& kind : kinds)
     for (const auto& [width, height] : {std::pair(1, 1), std::pair(37, 21), std::pair(64, 33)}) {
@@ -103,7 +104,7 @@ TEST_F(CommonFormats, AreReadAlike) {
 }
 
 TEST_F(CommonFormats, LeaveDamagedFilesToOpenImageIO) {
-  for (const char* name : {"a.jpg", "b.png", "c.exr"}) {
+  for (const char* name : {"a.jpg", "b.png", "c.exr", "d.hdr"}) {
     const std::string contents = written({name, OIIO::TypeDesc::UINT8, 3}, 40, 40);
     for (const std::size_t kept : {std::size_t(3), std::size_t(20), contents.size() / 2})
       EXPECT_FALSE(read_common_image(contents.substr(0, kept), kMaxBitmapBytes)) << name << " " << kept;

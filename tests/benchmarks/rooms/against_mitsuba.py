@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Penumbra against Mitsuba 3 (llvm_ad_rgb) on scenes that both read, as a Markdown table.
 
-Times are CPU seconds (user and system) of alternating renders on one core. An error is the variance between images of
+Times are seconds of rendering alone, of alternating renders on one core. An error is the variance between images of
 independent seeds over (converged image^2 + 0.01), of the means of 4 x 4 pixels: so no bias of either renderer counts.
 Equal error is found with error falling as 1 / spp. Ratios above 1: Penumbra is ahead. Needs mitsuba and numpy.
 
-  start-up  CPU seconds before the first sample: loading; with Mitsuba also compiling
+  start-up  CPU seconds of all else: loading and writing; with Mitsuba, loading and compiling
   means     Penumbra's over Mitsuba's mean - 1, in percent and in standard errors; share of 4 x 4 blocks that differ by
             more than 4 standard errors (0.1 % would by chance)
 """
@@ -27,7 +27,7 @@ try:
 except ImportError as missing:
     sys.exit(f"{sys.argv[0]}: needs the Python packages mitsuba and numpy ({missing})")
 
-BATCHES = 12  # of a converged image
+BATCHES = 8  # of a converged image
 
 
 def cpu_of(who):
@@ -36,7 +36,7 @@ def cpu_of(who):
 
 
 def serve(file):
-    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with CPU and wall seconds; first, those of the
+    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with seconds; first, with the CPU seconds of the
     start-up."""
     import drjit as dr
     answers = os.fdopen(os.dup(1), "w", buffering=1)
@@ -48,20 +48,20 @@ def serve(file):
     scene = mi.load_file(file)
 
     def render(spp, seed, out):
-        cpu, wall = cpu_of(resource.RUSAGE_SELF), time.perf_counter()
+        before = time.perf_counter()
         image = mi.render(scene, spp=spp, seed=seed).numpy()
-        spent = cpu_of(resource.RUSAGE_SELF) - cpu, time.perf_counter() - wall
+        spent = time.perf_counter() - before
         if out != "-":
             np.save(out, image[:, :, :3].astype(np.float32))
         return spent
 
     render(1, 1000, "-")
     first = cpu_of(resource.RUSAGE_SELF) - start
-    again = render(1, 1001, "-")[0]
+    again = render(1, 1001, "-")
     answers.write(f"{first - again}\n")
     for line in sys.stdin:
         spp, seed, out = line.split()
-        answers.write("{} {}\n".format(*render(int(spp), int(seed), out)))
+        answers.write(f"{render(int(spp), int(seed), out)}\n")
 
 
 class Mitsuba:
@@ -72,20 +72,20 @@ class Mitsuba:
                                         stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE,
                                         text=True)
-        self.start_up = float(self.answer()[0])
+        self.start_ups = [self.answer()]
 
     def answer(self):
         line = self.process.stdout.readline()
         if not line:
             sys.exit("Mitsuba has ended; its message is above")
-        return line.split()
+        return float(line)
 
     def render(self, spp, seed):
-        """Image, CPU seconds of the samples."""
+        """Image, seconds."""
         self.process.stdin.write(f"{spp} {seed} {self.out}\n")
         self.process.stdin.flush()
-        cpu = float(self.answer()[0])
-        return np.load(self.out), cpu
+        seconds = self.answer()
+        return np.load(self.out), seconds
 
     def end(self):
         self.process.stdin.close()
@@ -101,9 +101,10 @@ class Penumbra:
         ] + options
         self.command += ["--sampler", sampler] if sampler else []
         self.out = os.path.join(work, "penumbra.exr")
+        self.start_ups = []
 
     def render(self, spp, seed):
-        """Image, CPU seconds of the whole program."""
+        """Image, seconds."""
         before = cpu_of(resource.RUSAGE_CHILDREN)
         done = subprocess.run(self.command +
                               ["--spp", str(spp), "--seed", str(seed), "-o", self.out],
@@ -111,8 +112,10 @@ class Penumbra:
                               text=True)
         if done.returncode != 0:
             sys.exit(f"{' '.join(done.args)}:\n{done.stderr}")
-        cpu = cpu_of(resource.RUSAGE_CHILDREN) - before
-        return image_of(self.out), cpu
+        with open(self.out[:-4] + ".json", encoding="utf-8") as record:
+            seconds = json.load(record)["seconds"]["render"]
+        self.start_ups.append(cpu_of(resource.RUSAGE_CHILDREN) - before - seconds)
+        return image_of(self.out), seconds
 
     def end(self):
         pass
@@ -176,31 +179,29 @@ def measure(file, a):
     os.makedirs(work, exist_ok=True)
     digest = hashlib.sha256(open(file, "rb").read()).hexdigest()[:8]
     mitsuba = Mitsuba(spelled_for_mitsuba(file, work), work, a.core)
-    first, cpu = mitsuba.render(2, 1)
-    spp = a.spp or max(2, round(2 * a.seconds / cpu))
+    first, seconds = mitsuba.render(2, 1)
+    spp = a.spp or max(2, round(2 * a.seconds / seconds))
     jobs = {"mitsuba": mitsuba}
     for folder in a.penumbra:
-        for sampler in (None, "independent", "sobol")[0 if len(a.penumbra) > 1 else 1:]:
+        for sampler in (None, ) if folder != a.penumbra[-1] else ("independent", None):
             jobs[f"{folder} {sampler or 'default'}"] = Penumbra(file, folder, sampler, work, a.core, a.options)
-    last = f"{a.penumbra[-1]} sobol"
+    last = f"{a.penumbra[-1]} default"
     more = max(spp, round(spp * a.reference_seconds / a.seconds / BATCHES))
     ours = converged("penumbra", jobs[last], more, work, digest)
     theirs = converged("mitsuba", mitsuba, more, work, digest)
     truth = (ours[0] + theirs[0]) / 2
-    times, ones, images = ({label: [] for label in jobs} for _ in range(3))
+    times, images = ({label: [] for label in jobs} for _ in range(2))
     for k in range(a.rounds):
         for label, job in jobs.items():
-            if job is not mitsuba:
-                ones[label].append(job.render(1, 100 + k)[1])
-            image, cpu = job.render(spp, 1 + k)
-            times[label].append(cpu)
+            image, seconds = job.render(spp, 1 + k)
+            times[label].append(seconds)
             images[label].append(blocks(image))
             if k == 0 and a.peer and job is mitsuba:
                 os.makedirs(os.path.join(a.peer, name), exist_ok=True)
-                mi.Bitmap(image).write(os.path.join(a.peer, name, f"{cpu:.3f}-seconds.exr"))
+                mi.Bitmap(image).write(os.path.join(a.peer, name, f"{seconds:.3f}-seconds.exr"))
     mitsuba.end()
     pixels = first.shape[0] * first.shape[1]
-    their_cpu, their_error = np.median(times["mitsuba"]), errors(images["mitsuba"], truth)
+    theirs_took, their_error = np.median(times["mitsuba"]), errors(images["mitsuba"], truth)
     difference = np.abs(ours[0] - theirs[0]) / np.sqrt(ours[1] + theirs[1] + 1e-20)
     sigma = np.sqrt((ours[2].var(ddof=1) + theirs[2].var(ddof=1)) / BATCHES)
     off = ours[2].mean() - theirs[2].mean()
@@ -209,10 +210,9 @@ def measure(file, a):
     for label, job in jobs.items():
         if job is mitsuba:
             continue
-        one, whole = np.median(ones[label]), np.median(times[label])
-        each = (whole - one) / (spp - 1)
-        ratios = [their_cpu * e / (each * spp * o) for e, o in zip(their_error, errors(images[label], truth))]
-        mine, other = pixels / each * 1e-6, pixels * spp / their_cpu * 1e-6
+        took = np.median(times[label])
+        ratios = [theirs_took * e / (took * o) for e, o in zip(their_error, errors(images[label], truth))]
+        mine, other = pixels * spp / took * 1e-6, pixels * spp / theirs_took * 1e-6
         rows.append(
             dict(scene=name,
                  label=label,
@@ -220,8 +220,8 @@ def measure(file, a):
                  mine=mine,
                  other=other,
                  ratios=ratios,
-                 start=one - each,
-                 their_start=mitsuba.start_up,
+                 start=np.median(job.start_ups),
+                 their_start=mitsuba.start_ups[0],
                  means=means))
     return rows
 
@@ -231,10 +231,11 @@ def main():
         return serve(sys.argv[2])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", metavar="SCENE.xml")
-    parser.add_argument("--penumbra",
-                        action="append",
-                        metavar="FOLDER",
-                        help="with penumbra and penumbra-worker; more than one are timed in one run")
+    parser.add_argument(
+        "--penumbra",
+        action="append",
+        metavar="FOLDER",
+        help="with penumbra and penumbra-worker; the last of more is the one to look at, all run as by default")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--spp", type=int, default=0, help="of each timed image; 0: as many as --seconds allow")
     parser.add_argument("--seconds", type=float, default=4, help="of Mitsuba for a timed image (default: 4)")
@@ -251,7 +252,7 @@ def main():
     a.penumbra = [os.path.abspath(folder) for folder in a.penumbra or ["build/release"]]
     mi.set_variant("scalar_rgb")
     print(
-        "| scene | spp | Penumbra | Msamples / CPU s: Penumbra, Mitsuba, ratio | CPU time to equal error: mean, trimmed, median "
+        "| scene | spp | Penumbra | Msamples / s: Penumbra, Mitsuba, ratio | time to equal error: mean, trimmed, median "
         "| start-up: Penumbra, Mitsuba | means |\n|---|---|---|---|---|---|---|")
     everything = []
     for file in a.scenes:
