@@ -101,8 +101,8 @@ TEST(FlatGlass, IsLeftOutWhereNothingNeedsIt) {
 
 /// A room with a light inside, seen from within, that the sky lights through glass: a tinted plate, a plate
 /// behind it that is turned, a wedge, whose sides are flat but not parallel, and a ball.
-SceneDescription glazed_room(const IntegratorSettings& integrator) {
-  SceneDescription scene = empty_scene(16, 16, 2000, 3);
+SceneDescription glazed_room(const IntegratorSettings& integrator, std::uint32_t spp = 2000) {
+  SceneDescription scene = empty_scene(16, 16, spp, 3);
   scene.camera = look_at({0.2, 0, -3}, {0, 0, 0}, {0, 1, 0}, 40);
   scene.integrator = integrator;
   const int grey = add_diffuse(scene, 0.6f);
@@ -120,6 +120,11 @@ SceneDescription glazed_room(const IntegratorSettings& integrator) {
   scene.shapes.push_back(ball);
   scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1, 1.2f, 1.5f)});
   return scene;
+}
+
+TEST(FlatGlass, MisFindsWhatDirectionsFind) {
+  expect_alike(glazed_room(path(DirectSampling::kMis, 12), 100),
+               glazed_room(path(DirectSampling::kBsdfOnly, 12), 100));
 }
 
 TEST(FlatGlass, EveryTechniqueFindsTheSameBehindIt) {

@@ -5,7 +5,7 @@ Times are seconds of rendering alone, of alternating renders on one core. An err
 independent seeds over (converged image^2 + 0.01), of the means of 4 x 4 pixels: so no bias of either renderer counts.
 Equal error is found with error falling as 1 / spp. Ratios above 1: Penumbra is ahead. Needs mitsuba and numpy.
 
-  start-up  CPU seconds of all else: loading and writing; with Mitsuba, loading and compiling
+  start-up  seconds of all else: loading and writing; with Mitsuba, loading and compiling
   means     Penumbra's over Mitsuba's mean - 1, in percent and in standard errors; share of 4 x 4 blocks that differ by
             more than 4 standard errors (0.1 % would by chance)
 """
@@ -16,7 +16,6 @@ import json
 import os
 import pathlib
 import re
-import resource
 import subprocess
 import sys
 import time
@@ -27,24 +26,18 @@ try:
 except ImportError as missing:
     sys.exit(f"{sys.argv[0]}: needs the Python packages mitsuba and numpy ({missing})")
 
-BATCHES = 8  # of a converged image
-
-
-def cpu_of(who):
-    usage = resource.getrusage(who)
-    return usage.ru_utime + usage.ru_stime
+BATCHES = 4  # of a converged image
 
 
 def serve(file):
-    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with seconds; first, with the CPU seconds of the
-    start-up."""
+    """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with seconds; first, with those of the start-up."""
     import drjit as dr
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     mi.set_variant("llvm_ad_rgb")
     mi.set_log_level(mi.LogLevel.Error)
     dr.eval(mi.Float(1) + 1)
-    start = cpu_of(resource.RUSAGE_SELF)
+    start = time.perf_counter()
     scene = mi.load_file(file)
 
     def render(spp, seed, out):
@@ -56,7 +49,7 @@ def serve(file):
         return spent
 
     render(1, 1000, "-")
-    first = cpu_of(resource.RUSAGE_SELF) - start
+    first = time.perf_counter() - start
     again = render(1, 1001, "-")
     answers.write(f"{first - again}\n")
     for line in sys.stdin:
@@ -105,7 +98,7 @@ class Penumbra:
 
     def render(self, spp, seed):
         """Image, seconds."""
-        before = cpu_of(resource.RUSAGE_CHILDREN)
+        before = time.perf_counter()
         done = subprocess.run(self.command +
                               ["--spp", str(spp), "--seed", str(seed), "-o", self.out],
                               capture_output=True,
@@ -114,7 +107,7 @@ class Penumbra:
             sys.exit(f"{' '.join(done.args)}:\n{done.stderr}")
         with open(self.out[:-4] + ".json", encoding="utf-8") as record:
             seconds = json.load(record)["seconds"]["render"]
-        self.start_ups.append(cpu_of(resource.RUSAGE_CHILDREN) - before - seconds)
+        self.start_ups.append(time.perf_counter() - before - seconds)
         return image_of(self.out), seconds
 
     def end(self):
@@ -182,8 +175,9 @@ def measure(file, a):
     first, seconds = mitsuba.render(2, 1)
     spp = a.spp or max(2, round(2 * a.seconds / seconds))
     jobs = {"mitsuba": mitsuba}
+    samplers = (None, ) if len(a.penumbra) > 1 else ("independent", None)
     for folder in a.penumbra:
-        for sampler in (None, ) if folder != a.penumbra[-1] else ("independent", None):
+        for sampler in samplers:
             jobs[f"{folder} {sampler or 'default'}"] = Penumbra(file, folder, sampler, work, a.core, a.options)
     last = f"{a.penumbra[-1]} default"
     more = max(spp, round(spp * a.reference_seconds / a.seconds / BATCHES))
@@ -231,11 +225,10 @@ def main():
         return serve(sys.argv[2])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", metavar="SCENE.xml")
-    parser.add_argument(
-        "--penumbra",
-        action="append",
-        metavar="FOLDER",
-        help="with penumbra and penumbra-worker; the last of more is the one to look at, all run as by default")
+    parser.add_argument("--penumbra",
+                        action="append",
+                        metavar="FOLDER",
+                        help="with penumbra and penumbra-worker; of several, all run with their default sampler")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--spp", type=int, default=0, help="of each timed image; 0: as many as --seconds allow")
     parser.add_argument("--seconds", type=float, default=4, help="of Mitsuba for a timed image (default: 4)")
