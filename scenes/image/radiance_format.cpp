@@ -18,14 +18,17 @@ struct Stream {
   bool ended_early = false;  ///< more was asked for than there is
 };
 
-// stb takes the bytes after the end of a file as zeros. It asks for more only if it needs more.
+// stb asks for more only if it needs more. After the end of a file it would wait for its data for ever, or
+// take zeros for them. Line ends instead end its header and let every run of texels get on.
 int read_bytes(void* user, char* to, int count) {
   auto& stream = *static_cast<Stream*>(user);
-  if (stream.left.empty()) stream.ended_early = true;
   const std::size_t given = std::min(std::size_t(count), stream.left.size());
   std::memcpy(to, stream.left.data(), given);
   stream.left.remove_prefix(given);
-  return int(given);
+  if (given > 0) return int(given);
+  stream.ended_early = true;
+  std::memset(to, '\n', std::size_t(count));
+  return count;
 }
 void skip_bytes(void* user, int count) {
   auto& stream = *static_cast<Stream*>(user);
