@@ -20,11 +20,6 @@ constexpr double kSameNormal = 1e-9;
 /// A normal from a file equals the face normal if the sine between them is at most this.
 constexpr double kFileNormal = 1e-3;
 
-glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
-  const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-  return glm::cross(b - a, c - a);
-}
-
 bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
   const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
@@ -167,16 +162,25 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
   return cleaning;
 }
 
-void drop_face_normals(Mesh& mesh) {
-  if (mesh.normals.empty()) return;
+glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+  return glm::cross(b - a, c - a);
+}
+
+bool has_face_normals(const Mesh& mesh) {
+  if (mesh.normals.empty()) return false;
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::dvec3 face = glm::normalize(face_vector(mesh, t));
     for (int i = 0; i < 3; ++i) {
       const glm::dvec3 n(mesh.normals[t[i]]);
-      if (!(glm::dot(n, face) > 0.0) || !(glm::length(glm::cross(n, face)) <= kFileNormal)) return;
+      if (!(glm::dot(n, face) > 0.0) || !(glm::length(glm::cross(n, face)) <= kFileNormal)) return false;
     }
   }
-  mesh.normals.clear();
+  return true;
+}
+
+void drop_face_normals(Mesh& mesh) {
+  if (has_face_normals(mesh)) mesh.normals.clear();
 }
 
 Mesh make_rectangle(const glm::dmat4& to_world) {

@@ -12,10 +12,9 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // Where a path is, since it left a surface that is not flat glass.
-#define GLASS_BEFORE 0  // it has met nothing since
-#define GLASS_WITHIN 1  // within a plate
-#define GLASS_BEHIND 2  // behind one or several
-#define GLASS_LOST 3    // it has met another delta surface, or a boundary that is not parallel
+#define GLASS_OUTSIDE 0  // it has met nothing since, or only plates, and is behind them
+#define GLASS_WITHIN 1   // within a plate
+#define GLASS_LOST 2     // it has met another delta surface, or a boundary that is not parallel
 
 /// Whether the unit directions differ by less than 1e-4, which is far above their rounding errors.
 FN bool is_parallel(vec3 a, vec3 b) {
@@ -46,10 +45,10 @@ STAGE void follow_through_glass(const PRIVATE Scene* scene, const PRIVATE PathSt
       const int before = get_glass(&fields, i + j);
       const bool scatters = pdf != DELTA_PDF;
       const bool crosses = is_flat_glass(scene, s.material) & (dot3(s.geometric, direction) < 0.0f);
-      const bool enters = crosses & ((before == GLASS_BEFORE) | (before == GLASS_BEHIND));
+      const bool enters = crosses & (before == GLASS_OUTSIDE);
       const bool leaves = crosses & (before == GLASS_WITHIN) & is_parallel(direction, first);
-      const int after = enters ? GLASS_WITHIN : (leaves ? GLASS_BEHIND : GLASS_LOST);
-      set_glass(&fields, i + j, scatters ? GLASS_BEFORE : after);
+      const int after = enters ? GLASS_WITHIN : (leaves ? GLASS_OUTSIDE : GLASS_LOST);
+      set_glass(&fields, i + j, scatters ? GLASS_OUTSIDE : after);
       set_glass_direction(&fields, i + j, select3(scatters, direction, first));
       set_glass_pdf(&fields, i + j, scatters ? pdf : first_pdf);
       set_direction_pdf(&fields, i + j, (leaves & !scatters) ? -first_pdf : pdf);

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "kernels/host/material_closure.h"
+#include "scenes/mesh_tools.h"
 
 namespace penumbra {
 
@@ -43,27 +44,12 @@ bool is_glass(const std::vector<Material>& materials, int index) {
          });
 }
 
-bool has_leaning_normals(const Mesh& mesh) {
-  constexpr double kSame = 1 - 1e-6;  // of the cosine: a milliradian
-  if (mesh.normals.empty()) return false;
-  return std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& corner) {
-    const auto at = [&](unsigned k) { return glm::dvec3(mesh.positions[k]); };
-    const glm::dvec3 normal = glm::cross(at(corner.y) - at(corner.x), at(corner.z) - at(corner.x));
-    const double length = glm::length(normal);
-    return length > 0 && std::ranges::any_of(std::array{corner.x, corner.y, corner.z}, [&](unsigned k) {
-             const glm::dvec3 own(mesh.normals[k]);
-             return !(std::abs(glm::dot(own, normal)) >= kSame * length * glm::length(own));
-           });
-  });
-}
-
 bool has_flat_sides(const Mesh& mesh) {
   constexpr double kSteps = 1000, kLeastShare = 0.25;
   std::map<std::array<int, 3>, double> areas;
   double area = 0, largest = 0;
-  for (const glm::uvec3& corner : mesh.triangles) {
-    const auto at = [&](unsigned k) { return glm::dvec3(mesh.positions[k]); };
-    glm::dvec3 normal = glm::cross(at(corner.y) - at(corner.x), at(corner.z) - at(corner.x));
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    glm::dvec3 normal = face_vector(mesh, triangle);
     const double twice = glm::length(normal);
     if (!(twice > 0)) continue;
     normal /= twice;

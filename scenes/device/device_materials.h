@@ -16,9 +16,6 @@ void set_passes(Material& m, const std::vector<Material>& before);
 /// mirror for the others. Returns whether it is one.
 bool open_pane(Material& m);
 
-/// Whether vertex normals of the mesh differ from those of its triangles.
-bool has_leaning_normals(const Mesh& mesh);
-
 /// Whether plates of that material are flat glass for the kernels (flat_glass.h): a smooth dielectric without
 /// textures, and no other material holds it.
 bool is_glass(const std::vector<Material>& materials, int index);

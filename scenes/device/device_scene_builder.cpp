@@ -31,6 +31,7 @@
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/mesh_tools.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
 
@@ -165,7 +166,7 @@ class Builder {
     const auto add = [&](const std::vector<Shape>& shapes) {
       for (const Shape& shape : shapes) {
         const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        if (mesh == nullptr || !has_leaning_normals(*mesh)) continue;
+        if (mesh == nullptr || mesh->normals.empty() || has_face_normals(*mesh)) continue;
         mark(material_index(shape.front_bsdf));
         mark(material_index(shape.back_bsdf));
       }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/block/block_flight.h"
 #include "kernels/camera/camera.h"
 #include "kernels/host/material_closure.h"
 #include "kernels/intersect/bvh.h"
@@ -67,12 +68,6 @@ class PilotPaths {
     }
     return index < 0 || scene_.materials[index].passes == PASSES_ALL ? nullptr : scene_.materials + index;
   }
-  [[nodiscard]] bool may_pass(int primitive) const {
-    const SideMaterials sides = side_materials(&scene_, primitive);
-    const Material &front = scene_.materials[sides.front], &back = scene_.materials[sides.back];
-    return front.passes != PASSES_NONE || back.passes != PASSES_NONE || front.flat_glass != 0;
-  }
-
   /// The closest hit in (0, tmax), ignoring the primitive on which the ray starts: `skip` of instance
   /// `skip_instance`.
   [[nodiscard]] Hit closest(vec3 o, vec3 d, float tmax, int skip, int skip_instance) const {
@@ -92,7 +87,7 @@ class PilotPaths {
     for (int k = 0; k < kMostPassed && left > 0; ++k) {
       const Hit hit = closest(origin, sample.toward, left, skip, skip_instance);
       if (hit.primitive < 0) return true;
-      if (!may_pass(hit.primitive)) return false;
+      if (share_behind(&scene_, hit.primitive) == 0.0f) return false;
       origin = add_scaled(origin, hit.t, sample.toward);
       if (left < NO_LIMIT) left -= hit.t;
       skip = hit.primitive;

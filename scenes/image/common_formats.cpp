@@ -10,11 +10,13 @@
 #include <ImfStandardAttributes.h>
 #include <png.h>
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -23,7 +25,12 @@
 // After stdio.h, which it needs.
 #include <jpeglib.h>
 
-#include "scenes/image/radiance_format.h"
+// Only Radiance's format is compiled of it.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_HDR
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
 
 namespace penumbra {
 namespace {
@@ -194,6 +201,47 @@ bool read_exr(std::string_view contents, std::size_t most_bytes, ImageContents& 
   Imf::InputPart part(parts, 0);
   part.setFrameBuffer(buffer);
   part.readPixels(window.min.y, window.max.y);
+  return true;
+}
+
+/// What is left of a Radiance picture.
+struct Stream {
+  std::string_view left;
+  bool ended_early = false;  ///< more was asked for than there is
+};
+
+// stb asks for more only if it needs more. After the end of a file it would wait for its data for ever, or
+// take zeros for them. Line ends instead end its header and let every run of texels get on.
+int read_bytes(void* user, char* to, int count) {
+  auto& stream = *static_cast<Stream*>(user);
+  const std::size_t given = std::min(std::size_t(count), stream.left.size());
+  std::memcpy(to, stream.left.data(), given);
+  stream.left.remove_prefix(given);
+  if (given > 0) return int(given);
+  stream.ended_early = true;
+  std::memset(to, '\n', std::size_t(count));
+  return count;
+}
+void skip_bytes(void* user, int count) {
+  auto& stream = *static_cast<Stream*>(user);
+  stream.left.remove_prefix(std::min(std::size_t(std::max(count, 0)), stream.left.size()));
+}
+int is_at_end(void* user) { return static_cast<Stream*>(user)->left.empty() ? 1 : 0; }
+
+/// Radiance pictures in the usual orientation. The header is read first, since stb knows no limit of bytes.
+bool read_radiance(std::string_view contents, std::size_t most_bytes, ImageContents& image) {
+  const stbi_io_callbacks calls{read_bytes, skip_bytes, is_at_end};
+  Stream header{contents}, stream{contents};
+  int channels = 0;
+  if (stbi_info_from_callbacks(&calls, &header, &image.width, &image.height, &channels) == 0 ||
+      channels != 3 || image.width <= 0 || image.height <= 0)
+    return false;
+  if (!start_image(channels, TexelType::kFloat, most_bytes, image)) return false;
+  const std::unique_ptr<float, decltype(&stbi_image_free)> texels(
+      stbi_loadf_from_callbacks(&calls, &stream, &image.width, &image.height, &channels, channels),
+      stbi_image_free);
+  if (!texels || stream.ended_early) return false;
+  std::memcpy(image.bytes.data(), texels.get(), image.bytes.size());
   return true;
 }
 

@@ -36,20 +36,13 @@ Shape turned(Shape shape, const glm::dvec3& axis, double degrees) {
   return shape;
 }
 
-/// Reflectance of a boundary, by Fresnel's equations.
-double reflectance(double cosine) {
-  const double inside = std::sqrt(1 - (1 - cosine * cosine) / (kIndex * kIndex));
-  const double s = (cosine - kIndex * inside) / (cosine + kIndex * inside),
-               p = (kIndex * cosine - inside) / (kIndex * cosine + inside);
-  return (s * s + p * p) / 2;
-}
-
 /// The mean of (1 - reflectance)^power over the hemisphere, weighted by the cosine: midpoints over its
 /// square.
 double passes(int power) {
   constexpr int kSteps = 1'000'000;
   double sum = 0;
-  for (int i = 0; i < kSteps; ++i) sum += std::pow(1 - reflectance(std::sqrt((i + 0.5) / kSteps)), power);
+  for (int i = 0; i < kSteps; ++i)
+    sum += std::pow(1 - reflectance(std::sqrt((i + 0.5) / kSteps), kIndex), power);
   return sum / kSteps;
 }
 

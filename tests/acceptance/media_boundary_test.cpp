@@ -21,12 +21,9 @@ int add_pane(SceneDescription& scene, const glm::vec3& tint) {
   return int(scene.bsdfs.size()) - 1;
 }
 
-/// What passes a pane at that cosine: Fresnel's equations, and the sum over reflections within.
+/// What passes a pane at that cosine: the sum over reflections within.
 double passes_pane(double cosine) {
-  const double inside = std::sqrt(1 - (1 - cosine * cosine) / (kPaneIndex * kPaneIndex));
-  const double s = (cosine - kPaneIndex * inside) / (cosine + kPaneIndex * inside),
-               p = (kPaneIndex * cosine - inside) / (kPaneIndex * cosine + inside);
-  const double r = (s * s + p * p) / 2;
+  const double r = reflectance(cosine, kPaneIndex);
   return 1 - 2 * r / (1 + r);
 }
 

@@ -38,6 +38,14 @@ inline SceneDescription narrow_view(std::uint32_t spp, const IntegratorSettings&
   return scene;
 }
 
+/// Reflectance of a smooth boundary, by Fresnel's equations.
+inline double reflectance(double cosine, double index) {
+  const double inside = std::sqrt(1 - (1 - cosine * cosine) / (index * index));
+  const double s = (cosine - index * inside) / (cosine + index * inside),
+               p = (index * cosine - inside) / (index * cosine + inside);
+  return (s * s + p * p) / 2;
+}
+
 inline int add_null(SceneDescription& scene) {
   scene.bsdfs.push_back({"nothing", NullBsdf{}});
   return int(scene.bsdfs.size()) - 1;
