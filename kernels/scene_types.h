@@ -293,7 +293,8 @@ PENUMBRA_NAMESPACE_BEGIN
 // An environment map, see envmap_light.h.
 #define ENVIRONMENT_MAP_FIELDS(F) \
   F(int, width)                   \
-  F(int, height)
+  F(int, height)                  \
+  F(float, covered) /* what directions of BSDF samples cover of a texel's sum, see envmap_weight */
 
 // The directions into which a spot light or projector emits, see beam.h.
 #define BEAM_FIELDS(F)                                                                                \

@@ -54,6 +54,7 @@ struct EmitterPlace {
   double scene_radius;                      ///< of a bounding sphere of the whole scene
   SceneRecords& records;                    ///< receives tables that a kind of emitter needs
   const LightTextures* textures = nullptr;  ///< null: no light has a texture
+  bool balanced = false;                    ///< light samples are weighted against BSDF samples
 };
 
 struct EmitterLight {

@@ -167,20 +167,16 @@ glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
   return glm::cross(b - a, c - a);
 }
 
-bool has_face_normals(const Mesh& mesh) {
-  if (mesh.normals.empty()) return false;
+void drop_face_normals(Mesh& mesh) {
+  if (mesh.normals.empty()) return;
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::dvec3 face = glm::normalize(face_vector(mesh, t));
     for (int i = 0; i < 3; ++i) {
       const glm::dvec3 n(mesh.normals[t[i]]);
-      if (!(glm::dot(n, face) > 0.0) || !(glm::length(glm::cross(n, face)) <= kFileNormal)) return false;
+      if (!(glm::dot(n, face) > 0.0) || !(glm::length(glm::cross(n, face)) <= kFileNormal)) return;
     }
   }
-  return true;
-}
-
-void drop_face_normals(Mesh& mesh) {
-  if (has_face_normals(mesh)) mesh.normals.clear();
+  mesh.normals.clear();
 }
 
 Mesh make_rectangle(const glm::dmat4& to_world) {

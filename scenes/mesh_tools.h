@@ -39,12 +39,9 @@ void smooth_up_to(Mesh& mesh, double degrees);
 /// The cross product of the triangle's edges: along its normal, of twice its area.
 glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& triangle);
 
-/// Whether a mesh has vertex normals that all equal the face normals up to the rounding of files: normals
-/// with four decimals, on triangles with six decimals and a size of a thousandth of the scene's unit. All
-/// triangles must have area.
-bool has_face_normals(const Mesh& mesh);
-
-/// Removes such normals: the mesh is then exactly faceted.
+/// Removes vertex normals that all equal the face normals up to the rounding of files: normals with four
+/// decimals, on triangles with six decimals and a size of a thousandth of the scene's unit. The mesh is then
+/// exactly faceted. All triangles must have area.
 void drop_face_normals(Mesh& mesh);
 
 /// The square [-1, 1]² at z = 0 with its front towards +z, faceted and transformed. The front follows the

@@ -445,6 +445,7 @@ class Checker {
     constexpr int kMostTexels = 1 << 15;  // along one side
     const bool sized = in(map.width, 2, kMostTexels) && in(map.height, 2, kMostTexels);
     const std::int64_t texels = std::int64_t{map.width} * map.height;
+    require(map.covered >= 0 && std::isfinite(map.covered), "an environment map's mean is out of range");
     require(sized && t.envmap_texels.count == texels &&
                 t.envmap_rows.count == envmap_shares(map.height) + search_size(map.height) &&
                 t.envmap_columns.count == std::int64_t{search_size(map.width + 1)} * map.height,

@@ -135,7 +135,7 @@ STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathStat
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
       const bool traces =
-          is_hit(s) & (next.pdf > 0.0f) & !is_cut_off(s, load_closure(&step->closures, j), next.wi);
+          is_hit(s) & (next.pdf > 0.0f) & !is_cut_off(scene, s, load_closure(&step->closures, j), next.wi);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
       set_ray_direction(&fields, i + j, next.wi);
       set_throughput(&fields, i + j, scale(next.weight, share));

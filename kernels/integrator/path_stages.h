@@ -270,7 +270,7 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const float kept = is_among(c, DIELECTRICS) ? max_component(next.weight) * (next.eta * next.eta) : 0.0f;
       const float survival = path_survival(rr_depth, depth, strongest, step->eta[j], kept);
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
-                         !is_cut_off(s, c, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
+                         !is_cut_off(scene, s, c, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_next_ray(&fields, i + j, s, next, scale(throughput, 1.0f / (alive ? survival : 1.0f)), alive);
     }
 }

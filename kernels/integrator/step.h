@@ -73,14 +73,19 @@ FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
 }
 
 /// Whether no light passes along wi because the normals disagree about its side, see is_beneath. Surfaces
-/// that let light through lose none: their mesh would be darker than the smooth shape that it stands for.
-FN bool is_cut_off(Surface s, Closure c, vec3 wi) { return is_beneath(s, wi) & !lets_light_through(c); }
+/// that let light through, the mirrors of panes among them, lose none: their mesh would be darker than the
+/// smooth shape that it stands for.
+FN bool is_cut_off(const PRIVATE Scene* scene, Surface s, Closure c, vec3 wi) {
+  bool through = lets_light_through(c);
+  if (NEEDS(scene, PANES)) through = through | (pane_of(scene, s.material) > 0.0f);
+  return is_beneath(s, wi) & !through;
+}
 
 /// Requests the shadow ray of lane i's light sample. `arriving` is its contribution if it is unoccluded.
 /// `controlled`: see is_controlled.
 FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Surface s,
                            Closure c, LightSample light, vec3 arriving, bool lit, bool controlled) {
-  const bool beneath = is_cut_off(s, c, light.wi) & (scene->header.integrator.trace_shadows != 0);
+  const bool beneath = is_cut_off(scene, s, c, light.wi) & (scene->header.integrator.trace_shadows != 0);
   set_shadow_origin(paths, i, light.origin);
   set_shadow_direction(paths, i, light.toward);
   set_shadow_radiance(paths, i, arriving);

@@ -161,7 +161,8 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
       // The first branch uses this number itself.
       const float number = ONE_MINUS_EPSILON - lane_number(step, DIM_ROULETTE, j);
       const bool alive = (branching->lobes[j] != 0) & (next.pdf > 0.0f) & (strongest > 0.0f) &
-                         !is_cut_off(s, load_closure(&step->closures, j), next.wi) & (number < survival);
+                         !is_cut_off(scene, s, load_closure(&step->closures, j), next.wi) &
+                         (number < survival);
       b.origin = leave_surface(s.p, s.geometric, s.error, next.wi);
       b.direction = next.wi;
       b.throughput =

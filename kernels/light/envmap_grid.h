@@ -6,6 +6,7 @@
 #ifndef PENUMBRA_ENVMAP_GRID_H
 #define PENUMBRA_ENVMAP_GRID_H
 #include "kernels/light/sum_search.h"
+#include "kernels/math/math.h"
 #include "kernels/math/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -22,8 +23,16 @@ FN float envmap_row_sine(int y, int height) {
 /// Offset of the rows' cumulative shares in the table of rows: after the total and a sum for each row.
 FN int envmap_shares(int height) { return search_padded(1 + height); }
 
+// The least weight of a texel as a fraction of its radiance, so that all light can be sampled.
+#define ENVMAP_LEAST_SHARE 0.1f
+
 /// Weight of a texel. The pdf over the grid is proportional to the bilinear interpolation of these weights.
-FN float envmap_weight(vec3 texel, float row_sine) { return ((texel.x + texel.y) + texel.z) * row_sine; }
+/// BSDF samples find the dim parts of a map well enough. So light samples are for what exceeds `covered`, the
+/// mean over the sphere (Karlik et al. 2019, "MIS compensation"). It is 0 where light samples are alone.
+FN float envmap_weight(vec3 texel, float row_sine, float covered) {
+  const float sum = (texel.x + texel.y) + texel.z;
+  return max_f(sum - covered, ENVMAP_LEAST_SHARE * sum) * row_sine;
+}
 
 PENUMBRA_NAMESPACE_END
 #endif

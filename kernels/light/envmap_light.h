@@ -65,10 +65,9 @@ FN vec3 envmap_radiance(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPo
 
 /// The weight at column x, interpolated between the rows of p.
 FN float envmap_column_weight(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPoint p, int x) {
-  const float above = envmap_weight(envmap_texel(scene, map, x, p.y), envmap_row_sine(p.y, map.height));
-  const float below =
-      envmap_weight(envmap_texel(scene, map, x, p.y + 1), envmap_row_sine(p.y + 1, map.height));
-  return mix_f(above, below, p.t);
+  const vec3 above = envmap_texel(scene, map, x, p.y), below = envmap_texel(scene, map, x, p.y + 1);
+  return mix_f(envmap_weight(above, envmap_row_sine(p.y, map.height), map.covered),
+               envmap_weight(below, envmap_row_sine(p.y + 1, map.height), map.covered), p.t);
 }
 
 /// Pdf per solid angle at a point of this weight.

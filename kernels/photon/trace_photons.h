@@ -203,7 +203,7 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
       const bool diffuse = has_diffuse_part(c) & (next.pdf != DELTA_PDF);
       // One more edge leads to the next arrival, and at least one to the camera.
       const bool alive = is_hit(s) & (depth + 2 <= max_depth) & !(diffuse & caustics) & (next.pdf > 0.0f) &
-                         (max_component(power) > 0.0f) & !is_cut_off(s, c, next.wi) &
+                         (max_component(power) > 0.0f) & !is_cut_off(scene, s, c, next.wi) &
                          (lane_number(step, DIM_ROULETTE, j) < survival);
       set_next_ray(&fields, i + j, s, next, scale(power, 1.0f / (alive ? survival : 1.0f)), alive);
       set_chain(&fields, i + j, next_chain(get_chain(&fields, i + j), diffuse));

@@ -156,46 +156,15 @@ class Builder {
     return scene_.integrator.is<PathIntegrator>() || scene_.integrator.is<VolpathIntegrator>();
   }
 
-  /// Which of the materials, one for each BSDF, meshes have whose normals lean, themselves or within others.
-  /// Panes of such meshes are not opened: their mirrors would lose light, as opaque surfaces do.
-  [[nodiscard]] std::vector<bool> of_leaning_meshes(const std::vector<Material>& made) const {
-    std::vector<bool> leaning(made.size());
-    const auto mark = [&](int material) {
-      if (material > 0) leaning[std::size_t(material - 1)] = true;
-    };
-    const auto add = [&](const std::vector<Shape>& shapes) {
-      for (const Shape& shape : shapes) {
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        if (mesh == nullptr || mesh->normals.empty() || has_face_normals(*mesh)) continue;
-        mark(material_index(shape.front_bsdf));
-        mark(material_index(shape.back_bsdf));
-      }
-    };
-    if (std::ranges::none_of(made, [](const Material& m) { return m.family == FAMILY_THINDIELECTRIC; }))
-      return leaning;
-    add(scene_.shapes);
-    for (const ShapeGroup& group : scene_.groups) add(group.shapes);
-    for (std::size_t i = made.size(); i-- > 0;) {  // materials come after those that they hold
-      if (!leaning[i] || made[i].branches == 0) continue;
-      mark(made[i].first);
-      mark(made[i].second);
-    }
-    return leaning;
-  }
-
   Expected<void> add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
     const std::vector<int> of_lights = textures_of_lights(scene_);
     bool textures = std::ranges::any_of(of_lights, [](int t) { return t != kNoTexture; });
     MaterialTables tables(records_.curves);
-    std::vector<Material> made;
-    for (const Bsdf& bsdf : scene_.bsdfs) made.push_back(material_of(bsdf, tables));
-    const std::vector<bool> leaning = of_leaning_meshes(made);
-    for (std::size_t i = 0; i < made.size(); ++i) {
-      const Bsdf& bsdf = scene_.bsdfs[i];
-      Material& m = made[i];
-      // Other integrators meet panes as they meet other glass, except in media.
-      const bool opens = (follows_paths() && !leaning[i]) || !media_->empty();
+    // Other integrators meet panes as they meet other glass, except in media.
+    const bool opens = follows_paths() || !media_->empty();
+    for (const Bsdf& bsdf : scene_.bsdfs) {
+      Material m = material_of(bsdf, tables);
       if (opens && open_pane(m)) need(FEATURE_PANES);
       set_passes(m, records_.materials);
       if (m.passing_leaves > MOST_PASSING_LEAVES)
@@ -527,12 +496,13 @@ class Builder {
 
   void add_other_lights() {
     h_.environment = -1;
+    const bool balanced = finds_lights(scene_.integrator) && !has_photons(scene_.integrator);
     const auto at = [&](const glm::dvec3& p) { return local(p, [] { return "a light"; }); };
     // Add emitters kind by kind, so that their order in the file makes no difference.
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
-        const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_});
+        const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_, balanced});
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();

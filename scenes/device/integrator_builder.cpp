@@ -24,12 +24,7 @@ static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPo
 /// Balancing emitter and BSDF samples needs the density of emitter sampling for every direction. A choice by
 /// contribution does not provide it for directions of BSDF samples.
 bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
-  if (const auto* direct = integrator.get<DirectIntegrator>()) return direct->bsdf_samples > 0;
-  const auto path = direct_sampling(integrator);
-  const auto* whitted = integrator.get<WhittedIntegrator>();
-  const bool finds =
-      path ? *path != DirectSampling::kEmitterOnly : whitted != nullptr && whitted->indirect_samples > 0;
-  return finds && !(control_variate(integrator) && lights.only_polygons());
+  return finds_lights(integrator) && !(control_variate(integrator) && lights.only_polygons());
 }
 
 /// Integrators that depend only on geometry, not on lights and materials.
@@ -216,6 +211,13 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
 bool wants_polygons(const IntegratorSettings& integrator) {
   return integrator.is<PolygonAnalyticIntegrator>() || control_variate(integrator) ||
          light_choice(integrator) == LightChoice::kAnalytic;
+}
+
+bool finds_lights(const IntegratorSettings& integrator) {
+  if (const auto* direct = integrator.get<DirectIntegrator>()) return direct->bsdf_samples > 0;
+  if (const auto path = direct_sampling(integrator)) return *path != DirectSampling::kEmitterOnly;
+  const auto* whitted = integrator.get<WhittedIntegrator>();
+  return whitted != nullptr && whitted->indirect_samples > 0;
 }
 
 bool light_choice_is_auto(const IntegratorSettings& integrator) {

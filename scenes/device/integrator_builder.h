@@ -11,6 +11,9 @@ namespace penumbra {
 /// Whether the settings need the closed form of polygon lights, even if only to choose among lights.
 bool wants_polygons(const IntegratorSettings& integrator);
 
+/// Whether BSDF samples find lights, too.
+bool finds_lights(const IntegratorSettings& integrator);
+
 /// Whether the settings leave it to the renderer how lights are chosen.
 bool light_choice_is_auto(const IntegratorSettings& integrator);
 

@@ -92,21 +92,6 @@ TEST(FlatGlass, IsLeftOutWhereNothingNeedsIt) {
   EXPECT_EQ(features(parts), 0u);
 }
 
-TEST(FlatGlass, ThinPanesAreOpenedUnlessTheirNormalsLean) {
-  const auto opens = [](const std::vector<glm::vec3>& normals) {
-    SceneDescription scene = ground_under(0, path(DirectSampling::kMis));
-    scene.bsdfs.push_back({"pane", ThinDielectricBsdf{}});
-    scene.shapes.push_back(parallelogram({1, -1, -2}, {-2, 0, 0}, {0, 2, 0}, int(scene.bsdfs.size()) - 1));
-    Mesh& mesh = std::get<Mesh>(scene.shapes.back().geometry);
-    for (std::size_t i = 0; i < mesh.positions.size() && !normals.empty(); ++i)
-      mesh.normals.push_back(normals[i % normals.size()]);
-    return (build_or_throw(scene).header.features & FEATURE_PANES) != 0u;
-  };
-  EXPECT_TRUE(opens({}));
-  EXPECT_TRUE(opens({{0, 0, -1}}));
-  EXPECT_FALSE(opens({{0, 0, -1}, {0, 0.1f, -1}}));
-}
-
 /// A room with a light inside, seen from within, that the sky lights through glass: a tinted plate, a plate
 /// behind it that is turned, a wedge, whose sides are flat but not parallel, and a ball.
 SceneDescription glazed_room(const IntegratorSettings& integrator, std::uint32_t spp = 2000) {

@@ -91,6 +91,7 @@ TEST(SmoothNormals, ThinGlassLosesNoLight) {
   scene.integrator = path_integrator(DirectSampling::kMis);
   param::max_depth(scene.integrator) = 1000;
   param::rr_depth(scene.integrator) = 1000;
+  ASSERT_NE(build_or_throw(scene).header.features & FEATURE_PANES, 0u);
   const FilmAccumulator film = render_or_throw(scene);
   for (int y = 0; y < kPixels; ++y)
     for (int x = 0; x < kPixels; ++x) ASSERT_NEAR(film.at(x, y).mean[1], 1, kRounding) << x << ", " << y;

@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 SceneTables envmap_scene(int width, int height, const auto& texel, const glm::dmat3& to_world = glm::dmat3(1),
-                         float scale = 1) {
+                         float scale = 1, bool balanced = false) {
   Bitmap image{"map", width, height, 3, TexelType::kFloat, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
@@ -29,7 +29,7 @@ SceneTables envmap_scene(int width, int height, const auto& texel, const glm::dm
   map.scale = scale;
   SceneTables tables;
   const auto local = [](const glm::dvec3& p) { return to_vec3(p); };
-  Light light = map.light({local, 1.0, tables}).light;
+  Light light = map.light({local, 1.0, tables, nullptr, balanced}).light;
   light.pmf = 1;
   tables.lights.push_back(light);
   tables.header.environment = 0;
@@ -88,6 +88,7 @@ TEST(EnvmapLight, RadianceIsMitsubas) {
 const std::vector<SceneTables>& kinds_of_maps() {
   static const std::vector<SceneTables> kMaps = {
       envmap_scene(5, 4, numbered, kTurned),
+      envmap_scene(5, 4, numbered, kTurned, 2, true),
       envmap_scene(16, 9,
                    [](int x, int y) { return x == 11 && y == 3 ? glm::vec3(1e8f) : glm::vec3(1e-2f); }),
       envmap_scene(7, 5, [](int x, int y) { return x < 3 && y < 2 ? glm::vec3(1, 2, 3) : glm::vec3(0); }),
@@ -220,6 +221,43 @@ TEST(EnvmapLight, ASampleSaysWhatARayFinds) {
   }
 }
 
+// Where light samples are weighted against BSDF samples, those of a dim sky with a sun are for the sun.
+TEST(EnvmapLight, BalancedSamplesAreForWhatExceedsTheMean) {
+  constexpr int kWidth = 16, kHeight = 9, kSamples = 100'000;
+  const auto radiance = [](int x, int y) { return x % kWidth == 11 && y == 3 ? 50.0 : 1.0; };
+  const auto sine = [](int y) { return double(envmap_row_sine(y, kHeight)); };
+  double sum = 0, area = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      sum += sine(y) * radiance(x, y);
+      area += sine(y);
+    }
+  for (const bool balanced : {false, true}) {
+    const auto weight = [&](int x, int y) {
+      const double above = radiance(x, y) - (balanced ? sum / area : 0);
+      return std::max(above, double(ENVMAP_LEAST_SHARE) * radiance(x, y)) * sine(y);
+    };
+    double sky = 0,
+           whole = 0;  // of the cells between texels; bilinear weights integrate to the corners' mean
+    for (int y = 0; y + 1 < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double cell = weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1);
+        const bool of_sun = (x == 10 || x == 11) && (y == 2 || y == 3);
+        sky += of_sun ? 0 : cell;
+        whole += cell;
+      }
+    const auto grey = [&](int x, int y) { return glm::vec3(float(radiance(x, y))); };
+    SceneTables tables = envmap_scene(kWidth, kHeight, grey, glm::dmat3(1), 1, balanced);
+    const Scene scene = tables.scene();
+    RandomNumbers random(6);
+    int of_sky = 0;
+    for (int k = 0; k < kSamples; ++k) of_sky += sample(scene, random).radiance.x <= 1.0f ? 1 : 0;
+    const double share = sky / whole, error = std::sqrt(share * (1 - share) / kSamples);
+    EXPECT_NEAR(double(of_sky) / kSamples, share, 5 * error) << balanced;
+    EXPECT_NEAR(share, balanced ? 0.15 : 0.62, 0.01) << balanced;
+  }
+}
+
 TEST(EnvmapLight, WeightsAreBounded) {
   // Radiance over density: what a diffuse receiver's sample carries. Bilinear in both, so between texels of
   // very different radiance too.
@@ -234,7 +272,8 @@ TEST(EnvmapLight, WeightsAreBounded) {
       weights.add(sum / double(s.pdf));
       largest = std::max(largest, sum / double(s.pdf));
     }
-    EXPECT_LT(largest, 5 * weights.mean());
+    const double least_share = tables.envmaps[0].covered > 0 ? double(ENVMAP_LEAST_SHARE) : 1;
+    EXPECT_LT(largest, 5 / least_share * weights.mean());
   }
 }
 
