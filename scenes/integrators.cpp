@@ -55,6 +55,15 @@ const char* integrator_name(const IntegratorSettings& integrator) {
       integrator.method);
 }
 
+namespace {
+bool has_default_roulette(const IntegratorSettings& integrator) {
+  const IntegratorMethod fresh = std::visit(
+      []<typename Method>(const Method&) { return IntegratorMethod(Method{}); }, integrator.method);
+  return parameter_or(integrator, PENUMBRA_PARAMETER(rr_depth), 0) ==
+         parameter_or(IntegratorSettings{.method = fresh}, PENUMBRA_PARAMETER(rr_depth), 0);
+}
+}  // namespace
+
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
   IntegratorSettings next{method, integrator.hide_emitters, integrator.hidden_emitters};
   integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto...) {
@@ -64,13 +73,14 @@ void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
   });
   if (const auto preset = direct_sampling({.method = method}))
     with_parameter(next, PENUMBRA_PARAMETER(direct_sampling), [&](DirectSampling& own) { own = *preset; });
-  // The alphas of control variates and of shrinking radii are different quantities.
-  if (has_photons(next) != has_photons(integrator)) {
-    const IntegratorSettings fresh{.method = method};
-    with_parameter(next, PENUMBRA_PARAMETER(alpha), [&](auto& own) {
-      with_parameter(fresh, PENUMBRA_PARAMETER(alpha), [&](const auto& given) { own = given; });
+  const auto renew = [&, fresh = IntegratorSettings{.method = method}](const auto& parameter) {
+    with_parameter(next, parameter, [&](auto& own) {
+      with_parameter(fresh, parameter, [&](const auto& given) { own = given; });
     });
-  }
+  };
+  // The alphas of control variates and of shrinking radii are different quantities.
+  if (has_photons(next) != has_photons(integrator)) renew(PENUMBRA_PARAMETER(alpha));
+  if (has_default_roulette(integrator)) renew(PENUMBRA_PARAMETER(rr_depth));
   integrator = next;
 }
 

@@ -60,7 +60,7 @@ struct PathIntegrator {
       {"path_ems", DirectSampling::kEmitterOnly},
       {"path_mis", DirectSampling::kMis}};
   int max_depth = -1;  ///< in edges; -1: no limit
-  int rr_depth = 5;
+  int rr_depth = 2;    ///< Mitsuba's is 5, see "Russian roulette" in kernels/MEASUREMENTS.md
   DirectSampling direct_sampling = DirectSampling::kMis;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   MisHeuristic heuristic = MisHeuristic::kBalance;
@@ -80,7 +80,7 @@ struct VolpathIntegrator {
       {"volpath", DirectSampling::kMis},
       {"volpathmis", DirectSampling::kMis}};
   int max_depth = -1;  ///< in edges; -1: no limit
-  int rr_depth = 5;
+  int rr_depth = 2;
   DirectSampling direct_sampling = DirectSampling::kMis;
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;
   MisHeuristic heuristic = MisHeuristic::kBalance;
@@ -401,7 +401,7 @@ bool has_photons(const IntegratorSettings& integrator);
 bool sees_media(const IntegratorSettings& integrator);
 
 /// Changes to another integrator. Parameters that both have keep their values, except direct_sampling, which
-/// the new name determines, and alpha between those with photons and others.
+/// the new name determines, alpha between those with photons and others, and the default of rr_depth.
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);
 
 /// Parameters of the control variate: the closed form of polygon lights.

@@ -136,7 +136,14 @@ std::string setting_default(const Setting& setting) {
     if (setting.belongs_to(settings)) break;
     settings.integrator.method = method;
   }
-  return setting.print(settings);
+  std::string text = setting.print(settings);
+  const std::string first = text;
+  for (const IntegratorMethod& method : integrator_methods()) {
+    settings.integrator.method = method;
+    if (!setting.belongs_to(settings) || setting.print(settings) == first) continue;
+    text += fmt::format("; {}: {}", method_name(method), setting.print(settings));
+  }
+  return text;
 }
 
 std::vector<std::string> integrators_with(const Setting& setting) {

@@ -65,7 +65,8 @@ Expected<void> apply_setting(RenderSettings& settings, std::string_view key, std
 /// near_clip is below far_clip.
 Expected<void> check_settings(const RenderSettings& settings);
 
-/// The default value as text, in an integrator that has the setting. Empty: there is none.
+/// The default value as text, of the first integrator that has the setting, then those that differ. Empty:
+/// there is none.
 std::string setting_default(const Setting& setting);
 /// The names of the integrators that have the setting. Empty: the setting belongs to no particular
 /// integrator.

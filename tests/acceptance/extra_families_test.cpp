@@ -67,7 +67,8 @@ TEST(ExtraFamilyFamilies, RouletteKnowsThatMediaAreDense) {
 
 TEST(ExtraFamilyFamilies, GlassBallInAFurnaceIsInvisible) {
   ExtraFamilyScene ball = glass_ball(1.5f);
-  param::max_depth(ball.description.integrator) = 4;  // in, out, environment; no roulette
+  param::max_depth(ball.description.integrator) = 4;  // in, out, environment
+  param::rr_depth(ball.description.integrator) = 5;   // no roulette
   const statistics::Sample sample = extra_family_sample(ball, 1);
   EXPECT_NEAR(sample.mean(), 1, 1e-5);
   EXPECT_LT(sample.variance(), 1e-9);

@@ -145,7 +145,7 @@ TEST(SettingsPrint, EachSaysWhatItTakesAndWhoHasIt) {
   for (const Setting& setting : all_settings())
     EXPECT_FALSE(setting.values.empty() || setting.description.empty()) << setting.key;
   EXPECT_EQ(find_setting("integrator.rr_depth")->values, "1 or more");
-  EXPECT_EQ(setting_default(*find_setting("integrator.rr_depth")), "5");
+  EXPECT_EQ(setting_default(*find_setting("integrator.rr_depth")), "2; whitted: 5; photonmapper: 5; ppm: 5");
   EXPECT_THAT(integrators_with(*find_setting("integrator.rr_depth")),
               ElementsAre("path", "whitted", "volpath", "photonmapper", "ppm"));
   EXPECT_THAT(integrators_with(*find_setting("integrator.trace_shadows")),
