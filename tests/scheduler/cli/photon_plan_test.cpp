@@ -122,11 +122,16 @@ TEST_F(PhotonPlan, TheImageIsTheSameIfWorkersDie) {
   ASSERT_TRUE(comes(folder_ / "s.exr.checkpoint"));
   const std::vector<pid_t> workers = children_of(program.pid());
   ASSERT_EQ(workers.size(), 5u);
-  for (const std::size_t worker : {0, 1}) kill(workers[worker], SIGKILL);
-  ASSERT_EQ(program.wait().exit_code, 0);
+  for (const std::size_t worker : {1, 4}) kill(workers[worker], SIGKILL);
+  const ProgramResult result = program.wait();
+  ASSERT_EQ(result.exit_code, 0);
   const auto known = json("s.json")["workers"];
-  // On a busy machine, one of them may not have connected yet: the scheduler then never knew it.
-  EXPECT_GE(std::ranges::count_if(known, [](const auto& worker) { return !worker["ended"].is_null(); }), 1);
+  auto ended = std::ranges::count_if(known, [](const auto& worker) { return !worker["ended"].is_null(); });
+  // On a busy machine, a worker may have been killed before it was connected.
+  const std::string early = "a worker ended before it was connected";
+  for (auto at = result.err.find(early); at != std::string::npos; at = result.err.find(early, at + 1))
+    ++ended;
+  EXPECT_GE(ended, 2) << result.err;
   expect_image_of(kManyMaps);
 }
 
