@@ -56,6 +56,7 @@ const char* integrator_name(const IntegratorSettings& integrator) {
 }
 
 namespace {
+/// Whether rr_depth is the integrator's default, as far as it has one.
 bool has_default_roulette(const IntegratorSettings& integrator) {
   const IntegratorMethod fresh = std::visit(
       []<typename Method>(const Method&) { return IntegratorMethod(Method{}); }, integrator.method);

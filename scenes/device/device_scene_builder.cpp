@@ -31,7 +31,6 @@
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
-#include "scenes/mesh_tools.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
 

@@ -68,6 +68,7 @@ class PilotPaths {
     }
     return index < 0 || scene_.materials[index].passes == PASSES_ALL ? nullptr : scene_.materials + index;
   }
+
   /// The closest hit in (0, tmax), ignoring the primitive on which the ray starts: `skip` of instance
   /// `skip_instance`.
   [[nodiscard]] Hit closest(vec3 o, vec3 d, float tmax, int skip, int skip_instance) const {
