@@ -1,11 +1,12 @@
-// Plates of glass that shadow rays towards the sky pass, and thin panes: against quadrature, and between
-// techniques of which some never take such rays.
+// Plates of glass that shadow rays towards the sky pass, thin panes, and a ball: against quadrature, and
+// between techniques of which some never take such rays.
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
+#include <numbers>
 
 #include "kernels/features.h"
 #include "tests/acceptance/media_pieces.h"
@@ -157,6 +158,29 @@ TEST(FlatGlass, TheSunBehindItIsNotLeftToChance) {
   EXPECT_GT(statistics::welch_t_test(mis, by_chance).p, media::kSignificance);
   // By chance, one direction in several hundred finds the sun.
   EXPECT_LT(mis.standard_error() * 5, by_chance.standard_error());
+}
+
+// Rays that would pass the centre of the ball at less than `index` times the bulb's radius are refracted into
+// the bulb. If rays started 3e-4 off the surface, the bulb would have 0.8 % more power.
+TEST(GlassBall, MagnifiesABulbInIt) {
+  constexpr double kDistance = 2, kBall = 0.09, kBulb = 0.03, kRadiance = 3;
+  const double edge = std::tan(std::asin(kIndex * kBulb / kDistance)), half = 1.1 * edge;
+  constexpr int kRings = 1000;
+  double seen = 0;
+  for (int i = 0; i < kRings; ++i) {
+    const double tangent = edge * (i + 0.5) / kRings, sine = kDistance / kBall * std::sin(std::atan(tangent));
+    const double passes = 1 - reflectance(std::sqrt(1 - sine * sine), kIndex);
+    seen += 2 * std::numbers::pi * tangent * (edge / kRings) * passes / (kIndex * kIndex) * kRadiance;
+  }
+  SceneDescription scene = empty_scene(1, 1, 400'000, 1);
+  const glm::dvec3 centre(1.3, 2.6, 1.02);
+  scene.camera =
+      look_at(centre - glm::dvec3(0, 0, kDistance), centre, {0, 1, 0}, glm::degrees(2 * std::atan(half)));
+  scene.integrator = path(DirectSampling::kMis);
+  scene.shapes.push_back(of_glass(scene, sphere(centre, kBall, 0)));
+  scene.shapes.push_back(sphere(centre, kBulb, kBlackBsdf));
+  scene.shapes.back().radiance = glm::vec3(float(kRadiance));
+  expect_colour(scene, glm::dvec3(seen / (4 * half * half)));
 }
 
 }  // namespace
