@@ -5,7 +5,7 @@ Times are seconds of rendering alone, of alternating renders on one core. An err
 independent seeds over (converged image^2 + 0.01), of the means of 4 x 4 pixels: so no bias of either renderer counts.
 Equal error is found with error falling as 1 / spp. Ratios above 1: Penumbra is ahead. Needs mitsuba and numpy.
 
-  start-up  seconds of all else: loading and writing; with Mitsuba, loading and compiling
+  start-up  seconds of all else: loading, sending the scene to the worker, writing; with Mitsuba, loading and compiling
   means     Penumbra's over Mitsuba's mean - 1, in percent and in standard errors; share of 4 x 4 blocks that differ by
             more than 4 standard errors (0.1 % would by chance)
 """
@@ -90,7 +90,7 @@ class Penumbra:
     def __init__(self, file, folder, sampler, work, core, options):
         self.command = [
             "taskset", "-c", core,
-            os.path.join(folder, "penumbra"), "render", file, "--workers", "1", "--threads", "1"
+            os.path.join(folder, "penumbra"), "render", file, "--workers", "1", "--threads", "1", "--restart"
         ] + options
         self.command += ["--sampler", sampler] if sampler else []
         self.out = os.path.join(work, "penumbra.exr")
@@ -106,12 +106,19 @@ class Penumbra:
         if done.returncode != 0:
             sys.exit(f"{' '.join(done.args)}:\n{done.stderr}")
         with open(self.out[:-4] + ".json", encoding="utf-8") as record:
-            seconds = json.load(record)["seconds"]["render"]
+            seconds = seconds_of_rendering(json.load(record))
         self.start_ups.append(time.perf_counter() - before - seconds)
         return image_of(self.out), seconds
 
     def end(self):
         pass
+
+
+def seconds_of_rendering(record):
+    """From when the worker has the scene to the last tile, of a record of one worker with one thread."""
+    took = record["seconds"]
+    first_tile = record["workers"][0]["busy_seconds"] / record["units"]["done"]
+    return took["render"] - took["to_first_tile"] + first_tile
 
 
 def image_of(file):
