@@ -23,7 +23,8 @@ struct Property {
   std::string name;
   Type type = Type::kFloat;
   std::optional<Type> count_type;  ///< type of the length of a list
-  int field = -1;                  ///< the vertex field (or list of a face) that it is; -1: ignored
+  int field = -1;                  ///< the vertex field that it is; -1: ignored
+  bool is_indices = false;         ///< whether it lists the vertices of faces
 };
 
 struct Element {
@@ -116,6 +117,7 @@ class PlyReader {
       if (is_vertex || element.name == "face")
         find_fields(element.properties, is_vertex, is_vertex ? attributes_.vertex : attributes_.face);
     }
+    vertices_ = element_named("vertex")->count;
     reserve();
     for (const Element& element : elements_) {
       if (auto done = body(element); !done) return std::unexpected(done.error());
@@ -231,6 +233,7 @@ class PlyReader {
                       "(a list's count: an integer)");
     }
     result.type = *type;
+    result.is_indices = list && (result.name == "vertex_indices" || result.name == "vertex_index");
     elements_.back().properties.push_back(std::move(result));
     return {};
   }
@@ -254,7 +257,7 @@ class PlyReader {
     if (!has[kX] || !has[kY] || !has[kZ])
       return wrong_at(vertex->location.offset, "a vertex must have x, y and z");
     for (const Element& each : elements_) {
-      if (has_faces(each) && std::none_of(each.properties.begin(), each.properties.end(), is_indices))
+      if (has_faces(each) && std::ranges::none_of(each.properties, &Property::is_indices))
         return wrong_at(each.location.offset, "a face must have the list vertex_indices (or vertex_index)");
     }
     std::uint64_t least = 0;
@@ -284,7 +287,7 @@ class PlyReader {
       std::uint64_t bytes = 0;
       for (const Property& p : of.properties) {
         bytes += ascii ? 2 : size_of(p.count_type.value_or(p.type));
-        if (is_indices(p)) bytes += 3 * (ascii ? 2 : size_of(p.type));
+        if (p.is_indices) bytes += 3 * (ascii ? 2 : size_of(p.type));
       }
       return std::size_t(std::min(of.count, rest / std::max<std::uint64_t>(bytes, 1)));
     };
@@ -304,9 +307,6 @@ class PlyReader {
   }
 
   static bool has_faces(const Element& e) { return e.name == "face" || e.name == "tristrips"; }
-  static bool is_indices(const Property& p) {
-    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
-  }
 
   /// The next value. Nothing at the end of the file, or if an ascii token is not a number.
   Expected<double> value(Type type, const Element& element, std::uint64_t number) {
@@ -362,13 +362,15 @@ class PlyReader {
 
   Expected<void> body(const Element& element) {
     if (element.properties.empty()) return {};  // an element without properties has no data
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const bool is_strips = element.name == "tristrips";
     for (std::uint64_t number = 0; number < element.count; ++number) {
       std::array<double, kFields> fields{};
       std::array<bool, kFields> has{};
       polygon_.clear();
       for (const Property& property : element.properties) {
         const int field = property.field;
-        const bool indices = has_faces(element) && is_indices(property);
+        const bool indices = (is_face || is_strips) && property.is_indices;
         std::uint64_t count = 1;
         if (property.count_type) {
           const auto length = value(*property.count_type, element, number);
@@ -392,14 +394,14 @@ class PlyReader {
           if (indices) polygon_.push_back(*item);
         }
       }
-      if (element.name == "vertex") add_vertex(fields, has);
-      if (element.name == "face") {
+      if (is_vertex) add_vertex(fields, has);
+      if (is_face) {
         if (has[kRed] && !has[kGreen] && !has[kBlue]) spread_grey(fields, has);
         if (has[kRed] && has[kGreen] && has[kBlue])
           face_colour_ = {float(fields[kRed]), float(fields[kGreen]), float(fields[kBlue])};
         if (auto done = add_face(element, number); !done) return done;
       }
-      if (element.name == "tristrips") {
+      if (is_strips) {
         if (auto done = add_strips(element, number); !done) return done;
       }
     }
@@ -423,16 +425,15 @@ class PlyReader {
   }
 
   Expected<void> add_face(const Element& element, std::uint64_t number) {
-    const std::uint64_t vertices = element_named("vertex")->count;
     for (const double index : polygon_) {
-      if (!(index >= 0.0) || index >= double(vertices) || index != std::floor(index)) {
+      if (!(index >= 0.0) || index >= double(vertices_) || index != std::floor(index)) {
         return wrong(element, number,
                      fmt::format("vertex index {} is out of range: there are {} vertices, counted from 0",
-                                 index, vertices));
+                                 index, vertices_));
       }
     }
     corners_.assign(polygon_.begin(), polygon_.end());
-    if (mesh_.positions.size() == vertices) return finish_face(number, corners_, face_colour_);
+    if (mesh_.positions.size() == vertices_) return finish_face(number, corners_, face_colour_);
     early_faces_.push_back({number, corners_, face_colour_});
     return {};
   }
@@ -473,6 +474,7 @@ class PlyReader {
   std::size_t token_start_ = 0;
   Format format_ = Format::kAscii;
   std::vector<Element> elements_;
+  std::uint64_t vertices_ = 0;
   /// A face that precedes the vertices in the file.
   struct EarlyFace {
     std::uint64_t number;

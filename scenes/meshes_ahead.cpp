@@ -34,12 +34,13 @@ MeshesAhead::Key MeshesAhead::key_of(const MeshRequest& request) {
 
 MeshesAhead::MeshesAhead(const std::vector<MeshRequest>& requests, const FileAccess& files, unsigned helpers,
                          std::size_t most_bytes)
-    : most_bytes_(most_bytes) {
+    : most_bytes_(most_bytes), files_(files) {
   for (const MeshRequest& request : requests) {
     Slot*& slot = by_key_[key_of(request)];
     if (slot == nullptr) slot = &slots_.emplace_back(Slot{.request = request});
     ++slot->uses;
   }
+  next_ = slots_.begin();
   const std::size_t useful = slots_.empty() ? 0 : slots_.size() - 1;
   for (std::size_t i = 0; i < std::min<std::size_t>(helpers, useful); ++i)
     helpers_.emplace_back([this, own = files] { help(own); });
@@ -56,29 +57,35 @@ MeshesAhead::~MeshesAhead() {
 
 void MeshesAhead::help(const FileAccess& files) {
   std::unique_lock lock(mutex_);
-  for (Slot& slot : slots_) {
+  do {
     changed_.wait(lock, [&] { return stops_ || held_bytes_ <= most_bytes_; });
-    if (stops_) return;
-    if (slot.state != State::kWaiting) continue;
-    slot.state = State::kReading;
-    lock.unlock();
-    std::unique_ptr<SourceFile> file;
-    std::optional<Expected<MeshFile>> mesh;
-    try {
-      if (auto read = files.read(slot.request.file, kMaxMeshFileBytes)) file = std::move(*read);
-      if (file) mesh = parse(slot.request, *file);
-    } catch (const std::exception&) {
-      mesh.reset();  // no memory: whoever asks for the mesh finds out
-    }
-    if (mesh) {
-      store(slot, *file, std::move(*mesh));
-    } else {
-      const std::lock_guard found(mutex_);
-      slot.state = State::kRead;
-    }
-    changed_.notify_all();
-    lock.lock();
+  } while (!stops_ && read_next(files, lock));
+}
+
+/// Reads the next mesh that nobody has begun to read, with the lock open. False: there is none.
+bool MeshesAhead::read_next(const FileAccess& files, std::unique_lock<std::mutex>& lock) {
+  next_ = std::find_if(next_, slots_.end(), [](const Slot& slot) { return slot.state == State::kWaiting; });
+  if (next_ == slots_.end()) return false;
+  Slot& slot = *next_;
+  slot.state = State::kReading;
+  lock.unlock();
+  std::unique_ptr<SourceFile> file;
+  std::optional<Expected<MeshFile>> mesh;
+  try {
+    if (auto read = files.read(slot.request.file, kMaxMeshFileBytes)) file = std::move(*read);
+    if (file) mesh = parse(slot.request, *file);
+  } catch (const std::exception&) {
+    mesh.reset();  // no memory: whoever asks for the mesh finds out
   }
+  if (mesh) {
+    store(slot, *file, std::move(*mesh));
+  } else {
+    const std::lock_guard found(mutex_);
+    slot.state = State::kRead;
+  }
+  changed_.notify_all();
+  lock.lock();
+  return true;
 }
 
 void MeshesAhead::store(Slot& slot, const SourceFile& file, Expected<MeshFile> mesh) {
@@ -104,7 +111,9 @@ Expected<MeshFile> MeshesAhead::read(const MeshRequest& request, const SourceFil
     store(slot, file, std::move(mesh));
     lock.lock();
   }
-  changed_.wait(lock, [&] { return slot.state == State::kRead; });
+  // Another mesh is read while a helper reads this one.
+  while (slot.state != State::kRead)
+    if (held_bytes_ > most_bytes_ || !read_next(files_, lock)) changed_.wait(lock);
   if (!slot.mesh || slot.text != digest_of(file.text)) {
     lock.unlock();
     return parse(request, file);

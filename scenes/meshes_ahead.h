@@ -60,13 +60,16 @@ class MeshesAhead {
 
   static Key key_of(const MeshRequest& request);
   void help(const FileAccess& files);
+  bool read_next(const FileAccess& files, std::unique_lock<std::mutex>& lock);
   void store(Slot& slot, const SourceFile& file, Expected<MeshFile> mesh);
 
   const std::size_t most_bytes_;
+  const FileAccess files_;  ///< the caller's
   std::list<Slot> slots_;
   std::map<Key, Slot*> by_key_;
   std::mutex mutex_;  ///< guards the slots' contents and all below
   std::condition_variable changed_;
+  std::list<Slot>::iterator next_;  ///< the slots before it have been taken
   std::size_t held_bytes_ = 0;
   bool stops_ = false;
   std::vector<std::thread> helpers_;

@@ -1,6 +1,8 @@
 #include "scenes/bsdfs/material_tables.h"
 
-#include <future>
+#include <algorithm>
+
+#include "kernels/host/parallel.h"
 
 namespace penumbra {
 
@@ -8,19 +10,22 @@ int MaterialTables::boundary(RoughBoundary boundary, int rows) {
   if (rows > 1) boundary.alpha = 0;
   const auto [at, added] = boundaries_.try_emplace({boundary, rows}, int(curves_.size()));
   if (!added) return at->second;
-  std::vector<std::future<std::vector<double>>> computed;
   for (int row = 0; row < rows; ++row) {
     if (rows > 1) boundary.alpha = row_alpha(row, rows);
-    computed.push_back(std::async([boundary] {
-      const auto through = boundary.transmittance();
-      std::vector<double> values(through.begin(), through.end());
-      values.push_back(boundary.internal_reflectance());
-      return values;
-    }));
+    missing_.emplace_back(boundary, curves_.size());
+    curves_.resize(curves_.size() + CURVE_KNOTS + 1);
   }
-  for (auto& values : computed)
-    for (const double value : values.get()) curves_.push_back(float(value));
   return at->second;
+}
+
+void MaterialTables::compute() {
+  in_parallel(missing_.size(), core_count(), [&](std::size_t i) {
+    const auto& [boundary, at] = missing_[i];
+    const auto through = boundary.transmittance();
+    std::ranges::transform(through, &curves_[at], [](double value) { return float(value); });
+    curves_[at + CURVE_KNOTS] = float(boundary.internal_reflectance());
+  });
+  missing_.clear();
 }
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <utility>
 #include <vector>
@@ -18,9 +19,11 @@ class MaterialTables {
   explicit MaterialTables(std::vector<float>& curves) : curves_(curves) {}
 
   /// The index in the table at which the curves of the boundary begin. With `rows` > 1 there are curves for
-  /// that many values of roughness, instead of one for the boundary's own. Equal boundaries are computed and
-  /// stored once.
+  /// that many values of roughness, instead of one for the boundary's own. Equal boundaries are stored once.
   int boundary(RoughBoundary boundary, int rows);
+
+  /// Computes the curves, on all cores. Call it after the last boundary.
+  void compute();
 
   /// The roughness of row number `row`, the inverse of curve_rows().
   static double row_alpha(int row, int rows) {
@@ -31,6 +34,7 @@ class MaterialTables {
  private:
   std::vector<float>& curves_;
   std::map<std::pair<RoughBoundary, int>, int> boundaries_;
+  std::vector<std::pair<RoughBoundary, std::size_t>> missing_;  ///< curves that are not computed, and where
 };
 
 }  // namespace penumbra

@@ -180,6 +180,7 @@ class Builder {
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);
     }
+    tables.compute();
     if (textures || h_.textured != 0u) add_textures(of_lights);
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (!media_->empty()) {

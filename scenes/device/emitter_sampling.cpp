@@ -12,7 +12,7 @@ namespace {
 
 // A light of more parts has small parts, which gain nothing from solid-angle sampling and take long to
 // evaluate.
-constexpr std::size_t kMaxParts = 1024;
+constexpr std::size_t kMaxParts = 64;
 constexpr int kNodes = 6;  // quadrature nodes along each axis of a part
 constexpr double kOtherVariance = 0.2;
 constexpr double kDirectCost = 0.02, kPathCost = 0.17;

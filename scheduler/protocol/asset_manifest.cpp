@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
-#include <thread>
 
 #include "kernels/host/device_scene_tables.h"
+#include "kernels/host/parallel.h"
 #include "scheduler/protocol/content_hash.h"
 
 namespace penumbra {
@@ -23,16 +22,9 @@ void cut(Bytes bytes, std::vector<Bytes>& parts) {
 /// Hashes with one thread for each two of the largest pieces. SHA-256 takes a second for one or two GB.
 std::vector<AssetPiece> hashed(const std::vector<Bytes>& parts, std::size_t bytes) {
   std::vector<AssetPiece> pieces(parts.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < parts.size(); i = next++)
-      pieces[i] = {content_hash(parts[i]), parts[i].size()};
-  };
-  std::vector<std::jthread> others;
-  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  for (std::size_t i = 1; i < std::min(cores, bytes / (2 * kLargestPiece)); ++i) others.emplace_back(work);
-  work();
-  others.clear();
+  in_parallel(parts.size(), std::min(core_count(), bytes / (2 * kLargestPiece)), [&](std::size_t i) {
+    pieces[i] = {content_hash(parts[i]), parts[i].size()};
+  });
   return pieces;
 }
 

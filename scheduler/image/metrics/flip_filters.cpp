@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <thread>
+
+#include "kernels/host/parallel.h"
 
 namespace penumbra {
 namespace {
@@ -76,13 +77,9 @@ void add_tap(const Kernel& kernel, std::size_t tap, const float* shifted, const 
 }  // namespace
 
 void for_bands(int height, const std::function<void(int y0, int y1)>& body) {
-  const int threads =
-      std::clamp(std::min(int(std::thread::hardware_concurrency()), height / kFewRows), 1, kMostThreads);
-  std::vector<std::jthread> others;
-  for (int i = 1; i < threads; ++i) {
-    others.emplace_back([&, i] { body(height * i / threads, height * (i + 1) / threads); });
-  }
-  body(0, height / threads);
+  const int bands = std::clamp(height / kFewRows, 1, std::min(int(core_count()), kMostThreads));
+  in_parallel(std::size_t(bands), std::size_t(bands),
+              [&](std::size_t i) { body(height * int(i) / bands, height * int(i + 1) / bands); });
 }
 
 Plane convolve(const Plane& source, const Kernel& across, const Kernel& down) {

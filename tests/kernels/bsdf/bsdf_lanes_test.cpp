@@ -25,6 +25,7 @@ SceneTables all_materials() {
   MaterialTables shared(tables.curves);
   for (const int distribution : {DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX})
     tables.materials.push_back(material_of(RoughPlasticBsdf{.distribution = distribution}, shared));
+  shared.compute();
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));
   tables.materials.push_back(material_of(BlinnPhongBsdf{}));

@@ -44,6 +44,7 @@ class Lobe {
       tables_.materials.push_back(material_of(bsdf, shared));
     else
       tables_.materials.push_back(material_of(bsdf));
+    shared.compute();
     closure_ = closure_of(tables_.materials[0]);
     scene_ = tables_.scene();
   }
