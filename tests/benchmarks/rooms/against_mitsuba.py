@@ -29,7 +29,7 @@ except ImportError as missing:
 BATCHES = 4  # of a converged image
 
 
-def serve(file):
+def serve(file, core):
     """Mitsuba in a process of its own: answers lines "SPP SEED FILE" with seconds; first, with those of the start-up."""
     import drjit as dr
     answers = os.fdopen(os.dup(1), "w", buffering=1)
@@ -38,7 +38,10 @@ def serve(file):
     mi.set_log_level(mi.LogLevel.Error)
     dr.eval(mi.Float(1) + 1)
     start = time.perf_counter()
-    scene = mi.load_file(file)
+    scene = mi.load_file(file)  # on all cores: on one, it can wait for itself
+    for thread in os.listdir("/proc/self/task"):
+        os.sched_setaffinity(int(thread), {core})
+    dr.set_thread_count(1)
 
     def render(spp, seed, out):
         before = time.perf_counter()
@@ -61,7 +64,7 @@ class Mitsuba:
 
     def __init__(self, file, work, core):
         self.out = os.path.join(work, "mitsuba.npy")
-        self.process = subprocess.Popen(["taskset", "-c", core, sys.executable, __file__, "--serve", file],
+        self.process = subprocess.Popen([sys.executable, __file__, "--serve", file, core],
                                         stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE,
                                         text=True)
@@ -229,7 +232,7 @@ def measure(file, a):
 
 def main():
     if sys.argv[1:2] == ["--serve"]:
-        return serve(sys.argv[2])
+        return serve(sys.argv[2], int(sys.argv[3]))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", metavar="SCENE.xml")
     parser.add_argument("--penumbra",
