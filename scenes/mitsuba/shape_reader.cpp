@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <thread>
 
+#include "kernels/host/parallel.h"
 #include "scenes/heightfield.h"
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
@@ -345,7 +344,7 @@ ShapeReader::ShapeReader(const Context& context, const FileAccess& files, Materi
       files_(files),
       materials_(materials),
       scene_(scene),
-      meshes_(meshes_named(), files, std::max(1u, std::thread::hardware_concurrency()) - 1) {}
+      meshes_(meshes_named(), files, unsigned(core_count()) - 1) {}
 
 /// The meshes that the shapes of all files name, by a guess at their parameters.
 std::vector<MeshRequest> ShapeReader::meshes_named() const {

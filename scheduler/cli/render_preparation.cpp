@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <thread>
 #include <utility>
 
 #include "kernels/host/console.h"
+#include "kernels/host/parallel.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/device/scene_inventory.h"
 #include "scheduler/cli/film_scale.h"
@@ -54,7 +54,7 @@ Expected<DeviceOptions> device_options(const RenderOptions& options, const Devic
   if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
     return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
   }
-  const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+  const int cores = int(core_count());
   device.threads = options.threads > 0 ? options.threads : std::max(1, cores / options.workers);
   return device;
 }

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
+#include "kernels/host/parallel.h"
 #include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
@@ -66,7 +66,7 @@ ReportData begin_report(const ReportOptions& options, const std::vector<ScenePla
   report.host = host_name();
   report.started = utc_now();
   report.command_line = command_line;
-  report.cores = std::max(1u, std::thread::hardware_concurrency());
+  report.cores = unsigned(core_count());
   report.workers = options.render.workers;
   report.threads = plans.front().curves.front().cells.front().front().settings.at("threads");
   report.repeats = options.repeats;

@@ -1,16 +1,13 @@
 #include "scheduler/denoise/denoise_device.h"
 
-#include <algorithm>
-#include <thread>
-
+#include "kernels/host/parallel.h"
 #include "scheduler/denoise/denoise_devices.h"
 #include "worker/native_device.h"
 
 namespace penumbra {
 
 Expected<std::unique_ptr<DenoiseDevice>> make_denoise_device(const DeviceOptions& options) {
-  const int threads =
-      options.threads > 0 ? options.threads : std::max(1, int(std::thread::hardware_concurrency()));
+  const int threads = options.threads > 0 ? options.threads : int(core_count());
   if (options.backend != Backend::kOpenCl) return native_denoise_device(kernel_target(options.isa), threads);
   const Expected<OpenClDeviceInfo> info = find_opencl_device(options.opencl_device);
   if (!info) return std::unexpected(info.error());

@@ -22,8 +22,8 @@
 #include <csetjmp>
 #include <cstring>
 #include <exception>
-#include <thread>
 
+#include "kernels/host/parallel.h"
 #include "scheduler/image/picture.h"
 
 // Uses OpenEXR and libpng directly instead of OpenImageIO, which reads images; image_reader.h tells what that
@@ -162,7 +162,7 @@ Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding
 /// The number of OpenEXR's threads, which are started once per process.
 int compression_threads() {
   static const int threads = [] {
-    const int count = int(std::max(1u, std::thread::hardware_concurrency()));
+    const int count = int(core_count());
     Imf::setGlobalThreadCount(count);
     return count;
   }();

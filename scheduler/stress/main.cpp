@@ -7,9 +7,9 @@
 #include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "kernels/host/console.h"
+#include "kernels/host/parallel.h"
 #include "kernels/host/process.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
@@ -32,7 +32,7 @@ namespace {
 struct Options {
   std::vector<std::string> cases;
   std::string json, html, backend = "both", opencl_device;
-  int threads = std::max(1, int(std::thread::hardware_concurrency()));
+  int threads = int(core_count());
   bool list = false;
 };
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <thread>
 
 #include "kernels/host/bounds.h"
+#include "kernels/host/parallel.h"
 #include "kernels/math/math.h"
 #include "scenes/device/hierarchy/embree_builder.h"
 #include "scenes/device/hierarchy/tree_collapse.h"
@@ -252,7 +252,7 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
                                     std::span<const PrimitiveGroup> groups,
                                     std::span<const Instance> instances, int threads) {
-  const unsigned wanted = threads > 0 ? unsigned(threads) : std::max(1u, std::thread::hardware_concurrency());
+  const unsigned wanted = unsigned(threads > 0 ? std::size_t(threads) : core_count());
   const Expected<EmbreeBuilder> builder = EmbreeBuilder::start(wanted);
   if (!builder) return std::unexpected(builder.error());
   Hierarchy hierarchy;

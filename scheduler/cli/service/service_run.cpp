@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/host/console.h"
+#include "kernels/host/parallel.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
@@ -324,8 +325,7 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   for (const std::string& problem : problems) print_warning(problem);
   ServiceOptions with_threads = options;
   if (options.threads == 0)
-    with_threads.threads =
-        std::max(1, int(std::thread::hardware_concurrency()) / std::max(1, options.workers));
+    with_threads.threads = std::max(1, int(core_count()) / std::max(1, options.workers));
   return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop)
       .run(worker->string(), *keys, *page);
 }
