@@ -9,12 +9,9 @@ function(penumbra_start_fast program)
 endfunction()
 include(${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
 
-add_library(penumbra_cache_folder STATIC cache_folder.cpp)
-target_link_libraries(penumbra_cache_folder PUBLIC penumbra_kernels_host PRIVATE fmt::fmt)
-
-add_library(penumbra_devices STATIC device.cpp native_device.cpp photon_maps.cpp search_choice.cpp embree_tracer.cpp opencl_cache.cpp opencl_device.cpp
+add_library(penumbra_devices STATIC device.cpp native_device.cpp photon_maps.cpp search_choice.cpp embree_tracer.cpp opencl_device.cpp
                                     opencl_devices.cpp opencl_memory.cpp opencl_program.cpp opencl_session.cpp
                                     non_finite_source.cpp ${PENUMBRA_EMBEDDED_KERNELS})
-target_link_libraries(penumbra_devices PUBLIC penumbra_kernels_host penumbra_cache_folder PRIVATE penumbra_native_kernels embree
-                                       OpenCL::OpenCL Threads::Threads fmt::fmt PkgConfig::XXHASH)
+target_link_libraries(penumbra_devices PUBLIC penumbra_kernels_host penumbra_cache PRIVATE penumbra_native_kernels embree
+                                       OpenCL::OpenCL Threads::Threads fmt::fmt)
 target_compile_definitions(penumbra_devices PRIVATE CL_TARGET_OPENCL_VERSION=120)

@@ -127,7 +127,7 @@ class OpenClDevice final : public Device {
     // Allows twice as many paths at once as with all registers that the compiler would use.
     if (info().limits_registers) source.options += " -cl-nv-maxrregcount=128";
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
-    const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
+    const CheckedCache cache = kernel_cache(tuning.kernel_cache.value_or(default_kernel_cache()));
     KernelOrigin origin;
     const auto begin = Clock::now();
     program_ = cached_program(session_.context(), info(), source, cache, origin.note);

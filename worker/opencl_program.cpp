@@ -10,6 +10,8 @@ namespace penumbra {
 
 namespace {
 
+constexpr std::size_t kMostKernels = 64;  // of about 100 kB each
+
 /// An OpenCL source, assembled from embedded files.
 class SourceText {
  public:
@@ -107,19 +109,25 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
   return compile_opencl(context, device, opencl_source(device, file, files, needs, lanes));
 }
 
+std::filesystem::path default_kernel_cache() { return cache_folder("PENUMBRA_KERNEL_CACHE", "kernels"); }
+
+CheckedCache kernel_cache(std::filesystem::path folder) {
+  return {std::move(folder), ".clbin", {.most_files = kMostKernels}};
+}
+
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source) {
   const std::string parts[] = {source.text, source.options, device.compiler_identity};
-  return KernelCache::key_of(parts);
+  return CheckedCache::key_of(parts);
 }
 
 ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, const OpenClSource& source,
-                         const KernelCache& cache, std::string& note) {
+                         const CheckedCache& cache, std::string& note) {
   const std::string key = kernel_cache_key(device, source);
-  KernelCache::Found found = cache.find(key);
+  const CheckedCache::Found found = cache.find(key);
   note = found.note;
-  if (!found.binary) return {};
-  const std::size_t size = found.binary->size();
-  const unsigned char* data = found.binary->data();
+  if (!found.bytes) return {};
+  const std::size_t size = found.bytes->size();
+  const unsigned char* data = found.bytes->data();
   cl_int status = CL_SUCCESS, accepted = CL_SUCCESS;
   ClProgram program(clCreateProgramWithBinary(context, 1, &device.id, &size, &data, &accepted, &status));
   if (status == CL_SUCCESS) status = accepted;
@@ -133,7 +141,7 @@ ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, con
 }
 
 Expected<void> keep_program(cl_program program, const OpenClDeviceInfo& device, const OpenClSource& source,
-                            const KernelCache& cache) {
+                            const CheckedCache& cache) {
   if (!cache.enabled()) return {};
   std::size_t size = 0;
   cl_int status = clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr);

@@ -4,16 +4,17 @@
 #include <CL/cl.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
+#include "kernels/host/checked_cache.h"
 #include "kernels/host/error.h"
 #include "kernels/host/kernel_needs.h"
 #include "worker/embedded_kernels.h"
-#include "worker/opencl_cache.h"
 #include "worker/opencl_devices.h"
 
 namespace penumbra {
@@ -48,17 +49,23 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
                                    std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
+/// The folder of compiled kernels: PENUMBRA_KERNEL_CACHE (off: none), else penumbra/kernels in the user's
+/// cache.
+std::filesystem::path default_kernel_cache();
+/// A cache of compiled kernels, so that they are compiled once for each device and not at every start.
+CheckedCache kernel_cache(std::filesystem::path folder);
+
 /// The cache key of compiled source: text, options, device, driver and their versions.
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source);
 
 /// A program from the cache. Null if there is none, or if the device rejects it; then it is removed, and
 /// `note` says so.
 ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, const OpenClSource& source,
-                         const KernelCache& cache, std::string& note);
+                         const CheckedCache& cache, std::string& note);
 
 /// Stores a program's binary. Drivers may finish compiling at the first launch only, so call it after that.
 Expected<void> keep_program(cl_program program, const OpenClDeviceInfo& device, const OpenClSource& source,
-                            const KernelCache& cache);
+                            const CheckedCache& cache);
 
 /// The name of an error code, such as "CL_OUT_OF_RESOURCES".
 std::string opencl_error_text(cl_int code);

@@ -12,9 +12,10 @@ namespace penumbra {
 namespace fs = std::filesystem;
 
 fs::path default_piece_cache(const std::string& scheduler_address) {
-  if (const char* wanted = std::getenv("PENUMBRA_CACHE"); wanted && *wanted)
-    return std::string_view(wanted) == "off" ? fs::path() : fs::path(wanted);
-  return scheduler_address.starts_with("unix:") ? fs::path() : user_cache("scenes");
+  const bool is_near = scheduler_address.starts_with("unix:");
+  const char* chosen = std::getenv("PENUMBRA_CACHE");
+  return is_near && (chosen == nullptr || *chosen == '\0') ? fs::path()
+                                                           : cache_folder("PENUMBRA_CACHE", "scenes");
 }
 
 PieceCache::PieceCache(fs::path folder, std::uint64_t most_bytes)

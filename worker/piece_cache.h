@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/host/cache_folder.h"
 #include "scheduler/protocol/scene_fetch.h"
-#include "worker/cache_folder.h"
 
 namespace penumbra {
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -32,6 +33,10 @@ inline std::filesystem::path user_folder(const char* variable, std::string_view 
 /// Peak resident memory of this process in bytes; 0 if unknown. (ru_maxrss of getrusage does not work: it
 /// includes what the process had between fork and exec, which is all of its parent's memory.)
 std::uint64_t peak_memory_bytes();
+
+/// The linker's identifications (build IDs) of this program and of its loaded libraries whose file names
+/// begin so. Other code has another one. Empty for a program that was linked without.
+std::string build_ids(std::initializer_list<std::string_view> libraries);
 
 /// The current time, as "2024-06-11T17:03:00Z".
 std::string utc_now();

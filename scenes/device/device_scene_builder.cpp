@@ -113,7 +113,7 @@ class Builder {
       records_.ltc_cells = ltc_table();
     }
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
-    if (Expected<void> done = add_intersector(options_.intersector, h_, records_); !done)
+    if (Expected<void> done = add_intersector(options_.intersector, hierarchies_, h_, records_); !done)
       return std::unexpected(done.error());
     records_.primitive_boundaries.insert(records_.primitive_boundaries.end(), quadric_boundaries_.begin(),
                                          quadric_boundaries_.end());
@@ -538,7 +538,7 @@ class Builder {
 
   /// Adds everything that is found by tracing rays through the scene, which is complete otherwise.
   Expected<void> trace_pilot_rays() {
-    TemporaryHierarchy hierarchy(records_);
+    TemporaryHierarchy hierarchy(hierarchies_, records_);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done =
               add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_, hierarchy);
@@ -568,6 +568,7 @@ class Builder {
 
   const SceneDescription& scene_;
   const DeviceSceneOptions& options_;
+  const HierarchyCache hierarchies_{options_.hierarchy_cache};
   DeviceScene out_;
   SceneHeader& h_ = out_.header;
   glm::dvec3 center_{0};

@@ -1,6 +1,7 @@
 // Builds the device scene: the flat arrays that the kernels read.
 #pragma once
 
+#include <filesystem>
 #include <glm/vec3.hpp>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@ struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;  ///< render albedo, normal and depth layers beside the radiance
   bool surface_uv = false;  ///< keep texture coordinates and tangents of all surfaces, even without textures
+  std::filesystem::path hierarchy_cache = {};  ///< see HierarchyCache; empty: none
   MatteNames* mattes = nullptr;  ///< if not null, receives the mattes, and the kernels count them
 };
 

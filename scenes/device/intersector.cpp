@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "kernels/intersect/bvh_limits.h"
-#include "scenes/device/hierarchy/bvh_builder.h"
 
 namespace penumbra {
 namespace {
@@ -42,14 +41,15 @@ int intersector_for(std::size_t triangles) {
   return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;
 }
 
-Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records) {
+Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& cache, SceneHeader& header,
+                               SceneRecords& records) {
   const bool either = collect_corners(records);
   header.intersector = choice == IntersectorChoice::kAuto     ? intersector_for(records.triangles.size())
                        : choice == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                               : INTERSECTOR_PORTABLE;
   const bool portable = header.intersector == INTERSECTOR_PORTABLE;
   if (portable && !(either && records.triangles.size() <= kMaxWholeTriangles)) {
-    if (Expected<void> done = add_hierarchy(records); !done) return done;
+    if (Expected<void> done = add_hierarchy(cache, records); !done) return done;
     header.features |= FEATURE_BVH;
   }
   if (!portable || !either) {
@@ -59,12 +59,12 @@ Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, Sc
   return {};
 }
 
-Expected<void> add_hierarchy(SceneRecords& records) {
+Expected<void> add_hierarchy(const HierarchyCache& cache, SceneRecords& records) {
   const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
   const std::span<const PrimitiveGroup> groups =
       records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups);
   Expected<Hierarchy> hierarchy =
-      build_hierarchy(records.triangles, records.quadrics, groups, records.instances);
+      cache.find_or_build(records.triangles, records.quadrics, groups, records.instances);
   if (!hierarchy) return std::unexpected(hierarchy.error());
   for (std::size_t g = 0; g < records.groups.size(); ++g) records.groups[g].root = hierarchy->roots[g];
   records.nodes = std::move(hierarchy->nodes);
@@ -76,7 +76,7 @@ Expected<void> add_hierarchy(SceneRecords& records) {
 Expected<void> TemporaryHierarchy::need() {
   if (!records_.nodes.empty()) return {};
   borrowed_ = true;
-  return add_hierarchy(records_);
+  return add_hierarchy(cache_, records_);
 }
 
 TemporaryHierarchy::~TemporaryHierarchy() {

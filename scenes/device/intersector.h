@@ -5,6 +5,7 @@
 
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
+#include "scenes/device/hierarchy/hierarchy_cache.h"
 #include "scenes/device/scene_records.h"
 
 namespace penumbra {
@@ -18,17 +19,19 @@ int intersector_for(std::size_t triangles);
 /// Sets the header's intersector and builds what it needs: a hierarchy, or the distinct vertices of a scene
 /// small enough to test every primitive. Triangles, quadrics and instances must be complete. Errors: those of
 /// building the hierarchy.
-Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records);
+Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& cache, SceneHeader& header,
+                               SceneRecords& records);
 
-/// Builds the portable intersector's hierarchy over the primitives and instances of the records, of which
-/// there must be at least one, and the roots of their groups. Errors: those of build_hierarchy.
-Expected<void> add_hierarchy(SceneRecords& records);
+/// Builds the portable intersector's hierarchy, or finds it in the cache, over the primitives and instances
+/// of the records, of which there must be at least one, and the roots of their groups. Errors: those of
+/// build_hierarchy.
+Expected<void> add_hierarchy(const HierarchyCache& cache, SceneRecords& records);
 
 /// The portable intersector's hierarchy for steps of the scene's construction that trace rays. It is built on
 /// the first call of need(), and removed in the destructor unless rendering uses it.
 class TemporaryHierarchy {
  public:
-  explicit TemporaryHierarchy(SceneRecords& records) : records_(records) {}
+  TemporaryHierarchy(const HierarchyCache& cache, SceneRecords& records) : cache_(cache), records_(records) {}
   TemporaryHierarchy(const TemporaryHierarchy&) = delete;
   TemporaryHierarchy& operator=(const TemporaryHierarchy&) = delete;
   ~TemporaryHierarchy();
@@ -37,6 +40,7 @@ class TemporaryHierarchy {
   Expected<void> need();
 
  private:
+  const HierarchyCache& cache_;
   SceneRecords& records_;
   bool borrowed_ = false;
 };

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "kernels/host/process.h"
+#include "scenes/device/hierarchy/hierarchy_cache.h"
 #include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
 #include "scenes/names.h"
@@ -112,6 +113,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
+  device_options.hierarchy_cache = default_hierarchy_cache();
   MatteNames mattes;
   if (options.cryptomatte) device_options.mattes = &mattes;
   auto device = build_device_scene(*description, device_options);

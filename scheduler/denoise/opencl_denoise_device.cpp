@@ -2,7 +2,6 @@
 
 #include "kernels/denoise/denoise.h"
 #include "scheduler/denoise/denoise_devices.h"
-#include "worker/opencl_cache.h"
 #include "worker/opencl_session.h"
 
 namespace penumbra {
@@ -21,7 +20,7 @@ class OpenClDenoiseDevice final : public DenoiseDevice {
     const OpenClDeviceInfo& info = session_.info();
     const OpenClSource source =
         opencl_source(info, "kernels/denoise.cl", {}, {}, info.is_cpu ? kCpuLanes : 1);
-    const KernelCache cache(default_kernel_cache());
+    const CheckedCache cache = kernel_cache(default_kernel_cache());
     std::string note;
     program_ = cached_program(session_.context(), info, source, cache, note);
     const bool is_new = !program_;

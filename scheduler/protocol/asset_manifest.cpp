@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "kernels/host/content_hash.h"
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/parallel.h"
-#include "scheduler/protocol/content_hash.h"
 
 namespace penumbra {
 namespace {

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <memory>
 
+#include "kernels/host/content_hash.h"
 #include "scheduler/protocol/client.h"
-#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {

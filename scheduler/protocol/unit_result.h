@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "kernels/host/content_hash.h"
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "penumbra.pb.h"
-#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {

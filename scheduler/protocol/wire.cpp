@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "scheduler/protocol/content_hash.h"
+#include "kernels/host/content_hash.h"
 #include "scheduler/protocol/text.h"
 
 namespace penumbra {

@@ -115,7 +115,7 @@ class OpenClDevices : public testing::Test {
   const DeviceScene scene_ = build_or_throw(diffuse_box());
   const SampleBuffer expected_ = render(scene_, native_options(), whole_film(scene_));
   const TemporaryFolder folder_;
-  const KernelCache cache_{folder_.path()};
+  const CheckedCache cache_ = kernel_cache(folder_.path());
 
   DevicePreparation prepare_and_check(DeviceOptions options, std::string* compiled = nullptr) {
     if (compiled != nullptr) options.on_compile = [compiled](const std::string& name) { *compiled += name; };
@@ -173,8 +173,8 @@ TEST_F(OpenClDevices, CompileAnewWhatTheDeviceRefusesOrTheDiskDamaged) {
   DevicePreparation prepared = prepare_and_check(options);
   EXPECT_FALSE(prepared.kernels->cached);
   EXPECT_THAT(prepared.kernels->note, HasSubstr("removed"));
-  ASSERT_TRUE(cache_.find(key).binary) << "another key than the device's";
-  EXPECT_NE(cache_.find(key).binary, nonsense);
+  ASSERT_TRUE(cache_.find(key).bytes) << "another key than the device's";
+  EXPECT_NE(cache_.find(key).bytes, nonsense);
 
   std::string damaged = file_contents(cache_.file_of(key));
   damaged[damaged.size() / 2] ^= 1;

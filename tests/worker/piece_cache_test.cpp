@@ -13,7 +13,7 @@
 #include <fstream>
 #include <random>
 
-#include "scheduler/protocol/content_hash.h"
+#include "kernels/host/content_hash.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

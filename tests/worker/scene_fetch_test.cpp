@@ -8,11 +8,11 @@
 #include <set>
 #include <thread>
 
+#include "kernels/host/content_hash.h"
 #include "kernels/host/device_scene_tables.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"
-#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/temporary_folder.h"

@@ -45,8 +45,7 @@ struct Part {
   const TreeNode* root = nullptr;  ///< null: no tree
   Box box;
   LeafKind kind = kTriangleLeaf;
-  std::span<const Triangle> triangles;  ///< for leaves of triangles
-  int first = 0;                        ///< index of the first primitive
+  int first = 0;  ///< index of the first primitive
 };
 
 struct NodeCount {
@@ -71,7 +70,8 @@ void reserve_more(std::vector<Record>& records, std::size_t more) {
 
 class Flattener {
  public:
-  explicit Flattener(Hierarchy& out) : out_(out) {}
+  /// `triangles`: all of the scene.
+  Flattener(Hierarchy& out, std::span<const Triangle> triangles) : out_(out), triangles_(triangles) {}
 
   /// Appends a tree over the parts that have a root, of which there must be one. Returns its root.
   int flatten(std::span<const Part> parts) {
@@ -148,21 +148,10 @@ class Flattener {
   }
 
   int emit_triangles(const WideLeaf& node, const Part& part) {
-    TriangleLeaf leaf{};
-    for (int j = 0; j < BVH_WIDTH; ++j) {
-      leaf.primitive[j] = -1;
-      if (j >= node.primitive_count) continue;
-      const int index = node.primitives[j];
-      leaf.primitive[j] = part.first + index;
-      const Triangle& t = part.triangles[std::size_t(index)];
-      const vec3 p[3] = {t.p0, t.p1, t.p2};
-      for (int v = 0; v < 3; ++v) {
-        leaf.p[v][0][j] = p[v].x;
-        leaf.p[v][1][j] = p[v].y;
-        leaf.p[v][2][j] = p[v].z;
-      }
-    }
-    out_.triangle_leaves.push_back(leaf);
+    int primitives[BVH_WIDTH];
+    for (int j = 0; j < BVH_WIDTH; ++j)
+      primitives[j] = j < node.primitive_count ? part.first + node.primitives[j] : -1;
+    out_.triangle_leaves.push_back(triangle_leaf(primitives, triangles_));
     return leaf_code(kTriangleLeaf, out_.triangle_leaves.size() - 1);
   }
 
@@ -175,6 +164,7 @@ class Flattener {
   }
 
   Hierarchy& out_;
+  const std::span<const Triangle> triangles_;
 };
 
 template <typename Primitive>
@@ -244,6 +234,22 @@ std::vector<Box> instance_bounds(std::span<const Instance> instances, std::span<
 
 }  // namespace
 
+TriangleLeaf triangle_leaf(std::span<const int, BVH_WIDTH> primitives, std::span<const Triangle> triangles) {
+  TriangleLeaf leaf{};
+  for (int j = 0; j < BVH_WIDTH; ++j) {
+    leaf.primitive[j] = primitives[std::size_t(j)];
+    if (leaf.primitive[j] < 0) continue;
+    const Triangle& t = triangles[std::size_t(leaf.primitive[j])];
+    const vec3 p[3] = {t.p0, t.p1, t.p2};
+    for (int v = 0; v < 3; ++v) {
+      leaf.p[v][0][j] = p[v].x;
+      leaf.p[v][1][j] = p[v].y;
+      leaf.p[v][2][j] = p[v].z;
+    }
+  }
+  return leaf;
+}
+
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics) {
   const PrimitiveGroup all{0, 0, int(triangles.size()), 0, int(quadrics.size())};
   return build_hierarchy(triangles, quadrics, std::span(&all, 1), {});
@@ -256,7 +262,7 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
   const Expected<EmbreeBuilder> builder = EmbreeBuilder::start(wanted);
   if (!builder) return std::unexpected(builder.error());
   Hierarchy hierarchy;
-  Flattener flattener(hierarchy);
+  Flattener flattener(hierarchy, triangles);
   hierarchy.roots.resize(groups.size());
   std::vector<Box> group_boxes(groups.size());
   std::vector<Box> placed;
@@ -265,20 +271,20 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
     WideTree trees[kLeafKinds];
     Part parts[kLeafKinds];
     for (int kind = 0; kind < kLeafKinds; ++kind) parts[kind].kind = LeafKind(kind);
-    parts[kTriangleLeaf].triangles =
+    const auto its_triangles =
         triangles.subspan(std::size_t(group.first_triangle), std::size_t(group.triangle_count));
     parts[kTriangleLeaf].first = group.first_triangle;
     parts[kQuadricLeaf].first = int(triangles.size()) + group.first_quadric;
     const auto its_quadrics =
         quadrics.subspan(std::size_t(group.first_quadric), std::size_t(group.quadric_count));
-    std::vector<Box> boxes[kLeafKinds] = {boxes_of(parts[kTriangleLeaf].triangles, hit_bounds),
+    std::vector<Box> boxes[kLeafKinds] = {boxes_of(its_triangles, hit_bounds),
                                           boxes_of(its_quadrics, bounds_of),
                                           g == 0 ? std::move(placed) : std::vector<Box>()};
     for (Part& part : parts) {
       std::vector<Box>& its_boxes = boxes[part.kind];
       if (its_boxes.empty()) continue;
       for (const Box& box : its_boxes) part.box.include(box);
-      Expected<WideTree> tree = part.kind == kTriangleLeaf  ? tree_over(part.triangles, its_boxes, *builder)
+      Expected<WideTree> tree = part.kind == kTriangleLeaf  ? tree_over(its_triangles, its_boxes, *builder)
                                 : part.kind == kQuadricLeaf ? builder->wide_tree(its_boxes, BVH_WIDTH)
                                                             : builder->wide_tree(its_boxes, 1);
       if (!tree) return std::unexpected(tree.error());

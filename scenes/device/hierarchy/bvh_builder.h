@@ -18,6 +18,9 @@ struct Hierarchy {
   std::vector<QuadricLeaf> quadric_leaves;
 };
 
+/// A leaf with the vertices of these of all triangles; -1: none.
+TriangleLeaf triangle_leaf(std::span<const int, BVH_WIDTH> primitives, std::span<const Triangle> triangles);
+
 /// Builds the hierarchy over all triangles and quadrics, of which there must be at least one. It uses
 /// Embree's builder with a fixed instruction set on all cores. The same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);

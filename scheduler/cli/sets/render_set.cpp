@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "kernels/host/console.h"
+#include "kernels/host/content_hash.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
@@ -28,7 +29,6 @@
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/files/atomic_file.h"
-#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/host/content_hash.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
-#include "scheduler/protocol/content_hash.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_samples.h"

@@ -1,6 +1,6 @@
 // Content hashes have the values of the SHA-256 standard, and tell contents apart for which anybody can make
 // XXH3 collide. Also tests the texts that users read when a call fails.
-#include "scheduler/protocol/content_hash.h"
+#include "kernels/host/content_hash.h"
 
 #include <gtest/gtest.h>
 #include <xxhash.h>

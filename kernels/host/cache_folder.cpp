@@ -1,4 +1,4 @@
-#include "worker/cache_folder.h"
+#include "kernels/host/cache_folder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -125,7 +125,9 @@ void CacheFolder::remove_oldest(std::uint64_t room) const {
   }
 }
 
-fs::path user_cache(std::string_view name) {
+fs::path cache_folder(const char* variable, std::string_view name) {
+  if (const char* wanted = std::getenv(variable); wanted && *wanted)
+    return std::string_view(wanted) == "off" ? fs::path() : fs::path(wanted);
   const fs::path folder = user_folder("XDG_CACHE_HOME", ".cache");
   return folder.empty() ? folder : folder / "penumbra" / name;
 }

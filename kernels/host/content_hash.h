@@ -35,6 +35,9 @@ class ContentHasher {
 /// SHA-256 of the concatenated parts.
 ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>> parts);
 
+/// A digest as 64 hexadecimal digits.
+std::string hex_text(const ContentDigest& digest);
+
 /// SHA-256 of the bytes as 64 hexadecimal digits.
 std::string content_hash(std::span<const std::uint8_t> bytes);
 

@@ -1,4 +1,4 @@
-#include "scheduler/protocol/content_hash.h"
+#include "kernels/host/content_hash.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
-
-#include "scheduler/keys/openssl_object.h"
 
 namespace penumbra {
 
@@ -22,11 +20,15 @@ void require(bool is_good) {
 }  // namespace
 
 struct ContentHasher::State {
-  std::unique_ptr<EVP_MD_CTX, Freed<EVP_MD_CTX_free>> context{EVP_MD_CTX_new()};
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() { EVP_MD_CTX_free(context); }
+  EVP_MD_CTX* const context = EVP_MD_CTX_new();
 };
 
 ContentHasher::ContentHasher() : state_(std::make_unique<State>()) {
-  require(state_->context && EVP_DigestInit_ex(state_->context.get(), EVP_sha256(), nullptr) == 1);
+  require(state_->context != nullptr && EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) == 1);
 }
 
 ContentHasher::~ContentHasher() = default;
@@ -34,12 +36,12 @@ ContentHasher::ContentHasher(ContentHasher&&) noexcept = default;
 ContentHasher& ContentHasher::operator=(ContentHasher&&) noexcept = default;
 
 void ContentHasher::add(std::span<const std::uint8_t> bytes) {
-  require(EVP_DigestUpdate(state_->context.get(), bytes.data(), bytes.size()) == 1);
+  require(EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) == 1);
 }
 
 ContentDigest ContentHasher::digest() {
   ContentDigest digest;
-  require(EVP_DigestFinal_ex(state_->context.get(), digest.data(), nullptr) == 1);
+  require(EVP_DigestFinal_ex(state_->context, digest.data(), nullptr) == 1);
   return digest;
 }
 
@@ -49,9 +51,9 @@ ContentDigest content_digest(std::initializer_list<std::span<const std::uint8_t>
   return hasher.digest();
 }
 
-std::string content_hash(std::span<const std::uint8_t> bytes) {
-  return fmt::format("{:02x}", fmt::join(content_digest({bytes}), ""));
-}
+std::string hex_text(const ContentDigest& digest) { return fmt::format("{:02x}", fmt::join(digest, "")); }
+
+std::string content_hash(std::span<const std::uint8_t> bytes) { return hex_text(content_digest({bytes})); }
 
 bool is_content_hash(std::string_view text) {
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };

@@ -70,8 +70,8 @@ class CacheFolder {
   CacheLimits limits_;
 };
 
-/// The folder penumbra/`name` below XDG_CACHE_HOME, else below ~/.cache; empty if neither XDG_CACHE_HOME nor
-/// HOME is set.
-std::filesystem::path user_cache(std::string_view name);
+/// The folder that the environment variable names, else penumbra/`name` below XDG_CACHE_HOME, else below
+/// ~/.cache. Empty (no cache) if the variable is "off", or if none of them is set.
+std::filesystem::path cache_folder(const char* variable, std::string_view name);
 
 }  // namespace penumbra
