@@ -122,7 +122,8 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--intersector", options.intersector,
                   "portable: the same bits on every machine; embree: faster in large scenes; auto: by the "
-                  "size of the scene")
+                  "size of the scene. Large hierarchies are cached in ~/.cache/penumbra/hierarchies, or in "
+                  "PENUMBRA_HIERARCHY_CACHE=FOLDER; off: not")
       ->type_name("NAME")
       ->check(CLI::IsMember({"auto", "portable", "embree"}))
       ->capture_default_str()

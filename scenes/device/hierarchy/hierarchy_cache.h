@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-/// Least recently used hierarchies beyond this are removed. A million triangles have some 25 MB.
+/// Least recently used hierarchies beyond this are removed. A million triangles have 15 to 30 MB.
 constexpr std::uint64_t kHierarchyCacheBytes = std::uint64_t(2) << 30;
 
 /// The folder: PENUMBRA_HIERARCHY_CACHE (off: none), else penumbra/hierarchies in the user's cache.
