@@ -123,7 +123,8 @@ Json grouped_json(const std::vector<std::pair<std::string, std::string>>& entrie
 double samples_per_second(const RenderOutcome& outcome) {
   std::uint64_t samples = 0;
   for (const WorkerShare& worker : outcome.workers) samples += worker.samples;
-  return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
+  const double seconds = outcome.seconds - outcome.seconds_to_ready;
+  return seconds > 0 ? double(samples) / seconds : 0.0;
 }
 
 /// The reason why the render ended.
@@ -196,6 +197,7 @@ Json statistics_json(const RenderStatistics& statistics) {
       {"film_hash", hash_text(outcome.film.hash())},
       {"seconds",
        {{"build", statistics.build_seconds},
+        {"transfer", outcome.seconds_to_ready},
         {"to_first_tile", outcome.seconds_to_first_tile},
         {"render", outcome.seconds},
         {"before", outcome.seconds_before},

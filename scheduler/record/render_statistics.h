@@ -42,7 +42,7 @@ void add_end(nlohmann::ordered_json& statistics, double write_seconds);
 /// A JSON object of these names and values. If a name occurs more than once, its values become an array.
 nlohmann::ordered_json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries);
 
-/// Samples per second of rendering, over all workers.
+/// Samples per second over all workers, from when the first of them has the scene.
 double samples_per_second(const RenderOutcome& outcome);
 
 }  // namespace penumbra

@@ -28,7 +28,8 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   outcome.problems = {"worker a:1 was lost"};
   outcome.units_done = 5;
   outcome.units_requeued = 1;
-  outcome.seconds = 2;
+  outcome.seconds = 2.5;
+  outcome.seconds_to_ready = 0.5;
   WorkerShare first, second;
   first.name = "a:1";
   first.samples = 300;
@@ -73,6 +74,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(json["samples"]["least_per_pixel"], 0);
   EXPECT_EQ(json["samples"]["most_per_pixel"], 4);
   EXPECT_EQ(json["samples"]["nan"]["count"], 1);
+  EXPECT_EQ(json["seconds"]["transfer"], 0.5);
   EXPECT_EQ(json["samples_per_second"], 200);
   EXPECT_EQ(json["workers"][0]["share"], 0.75);
   EXPECT_EQ(json["workers"][0]["ended"], "killed by signal 9");
