@@ -64,8 +64,21 @@ bool take(Bytes& bytes, std::uint64_t count, std::vector<Record>& records) {
   return true;
 }
 
-/// Nothing if the file does not fit the primitives. What else it says is checked with the whole scene.
-std::optional<Hierarchy> decoded(Bytes bytes, std::span<const Triangle> triangles, std::size_t groups) {
+/// Whether nodes name leaves that are there, or nodes after them, so that a ray's search ends.
+bool is_sound(const Hierarchy& hierarchy, std::size_t leaves, std::size_t primitives) {
+  const int nodes = int(hierarchy.nodes.size());
+  for (int i = 0; i < nodes; ++i)
+    for (const int child : hierarchy.nodes[std::size_t(i)].child)
+      if (child < 0 ? std::size_t(~child) >= leaves : child <= i || child >= nodes) return false;
+  return std::ranges::all_of(hierarchy.roots, [&](int root) { return root >= 0 && root < nodes; }) &&
+         std::ranges::all_of(hierarchy.quadric_leaves, [&](const QuadricLeaf& leaf) {
+           return std::ranges::all_of(leaf.primitive, [&](int i) { return i < int(primitives); });
+         });
+}
+
+/// Nothing if the file does not fit the primitives.
+std::optional<Hierarchy> decoded(Bytes bytes, std::span<const Triangle> triangles, std::size_t quadrics,
+                                 std::size_t groups, std::size_t instances) {
   std::vector<Counts> counts;
   std::vector<LeafTriangles> leaves;
   Hierarchy hierarchy;
@@ -79,6 +92,8 @@ std::optional<Hierarchy> decoded(Bytes bytes, std::span<const Triangle> triangle
     if (!std::ranges::all_of(leaf, [&](int i) { return i < int(triangles.size()); })) return {};
     hierarchy.triangle_leaves.push_back(triangle_leaf(leaf, triangles));
   }
+  const std::size_t all_leaves = leaves.size() + hierarchy.quadric_leaves.size() + instances;
+  if (!is_sound(hierarchy, all_leaves, triangles.size() + quadrics)) return {};
   return hierarchy;
 }
 
@@ -102,7 +117,8 @@ Expected<Hierarchy> HierarchyCache::find_or_build(std::span<const Triangle> tria
     return build_hierarchy(triangles, quadrics, groups, instances);
   const std::string key = key_of(ids, triangles, quadrics, groups, instances);
   if (const auto found = files_.find(key).bytes)
-    if (auto hierarchy = decoded(*found, triangles, groups.size())) return std::move(*hierarchy);
+    if (auto hierarchy = decoded(*found, triangles, quadrics.size(), groups.size(), instances.size()))
+      return std::move(*hierarchy);
   Expected<Hierarchy> built = build_hierarchy(triangles, quadrics, groups, instances);
   if (!built) return built;
   std::vector<LeafTriangles> leaves(built->triangle_leaves.size());

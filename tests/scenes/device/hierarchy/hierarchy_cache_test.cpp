@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <random>
 
@@ -164,7 +165,7 @@ TEST_F(HierarchyFolder, ReplacesWhatIsDamagedOrDoesNotFit) {
   // Whole by the cache's measure, but counts and indices of a larger scene.
   const CheckedCache files(folder_.path(), ".hierarchy", {});
   const std::string key = file.stem().string();
-  std::vector<std::uint8_t> bytes = files.find(key).bytes.value();
+  const std::vector<std::uint8_t> bytes = files.find(key).bytes.value();
   for (const std::size_t count : {0u, 8u, 16u, 24u}) {
     std::vector<std::uint8_t> changed = bytes;
     changed[count + 7] = 0x7f;
@@ -172,11 +173,23 @@ TEST_F(HierarchyFolder, ReplacesWhatIsDamagedOrDoesNotFit) {
     expect_rebuilt("count " + std::to_string(count));
   }
   const Hierarchy& h = *built_;
-  const std::size_t leaves = 32 + h.nodes.size() * sizeof(BvhNode) + h.roots.size() * sizeof(int);
-  const int far = int(scene_.triangles.size());
-  std::memcpy(bytes.data() + leaves, &far, sizeof far);
-  ASSERT_TRUE(files.keep(key, bytes));
-  expect_rebuilt("a triangle that is not there");
+  const std::size_t nodes = 32, roots = nodes + h.nodes.size() * sizeof(BvhNode);
+  const std::size_t leaves = roots + h.roots.size() * sizeof(int), end = bytes.size();
+  const int triangles = int(scene_.triangles.size()), all = triangles + int(scene_.quadrics.size());
+  const int leaf_count = int(h.triangle_leaves.size() + h.quadric_leaves.size() + scene_.instances.size());
+  const auto expect_rebuilt_with = [&](std::size_t at, int index, const std::string& what) {
+    std::vector<std::uint8_t> changed = bytes;
+    std::memcpy(changed.data() + at, &index, sizeof index);
+    ASSERT_TRUE(files.keep(key, changed));
+    expect_rebuilt(what);
+  };
+  const std::size_t child = nodes + offsetof(BvhNode, child);
+  expect_rebuilt_with(child, 0, "a node within itself");
+  expect_rebuilt_with(child, int(h.nodes.size()), "a node that is not there");
+  expect_rebuilt_with(child, ~leaf_count, "a leaf that is not there");
+  expect_rebuilt_with(roots, int(h.nodes.size()), "a root that is not there");
+  expect_rebuilt_with(leaves, triangles, "a triangle that is not there");
+  expect_rebuilt_with(end - sizeof(QuadricLeaf), all, "a sphere that is not there");
 }
 
 TEST_F(HierarchyFolder, IsNotNeeded) {
