@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -61,6 +63,44 @@ class RenderCommand : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+/// A bumpy sheet of 20 000 triangles.
+std::string sheet_obj() {
+  std::ostringstream obj;
+  for (int i = 0; i <= 100; ++i)
+    for (int j = 0; j <= 100; ++j)
+      obj << "v " << 0.02 * i - 1 << ' ' << 0.5 + 0.01 * (i * j % 7) << ' ' << 0.02 * j - 1 << '\n';
+  for (int i = 1; i <= 100; ++i)
+    for (int j = 1; j <= 100; ++j) {
+      const int at = (i - 1) * 101 + j;
+      obj << "f " << at << ' ' << at + 1 << ' ' << at + 102 << ' ' << at + 101 << '\n';
+    }
+  return obj.str();
+}
+
+TEST_F(RenderCommand, TheHierarchyOfALargeSceneIsKept) {
+  write_text(folder_ / "sheet.obj", sheet_obj());
+  std::string scene = file_contents(folder_ / "s.xml");
+  scene.insert(scene.find("</scene>"),
+               "<shape type='obj'><string name='filename' value='sheet.obj'/></shape>");
+  write_text(folder_ / "s.xml", scene);
+  setenv("PENUMBRA_HIERARCHY_CACHE", (folder_ / "kept").c_str(), 1);
+  const auto film = [&](std::vector<std::string> arguments) {
+    render(std::move(arguments));
+    return report("s.json")["film_hash"];
+  };
+  const auto built = film({});
+  EXPECT_EQ(std::ranges::distance(std::filesystem::directory_iterator(folder_ / "kept")), 1);
+  EXPECT_EQ(film({}), built);
+  EXPECT_NE(film({"-D", "albedo=0.2"}), built);
+  EXPECT_EQ(std::ranges::distance(std::filesystem::directory_iterator(folder_ / "kept")), 1)
+      << "it does not depend on materials";
+  std::filesystem::remove_all(folder_ / "kept");
+  setenv("PENUMBRA_HIERARCHY_CACHE", "off", 1);
+  EXPECT_EQ(film({}), built);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "kept"));
+  unsetenv("PENUMBRA_HIERARCHY_CACHE");
+}
 
 TEST_F(RenderCommand, SobolReplacesTheIndependentSamplerOfAScene) {
   const auto note =
