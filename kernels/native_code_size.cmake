@@ -27,13 +27,12 @@ struct Row {
 };
 constexpr Row kRows[] = {
 ${rows}};
-constexpr std::string_view kTargets[] = {\"scalar\", \"sse2\", \"avx2\", \"avx512\"};
 
 }  // namespace
 
 std::uint64_t native_code_bytes(const NativeKernel& kernel) {
   for (const Row& row : kRows)
-    if (row.name == kTargets[int(kernel.target)]) return row.bytes;
+    if (row.name == isa_name(kernel.isa)) return row.bytes;
   return 0;
 }
 

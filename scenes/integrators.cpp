@@ -67,11 +67,11 @@ bool has_default_roulette(const IntegratorSettings& integrator) {
 
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
   IntegratorSettings next{method, integrator.hide_emitters, integrator.hidden_emitters};
-  integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto...) {
-    with_parameter(next, parameter, [&](auto& to) {
-      with_parameter(std::as_const(integrator), parameter, [&](const auto& from) { to = from; });
-    });
-  });
+  for (const IntegratorParameter& parameter : integrator_parameters()) {
+    void* to = parameter.find(next);
+    const void* from = parameter.find_in(integrator);
+    if (to != nullptr && from != nullptr) parameter.format.assign(to, from);
+  }
   if (const auto preset = direct_sampling({.method = method}))
     with_parameter(next, PENUMBRA_PARAMETER(direct_sampling), [&](DirectSampling& own) { own = *preset; });
   const auto renew = [&, fresh = IntegratorSettings{.method = method}](const auto& parameter) {

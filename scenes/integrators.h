@@ -1,11 +1,14 @@
 // The integrators with their parameters, and one table row for every parameter. A new parameter needs a
-// member in every integrator that has it, and a row below. Scene files, --set, messages, the table of all
-// settings, the render's record and the copy to the kernels are all generated from the row.
+// member in every integrator that has it, and a row in integrator_rows.cpp. Scene files, --set, messages, the
+// table of all settings, the render's record and the copy to the kernels are all generated from the row.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "kernels/scene_types.h"
 #include "scenes/setting_values.h"
@@ -266,119 +269,26 @@ inline OneOf<EmitterSampling> emitter_samplings() {
            {"projected", EmitterSampling::kProjected}}};
 }
 
-/// Calls row(name, parameter, values, text[, member of the kernels' parameters that it is copied to]) for
-/// each parameter, in an order in which they may be set one after the other.
-template <typename Row>
-void integrator_parameters(const Row& row) {
-  using P = IntegratorParameters;
-  row("max_depth", PENUMBRA_PARAMETER(max_depth), WholeNumber{-1, kMaxInt},
-      "longest path in edges (1: emitters seen directly, 2: direct light, -1: no limit)", &P::max_depth);
-  row("rr_depth", PENUMBRA_PARAMETER(rr_depth), WholeNumber{1, kMaxInt},
-      "Russian roulette from this depth on", &P::rr_depth);
-  row("direct_sampling", PENUMBRA_PARAMETER(direct_sampling),
-      OneOf<DirectSampling>{{{"mats", DirectSampling::kBsdfOnly},
-                             {"ems", DirectSampling::kEmitterOnly},
-                             {"mis", DirectSampling::kMis}}},
-      "sampling strategies of direct light: BSDFs (mats), emitters (ems), or both (mis)",
-      &P::direct_sampling);
-  row("only_bounces", PENUMBRA_PARAMETER(only_bounces), WholeNumber{-1, kMaxInt - 1},
-      "only light that this number of surfaces scattered (0: emitters seen directly, -1: all)",
-      &P::only_bounces);
-  row("only_technique", PENUMBRA_PARAMETER(only_technique),
-      OneOf<PathTechnique>{{{"all", PathTechnique::kAll},
-                            {"bsdf", PathTechnique::kBsdf},
-                            {"emitter", PathTechnique::kEmitter}}},
-      "only light of this sampling strategy, with its MIS weight", &P::only_technique);
-  row("emitter_samples", PENUMBRA_PARAMETER(emitter_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
-      "shadow rays per camera ray", &P::emitter_samples);
-  row("bsdf_samples", PENUMBRA_PARAMETER(bsdf_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
-      "sampled directions per camera ray", &P::bsdf_samples);
-  row("bsdf_sampling", PENUMBRA_PARAMETER(bsdf_sampling),
-      OneOf<BsdfSampling>{{{"bsdf", BsdfSampling::kBsdf},
-                           {"cosine", BsdfSampling::kCosine},
-                           {"uniform", BsdfSampling::kUniform}}},
-      "density of the sampled directions", &P::bsdf_sampling);
-  row("branch_depth", PENUMBRA_PARAMETER(branch_depth), WholeNumber{0, MAX_BRANCH_DEPTH},
-      "surfaces, one after the other, at which paths branch; beyond them one branch is chosen at random",
-      &P::branch_depth);
-  row("indirect_samples", PENUMBRA_PARAMETER(indirect_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
-      "directions sampled at each surface that is no mirror; 0: direct light alone there", &P::bsdf_samples);
-  row("indirect_sampling", PENUMBRA_PARAMETER(indirect_sampling),
-      OneOf<IndirectSampling>{{{"cosine", IndirectSampling::kCosine},
-                               {"uniform", IndirectSampling::kUniform},
-                               {"bsdf", IndirectSampling::kBsdf}}},
-      "density of the directions of indirect_samples", &P::bsdf_sampling);
-  row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling), emitter_samplings(),
-      "density of points on area lights; a light may say its own");
-  row("mis", PENUMBRA_PARAMETER(heuristic),
-      OneOf<MisHeuristic>{{{"balance", MisHeuristic::kBalance}, {"power", MisHeuristic::kPower}}},
-      "MIS heuristic", &P::heuristic);
-  row("light_choice", PENUMBRA_PARAMETER(light_choice),
-      OneOf<LightChoice>{{{"auto", LightChoice::kAuto},
-                          {"power", LightChoice::kPower},
-                          {"analytic", LightChoice::kAnalytic},
-                          {"tree", LightChoice::kTree}}},
-      "light sampling; by power, by the unshadowed contribution of polygon lights, or by a tree with bounds "
-      "of what each light may contribute");
-  row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{}, "whether shadow rays are traced",
-      &P::trace_shadows);
-  row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
-      "shadow rays per camera ray", &P::emitter_samples);
-  row("occlusion_sampling", PENUMBRA_PARAMETER(sampling),
-      OneOf<OcclusionSampling>{{{"cosine", OcclusionSampling::kCosine},
-                                {"hemisphere", OcclusionSampling::kHemisphere},
-                                {"sphere", OcclusionSampling::kSphere}}},
-      "density of the directions of rays");
-  row("occlusion_weighting", PENUMBRA_PARAMETER(weighting),
-      OneOf<OcclusionWeighting>{
-          {{"cosine", OcclusionWeighting::kCosine}, {"uniform", OcclusionWeighting::kUniform}}},
-      "weight of directions: their cosine, or uniform", &P::weighting);
-  row("exponent", PENUMBRA_PARAMETER(exponent), Number<float>{LowEnd::kClosed, 0.0f, 1e6f},
-      "exponent of the Phong lobe", &P::exponent);
-  row("ray_length", PENUMBRA_PARAMETER(ray_length), Number<float>{LowEnd::kClosed, -1.0f, 1e30f},
-      "distance up to which surfaces occlude (0: no limit; negative: half the radius of the bounding sphere "
-      "of all shapes)");
-  row("background", PENUMBRA_PARAMETER(background), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
-      "value where the camera sees no surface", &P::background);
-  row("nee", PENUMBRA_PARAMETER(next_event),
-      OneOf<NextEvent>{{{"sample", NextEvent::kSample}, {"cv", NextEvent::kCv}}},
-      "next-event estimation; samples alone, or with the closed form of polygon lights as control variate");
-  row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
-      "weight of the control variate (auto: fitted for each pixel); ppm: how fast radii shrink, in (0, 1] "
-      "(auto: 2/3)");
-  row("photon_count", PENUMBRA_PARAMETER(photon_count), WholeNumber{1, MAX_PHOTONS},
-      "photons emitted for each map", &P::surface_photons, &P::volume_photons);
-  constexpr WholeNumber kPhotons{0, MAX_PHOTONS};
-  row("global_photons", PENUMBRA_PARAMETER(global_photons), kPhotons, "photons emitted for the global map",
-      &P::surface_photons);
-  row("caustic_photons", PENUMBRA_PARAMETER(caustic_photons), kPhotons, "photons emitted for the caustic map",
-      &P::caustic_photons);
-  row("volume_photons", PENUMBRA_PARAMETER(volume_photons), kPhotons, "photons emitted for the map of media",
-      &P::volume_photons);
-  row("initial_radius", PENUMBRA_PARAMETER(initial_radius), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
-      "radius of the first density estimates in scene units (0: from the size of a pixel)");
-  row("photon_radius", PENUMBRA_PARAMETER(photon_radius), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
-      "radius of all density estimates in scene units (0: by the lookup radii)");
-  const Number<float> share{LowEnd::kOpen, 0.0f, 1.0f};
-  row("global_lookup_radius", PENUMBRA_PARAMETER(global_lookup_radius), share,
-      "radius of the global map's density estimates, in radii of the scene's bounding sphere");
-  row("caustic_lookup_radius", PENUMBRA_PARAMETER(caustic_lookup_radius), share,
-      "... of the caustic map's density estimates");
-  row("volume_lookup_radius", PENUMBRA_PARAMETER(volume_lookup_radius), share,
-      "... of the density estimates in media");
-  row("lookup_size", PENUMBRA_PARAMETER(lookup_size), WholeNumber{1, MAX_PHOTONS},
-      "photons of a density estimate: at most about so many, the nearest within the radius", &P::lookup_size);
-  row("final_gather", PENUMBRA_PARAMETER(final_gather), TrueOrFalse{},
-      "whether the global map is seen one diffuse bounce later, which hides its blotches", &P::gathering);
-  row("caustics_only", PENUMBRA_PARAMETER(caustics_only), TrueOrFalse{},
-      "whether photons bring caustics alone, and paths all other light");
-  row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
-      "whether lights are invisible to the camera");
-  row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),
-      OneOf<HiddenEmitters>{
-          {{"unlit", HiddenEmitters::kUnlit}, {"looked_through", HiddenEmitters::kLookedThrough}}},
-      "what the camera sees of invisible lights: their unlit surface, or what is behind it");
-}
+/// One parameter of integrators.
+struct IntegratorParameter {
+  const char* name;
+  ValueFormat format;
+  const char* description;
+  /// Where it is stored; null if the integrator has no such parameter.
+  void* (*find)(IntegratorSettings& integrator);
+  /// Copies it to the kernels' parameters. Empty: it is no copy there.
+  std::function<void(const void* from, IntegratorParameters& to)> copy = {};
+
+  [[nodiscard]] const void* find_in(const IntegratorSettings& integrator) const {
+    return find(const_cast<IntegratorSettings&>(integrator));  // it is only read from what is returned
+  }
+  [[nodiscard]] bool is_in(const IntegratorSettings& integrator) const {
+    return find_in(integrator) != nullptr;
+  }
+};
+
+/// All of them, in an order in which they may be set one after the other.
+std::span<const IntegratorParameter> integrator_parameters();
 
 /// Each integrator with its default values, under each of its names.
 std::vector<std::pair<const char*, IntegratorMethod>> integrator_names();

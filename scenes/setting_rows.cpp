@@ -122,6 +122,27 @@ std::string print_rows(const glm::dmat4& matrix) {
 
 }  // namespace
 
+Setting setting_of(std::string key, const ValueFormat& format, std::string description) {
+  return {.key = std::move(key),
+          .kind = format.kind,
+          .values = format.values,
+          .description = std::move(description),
+          .choices = format.choices};
+}
+
+Setting stored_row(std::string key, ValueFormat format, std::function<void*(RenderSettings&)> place,
+                   std::string description) {
+  Setting setting = setting_of(std::move(key), format, std::move(description));
+  setting.print = [print = std::move(format.print), place](const RenderSettings& settings) {
+    return print(place(const_cast<RenderSettings&>(settings)));  // which print does not change
+  };
+  setting.apply = [read = std::move(format.read), place = std::move(place)](RenderSettings& settings,
+                                                                            std::string_view text) {
+    return read(text, place(settings));
+  };
+  return setting;
+}
+
 void add_sampler_rows(std::vector<Setting>& table) {
   using enum SamplerKind;
   const std::size_t first = table.size();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -117,5 +118,32 @@ struct SomeOf {
     return text.empty() ? "none" : text;
   }
 };
+
+/// How values of one type are read from text and printed, where only their place is known.
+struct ValueFormat {
+  SettingKind kind;
+  std::string values;                ///< the accepted values in words
+  std::vector<std::string> choices;  ///< the accepted names, also of a list of names; empty: it is neither
+  std::function<Expected<void>(std::string_view text, void* to)> read;
+  std::function<std::string(const void* from)> print;
+  void (*assign)(void* to, const void* from);
+};
+
+/// The format of values that are stored as a T.
+template <typename T, typename Values>
+ValueFormat format_of(const Values& values) {
+  ValueFormat format{
+      .kind = Values::kKind, .values = values.values(), .choices = {}, .read = {}, .print = {}, .assign = {}};
+  if constexpr (requires { values.names(); }) format.choices = values.names();
+  format.read = [values](std::string_view text, void* to) -> Expected<void> {
+    auto value = values.parse(text);
+    if (!value) return std::unexpected(value.error());
+    *static_cast<T*>(to) = T(*std::move(value));
+    return {};
+  };
+  format.print = [values](const void* from) { return values.print(*static_cast<const T*>(from)); };
+  format.assign = [](void* to, const void* from) { *static_cast<T*>(to) = *static_cast<const T*>(from); };
+  return format;
+}
 
 }  // namespace penumbra

@@ -34,24 +34,32 @@ Expected<void> check_backend_options(BackendsInUse backends, std::string_view op
 
 std::vector<Isa> built_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : kIsas)
-    if (find_native_kernel(kernel_target(isa)) != nullptr) isas.push_back(isa);
+  for (const NativeKernel& kernel : native_kernels()) isas.push_back(kernel.isa);
   return isas;
 }
 
 std::vector<Isa> usable_isas() {
   std::vector<Isa> isas = built_isas();
-  std::erase_if(isas, [](Isa isa) { return !machine_has(kernel_target(isa)); });
+  std::erase_if(isas, [](Isa isa) { return !machine_has(isa); });
   return isas;
 }
 
-Isa best_isa() { return usable_isas().back(); }
+Isa best_isa() {
+  const std::vector<Isa> usable = usable_isas();
+  return usable.empty() ? built_isas().front() : usable.back();
+}
 
 Expected<void> check_isa(Isa isa) {
-  if (!machine_has(kernel_target(isa)))
-    return fail(fmt::format("--isa {}: this machine lacks it; it can use {}", isa_name(isa),
-                            isa_list(usable_isas())));
-  if (find_native_kernel(kernel_target(isa)) == nullptr)
+  const std::vector<Isa> usable = usable_isas();
+  if (usable.empty())
+    return fail(
+        fmt::format("this build's native kernels are for {}, which this machine lacks; configure it with "
+                    "-DPENUMBRA_ISA=all for every instruction set",
+                    isa_list(built_isas())));
+  if (!machine_has(isa))
+    return fail(
+        fmt::format("--isa {}: this machine lacks it; it can use {}", isa_name(isa), isa_list(usable)));
+  if (find_native_kernel(isa) == nullptr)
     return fail(fmt::format(
         "--isa {}: this build has {} alone; configure it with -DPENUMBRA_ISA=all for every instruction set",
         isa_name(isa), isa_list(built_isas())));

@@ -15,6 +15,7 @@
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
+#include "kernels/host/isa.h"
 #include "kernels/host/sample_buffer.h"
 
 namespace penumbra {
@@ -37,8 +38,6 @@ constexpr Backend backend_from_name(std::string_view name) {
 
 constexpr int kMaxThreads = 1024;
 
-enum class Isa { kSse2, kAvx2, kAvx512 };
-
 /// By default chosen for the OpenCL device; set by tests and measurements. Images do not depend on it.
 struct OpenClTuning {
   std::optional<bool> path_per_item = {};  ///< as on a GPU; by default, whether the device is not a CPU
@@ -54,7 +53,7 @@ struct DeviceOptions {
   Backend backend = Backend::kNative;
   int threads = 1;
   Isa isa = Isa::kSse2;       ///< native: must be usable on this machine, see check_isa()
-  bool block_of_one = false;  ///< native: blocks of one path with one lane, for debugging a pixel
+  bool block_of_one = false;  ///< native: blocks of one pixel, for debugging it
   int* probe = nullptr;       ///< native, with block_of_one: see Block::probe
   /// Its number, or a part of its name or its platform's, see find_opencl_device; empty: the first CPU
   /// device, else any. With kAuto: the only candidate, even if it is a CPU.
@@ -105,9 +104,6 @@ Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const De
 /// see device_plane_count. Errors: a unit that no device can render.
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint64_t features);
 
-constexpr std::array<Isa, 3> kIsas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
-constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
-constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
 /// Names separated by commas.
 inline std::string isa_list(std::span<const Isa> isas) {
@@ -116,11 +112,11 @@ inline std::string isa_list(std::span<const Isa> isas) {
   return text;
 }
 
-/// Instruction sets that the kernels are built for, from SSE2, the narrowest, on.
+/// Instruction sets that the kernels are built for, from the narrowest on: at least one.
 std::vector<Isa> built_isas();
 /// Those of them that this machine supports.
 std::vector<Isa> usable_isas();
-/// The widest usable one.
+/// The widest usable one; the narrowest that is built, if none is usable (see check_isa).
 Isa best_isa();
 /// The error says whether the machine or the build lacks the set, and which sets are available.
 Expected<void> check_isa(Isa isa);

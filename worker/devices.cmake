@@ -15,3 +15,4 @@ add_library(penumbra_devices STATIC device.cpp native_device.cpp photon_maps.cpp
 target_link_libraries(penumbra_devices PUBLIC penumbra_kernels_host penumbra_cache PRIVATE penumbra_native_kernels embree
                                        OpenCL::OpenCL Threads::Threads fmt::fmt)
 target_compile_definitions(penumbra_devices PRIVATE CL_TARGET_OPENCL_VERSION=120)
+reuse_headers(common penumbra_devices)

@@ -44,8 +44,7 @@ std::string isas_left_out() {
   using namespace penumbra;
   std::vector<Isa> left_out;
   for (const Isa isa : kIsas)
-    if (machine_has(kernel_target(isa)) && find_native_kernel(kernel_target(isa)) == nullptr)
-      left_out.push_back(isa);
+    if (machine_has(isa) && find_native_kernel(isa) == nullptr) left_out.push_back(isa);
   return left_out.empty() ? "" : fmt::format(" (not built, see PENUMBRA_ISA: {})", isa_list(left_out));
 }
 

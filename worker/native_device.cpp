@@ -161,7 +161,7 @@ class NativeDevice final : public Device {
   }
 
  private:
-  [[nodiscard]] int capacity() const { return options_.block_of_one ? 1 : kBlockStride; }
+  [[nodiscard]] int capacity() const { return options_.block_of_one ? kernel_.lanes : kBlockStride; }
   /// The scene's header, with the search that this device prefers.
   [[nodiscard]] SceneHeader traced_header() const {
     SceneHeader header = scene_.header;
@@ -176,7 +176,7 @@ class NativeDevice final : public Device {
   Expected<std::vector<Photon>> trace_photons(const PhotonTask& task) {
     const SceneHeader header = traced_header();
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
-    const int block_paths = options_.block_of_one ? 1 : kBlockPaths;
+    const int block_paths = options_.block_of_one ? kernel_.lanes : kBlockPaths;
     const int blocks = (task.paths + block_paths - 1) / block_paths;
     std::vector<std::vector<Photon>> traced(std::size_t(std::max(blocks, 0)));
     std::atomic<int> next{0};
@@ -218,41 +218,24 @@ class NativeDevice final : public Device {
   PhotonMaps photon_maps_;
 };
 
-}  // namespace
-
-KernelTarget kernel_target(Isa isa) {
-  switch (isa) {
-    case Isa::kSse2:
-      return KernelTarget::kSse2;
-    case Isa::kAvx2:
-      return KernelTarget::kAvx2;
-    case Isa::kAvx512:
-      return KernelTarget::kAvx512;
-  }
-  return KernelTarget::kSse2;
-}
-
-namespace {
-
 /// Whether testing every primitive is possible and faster than the scene's BVH. Images do not depend on it.
-bool prefers_whole(KernelTarget target, const DeviceScene& scene) {
+bool prefers_whole(Isa isa, const DeviceScene& scene) {
   const bool either = (scene.header.features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
-  return either && tests_every_primitive(target, scene);
+  return either && tests_every_primitive(isa, scene);
 }
 
 }  // namespace
 
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options) {
-  const KernelTarget target = options.block_of_one ? KernelTarget::kScalar : kernel_target(options.isa);
   if (const Expected<void> usable = check_isa(options.isa); !usable) return std::unexpected(usable.error());
-  const NativeKernel* kernel = find_native_kernel(target);
+  const NativeKernel* kernel = find_native_kernel(options.isa);
   std::unique_ptr<EmbreeTracer> tracer;
   if (scene.header.intersector == INTERSECTOR_EMBREE) {
     Expected<std::unique_ptr<EmbreeTracer>> made = EmbreeTracer::make(scene, options);
     if (!made) return std::unexpected(made.error());
     tracer = std::move(*made);
   }
-  return std::make_unique<NativeDevice>(scene, options, *kernel, prefers_whole(target, scene),
+  return std::make_unique<NativeDevice>(scene, options, *kernel, prefers_whole(options.isa, scene),
                                         std::move(tracer));
 }
 

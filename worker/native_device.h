@@ -8,9 +8,6 @@
 
 namespace penumbra {
 
-/// The target of the vectorised kernels for an instruction set.
-KernelTarget kernel_target(Isa isa);
-
 /// Errors: an instruction set that the machine lacks, not enough memory for the blocks, Embree does not
 /// start.
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options);

@@ -1,7 +1,5 @@
 #include "worker/search_choice.h"
 
-#include <limits>
-
 #include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_tables.h"
 
@@ -14,18 +12,10 @@ struct SearchCosts {
   double node, leaf;         ///< per visit
 };
 
-SearchCosts costs_of(KernelTarget target) {
-  switch (target) {
-    case KernelTarget::kAvx512:
-      return {0.56, 1.31, 69, 56};
-    case KernelTarget::kAvx2:
-      return {0.76, 1.77, 69, 56};
-    case KernelTarget::kSse2:
-      return {1.91, 4.46, 40, 110};
-    case KernelTarget::kScalar:
-      break;  // one ray at a time
-  }
-  return {std::numeric_limits<double>::infinity(), 0, 0, 0};
+SearchCosts costs_of(Isa isa) {
+  if (isa == Isa::kAvx512) return {0.56, 1.31, 69, 56};
+  if (isa == Isa::kAvx2) return {0.76, 1.77, 69, 56};
+  return {1.91, 4.46, 40, 110};
 }
 
 struct Visits {
@@ -57,9 +47,9 @@ Visits expected_visits(std::span<const BvhNode> nodes) {
 
 }  // namespace
 
-bool tests_every_primitive(KernelTarget target, const DeviceScene& scene) {
+bool tests_every_primitive(Isa isa, const DeviceScene& scene) {
   const TableSpans& tables = scene.header.tables;
-  const SearchCosts costs = costs_of(target);
+  const SearchCosts costs = costs_of(isa);
   const double whole = costs.vertex * tables.vertices.count +
                        costs.primitive * (tables.triangles.count + tables.quadrics.count);
   const Visits visits = expected_visits(table<BvhNode>(scene, tables.nodes));

@@ -9,6 +9,6 @@ namespace penumbra {
 
 /// Whether testing every triangle is probably faster than the BVH for bounced and shadow rays, with the
 /// target's kernels.
-bool tests_every_primitive(KernelTarget target, const DeviceScene& scene);
+bool tests_every_primitive(Isa isa, const DeviceScene& scene);
 
 }  // namespace penumbra

@@ -11,6 +11,6 @@ using NativeDenoiseTile = void(const DenoiseTask& task, int tile, const float* g
                                float* models, float* scratch, float* out);
 
 /// The code for one of native_kernels().
-NativeDenoiseTile* native_denoise_tile(KernelTarget target);
+NativeDenoiseTile* native_denoise_tile(Isa isa);
 
 }  // namespace penumbra

@@ -7,6 +7,7 @@
 #ifndef EXTERNAL_TRACER
   #define EXTERNAL_TRACER
 #endif
+#include "kernels/host/isa.h"
 #include "kernels/photon/photon_task.h"
 #include "kernels/scene.h"
 #include "kernels/unit.h"
@@ -23,24 +24,20 @@ using NativeTracePhotons = void(const SceneHeader& header, const uint* words, co
                                 const PhotonTask& task, int first, int count, const Block& block,
                                 const PhotonStore& store);
 
-/// kScalar: one lane, no vector instructions beyond the baseline's; used for debugging, with blocks of one
-/// path.
-enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };
-
 struct NativeKernel {
-  KernelTarget target;
+  Isa isa;
   int lanes;
   NativeRenderBlock* render_block;
   NativeTracePhotons* trace_photons;
 };
 
-/// All kernels in this binary: scalar, SSE2, and those that the build was configured for.
+/// The kernels that the build was configured for, the narrowest instruction set first: at least one.
 std::span<const NativeKernel> native_kernels();
 
-/// Whether this machine can run code built for the target.
-bool machine_has(KernelTarget target);
+/// Whether this machine can run code that was compiled for the set.
+bool machine_has(Isa isa);
 
-/// Null if this binary has no kernel for the target.
-const NativeKernel* find_native_kernel(KernelTarget target);
+/// Null if this binary has no kernel for the set.
+const NativeKernel* find_native_kernel(Isa isa);
 
 }  // namespace penumbra

@@ -104,11 +104,9 @@ void set_photons(const IntegratorSettings& integrator, double scene_radius, Inte
 }
 
 void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters& p) {
-  integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto... member) {
-    const auto copy = [](const auto& value, auto& to) { to = std::remove_reference_t<decltype(to)>(value); };
-    if constexpr (sizeof...(member) > 0)
-      with_parameter(integrator, parameter, [&](const auto& value) { (copy(value, p.*member), ...); });
-  });
+  for (const IntegratorParameter& parameter : integrator_parameters())
+    if (const void* from = parameter.find_in(integrator); from != nullptr && parameter.copy)
+      parameter.copy(from, p);
 }
 
 void set_parameters(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {

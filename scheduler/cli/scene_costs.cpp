@@ -18,7 +18,7 @@ namespace penumbra {
 namespace {
 
 std::optional<NativeCode> native_code(Isa isa) {
-  const NativeKernel* kernel = find_native_kernel(kernel_target(isa));
+  const NativeKernel* kernel = find_native_kernel(isa);
   if (kernel == nullptr) return std::nullopt;
   return NativeCode{std::string(isa_name(isa)), native_code_bytes(*kernel)};
 }

@@ -9,8 +9,8 @@
 
 namespace penumbra {
 
-/// The target must be one of native_kernels() that this machine can run.
-std::unique_ptr<DenoiseDevice> native_denoise_device(KernelTarget target, int threads);
+/// One of usable_isas().
+std::unique_ptr<DenoiseDevice> native_denoise_device(Isa isa, int threads);
 Expected<std::unique_ptr<DenoiseDevice>> opencl_denoise_device(const OpenClDeviceInfo& info, int threads);
 
 }  // namespace penumbra

@@ -36,8 +36,8 @@ class NativeDenoiseDevice final : public DenoiseDevice {
 
 }  // namespace
 
-std::unique_ptr<DenoiseDevice> native_denoise_device(KernelTarget target, int threads) {
-  return std::make_unique<NativeDenoiseDevice>(native_denoise_tile(target), std::max(threads, 1));
+std::unique_ptr<DenoiseDevice> native_denoise_device(Isa isa, int threads) {
+  return std::make_unique<NativeDenoiseDevice>(native_denoise_tile(isa), std::max(threads, 1));
 }
 
 }  // namespace penumbra

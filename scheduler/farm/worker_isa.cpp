@@ -22,8 +22,8 @@ Expected<DeviceOptions> options_for_worker(const DeviceOptions& job, bool embree
                     worker, isa_name(job.isa), list(has)));
   }
   DeviceOptions options = job;
-  // Only sets below the job's are considered, because no more than that was asked for.
-  options.isa = Isa::kSse2;
+  // A set below the job's comes first, because no more than the job's was asked for.
+  if (!has.empty()) options.isa = std::ranges::min(has);
   for (const Isa isa : has)
     if (isa < job.isa) options.isa = std::max(options.isa, isa);
   return options;

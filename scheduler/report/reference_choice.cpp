@@ -48,16 +48,14 @@ std::vector<std::string> parameters_of(const IntegratorSettings& integrator, boo
   std::vector<std::string> parameters;
   // The part of the light found by one technique depends on the MIS weights.
   const bool part = is_part(integrator);
-  integrator_parameters(
-      [&](const char* name, const auto& parameter, const auto& values, const char*, auto...) {
-        const std::string_view n = name;
-        const bool counts = all || n == "ray_length" || n == "occlusion_weighting" || n == "background" ||
-                            n == "exponent" || n == "max_depth" || n == "only_bounces" ||
-                            n == "only_technique" || (part && (n == "mis" || n == "direct_sampling"));
-        with_parameter(integrator, parameter, [&](const auto& value) {
-          if (counts) parameters.push_back(fmt::format("integrator.{}={}", name, values.print(value)));
-        });
-      });
+  for (const IntegratorParameter& parameter : integrator_parameters()) {
+    const std::string_view n = parameter.name;
+    const bool counts = all || n == "ray_length" || n == "occlusion_weighting" || n == "background" ||
+                        n == "exponent" || n == "max_depth" || n == "only_bounces" || n == "only_technique" ||
+                        (part && (n == "mis" || n == "direct_sampling"));
+    if (const void* value = parameter.find_in(integrator); counts && value != nullptr)
+      parameters.push_back(fmt::format("integrator.{}={}", n, parameter.format.print(value)));
+  }
   return parameters;
 }
 

@@ -25,13 +25,14 @@ struct Backend {
   std::string description;  ///< description of the device
   std::unique_ptr<KernelRunner> kernels;
   DeviceOptions render;  ///< device options for renders
-  /// False for instruction sets between the widest and one lane: they run only kernel measurements.
+  /// False for instruction sets below the widest: they run only kernel measurements.
   bool renders = true;
   std::string skipped;  ///< why this machine does not have the backend; empty if it has
   std::string broken;   ///< the error of a backend that exists but does not work; every case fails
 };
 
-/// The native kernels for all instruction sets of this machine, the widest first and a single lane last.
+/// The native kernels for all usable instruction sets, the widest first; last a single lane, with renders by
+/// blocks of one pixel.
 std::vector<Backend> native_backends(int threads);
 /// OpenCL, or why it is not available.
 Backend opencl_backend(int threads, const std::string& device);

@@ -31,7 +31,7 @@ struct RenderMeasurement {
   std::function<Numbers(const FilmAccumulator& film)> value;
   /// The expected number of NaN or infinite samples, which must be counted.
   std::uint64_t non_finite = 0;
-  bool one_lane = true;  ///< also run with a single lane, which is slow
+  bool one_lane = true;  ///< also run by blocks of one pixel, which is slow
 };
 
 /// Scheduler code, which does not depend on the backend.

@@ -8,7 +8,7 @@
 namespace penumbra {
 
 using AnswerFunction = void(int id, const double* in, double* out, uint* scratch);
-AnswerFunction answer_scalar, answer_sse2, answer_avx2, answer_avx512;
+AnswerFunction answer_one_lane, answer_sse2, answer_avx2, answer_avx512;
 
 namespace stress {
 namespace {
@@ -34,36 +34,41 @@ class NativeRunner final : public KernelRunner {
 };
 
 struct NativeSet {
-  KernelTarget target;
-  Isa isa;  ///< instruction set of renders
+  Isa isa;
   const char* name;
   AnswerFunction* answer;
 };
 constexpr NativeSet kSets[] = {
 #ifdef PENUMBRA_AVX512
-    {KernelTarget::kAvx512, Isa::kAvx512, "native avx512", answer_avx512},
+    {Isa::kAvx512, "native avx512", answer_avx512},
 #endif
 #ifdef PENUMBRA_AVX2
-    {KernelTarget::kAvx2, Isa::kAvx2, "native avx2", answer_avx2},
+    {Isa::kAvx2, "native avx2", answer_avx2},
 #endif
-    {KernelTarget::kSse2, Isa::kSse2, "native sse2", answer_sse2},
-    {KernelTarget::kScalar, Isa::kSse2, "native one lane", answer_scalar}};
+#ifdef PENUMBRA_SSE2
+    {Isa::kSse2, "native sse2", answer_sse2},
+#endif
+};
 
 }  // namespace
 
 std::vector<Backend> native_backends(int threads) {
   std::vector<Backend> backends;
-  for (const NativeSet& set : kSets) {
-    if (!machine_has(set.target)) continue;
+  const auto add = [&](Isa isa, const char* name, AnswerFunction* answer) -> Backend& {
     Backend backend;
-    backend.name = backend.description = set.name;
-    backend.kernels = std::make_unique<NativeRunner>(set.answer);
+    backend.name = backend.description = name;
+    backend.kernels = std::make_unique<NativeRunner>(answer);
     backend.render.threads = threads;
-    backend.render.isa = set.isa;
-    backend.render.block_of_one = set.target == KernelTarget::kScalar;
-    backend.renders = backends.empty() || backend.render.block_of_one;
-    backends.push_back(std::move(backend));
-  }
+    backend.render.isa = isa;
+    backend.renders = backends.empty();
+    return backends.emplace_back(std::move(backend));
+  };
+  for (const NativeSet& set : kSets)
+    if (machine_has(set.isa)) add(set.isa, set.name, set.answer);
+  Backend& one_lane = add(best_isa(), "native one lane", answer_one_lane);
+  one_lane.description += ", renders by blocks of one pixel";
+  one_lane.render.block_of_one = true;
+  one_lane.renders = true;
   return backends;
 }
 

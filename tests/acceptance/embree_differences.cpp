@@ -249,8 +249,7 @@ EmbreeDifferences find_embree_differences(const DeviceScene& scene, Isa isa) {
   options.isa = isa;
   const auto embree = EmbreeTracer::make(scene, options);
   if (!embree) throw std::runtime_error(embree.error().message);
-  // The kernels' instruction set changes nothing, Embree's does.
-  const NativeKernel* kernel = find_native_kernel(KernelTarget::kSse2);
+  const NativeKernel* kernel = find_native_kernel(isa);
   const SceneHeader& h = scene.header;
   EmbreeDifferences differences;
   Comparison comparison(scene, (*embree)->tracer(), differences);

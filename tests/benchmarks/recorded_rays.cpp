@@ -61,7 +61,7 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   options.isa = isa;
   auto tracer = EmbreeTracer::make(embree_scene, options);
   if (!tracer) throw std::runtime_error(tracer.error().message);
-  const NativeKernel* kernel = find_native_kernel(kernel_target(isa));
+  const NativeKernel* kernel = find_native_kernel(isa);
   RecordedRays recorded;
   const Recorder recorder{(*tracer)->tracer(), embree_scene.header.features, &recorded};
   render_native_blocks(*kernel, embree_scene, unit, kPaths,

@@ -168,12 +168,10 @@ int run(int argc, char** argv) {
           fmt::print(stderr, "{}\n", built.error().message);
           return 2;
         }
-        for (const KernelTarget target : {KernelTarget::kAvx2, KernelTarget::kAvx512})
+        for (const Isa target : {Isa::kAvx2, Isa::kAvx512})
           if (const NativeKernel* kernel = find_native_kernel(target))
             benchmark::RegisterBenchmark(
-                fmt::format("{}/{} {}/{}", direct ? "direct" : "path", count, name,
-                            target == KernelTarget::kAvx2 ? "avx2" : "avx512")
-                    .c_str(),
+                fmt::format("{}/{} {}/{}", direct ? "direct" : "path", count, name, isa_name(target)).c_str(),
                 [=, scene = *built](benchmark::State& state) { measure(state, *kernel, scene); })
                 ->Unit(benchmark::kMillisecond)
                 ->MinTime(2);

@@ -98,7 +98,7 @@ bool add_scene(const std::string& name, SceneDescription description) {
     for (const auto& [isa, stage] :
          {Set{Isa::kAvx512, portable_stage_avx512}, Set{Isa::kAvx2, portable_stage_avx2},
           Set{Isa::kSse2, portable_stage_sse2}}) {
-      if (!machine_has(kernel_target(isa))) continue;
+      if (!machine_has(isa)) continue;
       const std::string set(isa_name(isa));
       if (hierarchy) add_portable(title + "hierarchy " + set, scene, kind, stage, false);
       if (whole) add_portable(title + "whole " + set, scene, kind, stage, true);

@@ -21,6 +21,7 @@
 #include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/host/view.h"
+#include "tests/support/extra_families/extra_family_kernels.h"
 #include "tests/support/film_layers.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/native_blocks.h"
@@ -348,15 +349,14 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
 
 TEST_P(NativeVariants, AllGiveTheSameBytes) {
   const DeviceScene scene = build_or_throw(GetParam().make());
-  const SampleBuffer reference = render_by(*find_native_kernel(KernelTarget::kSse2), scene, 512);
+  const SampleBuffer reference = render_by(extra_family_kernel(true), scene, 512);
   EXPECT_GT(*std::ranges::max_element(reference.plane(kMeanG)), 0);
   int compared = 0;
-  for (const NativeKernel& kernel : native_kernels()) {
-    if (!machine_has(kernel.target)) continue;
+  for (const NativeKernel& kernel : one_lane_and_native_kernels()) {
     ++compared;
     for (int capacity : {kernel.lanes, 16 * kernel.lanes, 2048})
       EXPECT_TRUE(same_bytes(reference, render_by(kernel, scene, capacity)))
-          << "target " << int(kernel.target) << ", blocks of " << capacity;
+          << isa_name(kernel.isa) << ", " << kernel.lanes << " lanes, blocks of " << capacity;
   }
   EXPECT_GE(compared, 2);
 }
@@ -371,16 +371,15 @@ TEST(NativeSearches, GiveTheSameBytes) {
     ASSERT_NE(whole.header.features, scene.header.features);
     ASSERT_GT(scene.header.tables.corners.count, 64);
     ASSERT_GT(scene.header.tables.nodes.count, 0);
-    const SampleBuffer reference = render_by(native_kernels().front(), scene, 512);
+    const SampleBuffer reference = render_by(extra_family_kernel(true), scene, 512);
     EXPECT_GT(*std::ranges::max_element(reference.plane(kMeanG)), 0);
     int compared = 0;
-    for (const NativeKernel& kernel : native_kernels()) {
-      if (!machine_has(kernel.target)) continue;
+    for (const NativeKernel& kernel : one_lane_and_native_kernels()) {
       ++compared;
       EXPECT_TRUE(same_bytes(reference, render_by(kernel, scene, 512)))
-          << "hierarchy, target " << int(kernel.target);
+          << "hierarchy, " << isa_name(kernel.isa) << ", " << kernel.lanes << " lanes";
       EXPECT_TRUE(same_bytes(reference, render_by(kernel, whole, 512)))
-          << "whole, target " << int(kernel.target);
+          << "whole, " << isa_name(kernel.isa) << ", " << kernel.lanes << " lanes";
     }
     EXPECT_GE(compared, 2);
   }
@@ -466,12 +465,13 @@ TEST(DeviceErrors, AnInstructionSetThatIsNotThereIsNamed) {
     options.isa = isa;
     const auto device = make_device(scene, options);
     const std::vector<Isa> built_sets = built_isas();
-    const bool here = machine_has(kernel_target(isa));
+    const bool here = machine_has(isa);
     const bool built = std::ranges::find(built_sets, isa) != built_sets.end();
     EXPECT_EQ(bool(device), here && built) << isa_name(isa);
     if (device) continue;
     const std::string why = device.error().message;
-    EXPECT_TRUE(why.contains(isa_name(isa)) && why.contains("sse2")) << why;
+    EXPECT_TRUE(why.contains(isa_name(isa)) && why.contains(isa_list(here ? built_sets : usable_isas())))
+        << why;
     EXPECT_TRUE(why.contains(here ? "-DPENUMBRA_ISA=all" : "this machine lacks it")) << why;
   }
 }

@@ -42,8 +42,8 @@ class DenoiseDevices : public ::testing::TestWithParam<Size> {
 
 TEST_P(DenoiseDevices, InstructionSetsAndThreadsGiveTheSameBits) {
   for (const NativeKernel& kernel : native_kernels())
-    if (machine_has(kernel.target))
-      for (const int threads : {1, 3}) expect_same(*native_denoise_device(kernel.target, threads));
+    if (machine_has(kernel.isa))
+      for (const int threads : {1, 3}) expect_same(*native_denoise_device(kernel.isa, threads));
 }
 
 TEST_P(DenoiseDevices, OpenClGivesTheSameBits) {

@@ -8,15 +8,21 @@
 
 namespace penumbra {
 
-NativeRenderBlock render_extra_families_scalar, render_extra_families_sse2;
-NativeTracePhotons trace_extra_families_scalar, trace_extra_families_sse2;
+NativeRenderBlock render_extra_families_one_lane, render_extra_families_sse2;
+NativeTracePhotons trace_extra_families_one_lane, trace_extra_families_sse2;
 
 const NativeKernel& extra_family_kernel(bool one_lane) {
-  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_extra_families_scalar,
-                                         trace_extra_families_scalar};
-  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_extra_families_sse2,
-                                       trace_extra_families_sse2};
+  static constexpr NativeKernel kOneLane{Isa::kSse2, 1, render_extra_families_one_lane,
+                                         trace_extra_families_one_lane};
+  static constexpr NativeKernel kLanes{Isa::kSse2, 16, render_extra_families_sse2, trace_extra_families_sse2};
   return one_lane ? kOneLane : kLanes;
+}
+
+std::vector<NativeKernel> one_lane_and_native_kernels() {
+  std::vector<NativeKernel> kernels{extra_family_kernel(true)};
+  for (const NativeKernel& kernel : native_kernels())
+    if (machine_has(kernel.isa)) kernels.push_back(kernel);
+  return kernels;
 }
 
 void put_extra_families(DeviceScene& scene, std::span<const ExtraFamily> extra_families) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/native_kernels.h"
@@ -10,8 +11,11 @@
 
 namespace penumbra {
 
-/// With all features: one lane, or lanes of SSE2.
+/// With all features and the additional families, on one lane or on as many as the renderer's own.
 const NativeKernel& extra_family_kernel(bool one_lane = false);
+
+/// Kernels that must give the same bits: that of one lane, and the renderer's own that this machine can run.
+std::vector<NativeKernel> one_lane_and_native_kernels();
 
 /// What a material of the scene becomes; the rest of it stays.
 struct ExtraFamily {

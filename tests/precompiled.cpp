@@ -1,1 +1,0 @@
-// Empty: this file exists to compile the precompiled header of the tests.
