@@ -45,6 +45,34 @@ configure() {
   cmake --preset "$preset" -DPENUMBRA_WARNINGS_AS_ERRORS=ON "$@" >/dev/null
 }
 
+# work LIMIT COMMAND...: runs it, and fails where it takes more work than LIMIT, in the unit of ../shared/yard, which does not
+# depend on the machine.
+work() {
+  local limit=$1 report yards
+  shift
+  report=$(mktemp)
+  if ! CCACHE_DISABLE=1 "$shared/yard/yards" "$@" 2> >(tee "$report" >&2); then return 1; fi
+  yards=$(sed -nE 's/.*: ([0-9]+) yards$/\1/p' "$report" | tail -n 1)
+  echo "$* takes $yards yards, of at most $limit."
+  ((yards <= limit))
+}
+
+# check_work: the README's two commands in a new clone.
+check_work() {
+  local shared=$PWD/../shared folder
+  if [[ ! -x $shared/yard/yards ]]; then
+    echo "skipped: there is no ../shared/yard"
+    return
+  fi
+  folder=$(mktemp -d)
+  ln -s "$shared" "$folder/shared"
+  git -c safe.directory="$PWD" clone -q . "$folder/penumbra"
+  (
+    cd "$folder/penumbra"
+    work 90 bash scenes/quickstart.sh "$folder/out" && work 200 bash tests/run.sh
+  ) && rm -rf "$folder"
+}
+
 # build PRESET TARGET...
 build() {
   local preset=$1

@@ -186,7 +186,9 @@ Setting parameter_row(const IntegratorParameter& parameter) {
   Setting setting =
       setting_of(fmt::format("integrator.{}", parameter.name), parameter.format, parameter.description);
   setting.apply = [&parameter](RenderSettings& settings, std::string_view text) -> Expected<void> {
-    if (void* found = parameter.find(settings.integrator)) return parameter.format.read(text, found);
+    void* found = parameter.find(settings.integrator);
+    if (const Expected<void> done = parameter.format.read(text, found); !done || found != nullptr)
+      return done;
     return not_a_parameter(settings.integrator, parameter.name,
                            [&](const IntegratorSettings& other) { return parameter.is_in(other); });
   };

@@ -28,6 +28,12 @@ std::string default_of(const Values& values, const T& value) {
     return print_default(value);
 }
 
+/// Not inlined into the hundreds of calls in add_model.
+[[gnu::noinline]] void add_parameter(PluginEntry& entry, const char* name, std::string values,
+                                     std::string default_value, const char* text) {
+  entry.parameters.push_back({name, std::move(values), std::move(default_value), text});
+}
+
 template <typename Model>
 void add_model(Entries& entries, const char* kind) {
   const Model model;
@@ -37,7 +43,7 @@ void add_model(Entries& entries, const char* kind) {
     const char* nested = kMayBeTexture<T>                   ? ", or a texture"
                          : std::is_same_v<T, GriddedColour> ? ", or a gridvolume"
                                                             : "";
-    entry.parameters.push_back({name, values.values() + nested, default_of(values, model.*member), text});
+    add_parameter(entry, name, values.values() + nested, default_of(values, model.*member), text);
   });
   entries.push_back(std::move(entry));
 }

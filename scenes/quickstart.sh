@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# From a fresh Debian 12 machine to a first picture: installs what the build needs, builds penumbra, its worker and its
-# window for this machine's processor, and renders the Cornell box with two worker processes.
+# From a fresh Debian 12 machine to a first picture: installs what the build needs, builds penumbra and its worker for this
+# machine's processor, and renders the Cornell box with two worker processes. Then it builds the rest, the window for one,
+# while the picture can be looked at.
 #
 #   scenes/quickstart.sh [OUTPUT_FOLDER]        (out/ in the project's folder by default)
 set -euo pipefail
@@ -18,14 +19,14 @@ mkdir -p "$out"
 out=$(cd "$out" && pwd)
 cd "$root"
 
-echo "1/3 Packages"
+echo "1/4 Packages"
 bash .ci/install_packages.sh build window
 
-echo "2/3 Build, in build/release (some minutes the first time)"
+echo "2/4 Build what renders, in build/release (some minutes the first time)"
 cmake --preset release >/dev/null
 cmake --build --preset release --target first_picture
 
-echo "3/3 Render scenes/cornell/cornell.xml with two workers"
+echo "3/4 Render scenes/cornell/cornell.xml with two workers"
 build/release/penumbra render scenes/cornell/cornell.xml --workers 2 --spp 64 -o "$out/cornell.exr"
 
 for picture in "$out/cornell.exr" "$out/cornell.png"; do
@@ -39,6 +40,12 @@ cat <<END
 The Cornell box is rendered:
   $out/cornell.exr   linear radiance with variance, albedo, normal, depth and sample-count layers
   $out/cornell.png   for looking at
+
+END
+echo "4/4 Build the window, readers of less usual files, and manual pages"
+cmake --build --preset release --target installed
+cat <<END
+
 Next: build/release/penumbra render --help
       build/release/penumbra view scenes/star-light/star-light.xml   (where there is a screen)
 END

@@ -124,6 +124,7 @@ struct ValueFormat {
   SettingKind kind;
   std::string values;                ///< the accepted values in words
   std::vector<std::string> choices;  ///< the accepted names, also of a list of names; empty: it is neither
+  /// `to` may be null: the text is only checked.
   std::function<Expected<void>(std::string_view text, void* to)> read;
   std::function<std::string(const void* from)> print;
   void (*assign)(void* to, const void* from);
@@ -138,7 +139,7 @@ ValueFormat format_of(const Values& values) {
   format.read = [values](std::string_view text, void* to) -> Expected<void> {
     auto value = values.parse(text);
     if (!value) return std::unexpected(value.error());
-    *static_cast<T*>(to) = T(*std::move(value));
+    if (to != nullptr) *static_cast<T*>(to) = T(*std::move(value));
     return {};
   };
   format.print = [values](const void* from) { return values.print(*static_cast<const T*>(from)); };

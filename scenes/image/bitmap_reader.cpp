@@ -99,7 +99,7 @@ Expected<ImageContents> contents_of(const std::string& name, std::string_view co
   if (std::optional<ImageContents> common = read_common_image(contents, kMaxBitmapBytes))
     return std::move(*common);
   static const Expected<const void*> reader =
-      load_module("libpenumbra_texel_reader.so", "penumbra_texel_reader");
+      load_module("libpenumbra_image_reader.so", "penumbra_texel_reader");
   if (!reader)
     return fail(
         fmt::format("cannot be read, because what reads images does not load: {}", reader.error().message));

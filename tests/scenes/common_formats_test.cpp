@@ -44,7 +44,7 @@ class CommonFormats : public ::testing::Test {
 
   Expected<ImageContents> by_oiio(const std::string& name, const std::string& contents) {
     static const Expected<const void*> reader =
-        load_module("libpenumbra_texel_reader.so", "penumbra_texel_reader");
+        load_module("libpenumbra_image_reader.so", "penumbra_texel_reader");
     return static_cast<const TexelReader*>(reader.value())
         ->read((folder_ / name).string(), contents, kMaxBitmapBytes);
   }

@@ -8,6 +8,7 @@
 #include "scheduler/stress/truth/quadrature.h"
 
 namespace penumbra::stress {
+namespace bsdf_cases {
 namespace {
 
 constexpr int kGrid = 256;
@@ -171,11 +172,15 @@ void add_directions(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_bsdf_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_values(cases);
   add_sample_ends(cases);
   add_albedos(cases);
   add_directions(cases);
 }
+
+}  // namespace bsdf_cases
+
+void add_bsdf_cases(std::vector<Case>& cases) { bsdf_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -6,6 +6,7 @@
 #include "scheduler/stress/quantity_list.h"
 
 namespace penumbra::stress {
+namespace intersection_cases {
 namespace {
 
 constexpr double kRays = 100000;
@@ -276,7 +277,7 @@ void add_cameras(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_intersection_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_watertight(cases);
   add_surfaces(cases);
   add_spheres(cases);
@@ -284,5 +285,9 @@ void add_intersection_cases(std::vector<Case>& cases) {
   add_cameras(cases);
   add_distortions(cases);
 }
+
+}  // namespace intersection_cases
+
+void add_intersection_cases(std::vector<Case>& cases) { intersection_cases::add(cases); }
 
 }  // namespace penumbra::stress

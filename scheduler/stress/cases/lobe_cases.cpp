@@ -6,6 +6,7 @@
 #include "scheduler/stress/truth/quadrature.h"
 
 namespace penumbra::stress {
+namespace lobe_cases {
 namespace {
 
 // The documented bounds of polygon_terms.
@@ -66,7 +67,7 @@ Quad square_lobe(Quad exponent, const Quad3& w) {
 
 }  // namespace
 
-void add_lobe_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Axis& axis : axes()) {
     for (const Exponent& e : kExponents)
       add(cases, fmt::format("{}-{}", axis.name, e.name), fmt::format("{}, exponent {}", axis.stiff, e.name),
@@ -90,5 +91,9 @@ void add_lobe_cases(std::vector<Case>& cases) {
         relative(kSmallBound / size, "documented bound of polygon_terms: 3e-15 / angular size"));
   }
 }
+
+}  // namespace lobe_cases
+
+void add_lobe_cases(std::vector<Case>& cases) { lobe_cases::add(cases); }
 
 }  // namespace penumbra::stress

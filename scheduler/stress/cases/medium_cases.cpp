@@ -7,6 +7,7 @@
 #include "scheduler/stress/quantity_list.h"
 
 namespace penumbra::stress {
+namespace medium_cases {
 namespace {
 
 /// 1 - |mu| of a share u of Henyey and Greenstein's lobe, towards its peak.
@@ -180,11 +181,15 @@ void add_sights(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_medium_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_phase(cases);
   add_flights(cases);
   add_weights(cases);
   add_sights(cases);
 }
+
+}  // namespace medium_cases
+
+void add_medium_cases(std::vector<Case>& cases) { medium_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -9,6 +9,7 @@
 #include "scheduler/stress/cases/inputs.h"
 
 namespace penumbra::stress {
+namespace merge_cases {
 namespace {
 
 constexpr double kEpsilon = 1.0 / (1ull << 53);  ///< relative rounding of a double
@@ -142,7 +143,7 @@ const std::vector<Entry>& entries() {
 
 }  // namespace
 
-void add_merge_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Entry& e : entries()) {
     const auto make = e.blocks;
     // Each merge rounds the mean three times: by parts of the difference of the means, and of the mean.
@@ -179,5 +180,9 @@ void add_merge_cases(std::vector<Case>& cases) {
                      of_m2});
   }
 }
+
+}  // namespace merge_cases
+
+void add_merge_cases(std::vector<Case>& cases) { merge_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -9,6 +9,7 @@
 #include "scheduler/stress/truth/mixtures.h"
 
 namespace penumbra::stress {
+namespace mixture_cases {
 namespace {
 
 constexpr double kDiffuse = .3, kSpecular = .6, kInternal = .6;
@@ -186,12 +187,16 @@ void add_fresnel(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_mixture_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Mixture& m : mixtures()) {
     add_values(m, cases);
     if (!m.transmits) add_samples(m, cases);
   }
   add_fresnel(cases);
 }
+
+}  // namespace mixture_cases
+
+void add_mixture_cases(std::vector<Case>& cases) { mixture_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -4,6 +4,7 @@
 #include "scheduler/stress/truth/polygon.h"
 
 namespace penumbra::stress {
+namespace polygon_cases {
 namespace {
 
 // The documented bounds of polygon_terms: absolute; of a light of small angular size, relative times it.
@@ -125,7 +126,7 @@ void add_undefined(std::vector<Case>& cases, const char* name, const char* stiff
 
 }  // namespace
 
-void add_polygon_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Entry& e : entries()) add(cases, e, absolute(kBound, kWhy));
   // From below the whole hemisphere is lit, from above nothing; tilted by t, shares of (1 +- cos t) / 2.
   for (const auto& [name, n] :
@@ -150,5 +151,9 @@ void add_polygon_cases(std::vector<Case>& cases) {
         relative(kSmallBound / e.size, "documented bound of polygon_terms: 3e-15 / angular size"));
   }
 }
+
+}  // namespace polygon_cases
+
+void add_polygon_cases(std::vector<Case>& cases) { polygon_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -9,6 +9,7 @@
 #include "scheduler/stress/truth/polygon.h"
 
 namespace penumbra::stress {
+namespace projected_cases {
 namespace {
 
 constexpr int kGrid = 64;
@@ -103,7 +104,7 @@ void add(std::vector<Case>& cases, const Light& light) {
 
 }  // namespace
 
-void add_projected_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Light& light : kLights) add(cases, light);
   cases.push_back(
       {"projected/too-small", "one vertex 1e-2 above the horizon", "projected solid angle that is sampled",
@@ -112,5 +113,9 @@ void add_projected_cases(std::vector<Case>& cases) {
        known(0, "smaller than SMALL_PROJECTED_AREA of the perimeter: left to other samplings"),
        absolute(0, "a decision")});
 }
+
+}  // namespace projected_cases
+
+void add_projected_cases(std::vector<Case>& cases) { projected_cases::add(cases); }
 
 }  // namespace penumbra::stress

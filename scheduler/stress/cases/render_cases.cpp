@@ -7,6 +7,7 @@
 #include "scheduler/stress/truth/polygon.h"
 
 namespace penumbra::stress {
+namespace render_cases {
 namespace {
 
 /// The six sides of the cube (-1, 1)^3 seen from inside; without `open` ones.
@@ -199,11 +200,15 @@ void add_many_samples(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_render_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_furnaces(cases);
   add_glossy(cases);
   add_images(cases);
   add_many_samples(cases);
 }
+
+}  // namespace render_cases
+
+void add_render_cases(std::vector<Case>& cases) { render_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -8,6 +8,7 @@
 #include "scheduler/stress/truth/quadrature.h"
 
 namespace penumbra::stress {
+namespace render_light_cases {
 namespace {
 
 constexpr float kAlbedo = .5f;
@@ -252,7 +253,7 @@ void add_points(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_render_light_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_placements(cases);
   add_radiances(cases);
   add_seeds(cases);
@@ -261,5 +262,9 @@ void add_render_light_cases(std::vector<Case>& cases) {
   add_own_surface(cases);
   add_points(cases);
 }
+
+}  // namespace render_light_cases
+
+void add_render_light_cases(std::vector<Case>& cases) { render_light_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -12,6 +12,7 @@
 #include "scheduler/stress/truth/quadrature.h"
 
 namespace penumbra::stress {
+namespace render_medium_cases {
 namespace {
 
 IntegratorSettings volpath(DirectSampling sampling) {
@@ -264,12 +265,16 @@ void add_grids(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_render_medium_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_dimmed(cases);
   add_dense(cases);
   add_furnaces(cases);
   add_area_lights(cases);
   add_grids(cases);
 }
+
+}  // namespace render_medium_cases
+
+void add_render_medium_cases(std::vector<Case>& cases) { render_medium_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -7,6 +7,7 @@
 #include "scheduler/stress/cases/scene_pieces.h"
 
 namespace penumbra::stress {
+namespace render_photon_cases {
 namespace {
 
 constexpr std::uint32_t kMaps = 256;
@@ -32,7 +33,7 @@ SceneDescription closed_room(const glm::dvec3& target, const Placement& place, f
 
 }  // namespace
 
-void add_render_photon_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   struct Entry {
     const char *name, *stiff;
     glm::dvec3 target;
@@ -57,5 +58,9 @@ void add_render_photon_cases(std::vector<Case>& cases) {
                                        errors_from(e.truth)},
                      known(0, "furnace"), absolute(5, "5 standard errors")});
 }
+
+}  // namespace render_photon_cases
+
+void add_render_photon_cases(std::vector<Case>& cases) { render_photon_cases::add(cases); }
 
 }  // namespace penumbra::stress

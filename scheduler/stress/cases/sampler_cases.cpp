@@ -7,6 +7,7 @@
 #include "scheduler/stress/quantity_list.h"
 
 namespace penumbra::stress {
+namespace sampler_cases {
 namespace {
 
 constexpr double kMaxUint = 4294967295.0;
@@ -44,7 +45,7 @@ Numbers outside(const Numbers& out) {
 
 }  // namespace
 
-void add_sampler_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   for (const Sampler& sampler : kSamplers) {
     for (const Range& range : kRanges)
       cases.push_back({fmt::format("sampler/{}-{}", sampler.name, range.name), range.stiff,
@@ -92,5 +93,9 @@ void add_sampler_cases(std::vector<Case>& cases) {
                      absolute(8 * kUlp, "roundings of a geometric series and of the digits' weights")});
   }
 }
+
+}  // namespace sampler_cases
+
+void add_sampler_cases(std::vector<Case>& cases) { sampler_cases::add(cases); }
 
 }  // namespace penumbra::stress

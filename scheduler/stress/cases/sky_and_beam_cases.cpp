@@ -10,6 +10,7 @@
 #include "scheduler/stress/cases/scene_pieces.h"
 
 namespace penumbra::stress {
+namespace sky_and_beam_cases {
 namespace {
 
 constexpr float kAlbedo = .5f;
@@ -138,10 +139,14 @@ void add_lens(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_sky_and_beam_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_skies(cases);
   add_beams(cases);
   add_lens(cases);
 }
+
+}  // namespace sky_and_beam_cases
+
+void add_sky_and_beam_cases(std::vector<Case>& cases) { sky_and_beam_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -7,6 +7,7 @@
 #include "scheduler/stress/quantity_list.h"
 
 namespace penumbra::stress {
+namespace small_function_cases {
 namespace {
 
 void add_weights(std::vector<Case>& cases) {
@@ -166,11 +167,15 @@ void add_filters(std::vector<Case>& cases) {
 
 }  // namespace
 
-void add_small_function_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   add_weights(cases);
   add_statistics(cases);
   add_functions(cases);
   add_filters(cases);
 }
+
+}  // namespace small_function_cases
+
+void add_small_function_cases(std::vector<Case>& cases) { small_function_cases::add(cases); }
 
 }  // namespace penumbra::stress

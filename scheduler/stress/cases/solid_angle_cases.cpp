@@ -8,6 +8,7 @@
 #include "scheduler/stress/truth/spherical.h"
 
 namespace penumbra::stress {
+namespace solid_angle_cases {
 namespace {
 
 // Vertices are normalised in float: each component of them is off by up to two roundings of its length.
@@ -92,7 +93,7 @@ void add(std::vector<Case>& cases, const Kind& kind, const Light& light) {
 
 }  // namespace
 
-void add_solid_angle_cases(std::vector<Case>& cases) {
+void add(std::vector<Case>& cases) {
   const Kind triangle{
       "triangle", QUANTITY_SPHERICAL_TRIANGLE,
       [](const Quads& in) { return Quads{solid_angle(quad(in, 0), quad(in, 3), quad(in, 6))}; },
@@ -108,5 +109,9 @@ void add_solid_angle_cases(std::vector<Case>& cases) {
       }};
   for (const Light& light : kRectangles) add(cases, rectangle, light);
 }
+
+}  // namespace solid_angle_cases
+
+void add_solid_angle_cases(std::vector<Case>& cases) { solid_angle_cases::add(cases); }
 
 }  // namespace penumbra::stress

@@ -51,26 +51,58 @@ std::vector<double> random_power(std::size_t count, double spread, std::uint64_t
   return power;
 }
 
-class LightTable : public testing::TestWithParam<std::vector<double>> {};
-INSTANTIATE_TEST_SUITE_P(
-    Powers, LightTable,
-    testing::Values(std::vector<double>{3}, std::vector<double>{1, 1}, std::vector<double>{1, 2, 3},
-                    std::vector<double>{0, 5, 0, 1}, std::vector<double>{1e-12, 1, 1e-12},
-                    std::vector<double>{1e300, 1e299}, std::vector<double>(36, 1.0), random_power(7, 1, 1),
-                    random_power(1000, 3, 2), random_power(100'000, 1, 3), std::vector<double>(99'999, 1.0)),
-    [](const auto& tested) {
-      return std::to_string(tested.param.size()) + "Lights" + std::to_string(tested.index);
-    });
+/// Powers of lights, made where a test needs them: there are many.
+struct Powers {
+  std::size_t lights;
+  std::vector<double> (*make)();
+};
+
+class LightTable : public testing::TestWithParam<Powers> {
+ protected:
+  const std::vector<double> power_ = GetParam().make();
+};
+INSTANTIATE_TEST_SUITE_P(Powers, LightTable,
+                         testing::ValuesIn(std::vector<Powers>{
+                             {1, [] { return std::vector<double>{3}; }},
+                             {2,
+                              [] {
+                                return std::vector<double>{1, 1};
+                              }},
+                             {3,
+                              [] {
+                                return std::vector<double>{1, 2, 3};
+                              }},
+                             {4,
+                              [] {
+                                return std::vector<double>{0, 5, 0, 1};
+                              }},
+                             {3,
+                              [] {
+                                return std::vector<double>{1e-12, 1, 1e-12};
+                              }},
+                             {2,
+                              [] {
+                                return std::vector<double>{1e300, 1e299};
+                              }},
+                             {36, [] { return std::vector<double>(36, 1.0); }},
+                             {7, [] { return random_power(7, 1, 1); }},
+                             {1000, [] { return random_power(1000, 3, 2); }},
+                             {100'000, [] { return random_power(100'000, 1, 3); }},
+                             {99'999, [] { return std::vector<double>(99'999, 1.0); }}}),
+                         [](const auto& tested) {
+                           return std::to_string(tested.param.lights) + "Lights" +
+                                  std::to_string(tested.index);
+                         });
 
 TEST_P(LightTable, ProbabilitiesAreThoseOfTheChoicesExactly) {
-  SceneTables tables = tables_of(GetParam());
+  SceneTables tables = tables_of(power_);
   const std::vector<std::uint32_t> count = count_choices(tables);
   for (std::size_t i = 0; i < count.size(); ++i)
     ASSERT_EQ(tables.lights[i].pmf, float(count[i]) * 0x1p-24f) << "light " << i;
 }
 
 TEST_P(LightTable, ProbabilitiesFollowThePower) {
-  const std::vector<double>& power = GetParam();
+  const std::vector<double>& power = power_;
   SceneTables tables = tables_of(power);
   const double total = std::accumulate(power.begin(), power.end(), 0.0),
                cell = 1.0 / double(tables.light_cells.size());
@@ -87,7 +119,7 @@ TEST_P(LightTable, ProbabilitiesFollowThePower) {
 }
 
 TEST_P(LightTable, CellsOfALightAreNeighboursInTheOrderOfPlaces) {
-  SceneTables tables = tables_of(GetParam());
+  SceneTables tables = tables_of(power_);
   std::vector<bool> seen(tables.lights.size(), false);
   for (std::size_t k = 0; k < tables.light_cells.size(); ++k) {
     const auto light = std::size_t(tables.light_cells[k]);
@@ -99,7 +131,7 @@ TEST_P(LightTable, CellsOfALightAreNeighboursInTheOrderOfPlaces) {
 }
 
 TEST_P(LightTable, WhatIsLeftOfTheNumbersFillsTheIntervalEvenly) {
-  SceneTables tables = tables_of(GetParam());
+  SceneTables tables = tables_of(power_);
   const std::vector<Light>& lights = tables.lights;
   const Scene scene = tables.scene();
   std::vector<std::vector<bool>> taken(lights.size());
@@ -121,7 +153,7 @@ TEST_P(LightTable, WhatIsLeftOfTheNumbersFillsTheIntervalEvenly) {
 
 TEST_P(LightTable, NeighboursStayNeighbours) {
   // Numbers that choose one light differ by their distance over its probability.
-  SceneTables tables = tables_of(GetParam());
+  SceneTables tables = tables_of(power_);
   const std::vector<Light>& lights = tables.lights;
   const Scene scene = tables.scene();
   RandomNumbers random(5);
@@ -136,9 +168,9 @@ TEST_P(LightTable, NeighboursStayNeighbours) {
 }
 
 TEST_P(LightTable, EveryLightWithPowerCanBeChosen) {
-  const std::vector<Light> lights = tables_of(GetParam()).lights;
+  const std::vector<Light> lights = tables_of(power_).lights;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    ASSERT_EQ(lights[i].pmf > 0, GetParam()[i] > 0) << "light " << i;
+    ASSERT_EQ(lights[i].pmf > 0, power_[i] > 0) << "light " << i;
   }
 }
 

@@ -9,6 +9,7 @@ namespace penumbra {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -71,7 +72,7 @@ TEST_F(Installed, IsFoundThroughALinkAndThroughPath) {
   const ProgramResult listed = in_clean_environment(
       "mkdir bin && ln -s \"$P/bin/penumbra\" bin/ && PATH=$PWD/bin:$PATH penumbra worker --list-devices");
   EXPECT_EQ(listed.exit_code, 0) << listed.err;
-  EXPECT_THAT(listed.out, HasSubstr("native: sse2"));
+  EXPECT_THAT(listed.out, ContainsRegex("native: (sse2|avx2|avx512)"));
 }
 
 TEST_F(Installed, EveryProgramStarts) {
@@ -130,8 +131,8 @@ TEST(DebianPackage, NamesTheLibrariesThatItNeeds) {
   const ProgramResult files = shell("dpkg-deb -c p.deb");
   for (const char* file :
        {"./usr/bin/penumbra\n", "./usr/bin/penumbra-worker\n",
-        "./usr/lib/penumbra/libpenumbra_image_reader.so", "./usr/lib/penumbra/libpenumbra_texel_reader.so",
-        "./usr/share/man/man1/penumbra-render.1", "./usr/share/bash-completion/completions/penumbra\n"})
+        "./usr/lib/penumbra/libpenumbra_image_reader.so", "./usr/share/man/man1/penumbra-render.1",
+        "./usr/share/bash-completion/completions/penumbra\n"})
     EXPECT_THAT(files.out, HasSubstr(file));
   EXPECT_THAT(files.out, Not(HasSubstr("/usr/include"))) << "nothing is built against it";
   // What is unpacked runs as it lies.
