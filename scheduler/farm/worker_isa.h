@@ -11,8 +11,8 @@ namespace penumbra {
 
 /// The device options for a worker that supports these instruction sets. With Embree the image depends on the
 /// instruction set, so a worker without the job's set is refused; the error says why and names `worker`. With
-/// the portable intersector every set gives bitwise equal results, so a worker without the job's set uses its
-/// best one. OpenCL kernels do not depend on it.
+/// the portable intersector every set gives bitwise equal results, so a worker without the job's set uses the
+/// widest below it, else its narrowest. OpenCL kernels do not depend on it.
 Expected<DeviceOptions> options_for_worker(const DeviceOptions& job, bool embree, std::span<const Isa> has,
                                            const std::string& worker);
 

@@ -437,7 +437,7 @@ TEST_F(RenderJobTest, APortableJobTakesWorkersOfEveryInstructionSet) {
   EXPECT_THAT(outcome->problems, IsEmpty());
 }
 
-TEST(WorkerIsa, IsTheJobsOrTheBestBelowItOrAReasonToRefuse) {
+TEST(WorkerIsa, IsTheJobsOrTheNearestOrAReasonToRefuse) {
   const auto isa = [](Isa job, bool embree, std::vector<Isa> has) {
     const auto options = options_for_worker({.isa = job}, embree, has, "a:1");
     return options ? std::string(isa_name(options->isa)) : options.error().message;
@@ -448,7 +448,8 @@ TEST(WorkerIsa, IsTheJobsOrTheBestBelowItOrAReasonToRefuse) {
     EXPECT_EQ(isa(Isa::kSse2, embree, all), "sse2") << "the job's, not the best";
   }
   EXPECT_EQ(isa(Isa::kAvx512, false, old), "avx2");
-  EXPECT_EQ(isa(Isa::kAvx512, false, {}), "sse2") << "what every machine has";
+  EXPECT_EQ(isa(Isa::kSse2, false, {Isa::kAvx2, Isa::kAvx512}), "avx2") << "it has none below";
+  EXPECT_EQ(isa(Isa::kAvx512, false, {}), "avx512") << "the worker says itself what it lacks";
   EXPECT_THAT(isa(Isa::kAvx512, true, old),
               AllOf(HasSubstr("worker a:1"), HasSubstr("has sse2, avx2"), HasSubstr("with avx512")));
   EXPECT_THAT(isa(Isa::kAvx2, true, {}), HasSubstr("has none that it names"));
