@@ -88,7 +88,7 @@ Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const 
   return {};
 }
 
-ExitCode view(const ViewOptions& options, const CLI::App& app) {
+ExitCode view(const ViewOptions& options, const CommandLine& app) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto script = read_script(options.script);
   if (!script) return print_error(script.error()), kBadInput;
@@ -145,11 +145,11 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
 }
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Open a window on a scene, or on a render that is under way. Polygon lights are there at once; their "
       "shadows converge",
       "penumbra-view");
-  app.set_version_flag("--version", fmt::format("penumbra-view {}", kVersion));
+  app.add_version([] { return fmt::format("penumbra-view {}", kVersion); });
   ViewOptions options;
   add_view_options(app, options);
   app.footer(
@@ -160,15 +160,10 @@ ExitCode run(int argc, char** argv) {
       "  penumbra-view scenes/star-light/star-light.xml --workers 2\n"
       "  penumbra-view --connect unix:/run/user/1000/penumbra-x/socket\n"
       "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
-  use_help_text(app);
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
-  try {
-    app.parse(argc, argv);
-    if (options.preview.scene.scene.empty() && options.connect.empty())
-      throw CLI::RequiredError("SCENE or --connect");
-  } catch (const CLI::ParseError& error) {
-    return end_of_parse(app, error);
-  }
+  if (const auto ended = app.parse(argc, argv)) return *ended;
+  if (options.preview.scene.scene.empty() && options.connect.empty())
+    return app.refuse("SCENE or --connect is required");
   return view(options, app);
 }
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string_view>
 
+#include "scheduler/cli/access_options.h"
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/keys/access_options.h"
 #include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
@@ -34,18 +34,18 @@ std::string check_screenshot(const std::string& path) {
 
 }  // namespace
 
-void add_view_options(CLI::App& app, ViewOptions& options) {
+void add_view_options(CommandLine& app, ViewOptions& options) {
   add_preview_options(app, options.preview);
-  CLI::Option* scene = app.get_option("SCENE");
+  Option* scene = app.option("SCENE");
   scene->required(false)->description(
       "Scene file: a scheduler and workers are started for it. Or an image: EXR, PNG, …");
   // The window's own scheduler listens on a private socket; for others, and over TCP, use `penumbra preview`.
-  app.remove_option(app.get_option("--listen"));
+  app.remove_option(app.option("--listen"));
   app.add_option("--connect", options.connect,
                  "Watch a render that is under way, at the address that it printed: unix:/path, or HOST:PORT "
                  "with --keys, or with the token that it printed in PENUMBRA_TOKEN")
       ->type_name("ADDRESS")
-      ->check(CLI::Validator(check_address, ""))
+      ->check({check_address})
       ->group(kOwn)
       ->excludes(scene);
   app.add_option("--job", options.job, "Job of a service (default: the oldest that is under way)")
@@ -53,22 +53,22 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
       ->check(whole_number(1, std::numeric_limits<JobId>::max()))
       ->group(kOwn)
       ->needs("--connect");
-  app.get_option("--keys")->group(kOwn)->description(
+  app.option("--keys")->group(kOwn)->description(
       "For a scheduler at HOST:PORT with TLS: the folder that `penumbra keys` made, or its part for windows");
   add_token_refusal(app);
   app.add_option("--reference", options.reference, "Image to compare with")
       ->type_name("FILE")
-      ->check(CLI::Validator(CLI::ExistingFile).description(""))
+      ->check(existing_file())
       ->group(kOwn);
   app.add_option("--script", options.script, "Run the commands of this file, one a line, and end")
       ->type_name("FILE")
-      ->check(CLI::Validator(CLI::ExistingFile).description(""))
+      ->check(existing_file())
       ->group(kOwn);
   app.add_option(
          "--screenshot", options.screenshot,
          "Write what the window shows at the end of the script, or without one once all samples are there")
       ->type_name("FILE.png")
-      ->check(CLI::Validator(check_screenshot, ""))
+      ->check({check_screenshot})
       ->group(kOwn);
   for (const auto& [name, size, help] :
        {std::tuple{"--width", &options.width, "Width of the window in pixels"},
@@ -85,13 +85,13 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
       ->group(kOwn);
 }
 
-std::vector<std::string> preview_arguments(const CLI::App& app) {
+std::vector<std::string> preview_arguments(const CommandLine& app) {
   std::vector<std::string> arguments;
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || option->get_group() == kOwn) continue;
-    const bool is_flag = option->get_expected_max() == 0;
+  for (const Option* option : app.options()) {
+    if (!option->is_given() || option->group() == kOwn) continue;
+    const bool is_flag = !option->takes_value();
     for (const std::string& value : option->results()) {
-      if (!option->get_positional()) arguments.push_back(option->get_name());
+      if (!option->is_positional()) arguments.push_back(option->name());
       if (!is_flag) arguments.push_back(value);
     }
   }

@@ -1,10 +1,10 @@
 // The options of `penumbra-view`.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/plan/work_unit.h"
 
@@ -20,9 +20,9 @@ struct ViewOptions {
   bool hidden = false, gl_debug = false;
 };
 
-void add_view_options(CLI::App& app, ViewOptions& options);
+void add_view_options(CommandLine& app, ViewOptions& options);
 
 /// The arguments that the user gave for `penumbra preview`.
-std::vector<std::string> preview_arguments(const CLI::App& app);
+std::vector<std::string> preview_arguments(const CommandLine& app);
 
 }  // namespace penumbra

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -20,10 +19,10 @@
 
 #include "kernels/host/console.h"
 #include "kernels/host/text.h"
+#include "scheduler/cli/access_options.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/help_text.h"
-#include "scheduler/keys/access_options.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
@@ -48,14 +47,12 @@ std::string isas_left_out() {
   return left_out.empty() ? "" : fmt::format(" (not built, see PENUMBRA_ISA: {})", isa_list(left_out));
 }
 
-/// Prints the devices; ends the parse, like --help.
 void list_devices() {
   using namespace penumbra;
   const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
   print_answer(fmt::format("native: {}{}; {}\nOpenCL:{}{}\n", isa_list(usable_isas()), isas_left_out(),
                            counted(std::thread::hardware_concurrency(), "core"),
                            devices.empty() ? " no device" : "\n", opencl_device_table(devices)));
-  throw CLI::Success();
 }
 
 /// The cores that this process may use: those that a job queue assigned to the task, else those that it is
@@ -101,12 +98,12 @@ int run(int argc, char** argv) {
   WorkerClientOptions options;
   std::string backend, isa, opencl_device, keys, threads;
 
-  CLI::App app{
+  CommandLine app{
       "Render work units for a Penumbra scheduler. `penumbra render` starts its workers itself; start one by "
       "hand only to join a scheduler that runs elsewhere",
       "penumbra-worker"};
-  app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
-  app.option_defaults()->group(group::kNetwork);
+  app.add_version([] { return "penumbra-worker " PENUMBRA_VERSION; });
+  app.default_group(group::kNetwork);
   app.add_option("--connect", options.address,
                  "Address of the scheduler: unix:/path, or HOST:PORT with --keys, or with the token that it "
                  "printed in PENUMBRA_TOKEN. file:PATH: what a scheduler with --address-file PATH writes "
@@ -119,33 +116,31 @@ int run(int argc, char** argv) {
          "Time to wait for a scheduler that is not there yet, or no longer, with pauses of up to 15 s; inf: "
          "for ever. After that the exit code is 1")
       ->type_name("SECONDS")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            char* end = nullptr;
-            const double seconds = std::strtod(text.c_str(), &end);  // takes "inf", too
-            const bool is_number = !text.empty() && *end == '\0' && !std::isnan(seconds);
-            return is_number && seconds >= 0 ? std::string()
-                                             : "'" + text + "' is not a number from 0 up, or inf";
-          },
-          "0 or above"))
+      ->check({[](const std::string& text) {
+                 char* end = nullptr;
+                 const double seconds = std::strtod(text.c_str(), &end);  // takes "inf", too
+                 const bool is_number = !text.empty() && *end == '\0' && !std::isnan(seconds);
+                 return is_number && seconds >= 0 ? std::string()
+                                                  : "'" + text + "' is not a number from 0 up, or inf";
+               },
+               "0 or above"})
       ->capture_default_str();
-  app.option_defaults()->group(group::kWorkers);
+  app.default_group(group::kWorkers);
   const auto* backend_option = app.add_option("--backend", backend, "Backend, whatever the job says")
                                    ->type_name("NAME")
-                                   ->check(CLI::IsMember({"native", "opencl", "auto"}));
+                                   ->check(one_of({"native", "opencl", "auto"}));
   const auto* threads_option =
       app.add_option("--threads", threads, "Threads, whatever the job says; auto: as many as it has cores")
           ->type_name("N")
-          ->check((CLI::Range(1, kMaxThreads) | CLI::IsMember({"auto"}))
-                      .description(fmt::format("1 to {}, or auto", kMaxThreads)));
+          ->check(whole_number_or(1, kMaxThreads, "auto"));
   const auto* isa_option = app.add_option(
       "--isa", isa, "Instruction set of the native backend, whatever the job says: sse2, avx2 or avx512");
   const auto* opencl_option =
       app.add_option("--opencl-device,--device", opencl_device,
                      "OpenCL device: its number, or part of its name or its platform's");
-  app.get_option("--isa")->type_name("NAME");
-  app.get_option("--device")->type_name("NAME");
-  app.option_defaults()->group("Scene cache");
+  app.option("--isa")->type_name("NAME");
+  app.option("--device")->type_name("NAME");
+  app.default_group("Scene cache");
   std::string cache;
   app.add_option("--cache", cache,
                  "Folder that keeps scenes for the next start; workers may share it. off: none (default: "
@@ -154,23 +149,16 @@ int run(int argc, char** argv) {
       ->type_name("FOLDER");
   app.add_option("--cache-size", options.cache_bytes, "Most that the folder may hold, as in 20G")
       ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(false).description(""))
+      ->transform(size_in_bytes())
       // Checked before the transformation above: they run in the opposite order.
-      ->transform(
-          CLI::Validator([](std::string& text) { return text.starts_with('-') ? "it is below 0" : ""; }, ""))
+      ->transform({[](std::string& text) { return text.starts_with('-') ? "it is below 0" : ""; }})
       ->default_str("4G");
-  app.add_flag_callback("--list-devices", list_devices, "List instruction sets and OpenCL devices, and end")
-      ->trigger_on_parse()
+  app.add_action_flag("--list-devices", list_devices, "List instruction sets and OpenCL devices, and end")
       ->group(group::kGeneral);
-  use_help_text(app);
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return end_of_parse(app, error);
-  }
+  if (const auto ended = app.parse(argc, argv)) return *ended;
 
-  if (*backend_option) {
+  if (backend_option->is_given()) {
     if (const auto used = check_backend_options(backends_in_use(backend), opencl_device, isa); !used) {
       print_error(used.error());
       return kBadUsage;
@@ -179,9 +167,10 @@ int run(int argc, char** argv) {
   options.cache = cache.empty() ? default_piece_cache(options.address) : std::filesystem::path(cache);
   if (cache == "off") options.cache.clear();
   options.isas = usable_isas();
-  if (*backend_option) options.backend = backend_from_name(backend);
-  if (*threads_option) options.threads = threads == "auto" ? cores_of_this_process() : std::stoi(threads);
-  if (*opencl_option) {
+  if (backend_option->is_given()) options.backend = backend_from_name(backend);
+  if (threads_option->is_given())
+    options.threads = threads == "auto" ? cores_of_this_process() : std::stoi(threads);
+  if (opencl_option->is_given()) {
     const Expected<OpenClDeviceInfo> found = find_opencl_device(opencl_device);
     if (!found) {
       print_error(found.error());
@@ -189,7 +178,7 @@ int run(int argc, char** argv) {
     }
     options.opencl_device = opencl_device;
   }
-  if (*isa_option) {
+  if (isa_option->is_given()) {
     const Expected<Isa> named = usable_isa(isa);
     if (!named) {
       print_error(named.error());

@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std::string>& arguments,
+std::optional<ExitCode> answer_about(const CommandLine& app, const std::vector<std::string>& arguments,
                                      const ValuesOf& values) {
   if (arguments.empty()) return std::nullopt;
   const std::vector<std::string> rest(arguments.begin() + 1, arguments.end());
@@ -15,7 +15,7 @@ std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std:
     print_answer(completion_text(complete(app, rest, values)));
     return kAllDone;
   }
-  const std::string called = app.get_name();
+  const std::string called = app.name();
   std::string name = called;  // the page's name: for "penumbra stress" it is penumbra-stress
   std::ranges::replace(name, ' ', '-');
   if (arguments[0] == "man" && rest.empty()) {
@@ -23,9 +23,7 @@ std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std:
     return kAllDone;
   }
   if (arguments[0] == "man" && rest.size() == 1 && !rest[0].starts_with("-")) {
-    const CLI::App* command = nullptr;
-    for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
-      if (each->get_name() == rest[0]) command = each;
+    const CommandLine* command = app.find_command(rest[0]);
     if (command == nullptr) return std::nullopt;
     print_answer(man_page(*command, name + "-" + rest[0], name + " " + rest[0], PENUMBRA_VERSION));
     return kAllDone;

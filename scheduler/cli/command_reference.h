@@ -2,18 +2,18 @@
 // and `PROGRAM man` for manual pages.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/completion.h"
 #include "scheduler/cli/exit_code.h"
 
 namespace penumbra {
 
 /// Answers such a command of the program named by `app`. Nothing if the arguments ask for something else.
-std::optional<ExitCode> answer_about(const CLI::App& app, const std::vector<std::string>& arguments,
+std::optional<ExitCode> answer_about(const CommandLine& app, const std::vector<std::string>& arguments,
                                      const ValuesOf& values = {});
 
 }  // namespace penumbra

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -260,7 +259,7 @@ ExitCode compare(const CompareCommandOptions& options) {
   return passed ? kAllDone : kIncomplete;
 }
 
-void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
+void add_metric_options(CommandLine& command, CompareCommandOptions& options) {
   constexpr const char* kGroup = "Metrics";
   command
       .add_option("--layer", options.compare.layer, "Layer or channel of an EXR: albedo, depth, samples.Y…")
@@ -281,23 +280,26 @@ void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
       ->capture_default_str()
       ->type_name("E")
       ->group(kGroup);
-  static const std::map<std::string, FlipKind> kinds = {{"auto", FlipKind::kAuto},
-                                                        {"ldr", FlipKind::kDisplay},
-                                                        {"hdr", FlipKind::kRadiance},
-                                                        {"none", FlipKind::kNone}};
-  command.add_option("--flip", options.compare.flip, "auto (ldr for PNG, hdr for EXR), ldr, hdr, none")
-      ->transform(CLI::CheckedTransformer(kinds).description(""))
+  command
+      .add_choice(
+          "--flip",
+          {{"auto", int(FlipKind::kAuto)},
+           {"ldr", int(FlipKind::kDisplay)},
+           {"hdr", int(FlipKind::kRadiance)},
+           {"none", int(FlipKind::kNone)}},
+          [&options](int kind) { options.compare.flip = FlipKind(kind); },
+          "auto (ldr for PNG, hdr for EXR), ldr, hdr, none")
       ->type_name("KIND")
       ->default_str("auto")
       ->group(kGroup);
   command.add_option("--ppd", options.compare.pixels_per_degree, "Pixels per degree of the observer of FLIP")
-      ->check(number_between(1, 10000).description(""))
+      ->check(number_between(1, 10000).hidden())
       ->type_name("P")
       ->default_str("67.02")
       ->group(kGroup);
 }
 
-void add_z_options(CLI::App& command, CompareCommandOptions& options) {
+void add_z_options(CommandLine& command, CompareCommandOptions& options) {
   constexpr const char* kGroup = "Noise";
   command.add_option("--variance", options.variance, "Variance of A's values (default: A's layer variance)")
       ->type_name("FILE")
@@ -310,7 +312,7 @@ void add_z_options(CLI::App& command, CompareCommandOptions& options) {
   command
       .add_option("--significance", options.compare.z_test.significance,
                   "Chance that images which differ by noise alone fail the z-test")
-      ->check(number_between(1e-12, 0.5).description(""))
+      ->check(number_between(1e-12, 0.5).hidden())
       ->capture_default_str()
       ->type_name("P")
       ->group(kGroup);
@@ -319,13 +321,13 @@ void add_z_options(CLI::App& command, CompareCommandOptions& options) {
                 "B has no noise, if it has no variances (default: then nothing is called a difference)")
       ->group(kGroup);
   command.add_option("--block", options.compare.z_test.block, "Side of the z-test's blocks in pixels")
-      ->check(whole_number(1, 65536).description(""))
+      ->check(whole_number(1, 65536).hidden())
       ->capture_default_str()
       ->type_name("N")
       ->group(kGroup);
 }
 
-void add_output_options(CLI::App& command, CompareCommandOptions& options) {
+void add_output_options(CommandLine& command, CompareCommandOptions& options) {
   constexpr const char* kGroup = group::kOutput;
   command
       .add_option("--json", options.json, "Write JSON; without FILE, or as -, to stdout instead of the table")
@@ -339,18 +341,18 @@ void add_output_options(CLI::App& command, CompareCommandOptions& options) {
                            ->type_name("FILE")
                            ->group(kGroup);
   command.add_option("--map", options.map, "Error shown by the heat map: relmse, abs, flip, z")
-      ->check(CLI::IsMember({"relmse", "abs", "flip", "z"}).description(""))
+      ->check(one_of({"relmse", "abs", "flip", "z"}).hidden())
       ->capture_default_str()
       ->type_name("MAP")
       ->needs(heatmap)
       ->group(kGroup);
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "--range",
-          [&options](const std::string& text) {
+          [&options](const std::string& text) -> Expected<void> {
             options.range = parse_range(text);
-            if (!options.range)
-              throw CLI::ValidationError("--range", "'" + text + "' is not LOW,HIGH with LOW < HIGH");
+            if (!options.range) return fail("'" + text + "' is not LOW,HIGH with LOW < HIGH");
+            return {};
           },
           "Errors that the heat map shows darkest and brightest (default: 0,1 for flip, 0,5 for z, else 0 "
           "to the 99th percentile)")
@@ -364,30 +366,31 @@ void add_output_options(CLI::App& command, CompareCommandOptions& options) {
       ->group(kGroup);
 }
 
-void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
+void add_limit_options(CommandLine& command, CompareCommandOptions& options) {
   constexpr const char* kGroup = "Limits";
   command
-      .add_option_function<std::vector<std::string>>(
+      .add_option_function(
           "--fail-above",
-          [&options](const std::vector<std::string>& texts) {
+          [&options](const std::vector<std::string>& texts) -> Expected<void> {
             for (const std::string& text : texts) {
               const auto limit = parse_limit(text);
-              if (!limit) throw CLI::ValidationError("--fail-above", limit.error().message);
+              if (!limit) return std::unexpected(limit.error());
               options.limits.push_back(*limit);
             }
+            return {};
           },
           fmt::format(
               "Exit code 1 if the metric is larger, or a pixel is NaN or infinite; repeatable. METRIC: {}",
               fmt::join(limit_metrics(), ", ")))
       ->type_name("METRIC=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->repeatable()
       ->group(kGroup);
   command
-      .add_option_function<double>(
+      .add_option_function(
           "--tolerance",
           [&options](double value) {
             options.limits.push_back({"relmse", value});
+            return Expected<void>();
           },
           "The same as --fail-above relmse=E")
       ->type_name("E")
@@ -401,8 +404,8 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("compare", "Measure the error of an image against a reference");
+void add_compare_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("compare", "Measure the error of an image against a reference");
   const auto options = std::make_shared<CompareCommandOptions>();
   command->add_option("A", options->image, "Image to measure")->check(some_text())->required();
   command->add_option("B", options->reference, "Reference, of the same size")->check(some_text())->required();
@@ -412,7 +415,7 @@ void add_compare_command(CLI::App& app, Command& chosen) {
   add_limit_options(*command, *options);
   for (const char* linear :
        {"--layer", "--variance", "--reference-variance", "--exact-reference", "--z-test"})
-    command->get_option("--ldr")->excludes(command->get_option(linear));
+    command->option("--ldr")->excludes(command->option(linear));
   command->footer(
       "Reads any format that OpenImageIO reads; of an EXR the channels R, G, B. Values are compared as "
       "stored; an EXR and a PNG with --ldr. The table says what each metric is. NaN and infinite pixels are "

@@ -13,13 +13,11 @@ bool is_file_type(const std::string& type) {
          type.starts_with("TEXT");
 }
 
-bool takes_value(const CLI::Option& option) { return option.get_expected_max() > 0; }
-
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// The choices of a type such as "NAME:{direct,path}".
-std::vector<Candidate> choices_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
+std::vector<Candidate> choices_of(const Option& option) {
+  const std::string type = option.type();
   const std::size_t open = type.find('{'), close = type.find('}');
   if (open == std::string::npos || close == std::string::npos) return {};
   std::vector<Candidate> choices;
@@ -32,56 +30,49 @@ std::vector<Candidate> choices_of(const CLI::Option& option) {
 }
 
 /// The option with that name, including its dashes.
-const CLI::Option* option_named(const CLI::App& app, const std::string& name) {
-  return name.starts_with("-") ? app.get_option_no_throw(name) : nullptr;
+const Option* option_named(const CommandLine& app, const std::string& name) {
+  return name.starts_with("-") ? app.find_option(name) : nullptr;
 }
 
-void add_values(const CLI::Option& option, const std::string& typed, const ValuesOf& values,
-                Completion& found) {
+void add_values(const Option& option, const std::string& typed, const ValuesOf& values, Completion& found) {
   found.candidates = choices_of(option);
-  const std::string type = option.get_type_name();
+  const std::string type = option.type();
   if (found.candidates.empty() && values) found.candidates = values(type, typed);
   found.files = found.candidates.empty() && is_file_type(type);
 }
 
-void add_options(const CLI::App& app, Completion& found) {
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->get_group().empty() || option->get_positional()) continue;
-    const std::string help = first_line(option->get_description());
-    for (const std::string& name : option->get_lnames()) found.candidates.push_back({"--" + name, help});
-    for (const std::string& name : option->get_snames()) found.candidates.push_back({"-" + name, help});
+void add_options(const CommandLine& app, Completion& found) {
+  for (const Option* option : app.options()) {
+    if (option->group().empty() || option->is_positional()) continue;
+    const std::string help = first_line(option->description());
+    for (const std::string& name : option->long_names()) found.candidates.push_back({"--" + name, help});
+    for (const std::string& name : option->short_names()) found.candidates.push_back({"-" + name, help});
   }
 }
 
-void add_commands(const CLI::App& app, Completion& found) {
-  for (const CLI::App* command :
-       app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
-    found.candidates.push_back({command->get_name(), first_line(command->get_description())});
+void add_commands(const CommandLine& app, Completion& found) {
+  for (const CommandLine* command : app.commands())
+    if (!command->group().empty())
+      found.candidates.push_back({command->name(), first_line(command->description())});
 }
 
 /// Adds candidates for the next positional argument.
-void add_positional(const CLI::App& app, std::size_t index, const std::string& typed, const ValuesOf& values,
-                    Completion& found) {
-  for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_positional()) continue;
-    if (index == 0 || option->get_expected_max() > 1) return add_values(*option, typed, values, found);
+void add_positional(const CommandLine& app, std::size_t index, const std::string& typed,
+                    const ValuesOf& values, Completion& found) {
+  for (const Option* option : app.options()) {
+    if (!option->is_positional()) continue;
+    if (index == 0 || option->takes_several_values()) return add_values(*option, typed, values, found);
     --index;
   }
 }
 
-const CLI::App* subcommand_named(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (command->get_name() == name) return command;
-  return nullptr;
-}
-
 }  // namespace
 
-Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ValuesOf& values) {
+Completion complete(const CommandLine& app, const std::vector<std::string>& words, const ValuesOf& values) {
   Completion found;
   const std::string typed = words.empty() ? "" : words.back();
-  const CLI::App* command = &app;
-  const CLI::Option* waits = nullptr;  // the option that still needs its value
+  const CommandLine* command = &app;
+  const Option* waits = nullptr;  // the option that still needs its value
   std::size_t positionals = 0;
   bool options_ended = false;
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
@@ -90,9 +81,9 @@ Completion complete(const CLI::App& app, const std::vector<std::string>& words, 
       waits = nullptr;
     } else if (word == "--") {
       options_ended = true;
-    } else if (const CLI::Option* option = options_ended ? nullptr : option_named(*command, word)) {
-      if (takes_value(*option)) waits = option;
-    } else if (const CLI::App* sub = positionals == 0 ? subcommand_named(*command, word) : nullptr) {
+    } else if (const Option* option = options_ended ? nullptr : option_named(*command, word)) {
+      if (option->takes_value()) waits = option;
+    } else if (const CommandLine* sub = positionals == 0 ? command->find_command(word) : nullptr) {
       command = sub;
     } else if (!word.starts_with("-") || options_ended) {
       ++positionals;
@@ -103,14 +94,14 @@ Completion complete(const CLI::App& app, const std::vector<std::string>& words, 
   if (waits == nullptr && !options_ended && typed.starts_with("--") && equals != std::string::npos) {
     before = typed.substr(0, equals + 1);
     waits = option_named(*command, typed.substr(0, equals));
-    if (waits == nullptr || !takes_value(*waits)) return {};
+    if (waits == nullptr || !waits->takes_value()) return {};
   }
   const std::string value = typed.substr(before.size());
   if (waits != nullptr)
     add_values(*waits, value, values, found);
   else if (typed.starts_with("-") && !options_ended)
     add_options(*command, found);
-  else if (!command->get_subcommands([](const CLI::App*) { return true; }).empty())
+  else if (!command->commands().empty())
     add_commands(*command, found);
   else
     add_positional(*command, positionals, value, values, found);

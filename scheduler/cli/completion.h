@@ -1,10 +1,11 @@
 // Shell completion: the words that may come next on a command line, from the parser's tables.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "scheduler/cli/command_line.h"
 
 namespace penumbra {
 
@@ -19,13 +20,14 @@ struct Completion {
   bool files = false;  ///< file names are possible too
 };
 
-/// All values for an option of that type (FILE, KEY=VALUE…), if CLI11 does not know them. `typed` is the text
+/// All values for an option of that type (FILE, KEY=VALUE…), if its checks do not tell. `typed` is the text
 /// typed so far. May be empty.
 using ValuesOf = std::function<std::vector<Candidate>(const std::string& type, const std::string& typed)>;
 
 /// `words` are the words after the program's name. The last one is being typed and may be empty. Only
 /// candidates that begin with it are returned.
-Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ValuesOf& values = {});
+Completion complete(const CommandLine& app, const std::vector<std::string>& words,
+                    const ValuesOf& values = {});
 
 /// One line per candidate: word, tab, help. ":files" if file names are possible too.
 std::string completion_text(const Completion& completion);

@@ -38,12 +38,11 @@ struct ConvertOptions {
 ExitCode bad_usage(const std::string& message) { return print_error({message}), kBadInput; }
 
 /// Options that the command line has of the other kind of input.
-std::vector<std::string> out_of_place(const CLI::App& command, bool of_images) {
+std::vector<std::string> out_of_place(const CommandLine& command, bool of_images) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    if (option->count() > 0 && !option->get_positional() &&
-        (option->get_group() == kImageOptions) == of_images)
-      names.push_back(option->get_name());
+  for (const Option* option : command.options())
+    if (option->is_given() && !option->is_positional() && (option->group() == kImageOptions) == of_images)
+      names.push_back(option->name());
   return names;
 }
 
@@ -79,13 +78,13 @@ ExitCode write_image(const std::string& output, const Expected<std::vector<std::
   return kAllDone;
 }
 
-ExitCode convert_image(const ConvertOptions& options, const CLI::App& command) {
+ExitCode convert_image(const ConvertOptions& options, const CommandLine& command) {
   const std::string& input = options.scene.scene;
   if (const auto names = out_of_place(command, false); !names.empty())
     return bad_usage(fmt::format("{}: for scenes, and '{}' is an image", fmt::join(names, ", "), input));
   const bool to_exr = extension_of(options.output) == ".exr";
   for (const char* name : {"--exposure", "--tonemap"})
-    if (to_exr && command.get_option(name)->count() > 0)
+    if (to_exr && command.option(name)->is_given())
       return bad_usage(fmt::format("{}: for .png; an .exr holds radiance as it is", name));
   const std::array inputs{std::filesystem::path(input)}, outputs{std::filesystem::path(options.output)};
   if (const auto checked = check_outputs(outputs, inputs); !checked)
@@ -107,7 +106,7 @@ ExitCode convert_image(const ConvertOptions& options, const CLI::App& command) {
                                                       picture->has_alpha));
 }
 
-ExitCode convert_scene(const ConvertOptions& options, const CLI::App& command) {
+ExitCode convert_scene(const ConvertOptions& options, const CommandLine& command) {
   if (const auto names = out_of_place(command, true); !names.empty())
     return bad_usage(
         fmt::format("{}: for images, and '{}' is a scene", fmt::join(names, ", "), options.scene.scene));
@@ -138,13 +137,13 @@ ExitCode convert_scene(const ConvertOptions& options, const CLI::App& command) {
   return kAllDone;
 }
 
-ExitCode convert(const ConvertOptions& options, const CLI::App& command) {
+ExitCode convert(const ConvertOptions& options, const CommandLine& command) {
   if (const std::string wrong = wrong_output(options); !wrong.empty()) return bad_usage(wrong);
   return is_image_name(options.scene.scene) ? convert_image(options, command)
                                             : convert_scene(options, command);
 }
 
-void add_image_options(CLI::App& command, PictureOptions& options) {
+void add_image_options(CommandLine& command, PictureOptions& options) {
   command.add_option("--exposure", options.exposure, "Multiply radiance by 2^STOPS")
       ->type_name("STOPS")
       ->check(number_between(-kMostStops, kMostStops))
@@ -153,17 +152,18 @@ void add_image_options(CLI::App& command, PictureOptions& options) {
   std::vector<std::string> tones(kToneOperatorNames.begin(), kToneOperatorNames.end());
   tones.emplace_back(kOtherNameOfClamp);
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "--tonemap",
           [&options](const std::string& name) {
             const auto found = std::ranges::find(kToneOperatorNames, name);
             options.tone = name == kOtherNameOfClamp ? ToneOperator::kClamp
                                                      : ToneOperator(found - kToneOperatorNames.begin());
+            return Expected<void>();
           },
           "How radiance fits the display, before the sRGB curve. clamp, srgb: above 1 is white; reinhard: "
           "x / (1 + luminance); filmic: Hable's curve, white at 5.6; aces: Narkowicz's fit")
       ->type_name("NAME")
-      ->check(CLI::IsMember(tones))
+      ->check(one_of(tones))
       ->default_str("clamp")
       ->group(kImageOptions);
   command
@@ -177,9 +177,9 @@ void add_image_options(CLI::App& command, PictureOptions& options) {
 
 }  // namespace
 
-void add_convert_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("convert", "Write a scene as a Mitsuba 3 file, or an image as PNG or EXR");
+void add_convert_command(CommandLine& app, Command& chosen) {
+  CommandLine* command =
+      app.add_command("convert", "Write a scene as a Mitsuba 3 file, or an image as PNG or EXR");
   const auto options = std::make_shared<ConvertOptions>();
   command
       ->add_option("INPUT", options->scene.scene,

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <map>
 #include <memory>
 
 #include "kernels/host/process.h"
@@ -78,9 +77,9 @@ ExitCode denoise(DenoiseCommandOptions options) {
 
 }  // namespace
 
-void add_denoise_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("denoise", "Remove noise from an image, with the help of its layers");
+void add_denoise_command(CommandLine& app, Command& chosen) {
+  CommandLine* command =
+      app.add_command("denoise", "Remove noise from an image, with the help of its layers");
   const auto options = std::make_shared<DenoiseCommandOptions>();
   command->add_option("IMAGE", options->image, "EXR to denoise")->check(some_text())->required();
   command
@@ -88,14 +87,13 @@ void add_denoise_command(CLI::App& app, Command& chosen) {
                    "x.exr writes x.exr and x.png, x.png only that (default: IMAGE-denoised.exr)")
       ->type_name("FILE")
       ->group(group::kOutput);
-  static const std::map<std::string, Denoise> methods = {
-      {"nfor", Denoise::kNfor}, {"nlmeans", Denoise::kNlMeans}, {"oidn", Denoise::kOidn}};
   command
-      ->add_option(
-          "--method", options->denoise.method,
+      ->add_choice(
+          "--method",
+          {{"nfor", int(Denoise::kNfor)}, {"nlmeans", int(Denoise::kNlMeans)}, {"oidn", int(Denoise::kOidn)}},
+          [method = &options->denoise.method](int chosen_method) { *method = Denoise(chosen_method); },
           "nfor: first-order regression on albedo, normal and depth; nlmeans: non-local means; oidn: "
           "Intel Open Image Denoise, if its library is installed")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
       ->default_str("nfor")
       ->type_name("NAME")
       ->group("Method");

@@ -1,6 +1,7 @@
 #include "scheduler/cli/help_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -15,41 +16,38 @@ namespace {
 
 constexpr int kNames = 28;  // columns for the names of options
 
-std::string names_text(const CLI::Option& option) {
+std::string names_text(const Option& option) {
   std::string names;
   const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
-  for (const std::string& name : option.get_snames()) add("-" + name);
-  for (const std::string& name : option.get_lnames()) add("--" + name);
+  for (const std::string& name : option.short_names()) add("-" + name);
+  for (const std::string& name : option.long_names()) add("--" + name);
   const std::string value = value_type(option).name;
-  return option.get_expected_max() > 0 && !value.empty() ? names + " " + value : names;
+  return option.takes_value() && !value.empty() ? names + " " + value : names;
 }
 
-std::string list_of(const std::set<CLI::Option*>& options) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : options) names.push_back(option->get_name());
-  std::ranges::sort(names);
+std::string list_of(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string option_text(const CLI::Option& option, int columns) {
-  const bool is_positional = option.get_positional();
-  std::string text = option.get_description();
+std::string option_text(const Option& option, int columns) {
+  const bool is_positional = option.is_positional();
+  std::string text = option.description();
   const auto add = [&](const char* label, const std::string& what) {
     if (!what.empty()) text += std::string(" [") + label + what + "]";
   };
   add("", value_type(option).values);
-  add("default: ", option.get_default_str());
-  if (option.get_required() && !is_positional) add("", "required");
-  add("or ", option.get_envname());
-  add("with ", list_of(option.get_needs()));
-  add("not with ", list_of(option.get_excludes()));
-  std::string name = is_positional ? option.get_name(true) : names_text(option);
-  if (is_positional && option.get_expected_max() > 1) name += "...";
+  add("default: ", option.default_str());
+  if (option.is_required() && !is_positional) add("", "required");
+  add("or ", option.envname());
+  add("with ", list_of(option.needed()));
+  add("not with ", list_of(option.excluded()));
+  std::string name = is_positional ? option.name() : names_text(option);
+  if (is_positional && option.takes_several_values()) name += "...";
   return described(name, text, kNames, columns);
 }
 
-std::string group_of(const CLI::Option& option) {
-  return option.get_positional() && option.get_group() == "Options" ? group::kArguments : option.get_group();
+std::string group_of(const Option& option) {
+  return option.is_positional() && option.group() == "Options" ? group::kArguments : option.group();
 }
 
 /// The texts of all items under their groups, in the order of the groups' first items. What every command has
@@ -72,43 +70,24 @@ std::string by_group(const Items& items, GroupOf group_of, TextOf text_of) {
   return text;
 }
 
-class HelpText final : public CLI::Formatter {
- public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
-    const int columns = std::min(text_columns(), kTextColumns);
-    std::string text = wrapped(app->get_description() + ".", 0, 0, columns) + "\n\n";
-    std::string usage = make_usage(app, std::move(name));
-    usage.erase(usage.find_last_not_of('\n') + 1);
-    text += wrapped(usage, 0, 4, columns) + "\n";
-    text += commands(*app, columns) + options(*app, columns);
-    if (const std::string footer = app->get_footer(); !footer.empty()) text += "\n";
-    std::istringstream lines(app->get_footer());
-    for (std::string line; std::getline(lines, line);)
-      text += (line.starts_with(' ') ? line : wrapped(line, 0, 0, columns)) + "\n";
-    return text;
-  }
+std::string commands_text(const CommandLine& command, int columns) {
+  return by_group(
+      command.commands(), [](const CommandLine* each) { return each->group(); },
+      [&](const CommandLine* each) {
+        return described(each->name(), each->description(), kNames / 2, columns);
+      });
+}
 
- private:
-  static std::string commands(const CLI::App& app, int columns) {
-    return by_group(
-        app.get_subcommands([](const CLI::App*) { return true; }),
-        [](const CLI::App* command) { return command->get_group(); },
-        [&](const CLI::App* command) {
-          return described(command->get_name(), command->get_description(), kNames / 2, columns);
-        });
-  }
-
-  static std::string options(const CLI::App& app, int columns) {
-    return by_group(
-        app.get_options(), [](const CLI::Option* option) { return group_of(*option); },
-        [&](const CLI::Option* option) { return option_text(*option, columns); });
-  }
-};
+std::string options_text(const CommandLine& command, int columns) {
+  return by_group(
+      command.options(), [](const Option* option) { return group_of(*option); },
+      [&](const Option* option) { return option_text(*option, columns); });
+}
 
 }  // namespace
 
-ValueType value_type(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
+ValueType value_type(const Option& option) {
+  const std::string type = option.type();
   const std::size_t colon = type.find(':');
   // In an address, and in a method with parameters, the colon is part of the value.
   if (colon == std::string::npos || (colon > 0 && type[colon - 1] == '[') ||
@@ -123,12 +102,18 @@ ValueType value_type(const CLI::Option& option) {
   return {type.substr(0, colon), values};
 }
 
-void use_help_text(CLI::App& app) {
-  app.formatter(std::make_shared<HelpText>());
-  app.get_help_ptr()->description("Show this help")->group(group::kGeneral);
-  if (CLI::Option* version = app.get_option_no_throw("--version"); version != nullptr)
-    version->description("Show the version")->group(group::kGeneral);
-  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) use_help_text(*command);
+std::string help_text(const CommandLine& command, std::string usage) {
+  const int columns = std::min(text_columns(), kTextColumns);
+  usage.erase(usage.find_last_not_of('\n') + 1);
+  std::string text = wrapped(command.description() + ".", 0, 0, columns) + "\n\n" +
+                     wrapped(usage, 0, 4, columns) + "\n" + commands_text(command, columns) +
+                     options_text(command, columns);
+  const std::string footer = command.footer();
+  if (!footer.empty()) text += "\n";
+  std::istringstream lines(footer);
+  for (std::string line; std::getline(lines, line);)
+    text += (line.starts_with(' ') ? line : wrapped(line, 0, 0, columns)) + "\n";
+  return text;
 }
 
 }  // namespace penumbra

@@ -1,8 +1,9 @@
 // The `--help` text of all programs and commands.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include "scheduler/cli/command_line.h"
 
 namespace penumbra {
 
@@ -19,15 +20,15 @@ constexpr const char* kCheckpoints = "Interrupted renders";
 constexpr const char* kGeneral = "General";
 }  // namespace group
 
-/// Formats the help of the program and its commands: options by group, in lines of at most kTextColumns. In
-/// the footer, lines that begin with a space are kept, others are wrapped. Call it after all options were
-/// added.
-void use_help_text(CLI::App& app);
+/// The help of a program or of one of its commands: options by group, in lines of at most kTextColumns. In
+/// the footer, lines that begin with a space are kept, others are wrapped. `usage` is the line that says how
+/// to call it.
+std::string help_text(const CommandLine& command, std::string usage);
 
 /// The type of an option's value: for "NAME:{a,b}" the name NAME and the accepted values "a, b".
 struct ValueType {
   std::string name, values;
 };
-ValueType value_type(const CLI::Option& option);
+ValueType value_type(const Option& option);
 
 }  // namespace penumbra

@@ -136,16 +136,16 @@ ExitCode info(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand(
-      "info", "Show what a scene holds: size, geometry, textures, lights, files, settings");
+void add_info_command(CommandLine& app, Command& chosen) {
+  CommandLine* command =
+      app.add_command("info", "Show what a scene holds: size, geometry, textures, lights, files, settings");
   const auto options = std::make_shared<InfoOptions>();
   add_scene_options(*command, options->scene);
-  command->option_defaults()->group(group::kOutput);
+  command->default_group(group::kOutput);
   command->add_flag("--json", options->json, "Print JSON, with all that --verbose shows");
   command->add_flag("-v,--verbose", options->verbose,
                     "Show the features that the scene uses, what is left out, and the bytes of each table");
-  CLI::Option* compile = command->add_flag(
+  Option* compile = command->add_flag(
       "--compile", options->compile,
       "Measure how long OpenCL kernels compile for this scene, and with all features: half a minute");
   command

@@ -35,13 +35,13 @@ ExitCode make(MakeKeysOptions options) {
 
 }  // namespace
 
-void add_keys_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("keys", "Make certificates and tokens for schedulers that other hosts connect to");
+void add_keys_command(CommandLine& app, Command& chosen) {
+  CommandLine* command =
+      app.add_command("keys", "Make certificates and tokens for schedulers that other hosts connect to");
   const auto options = std::make_shared<MakeKeysOptions>();
   const auto folder = std::make_shared<std::string>();
   command->add_option("FOLDER", *folder, "Folder to write, which holds nothing else")->required();
-  command->option_defaults()->group("Certificates");
+  command->default_group("Certificates");
   command
       ->add_option("--name", options->names,
                    "A host name or address of the scheduler; *.farm.example for a whole domain (default: the "

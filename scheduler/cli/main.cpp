@@ -10,7 +10,6 @@
 #include "scheduler/cli/build_info.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
@@ -36,9 +35,9 @@ const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Service", {"serve", "submit", "status", "prioritize", "cancel", "retry", "fetch", "keys", "sbatch"}},
     {"Installation", {"completion", "man"}}};
 
-void group_commands(CLI::App& app) {
+void group_commands(CommandLine& app) {
   for (const auto& [group, commands] : kGroups)
-    for (const char* command : commands) app.get_subcommand(command)->group(group);
+    for (const char* command : commands) app.find_command(command)->group(group);
 }
 
 ExitCode run(int argc, char** argv) {
@@ -46,9 +45,9 @@ ExitCode run(int argc, char** argv) {
   if (const std::string program = argc > 1 ? sibling_program(command_line[1]) : ""; !program.empty()) {
     return run_sibling(program, {command_line.begin() + 2, command_line.end()});
   }
-  CLI::App app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
-  app.set_version_flag("--version", build_info);
-  app.require_subcommand(1);
+  CommandLine app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
+  app.add_version(build_info);
+  app.require_command();
   Command chosen;
   add_render_command(app, command_line, chosen);
   add_preview_command(app, chosen);
@@ -71,14 +70,9 @@ ExitCode run(int argc, char** argv) {
   add_reference_commands(app, chosen);
   app.footer(kExamples);
   group_commands(app);
-  use_help_text(app);
   if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))
     return *answered;
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return end_of_parse(app, error);
-  }
+  if (const auto ended = app.parse(argc, argv)) return *ended;
   return chosen();
 }
 

@@ -39,63 +39,61 @@ std::string sentence_end(const std::string& text) {
   return text.empty() || text.ends_with('.') || text.ends_with('"') ? "" : ".";
 }
 
-std::string option_text(const CLI::Option& option) {
+std::string option_text(const Option& option) {
   std::string text = ".TP\n";
   const ValueType type = value_type(option);
-  if (option.get_positional()) {
-    text += italic(option.get_name(true));
+  if (option.is_positional()) {
+    text += italic(option.name());
   } else {
     std::string names;
     const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + bold(name); };
-    for (const std::string& name : option.get_snames()) add("-" + name);
-    for (const std::string& name : option.get_lnames()) add("--" + name);
+    for (const std::string& name : option.short_names()) add("-" + name);
+    for (const std::string& name : option.long_names()) add("--" + name);
     text += names;
-    if (option.get_expected_max() > 0 && !type.name.empty()) text += " " + italic(type.name);
+    if (option.takes_value() && !type.name.empty()) text += " " + italic(type.name);
   }
-  text += "\n" + escaped(option.get_description()) + sentence_end(option.get_description()) + "\n";
+  text += "\n" + escaped(option.description()) + sentence_end(option.description()) + "\n";
   if (!type.values.empty()) text += escaped("Values: " + type.values) + ".\n";
-  if (!option.get_default_str().empty()) text += escaped("Default: " + option.get_default_str()) + ".\n";
-  if (!option.get_envname().empty()) text += "Environment: " + bold(option.get_envname()) + ".\n";
+  if (!option.default_str().empty()) text += escaped("Default: " + option.default_str()) + ".\n";
+  if (!option.envname().empty()) text += "Environment: " + bold(option.envname()) + ".\n";
   return text;
 }
 
-std::string options_text(const CLI::App& app) {
+std::string options_text(const CommandLine& app) {
   std::vector<std::string> groups = {"Arguments"};
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string& group = option->get_group();
-    if (!option->get_positional() && !group.empty() && std::ranges::find(groups, group) == groups.end())
+  for (const Option* option : app.options()) {
+    const std::string& group = option->group();
+    if (!option->is_positional() && !group.empty() && std::ranges::find(groups, group) == groups.end())
       groups.push_back(group);
   }
   std::string text;
   for (const std::string& group : groups) {
     std::string options;
-    for (const CLI::Option* option : app.get_options())
-      if ((option->get_positional() ? "Arguments" : option->get_group()) == group)
-        options += option_text(*option);
+    for (const Option* option : app.options())
+      if ((option->is_positional() ? "Arguments" : option->group()) == group) options += option_text(*option);
     if (!options.empty()) text += section(group) + options;
   }
   return text;
 }
 
-std::string synopsis(const CLI::App& app, const std::string& called) {
+std::string synopsis(const CommandLine& app, const std::string& called) {
   std::string text = section("Synopsis") + bold(called) + " [" + italic("OPTIONS") + "]";
-  for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_positional()) continue;
-    std::string name = italic(option->get_name(true));
-    if (option->get_expected_max() > 1) name += " ...";
-    text += option->get_required() ? " " + name : " [" + name + "]";
+  for (const Option* option : app.options()) {
+    if (!option->is_positional()) continue;
+    std::string name = italic(option->name());
+    if (option->takes_several_values()) name += " ...";
+    text += option->is_required() ? " " + name : " [" + name + "]";
   }
-  if (!app.get_subcommands([](const CLI::App*) { return true; }).empty())
-    text += " " + italic("COMMAND") + " ...";
+  if (!app.commands().empty()) text += " " + italic("COMMAND") + " ...";
   return text + "\n";
 }
 
-std::string commands_text(const CLI::App& app, const std::string& name) {
+std::string commands_text(const CommandLine& app, const std::string& name) {
   std::string text;
-  for (const CLI::App* command :
-       app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
-    text += ".TP\n" + bold(name + "-" + command->get_name()) + "(1)\n" + escaped(command->get_description()) +
-            sentence_end(command->get_description()) + "\n";
+  for (const CommandLine* command : app.commands())
+    if (!command->group().empty())
+      text += ".TP\n" + bold(name + "-" + command->name()) + "(1)\n" + escaped(command->description()) +
+              sentence_end(command->description()) + "\n";
   return text.empty() ? "" : section("Commands") + text;
 }
 
@@ -123,12 +121,12 @@ std::string footer_text(const std::string& footer) {
 
 }  // namespace
 
-std::string man_page(const CLI::App& app, const std::string& name, const std::string& called,
+std::string man_page(const CommandLine& app, const std::string& name, const std::string& called,
                      const std::string& version) {
-  const std::string description = app.get_description();
+  const std::string description = app.description();
   return ".TH " + escaped(in_capitals(name)) + " 1 \"\" \"Penumbra " + escaped(version) + "\" Penumbra\n" +
          section("Name") + escaped(name) + " \\- " + escaped(description) + "\n" + synopsis(app, called) +
-         commands_text(app, name) + options_text(app) + footer_text(app.get_footer());
+         commands_text(app, name) + options_text(app) + footer_text(app.footer());
 }
 
 }  // namespace penumbra

@@ -157,8 +157,8 @@ ExitCode merge(const MergeCommandOptions& options, const std::vector<std::string
 
 }  // namespace
 
-void add_merge_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand("merge", "Merge renders of a scene with other seeds into one image");
+void add_merge_command(CommandLine& app, const std::vector<std::string>& command_line, Command& chosen) {
+  CommandLine* command = app.add_command("merge", "Merge renders of a scene with other seeds into one image");
   const auto options = std::make_shared<MergeCommandOptions>();
   command->add_option("IMAGE", options->images, "EXR files of `penumbra render`, two or more")
       ->check(some_text())

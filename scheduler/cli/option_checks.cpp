@@ -15,7 +15,7 @@ namespace {
 constexpr std::int64_t kUnlimited = std::int64_t(1) << 31;  // practically unlimited
 
 /// `wrong` returns what is wrong with a finite number, or an empty text.
-CLI::Validator number_check(std::function<std::string(double)> wrong, const std::string& help) {
+OptionCheck number_check(std::function<std::string(double)> wrong, const std::string& help) {
   return {[wrong = std::move(wrong)](const std::string& text) {
             const auto value = parse_number(text);
             return value ? wrong(*value) : value.error().message;
@@ -25,7 +25,7 @@ CLI::Validator number_check(std::function<std::string(double)> wrong, const std:
 
 }  // namespace
 
-CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
+OptionCheck whole_number(std::int64_t low, std::int64_t high) {
   return {[low, high](const std::string& text) {
             const auto value = parse_integer(text, low, high);
             return value ? std::string() : value.error().message;
@@ -33,7 +33,7 @@ CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
           high < kUnlimited ? fmt::format("{} to {}", low, high) : fmt::format("{} or more", low)};
 }
 
-CLI::Validator number_between(double low, double high) {
+OptionCheck number_between(double low, double high) {
   return number_check(
       [low, high](double value) {
         return value >= low && value <= high
@@ -43,19 +43,19 @@ CLI::Validator number_between(double low, double high) {
       fmt::format("{} to {}", low, high));
 }
 
-CLI::Validator positive_number() {
+OptionCheck positive_number() {
   return number_check(
       [](double value) { return value > 0 ? std::string() : fmt::format("{} is not above 0", value); },
       "above 0");
 }
 
-CLI::Validator number_from_zero() {
+OptionCheck number_from_zero() {
   return number_check(
       [](double value) { return value >= 0 ? std::string() : fmt::format("{} is below 0", value); },
       "0 or above");
 }
 
-CLI::Validator duration() {
+OptionCheck duration() {
   return {[](std::string& text) -> std::string {
             constexpr std::pair<char, double> kUnits[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
             const auto unit =
@@ -70,12 +70,12 @@ CLI::Validator duration() {
           ""};
 }
 
-CLI::Validator some_text() {
+OptionCheck some_text() {
   return {[](const std::string& text) { return text.empty() ? std::string("it is empty") : std::string(); },
           ""};
 }
 
-CLI::Validator assignment() {
+OptionCheck assignment() {
   return {[](const std::string& text) {
             const std::size_t equals = text.find('=');
             const bool good = equals != std::string::npos && equals > 0;

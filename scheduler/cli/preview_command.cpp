@@ -25,8 +25,8 @@ ExitCode preview(const RenderOptions& options) {
 
 }  // namespace
 
-void add_preview_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("preview", "Wait for windows, and render what they ask for");
+void add_preview_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("preview", "Wait for windows, and render what they ask for");
   const auto options = std::make_shared<RenderOptions>();
   add_preview_options(*command, *options);
   command->footer(

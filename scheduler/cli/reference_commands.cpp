@@ -30,13 +30,13 @@ std::vector<Candidate> values_of(const std::string& type, const std::string& typ
 
 }  // namespace
 
-void add_reference_commands(CLI::App& app, Command& chosen) {
-  CLI::App* completion = app.add_subcommand("completion", "Print the completion script of a shell");
+void add_reference_commands(CommandLine& app, Command& chosen) {
+  CommandLine* completion = app.add_command("completion", "Print the completion script of a shell");
   auto shell = std::make_shared<std::string>();
   completion->add_option("SHELL", *shell, "Shell")
       ->type_name("NAME")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+      ->check(one_of({"bash", "zsh", "fish"}));
   completion->footer(
       "Packages install it. By hand:\n"
       "  bash: penumbra completion bash > ~/.local/share/bash-completion/completions/penumbra\n"
@@ -48,18 +48,17 @@ void add_reference_commands(CLI::App& app, Command& chosen) {
       return kAllDone;
     };
   });
-  CLI::App* man = app.add_subcommand("man", "Print a manual page of the program or of a command");
+  CommandLine* man = app.add_command("man", "Print a manual page of the program or of a command");
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
-  man->add_option_function<std::string>(
-         "COMMAND", [](const std::string&) {}, "Command")
+  for (const CommandLine* command : app.commands()) names.push_back(command->name());
+  man->add_option_function(
+         "COMMAND", [](const std::string&) { return Expected<void>(); }, "Command")
       ->type_name("NAME")
-      ->check(CLI::IsMember(names));
+      ->check(one_of(names));
   man->footer("Examples:\n  penumbra man render | man -l -");
 }
 
-std::optional<ExitCode> answer_reference(const CLI::App& app, const std::vector<std::string>& arguments) {
+std::optional<ExitCode> answer_reference(const CommandLine& app, const std::vector<std::string>& arguments) {
   if (arguments.size() > 1 && (arguments[0] == "man" || arguments[0] == "complete")) {
     // In `complete worker` the word itself is still being typed.
     const std::string program = sibling_program(arguments[1]);

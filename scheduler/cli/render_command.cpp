@@ -95,8 +95,8 @@ ExitCode end_for_workers(const RenderOptions& options, ExitCode code, bool stopp
 
 }  // namespace
 
-void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand("render", "Render scenes");
+void add_render_command(CommandLine& app, const std::vector<std::string>& command_line, Command& chosen) {
+  CommandLine* command = app.add_command("render", "Render scenes");
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(*command, *options);
   command->footer(

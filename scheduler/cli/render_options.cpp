@@ -1,5 +1,5 @@
 #include "scheduler/cli/render_options.h"
-#include "scheduler/keys/access_options.h"
+#include "scheduler/cli/access_options.h"
 
 #include <charconv>
 #include <span>
@@ -59,7 +59,7 @@ PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& inte
   return plan;
 }
 
-void add_scene_options(CLI::App& command, SceneOptions& options) {
+void add_scene_options(CommandLine& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))
       ->required()
       ->group(group::kInput);
@@ -68,7 +68,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 
 namespace {
 
-void add_scene_text_options(CLI::App& command, SceneOptions& options) {
+void add_scene_text_options(CommandLine& command, SceneOptions& options) {
   command.add_option("-D", options.defines, "Fill $NAME of the scene file, as in -D albedo=0.5; repeatable")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
@@ -95,21 +95,21 @@ void add_scene_text_options(CLI::App& command, SceneOptions& options) {
           "Of Nori scenes: nori-eth is that of ETH Zurich's course, whose camera is mirrored (default: "
           "told from the file; `penumbra info` shows it)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"nori", "nori-eth"}))
+      ->check(one_of({"nori", "nori-eth"}))
       ->group(group::kInput);
 }
 
-void add_sampling_options(CLI::App& command, SceneOptions& options) {
+void add_sampling_options(CommandLine& command, SceneOptions& options) {
   command
       .add_option("--integrator", options.integrator, "Integrator instead of the scene's; path is path_mis")
       ->type_name("NAME")
-      ->check(CLI::IsMember(find_setting("integrator.type")->choices))
+      ->check(one_of(find_setting("integrator.type")->choices))
       ->group(group::kSampling);
   command
       .add_option("--sampler", options.sampler,
                   "Sampler. scene: the scene's; without this option, sobol replaces the scene's independent")
       ->type_name("NAME")
-      ->check(CLI::IsMember(sampler_names()))
+      ->check(one_of(sampler_names()))
       ->group(group::kSampling);
   command.add_option("--spp", options.spp, "Samples per pixel (default: the scene's)")
       ->type_name("N")
@@ -125,17 +125,17 @@ void add_sampling_options(CLI::App& command, SceneOptions& options) {
                   "size of the scene. Large hierarchies are cached in ~/.cache/penumbra/hierarchies, or in "
                   "PENUMBRA_HIERARCHY_CACHE=FOLDER; off: not")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"auto", "portable", "embree"}))
+      ->check(one_of({"auto", "portable", "embree"}))
       ->capture_default_str()
       ->group(group::kSampling);
 }
 
-void add_layer_options(CLI::App& command, SceneOptions& options) {
+void add_layer_options(CommandLine& command, SceneOptions& options) {
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers")
       ->group(group::kOutput);
 }
 
-void add_device_options(CLI::App& command, RenderOptions& options) {
+void add_device_options(CommandLine& command, RenderOptions& options) {
   command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
       ->check(whole_number(1, kMaxThreads))
@@ -146,7 +146,7 @@ void add_device_options(CLI::App& command, RenderOptions& options) {
                   "native. Compiled kernels are cached in ~/.cache/penumbra/kernels, or in "
                   "PENUMBRA_KERNEL_CACHE=FOLDER; off: not")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"native", "opencl", "auto"}))
+      ->check(one_of({"native", "opencl", "auto"}))
       ->capture_default_str()
       ->group(group::kWorkers);
   command
@@ -159,18 +159,19 @@ void add_device_options(CLI::App& command, RenderOptions& options) {
       .add_option("--isa", options.isa,
                   "Instruction set of the native backend (default: the widest of the machine)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
+      ->check(one_of({"sse2", "avx2", "avx512"}))
       ->group(group::kWorkers);
 }
 
-void add_scale_option(CLI::App& command, SceneOptions& options) {
+void add_scale_option(CommandLine& command, SceneOptions& options) {
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "--scale",
-          [&options](const std::string& text) {
+          [&options](const std::string& text) -> Expected<void> {
             const auto scale = parse_scale(text);
-            if (!scale) throw CLI::ValidationError("--scale", scale.error().message);
+            if (!scale) return std::unexpected(scale.error());
             options.scale = *scale == 1 ? std::nullopt : std::optional(*scale);
+            return {};
           },
           "Film of so much of its width and height, with its crop window, as in 25% or 0.25; rounded to the "
           "nearest pixel, at least 1")
@@ -179,14 +180,14 @@ void add_scale_option(CLI::App& command, SceneOptions& options) {
 }
 
 /// Options for workers and viewers.
-void add_worker_options(CLI::App& command, RenderOptions& options) {
-  CLI::Option* workers = command
-                             .add_option("--workers", options.workers,
-                                         "Worker processes on this machine, each with a copy of the scene")
-                             ->type_name("N")
-                             ->check(whole_number(1, kMaxWorkers))
-                             ->capture_default_str()
-                             ->group(group::kWorkers);
+void add_worker_options(CommandLine& command, RenderOptions& options) {
+  Option* workers = command
+                        .add_option("--workers", options.workers,
+                                    "Worker processes on this machine, each with a copy of the scene")
+                        ->type_name("N")
+                        ->check(whole_number(1, kMaxWorkers))
+                        ->capture_default_str()
+                        ->group(group::kWorkers);
   command
       .add_option("--launch", options.launch,
                   "Start the workers with this command instead, as in --launch 'srun -n 32'. They connect to "
@@ -219,7 +220,7 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kNetwork);
 }
 
-void add_output_options(CLI::App& command, RenderOptions& options) {
+void add_output_options(CommandLine& command, RenderOptions& options) {
   command
       .add_option("-o,--out", options.out,
                   "x.exr writes x.exr and x.png, x.png only that, a folder the scene's name in it (default: "
@@ -244,7 +245,7 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
           "Write a denoised image too, NAME-denoised.exr and .png; =nlmeans and =oidn are other methods, "
           "=layers adds only the layers for `penumbra denoise`")
       ->type_name("METHOD")
-      ->check(CLI::IsMember(find_setting("film.denoise")->choices))
+      ->check(one_of(find_setting("film.denoise")->choices))
       ->group(group::kOutput);
   command
       .add_option(
@@ -252,11 +253,11 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
           "Add layers to the EXR, separated by commas: " + list_names(find_setting("film.layers")->choices) +
               "; none: not those that the scene asks for")
       ->type_name("NAMES")
-      ->check([](const std::string& text) {
+      ->check({[](const std::string& text) {
         RenderSettings settings;
         const auto done = apply_setting(settings, "film.layers", text);
         return done ? std::string() : done.error().message;
-      })
+      }})
       ->group(group::kOutput);
   command
       .add_flag("--strict-numerics", options.strict_numerics,
@@ -276,31 +277,30 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
 }
 
 /// Options for the rendered region and the number of samples.
-void add_region_options(CLI::App& command, RenderOptions& options) {
-  auto* crop = command.add_option_function<std::string>(
+void add_region_options(CommandLine& command, RenderOptions& options) {
+  auto* crop = command.add_option_function(
       "--crop",
-      [&options](const std::string& text) {
+      [&options](const std::string& text) -> Expected<void> {
         options.crop = parse_crop(text);
-        if (options.crop) return;
-        throw CLI::ValidationError("--crop",
-                                   "'" + text + "' is not x0,y0,x1,y1 with 0 <= x0 < x1, 0 <= y0 < y1");
+        if (options.crop) return {};
+        return fail("'" + text + "' is not x0,y0,x1,y1 with 0 <= x0 < x1, 0 <= y0 < y1");
       },
       "Render only these pixels of the film, after --scale, without column x1 and row y1; they are the same "
       "as in the whole "
       "image");
   crop->type_name("X0,Y0,X1,Y1")->group(group::kRegion);
-  auto* pixel = command.add_option_function<std::string>(
+  auto* pixel = command.add_option_function(
       "--pixel",
-      [&options](const std::string& text) {
+      [&options](const std::string& text) -> Expected<void> {
         options.pixel = parse_pixel(text);
-        if (options.pixel) return;
-        throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
+        if (options.pixel) return {};
+        return fail("'" + text + "' is not x,y with x and y from 0 up");
       },
       "Render one pixel and print all its digits; files are written only with -o");
   pixel->type_name("X,Y")->excludes(crop)->group(group::kRegion);
 }
 
-void add_effort_options(CLI::App& command, RenderOptions& options) {
+void add_effort_options(CommandLine& command, RenderOptions& options) {
   command
       .add_option("--time-budget", options.time_budget,
                   "Start no tile after this time of rendering; the first pass is always rendered")
@@ -308,11 +308,12 @@ void add_effort_options(CLI::App& command, RenderOptions& options) {
       ->check(positive_number())
       ->group(group::kSampling);
   command
-      .add_option_function<double>(
+      .add_option_function(
           "--target-error",
           [&options](double error) {
             options.plan.target_error = error;
             options.scene.needs_independent = true;
+            return Expected<void>();
           },
           "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
           "reached. Without bias; takes --sampler independent; the image depends on --tile. With "
@@ -351,8 +352,8 @@ void add_effort_options(CLI::App& command, RenderOptions& options) {
       ->group(group::kSampling);
 }
 
-void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
-  CLI::Option* resume =
+void add_checkpoint_options(CommandLine& command, RenderOptions& options) {
+  Option* resume =
       command
           .add_flag("--resume", options.resume,
                     "Continue an interrupted run of the same render from its IMAGE.checkpoint. That is the "
@@ -373,7 +374,7 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
 
 }  // namespace
 
-void add_render_options(CLI::App& command, RenderOptions& options) {
+void add_render_options(CommandLine& command, RenderOptions& options) {
   constexpr const char* kEstimate = "Estimate";
   command
       .add_option("SCENE", options.scenes,
@@ -408,7 +409,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->capture_default_str()
       ->group(group::kWorkers);
   add_checkpoint_options(command, options);
-  CLI::Option* estimate =
+  Option* estimate =
       command
           .add_flag(
               "--estimate", options.estimate,
@@ -421,18 +422,18 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
 }
 
-void add_scene_overrides(CLI::App& command, SceneOptions& options) {
+void add_scene_overrides(CommandLine& command, SceneOptions& options) {
   add_scene_text_options(command, options);
   add_scale_option(command, options);
   add_sampling_options(command, options);
   add_layer_options(command, options);
 }
 
-void add_denoise_device_options(CLI::App& command, RenderOptions& options) {
+void add_denoise_device_options(CommandLine& command, RenderOptions& options) {
   add_device_options(command, options);
 }
 
-void add_preview_options(CLI::App& command, RenderOptions& options) {
+void add_preview_options(CommandLine& command, RenderOptions& options) {
   options.interactive = true;
   options.samples_per_pass = 1;
   add_scene_options(command, options.scene);

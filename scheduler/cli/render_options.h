@@ -1,13 +1,13 @@
 // The options of `penumbra render` as the user gave them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "scenes/integrators.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/plan/plan_options.h"
 
@@ -84,7 +84,7 @@ struct RenderOptions {
 };
 
 /// --threads, --backend, --opencl-device, --isa.
-void add_denoise_device_options(CLI::App& command, RenderOptions& options);
+void add_denoise_device_options(CommandLine& command, RenderOptions& options);
 
 /// The values of --sampler.
 std::vector<std::string> sampler_names();
@@ -93,12 +93,12 @@ std::vector<std::string> sampler_names();
 PlanOptions plan_of(const RenderOptions& options, const IntegratorSettings& integrator);
 
 /// Adds the options to a command. Parsing stores their values in `options`.
-void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_scene_options(CommandLine& command, SceneOptions& options);
 /// The same without the scene itself.
-void add_scene_overrides(CLI::App& command, SceneOptions& options);
-void add_render_options(CLI::App& command, RenderOptions& options);
+void add_scene_overrides(CommandLine& command, SceneOptions& options);
+void add_render_options(CommandLine& command, RenderOptions& options);
 /// Adds the options of a scheduler that renders for an interactive window.
-void add_preview_options(CLI::App& command, RenderOptions& options);
+void add_preview_options(CommandLine& command, RenderOptions& options);
 
 /// "x0,y0,x1,y1" with 0 <= x0 < x1 and 0 <= y0 < y1; nothing if it is anything else.
 std::optional<CropRectangle> parse_crop(const std::string& text);

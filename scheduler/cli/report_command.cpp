@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -177,9 +178,9 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
 
 }  // namespace
 
-void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("report", "Plot error against run time, as one HTML page with equal-time pictures");
+void add_report_command(CommandLine& app, const std::vector<std::string>& command_line, Command& chosen) {
+  CommandLine* command =
+      app.add_command("report", "Plot error against run time, as one HTML page with equal-time pictures");
   const auto options = std::make_shared<ReportOptions>();
   add_report_options(*command, *options);
   command->footer(

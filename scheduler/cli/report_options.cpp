@@ -16,24 +16,24 @@ namespace {
 
 /// Adds an option whose value is parsed by `parse`. If it is repeated, the values are appended.
 template <typename Value, typename Parse>
-CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::vector<Value>& values, Parse parse,
-                        const std::string& help) {
+Option* add_parsed(CommandLine& command, const std::string& name, std::vector<Value>& values, Parse parse,
+                   const std::string& help) {
   return command
-      .add_option_function<std::vector<std::string>>(
+      .add_option_function(
           name,
-          [&values, parse, name](const std::vector<std::string>& texts) {
+          [&values, parse](const std::vector<std::string>& texts) -> Expected<void> {
             for (const std::string& text : texts) {
               auto value = parse(text);
-              if (!value) throw CLI::ValidationError(name, value.error().message);
+              if (!value) return std::unexpected(value.error());
               values.push_back(std::move(*value));
             }
+            return {};
           },
           help)
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->repeatable();
 }
 
-void add_comparison_options(CLI::App& command, ReportOptions& options) {
+void add_comparison_options(CommandLine& command, ReportOptions& options) {
   constexpr const char* kGroup = "Methods and budgets";
   add_parsed(
       command, "--integrator", options.methods, parse_method,
@@ -43,27 +43,24 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
       ->group(kGroup);
   command.add_option("--sampler", options.samplers, "Sampler, as of `penumbra render`; repeatable")
       ->type_name("NAME")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(CLI::IsMember(sampler_names()).description(""))
+      ->repeatable()
+      ->check(one_of(sampler_names()).hidden())
       ->group(kGroup);
   command.add_option("--backend", options.backends, "native or opencl; repeatable (default: native)")
       ->type_name("NAME")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(CLI::IsMember({"native", "opencl"}).description(""))
+      ->repeatable()
+      ->check(one_of({"native", "opencl"}).hidden())
       ->group(kGroup);
-  const auto budgets = [&options](const std::string& name) {
-    return [&options, name](const std::string& text) {
-      auto parsed = parse_budgets(text);
-      if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
-      options.budgets = std::move(*parsed);
-    };
+  const auto budgets = [&options](const std::string& text) -> Expected<void> {
+    auto parsed = parse_budgets(text);
+    if (!parsed) return std::unexpected(parsed.error());
+    options.budgets = std::move(*parsed);
+    return {};
   };
-  auto* spp = command.add_option_function<std::string>(
-      "--spp", budgets("--spp"), "Samples per pixel, doubling from A to B (default: 1..64)");
+  auto* spp = command.add_option_function("--spp", budgets,
+                                          "Samples per pixel, doubling from A to B (default: 1..64)");
   spp->type_name("A..B")->group(kGroup);
-  command.add_option_function<std::string>("--budgets", budgets("--budgets"), "The same as a list: 1,4,16")
+  command.add_option_function("--budgets", budgets, "The same as a list: 1,4,16")
       ->type_name("N,N,…")
       ->excludes(spp)
       ->group(kGroup);
@@ -71,12 +68,12 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
       .add_option("--seeds", options.seeds,
                   "Images of each budget, each with a seed of its own; 10 or more for biased methods")
       ->type_name("N")
-      ->check(whole_number(1, 10000).description(""))
+      ->check(whole_number(1, 10000).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--repeats", options.repeats, "Renders of each image; times are their medians")
       ->type_name("N")
-      ->check(whole_number(1, 1000).description(""))
+      ->check(whole_number(1, 1000).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command
@@ -84,12 +81,11 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
                   "Images of other renderers, DIR/NAME/SECONDS-seconds.exr; SCENE= where there are several "
                   "scenes; repeatable")
       ->type_name("[SCENE=]DIR")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->repeatable()
       ->group(kGroup);
 }
 
-void add_reference_options(CLI::App& command, ReportOptions& options) {
+void add_reference_options(CommandLine& command, ReportOptions& options) {
   constexpr const char* kGroup = "Reference";
   command
       .add_option(
@@ -97,22 +93,20 @@ void add_reference_options(CLI::App& command, ReportOptions& options) {
           "Image file, or auto: two halves with seeds of their own, and with another integrator where "
           "there is one")
       ->type_name("[SCENE=]FILE|auto")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->repeatable()
       ->default_str("auto")
       ->group(kGroup);
   command
       .add_option("--second-reference", options.second_references,
                   "Another image, independent of the first: errors become free of the noise of both")
       ->type_name("[SCENE=]FILE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->repeatable()
       ->group(kGroup);
   command
       .add_option("--reference-spp", options.reference_spp,
                   "Samples per pixel of both halves together (default: 50 times the largest budget or more)")
       ->type_name("N")
-      ->check(whole_number(2, kMaxSamplesPerPixel).description(""))
+      ->check(whole_number(2, kMaxSamplesPerPixel).hidden())
       ->group(kGroup);
   add_parsed(command, "--reference-integrator", options.reference_methods, parse_method,
              "Integrator of both halves, written as for --integrator; given twice, of one each")
@@ -120,7 +114,7 @@ void add_reference_options(CLI::App& command, ReportOptions& options) {
       ->group(kGroup);
 }
 
-void add_presentation_options(CLI::App& command, ReportOptions& options) {
+void add_presentation_options(CommandLine& command, ReportOptions& options) {
   constexpr const char* kGroup = "Report";
   add_parsed(command, "--target", options.targets, parse_target,
              "Find the time to this error: relmse=1e-3, mse=0.01, block_relmse=1e-3 (means of 4 x 4 pixels); "
@@ -128,12 +122,13 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       ->type_name("METRIC=VALUE")
       ->group(kGroup);
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "--crop-view",
-          [&options](const std::string& text) {
+          [&options](const std::string& text) -> Expected<void> {
             const auto choice = parse_crop_choice(text);
-            if (!choice) throw CLI::ValidationError("--crop-view", choice.error().message);
+            if (!choice) return std::unexpected(choice.error());
             options.crop = *choice;
+            return {};
           },
           "Part of the image that equal-time pictures show: error (where it is largest), centre, either with "
           ":SIZE, or X,Y,SIZE in film pixels (default: error)")
@@ -143,23 +138,23 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       .add_option("--crop-time", options.crop_seconds,
                   "Seconds of the equal-time pictures (default: the longest that all methods have)")
       ->type_name("S")
-      ->check(positive_number().description(""))
+      ->check(positive_number().hidden())
       ->group(kGroup);
   command.add_option("--exposure", options.exposure, "Exposure of the equal-time pictures, in stops")
       ->type_name("EV")
-      ->check(number_between(-60, 60).description(""))
+      ->check(number_between(-60, 60).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command
       .add_option("--time", options.time,
                   "render: without start, scene transfer and compilation; total: with everything")
       ->type_name("render|total")
-      ->check(CLI::IsMember({"render", "total"}).description(""))
+      ->check(one_of({"render", "total"}).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--epsilon", options.epsilon, "Epsilon of relMSE")
       ->type_name("E")
-      ->check(positive_number().description(""))
+      ->check(positive_number().hidden())
       ->capture_default_str()
       ->group(kGroup);
   command.add_flag("--no-plots", options.no_plots, "Tables and pictures only, without gnuplot")
@@ -167,7 +162,7 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
 }
 
-void add_cell_options(CLI::App& command, RenderOptions& render) {
+void add_cell_options(CommandLine& command, RenderOptions& render) {
   constexpr const char* kGroup = "Rendering";
   SceneOptions& scene = render.scene;
   command.add_option("-D", scene.defines, "Fill $NAME of the scene files; repeatable")
@@ -190,29 +185,29 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       .add_option("--dialect", scene.dialect,
                   "Of Nori scenes: nori or nori-eth (default: told from the file)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"nori", "nori-eth"}).description(""))
+      ->check(one_of({"nori", "nori-eth"}).hidden())
       ->group(kGroup);
   command.add_option("--seed", scene.seed, "Seed from which all others are made (default: 0)")
       ->type_name("S")
-      ->check(whole_number(0, kMaxSeed).description(""))
+      ->check(whole_number(0, kMaxSeed).hidden())
       ->group(kGroup);
   command.add_option("--intersector", scene.intersector, "auto, portable, embree")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"auto", "portable", "embree"}).description(""))
+      ->check(one_of({"auto", "portable", "embree"}).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--workers", render.workers, "Worker processes")
       ->type_name("N")
-      ->check(whole_number(1, kMaxWorkers).description(""))
+      ->check(whole_number(1, kMaxWorkers).hidden())
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--threads", render.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
-      ->check(whole_number(1, kMaxThreads).description(""))
+      ->check(whole_number(1, kMaxThreads).hidden())
       ->group(kGroup);
   command.add_option("--isa", render.isa, "Instruction set of the native backend (default: the widest)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}).description(""))
+      ->check(one_of({"sse2", "avx2", "avx512"}).hidden())
       ->group(kGroup);
   command
       .add_option("--opencl-device", render.opencl_device,
@@ -223,7 +218,7 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
 
 }  // namespace
 
-void add_report_options(CLI::App& command, ReportOptions& options) {
+void add_report_options(CommandLine& command, ReportOptions& options) {
   command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))
       ->required()
       ->group(group::kInput);

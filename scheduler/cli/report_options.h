@@ -1,13 +1,13 @@
 // The options of `penumbra report` as the user gave them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/report/crop_choice.h"
 #include "scheduler/report/method.h"
@@ -35,7 +35,7 @@ struct ReportOptions {
   bool no_plots = false, quiet = false;
 };
 
-void add_report_options(CLI::App& command, ReportOptions& options);
+void add_report_options(CommandLine& command, ReportOptions& options);
 
 /// The value for this scene from a list of "SCENE=VALUE…" and "VALUE": the last one that names the scene,
 /// else the last one without a scene. Nothing if there is none. `scenes`: the names that may stand before

@@ -19,8 +19,8 @@ ExitCode print_reference(const std::string& name, std::string (*overview)(int),
 
 }  // namespace
 
-void add_settings_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("settings", "List what --set takes: values, defaults, meaning");
+void add_settings_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("settings", "List what --set takes: values, defaults, meaning");
   const auto name = std::make_shared<std::string>();
   command
       ->add_option("NAME", *name,
@@ -37,9 +37,9 @@ void add_settings_command(CLI::App& app, Command& chosen) {
   });
 }
 
-void add_plugins_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("plugins", "List what Mitsuba's scene files may hold: plugins and their parameters");
+void add_plugins_command(CommandLine& app, Command& chosen) {
+  CommandLine* command =
+      app.add_command("plugins", "List what Mitsuba's scene files may hold: plugins and their parameters");
   const auto name = std::make_shared<std::string>();
   command
       ->add_option(

@@ -29,9 +29,8 @@ constexpr Sibling kSiblings[] = {
 
 }  // namespace
 
-void add_sibling_commands(CLI::App& app) {
-  for (const Sibling& sibling : kSiblings)
-    app.add_subcommand(sibling.command, sibling.help)->prefix_command();
+void add_sibling_commands(CommandLine& app) {
+  for (const Sibling& sibling : kSiblings) app.add_command(sibling.command, sibling.help)->prefix_command();
 }
 
 std::string sibling_program(const std::string& command) {

@@ -22,7 +22,7 @@ JobInterest interest(const wire::JobStatus& job) {
 
 }  // namespace
 
-void add_web_option(CLI::App& command, std::string& address) {
+void add_web_option(CommandLine& command, std::string& address) {
   command
       .add_option("--web", address,
                   "Show jobs, images and workers in a browser: 127.0.0.1:PORT (0: a free port). The link is "

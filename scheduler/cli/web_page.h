@@ -1,17 +1,17 @@
 // The option --web: a page in the browser.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "jobs.pb.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/web/web_server.h"
 
 namespace penumbra {
 
-void add_web_option(CLI::App& command, std::string& address);
+void add_web_option(CommandLine& command, std::string& address);
 
 struct WebPage {
   std::string address;  ///< empty: no page

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -43,17 +42,16 @@ constexpr const char* kFooter =
     "  penumbra stress --case polygon/ --case '*phong*1e5*'\n"
     "  penumbra stress --backend native --json stress.json --html stress.html";
 
-void add_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("Cases");
+void add_options(CommandLine& app, Options& options) {
+  app.default_group("Cases");
   app.add_option("--case", options.cases,
                  "Only cases whose name contains this, or matches it with * and ?; repeatable")
       ->type_name("NAME")
-      ->expected(1);
-  app.get_option("--case")->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->repeatable();
   app.add_flag("--list", options.list, "Show the cases instead of running them");
-  app.option_defaults()->group(group::kWorkers);
+  app.default_group(group::kWorkers);
   app.add_option("--backend", options.backend, "What computes")
-      ->check(CLI::IsMember({"native", "opencl", "both"}))
+      ->check(one_of({"native", "opencl", "both"}))
       ->type_name("NAME")
       ->capture_default_str();
   app.add_option("--opencl-device", options.opencl_device,
@@ -63,11 +61,10 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("N")
       ->check(whole_number(1, kMaxThreads))
       ->capture_default_str();
-  app.option_defaults()->group(group::kOutput);
+  app.default_group(group::kOutput);
   app.add_option("--json", options.json, "Also write the table as JSON")->type_name("FILE");
   app.add_option("--html", options.html, "Also write the table as a page")->type_name("FILE");
   app.footer(kFooter);
-  use_help_text(app);
 }
 
 std::vector<Backend> make_backends(const Options& options) {
@@ -129,16 +126,12 @@ ExitCode run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace penumbra;
   begin_program("penumbra stress");
-  CLI::App app("Check stiff and extreme cases against high-precision references, on every backend",
-               "penumbra stress");
+  CommandLine app("Check stiff and extreme cases against high-precision references, on every backend",
+                  "penumbra stress");
   stress::Options options;
   stress::add_options(app, options);
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return end_program(*answered);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return end_program(end_of_parse(app, error));
-  }
+  if (const auto ended = app.parse(argc, argv)) return end_program(*ended);
   try {
     return end_program(stress::run(options));
   } catch (const std::exception& error) {

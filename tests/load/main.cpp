@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "kernels/film_layers.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/farm/acceptor.h"
 #include "scheduler/protocol/token.h"
 #include "tests/load/load_farm.h"
@@ -59,7 +59,7 @@ void print(const LoadSettings& settings, const LoadFigures& figures) {
 int main(int argc, char** argv) {
   using namespace penumbra;
   if (argc == 3 && std::string(argv[1]) == "--connect") return run_workers(argv[2]);
-  CLI::App app("A scheduler under the load of simulated workers");
+  CommandLine app("A scheduler under the load of simulated workers");
   LoadSettings settings;
   std::vector<int> workers{10, 100, 1000, 5000};
   double unit_milliseconds = 0;
@@ -70,10 +70,10 @@ int main(int argc, char** argv) {
   app.add_option("--tile", settings.tile, "Pixels along a side of a unit")->capture_default_str();
   app.add_option("--side", settings.side, "Tiles along a side of the film")->capture_default_str();
   app.add_option("--layers", layers, "Layers of results")
-      ->check(CLI::IsMember({"none", "default", "all"}))
+      ->check(one_of({"none", "default", "all"}))
       ->capture_default_str();
   app.add_option("--deaths", settings.deaths, "Workers that leave with units in hand")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = app.parse(argc, argv)) return *ended;
   settings.unit_seconds = 1e-3 * unit_milliseconds;
   settings.features = layers == "all" ? kAllLayers : layers == "default" ? std::uint64_t(FEATURE_LAYERS) : 0;
   const std::string program = std::filesystem::canonical("/proc/self/exe");

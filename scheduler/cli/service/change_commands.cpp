@@ -36,10 +36,10 @@ ExitCode change_all(const ChangeOptions& options, const Change& change) {
 }
 
 /// Adds a command that changes jobs; its options may be extended.
-std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, Command& chosen,
-                                                                const char* name, const char* description,
-                                                                Change change) {
-  CLI::App* command = app.add_subcommand(name, description);
+std::pair<CommandLine*, std::shared_ptr<ChangeOptions>> add_change(CommandLine& app, Command& chosen,
+                                                                   const char* name, const char* description,
+                                                                   Change change) {
+  CommandLine* command = app.add_command(name, description);
   const auto options = std::make_shared<ChangeOptions>();
   add_jobs(*command, options->jobs)->required();
   add_service_address(*command, options->service);
@@ -51,7 +51,7 @@ std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, C
 
 }  // namespace
 
-void add_change_commands(CLI::App& app, Command& chosen) {
+void add_change_commands(CommandLine& app, Command& chosen) {
   const auto [cancel, cancelled] =
       add_change(app, chosen, "cancel", "Cancel jobs; what is rendered of them is kept",
                  [](JobsClient& service, JobId number, const auto&) { return service.cancel(number); });

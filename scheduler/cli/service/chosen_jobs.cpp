@@ -48,7 +48,7 @@ Expected<std::vector<JobId>> of_name(const std::string& name, const wire::Status
 
 }  // namespace
 
-CLI::Option* add_jobs(CLI::App& command, std::vector<std::string>& jobs) {
+Option* add_jobs(CommandLine& command, std::vector<std::string>& jobs) {
   return command
       .add_option(
           "JOB", jobs,

@@ -1,16 +1,16 @@
 // The argument by which commands name jobs and groups of a service.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/service/jobs_client.h"
 
 namespace penumbra {
 
 /// Adds the positional argument "JOB…": a number of a job or group, a range 14-19, or the name of a group.
-CLI::Option* add_jobs(CLI::App& command, std::vector<std::string>& jobs);
+Option* add_jobs(CommandLine& command, std::vector<std::string>& jobs);
 
 /// The numbers of these jobs and groups, in the given order, each once. Of a range those that exist. Errors:
 /// there is nothing in a range, or no group, or several, of a name; the service cannot be reached.

@@ -138,10 +138,10 @@ ExitCode fetch(const FetchOptions& options) {
 
 }  // namespace
 
-void add_fetch_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("fetch", "Fetch the images of jobs");
+void add_fetch_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("fetch", "Fetch the images of jobs");
   const auto options = std::make_shared<FetchOptions>();
-  CLI::Option* jobs = add_jobs(*command, options->jobs);
+  Option* jobs = add_jobs(*command, options->jobs);
   command->add_flag("--all", options->all, "Every job that is over")->excludes(jobs)->group("Jobs");
   command->add_option("-o,--out", options->out, "Folder for the files, made if it is missing")
       ->type_name("FOLDER")

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "kernels/host/process.h"
+#include "scheduler/cli/access_options.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
@@ -11,7 +12,6 @@
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/cli/web_page.h"
 #include "scheduler/farm/checkpoint_sink.h"
-#include "scheduler/keys/access_options.h"
 #include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
@@ -25,11 +25,11 @@ std::string default_spool() {
 
 }  // namespace
 
-void add_serve_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("serve", "Wait for jobs, and render them");
+void add_serve_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("serve", "Wait for jobs, and render them");
   const auto options = std::make_shared<ServiceOptions>();
   const auto spool = std::make_shared<std::string>(default_spool());
-  command->option_defaults()->group(group::kNetwork);
+  command->default_group(group::kNetwork);
   command
       ->add_option(
           "--listen", options->listen,
@@ -40,7 +40,7 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->required();
   add_keys_option(*command, options->keys, "TLS and tokens for --listen HOST:PORT");
   add_web_option(*command, options->web);
-  command->option_defaults()->group(group::kWorkers);
+  command->default_group(group::kWorkers);
   command->add_option("--spool", *spool, "Folder of jobs, scenes and results; used by one service at a time")
       ->type_name("FOLDER")
       ->group("Jobs")
@@ -69,12 +69,10 @@ void add_serve_command(CLI::App& app, Command& chosen) {
           "Shell command for each job and each group that ends, with the fields {job} (number), {kind} (job, "
           "frame of a group, or group), {group}, {name}, {state}, {submitter}, {error}")
       ->type_name("COMMAND")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            const auto hook = EndHook::make(text);
-            return hook ? std::string() : hook.error().message;
-          },
-          ""))
+      ->check({[](const std::string& text) {
+        const auto hook = EndHook::make(text);
+        return hook ? std::string() : hook.error().message;
+      }})
       ->group("Jobs");
   command
       ->add_option(

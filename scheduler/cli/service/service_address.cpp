@@ -8,7 +8,7 @@
 
 namespace penumbra {
 
-void add_service_address(CLI::App& command, ServiceAddress& address, bool with_keys) {
+void add_service_address(CommandLine& command, ServiceAddress& address, bool with_keys) {
   command
       .add_option("--to", address.to,
                   "Address of the service: unix:/path, or HOST:PORT with --keys, or with the token that it "
@@ -19,7 +19,7 @@ void add_service_address(CLI::App& command, ServiceAddress& address, bool with_k
       ->group(group::kNetwork);
   if (!with_keys) return;
   add_client_access_options(command, address.keys);
-  command.get_option("--keys")->group(group::kNetwork);
+  command.option("--keys")->group(group::kNetwork);
 }
 
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address, KeyRole role) {

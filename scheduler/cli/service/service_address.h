@@ -1,11 +1,11 @@
 // Options for the address and the credentials of a service, shared by the commands that talk to one.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/service/jobs_client.h"
 
 namespace penumbra {
@@ -17,7 +17,7 @@ struct ServiceAddress {
 };
 
 /// Adds --to, and with `with_keys` also --keys.
-void add_service_address(CLI::App& command, ServiceAddress& address, bool with_keys = true);
+void add_service_address(CommandLine& command, ServiceAddress& address, bool with_keys = true);
 
 /// Makes a client for the service at this address. `role` selects the keys. Errors: those of client_access.
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address,

@@ -81,13 +81,12 @@ ExitCode status(const StatusOptions& options) {
 
 }  // namespace
 
-void add_status_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("status", "Show jobs, workers, rates and time left");
+void add_status_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("status", "Show jobs, workers, rates and time left");
   const auto options = std::make_shared<StatusOptions>();
   add_jobs(*command, options->jobs);
-  CLI::Option* watched =
-      command->add_flag("--watch", options->watch, "Show a full screen that is kept up to date")
-          ->group(group::kOutput);
+  Option* watched = command->add_flag("--watch", options->watch, "Show a full screen that is kept up to date")
+                        ->group(group::kOutput);
   command->add_flag("--jobs", options->unfolded, "List the jobs of groups too, as if the groups were named")
       ->group(group::kOutput);
   command->add_flag("--json", options->json, "Print JSON")->excludes(watched)->group(group::kOutput);

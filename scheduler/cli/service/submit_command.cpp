@@ -25,19 +25,21 @@ struct SubmitOptions {
 };
 
 /// Whether an option of `penumbra render` is not one of a job: the service or `penumbra fetch` determines it.
-bool is_refused(const CLI::Option& option) {
-  if (option.get_lnames().empty()) return false;
-  const std::string& name = option.get_lnames().front();
-  if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys") return false;
+bool is_refused(const Option& option) {
+  if (option.long_names().empty()) return false;
+  const std::string& name = option.long_names().front();
+  if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys" ||
+      name == "help")
+    return false;
   return name == "resume" || is_shared_option(name);
 }
 
-Expected<void> check_options(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options())
-    if (option->count() > 0 && is_refused(*option))
+Expected<void> check_options(const CommandLine& command) {
+  for (const Option* option : command.options())
+    if (option->is_given() && is_refused(*option))
       return fail(
           fmt::format("--{} is not of a job: `penumbra serve`, or `penumbra fetch`, has what there is of it",
-                      option->get_lnames().front()));
+                      option->long_names().front()));
   return {};
 }
 
@@ -113,7 +115,7 @@ std::size_t Submitter::submit_all(const std::atomic<bool>& stop) {
   return jobs_.size();
 }
 
-ExitCode submit(const SubmitOptions& options, const CLI::App& command,
+ExitCode submit(const SubmitOptions& options, const CommandLine& command,
                 const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
   if (const auto checked = check_options(command); !checked) return print_error(checked.error()), kBadInput;
@@ -130,14 +132,14 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
 
 }  // namespace
 
-void add_submit_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
-  CLI::App* command = app.add_subcommand("submit", "Submit renders to a service");
+void add_submit_command(CommandLine& app, const std::vector<std::string>& command_line, Command& chosen) {
+  CommandLine* command = app.add_command("submit", "Submit renders to a service");
   const auto options = std::make_shared<SubmitOptions>();
   add_render_options(*command, options->render);
-  for (CLI::Option* option : command->get_options())
+  for (Option* option : command->options())
     if (is_refused(*option)) option->group("");  // not in the help
   add_service_address(*command, options->service, false);
-  command->get_option("--keys")->description(
+  command->option("--keys")->description(
       "For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "
       "or its part for users");
   command

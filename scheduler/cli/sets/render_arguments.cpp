@@ -34,26 +34,16 @@ constexpr std::array<std::string_view, 19> kShared{"workers",
                                                    "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
-std::string name_of(const CLI::Option& option) {
-  return option.get_lnames().empty() ? "" : option.get_lnames().front();
+std::string name_of(const Option& option) {
+  return option.long_names().empty() ? "" : option.long_names().front();
 }
 
 /// A parser for the command line of `penumbra render`.
 struct Parser {
   RenderOptions options;
-  CLI::App app{"render", "render"};
+  CommandLine app{"render", "render"};
 
   Parser() { add_render_options(app, options); }
-
-  Expected<void> parse(std::vector<std::string> arguments) {
-    std::ranges::reverse(arguments);  // the order that the library expects
-    try {
-      app.parse(std::move(arguments));
-    } catch (const CLI::ParseError& error) {
-      return fail(error.what());
-    }
-    return {};
-  }
 };
 
 /// Keyed by each of their long names.
@@ -61,12 +51,12 @@ const std::map<std::string, RenderOption, std::less<>>& render_options() {
   static const auto all = [] {
     std::map<std::string, RenderOption, std::less<>> options;
     Parser parser;
-    for (const CLI::Option* option : parser.app.get_options()) {
+    for (const Option* option : parser.app.options()) {
       const std::string first = name_of(*option);
       if (first.empty() || first == "set" || is_shared_option(first)) continue;
-      const AxisKind kind = option->get_items_expected_max() == 0 ? AxisKind::kFlag : AxisKind::kOption;
-      const bool has_values = kind == AxisKind::kFlag && option->get_flag_value(first, "") != "true";
-      for (const std::string& name : option->get_lnames()) options[name] = {first, kind, has_values};
+      const AxisKind kind = option->takes_value() ? AxisKind::kOption : AxisKind::kFlag;
+      const bool has_values = kind == AxisKind::kFlag && option->flag_value(first) != "true";
+      for (const std::string& name : option->long_names()) options[name] = {first, kind, has_values};
     }
     return options;
   }();
@@ -134,22 +124,22 @@ Expected<void> check_value(AxisKind kind, const std::string& name, const std::st
   std::vector<std::string> arguments;
   add_argument(arguments, {kind, name, {}}, value, true);
   arguments.insert(arguments.end(), {"--", "scene.xml"});
-  return Parser().parse(std::move(arguments));
+  return Parser().app.parse(std::move(arguments));
 }
 
-std::vector<std::string> render_words(const CLI::App& command, std::span<const std::string_view> without) {
+std::vector<std::string> render_words(const CommandLine& command, std::span<const std::string_view> without) {
   const Parser render;
   std::vector<std::string> scenes, words;
-  for (const CLI::Option* option : command.get_options()) {
+  for (const Option* option : command.options()) {
     const std::string name = name_of(*option);
-    if (option->get_positional())
+    if (option->is_positional())
       for (const std::string& scene : option->results())
         scenes.push_back(scene.starts_with('-') ? "./" + scene : scene);
     const std::string word = name.empty() ? kDefine : "--" + name;
-    if (option->count() == 0 || option->get_positional() ||
-        std::ranges::find(without, name) != without.end() || render.app.get_option_no_throw(word) == nullptr)
+    if (!option->is_given() || option->is_positional() || std::ranges::find(without, name) != without.end() ||
+        render.app.find_option(word) == nullptr)
       continue;
-    const bool is_flag = option->get_items_expected_max() == 0;
+    const bool is_flag = !option->takes_value();
     for (const std::string& value : option->results()) {
       if (name.empty())
         words.push_back(kDefine + value);
@@ -161,11 +151,11 @@ std::vector<std::string> render_words(const CLI::App& command, std::span<const s
   return scenes;
 }
 
-std::vector<RenderAxis> axes_of_command(const CLI::App& command) {
+std::vector<RenderAxis> axes_of_command(const CommandLine& command) {
   std::vector<RenderAxis> axes;
-  for (const CLI::Option* option : command.get_options()) {
+  for (const Option* option : command.options()) {
     const std::string name = name_of(*option);
-    if (option->count() == 0 || option->get_positional()) continue;
+    if (!option->is_given() || option->is_positional()) continue;
     if (name.empty())
       add_assignments(axes, AxisKind::kDefine, option->results());
     else if (name == "set")
@@ -186,7 +176,8 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   }
   arguments.insert(arguments.end(), {"--", scene});
   Parser parser;
-  if (const auto parsed = parser.parse(std::move(arguments)); !parsed) return std::unexpected(parsed.error());
+  if (const auto parsed = parser.app.parse(std::move(arguments)); !parsed)
+    return std::unexpected(parsed.error());
   RenderOptions options = std::move(parser.options);
   options.scene.scene = scene;
   options.workers = shared.workers;

@@ -2,12 +2,12 @@
 // as if they were on a command line, so both accept the same values.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/sets/render_axes.h"
 
@@ -34,10 +34,10 @@ Expected<void> check_value(AxisKind kind, const std::string& name, const std::st
 
 /// The words of a `penumbra render` that does what this command was told by the options that both have,
 /// except those in `without` (long names without dashes): the scenes, then a word for each option.
-std::vector<std::string> render_words(const CLI::App& command, std::span<const std::string_view> without);
+std::vector<std::string> render_words(const CommandLine& command, std::span<const std::string_view> without);
 
 /// The axes that the command line gives to each of its renders.
-std::vector<RenderAxis> axes_of_command(const CLI::App& command);
+std::vector<RenderAxis> axes_of_command(const CommandLine& command);
 
 /// The options of one render: the chosen values of the axes, and otherwise those of `shared`. `with_frame`:
 /// the frame is also a variable of the scene.

@@ -410,7 +410,7 @@ ExitCode SceneSet::print_end() {
 
 }  // namespace
 
-ExitCode render_set(const RenderOptions& options, const CLI::App& command,
+ExitCode render_set(const RenderOptions& options, const CommandLine& command,
                     const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto plan = plan_set(options, command);

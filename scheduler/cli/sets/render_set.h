@@ -1,10 +1,10 @@
 // `penumbra render` with several scenes, or with job files.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/render_options.h"
 
@@ -13,7 +13,7 @@ namespace penumbra {
 /// Renders the set of plan_set on one farm, one render after the other. The next scenes are read and finished
 /// images are written while others render. A scene that fails does not stop the others. A line tells
 /// the end of each, and a summary file lists them.
-ExitCode render_set(const RenderOptions& options, const CLI::App& command,
+ExitCode render_set(const RenderOptions& options, const CommandLine& command,
                     const std::vector<std::string>& command_line);
 
 }  // namespace penumbra

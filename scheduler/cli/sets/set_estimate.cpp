@@ -97,7 +97,7 @@ class SetEstimator {
 
 }  // namespace
 
-ExitCode estimate_set(const RenderOptions& options, const CLI::App& command) {
+ExitCode estimate_set(const RenderOptions& options, const CommandLine& command) {
   const std::atomic<bool>& stop = install_stop_signal();
   const auto plan = plan_set(options, command);
   if (!plan) return print_error(plan.error()), kBadInput;

@@ -1,8 +1,7 @@
 // `penumbra render --estimate` with several scenes, or with job files.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/render_options.h"
 
@@ -12,6 +11,6 @@ namespace penumbra {
 /// they are measured for about a minute. Renders that differ only in the seed cost the same and are measured
 /// once. Renders whose images are already there count as well. A scene that cannot be read is an error
 /// (kBadInput) and does not stop the others.
-ExitCode estimate_set(const RenderOptions& options, const CLI::App& command);
+ExitCode estimate_set(const RenderOptions& options, const CommandLine& command);
 
 }  // namespace penumbra

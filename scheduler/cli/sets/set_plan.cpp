@@ -59,7 +59,7 @@ fs::path common_folder(const fs::path& a, const fs::path& b) {
 
 class SetPlanner {
  public:
-  SetPlanner(const RenderOptions& options, const CLI::App& command)
+  SetPlanner(const RenderOptions& options, const CommandLine& command)
       : options_(options), given_(axes_of_command(command)) {}
 
   Expected<SetPlan> plan() {
@@ -219,7 +219,7 @@ class SetPlanner {
 
 }  // namespace
 
-Expected<SetPlan> plan_set(const RenderOptions& options, const CLI::App& command) {
+Expected<SetPlan> plan_set(const RenderOptions& options, const CommandLine& command) {
   if (options.pixel) return fail("--pixel is of one scene");
   if (!options.statistics.empty())
     return fail("--statistics FILE is of one scene; of several each has its own beside its image");

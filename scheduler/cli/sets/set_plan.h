@@ -1,13 +1,13 @@
 // Expands a command with several scenes or with job files to a list of renders and their output files.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
 
@@ -41,6 +41,6 @@ std::vector<const SceneOptions*> scenes_of(const SetPlan& plan);
 /// missing, or a name with fields: {scene} (the scene's name without its extension), {folder} (the name of
 /// its folder), and the parameters of the render, such as {seed:03} or {integrator}. Errors: an invalid job
 /// file, an unknown field, two renders with the same output, options that only make sense for a single image.
-Expected<SetPlan> plan_set(const RenderOptions& options, const CLI::App& command);
+Expected<SetPlan> plan_set(const RenderOptions& options, const CommandLine& command);
 
 }  // namespace penumbra

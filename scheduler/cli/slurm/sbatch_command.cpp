@@ -53,7 +53,7 @@ fs::path default_folder(const fs::path& scene) {
 }
 
 /// Finds here what would otherwise be found when the job has waited in the queue.
-Expected<void> check_render(const RenderOptions& options, const CLI::App& command) {
+Expected<void> check_render(const RenderOptions& options, const CommandLine& command) {
   RenderOptions checked = options;
   checked.listen.clear();  // its keys may not be there yet
   checked.keys.clear();
@@ -130,9 +130,10 @@ Expected<void> write_scripts(const SlurmJob& job) {
 }
 
 /// Completes the job by what the command says. `command` is that which was parsed.
-Expected<SlurmJob> job_of(const SbatchOptions& options, const CLI::App& command) {
+Expected<SlurmJob> job_of(const SbatchOptions& options, const CommandLine& command) {
   for (const auto& [name, why] : kNotForJobs)
-    if (command.count(name) > 0) return fail(fmt::format("{} is not for `penumbra sbatch`: {}", name, why));
+    if (command.option(name)->is_given())
+      return fail(fmt::format("{} is not for `penumbra sbatch`: {}", name, why));
   if (const auto checked = check_render(options.render, command); !checked)
     return std::unexpected(checked.error());
   SlurmJob job = options.job;
@@ -150,8 +151,8 @@ Expected<SlurmJob> job_of(const SbatchOptions& options, const CLI::App& command)
     *path = *found;
   }
   job.render = render_words(command, std::array<std::string_view, 2>{"workers", "keys"});
-  job.has_threads = command.count("--threads") > 0;
-  job.has_listen = command.count("--listen") > 0;
+  job.has_threads = command.option("--threads")->is_given();
+  job.has_listen = command.option("--listen")->is_given();
   return job;
 }
 
@@ -169,7 +170,7 @@ void print_what_to_do(const SlurmJob& job, bool submitted) {
   print_remark(text);
 }
 
-ExitCode sbatch(const SbatchOptions& options, const CLI::App& command) {
+ExitCode sbatch(const SbatchOptions& options, const CommandLine& command) {
   const auto job = job_of(options, command);
   if (!job) return print_error(job.error()), kBadInput;
   if (const auto made = make_folders(job->folder / slurm_files::kSubmit); !made)
@@ -190,20 +191,20 @@ ExitCode sbatch(const SbatchOptions& options, const CLI::App& command) {
 
 }  // namespace
 
-void add_sbatch_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("sbatch", "Write, and submit, a render as jobs of a Slurm cluster");
+void add_sbatch_command(CommandLine& app, Command& chosen) {
+  CommandLine* command = app.add_command("sbatch", "Write, and submit, a render as jobs of a Slurm cluster");
   const auto options = std::make_shared<SbatchOptions>();
   SlurmJob& job = options->job;
   options->render.workers = job.workers;
   add_render_options(*command, options->render);
-  command->get_option("--workers")->description("Tasks of the array of workers")->group("Slurm");
-  command->get_option("--keys")->description(
+  command->option("--workers")->description("Tasks of the array of workers")->group("Slurm");
+  command->option("--keys")->description(
       "Keys for scheduler and workers, which `penumbra keys` has made; if the folder does not exist they are "
       "made, "
       "for all nodes of the partition (default: keys in --folder)");
-  command->get_option("--listen")
+  command->option("--listen")
       ->description("Where the scheduler listens, as in 0.0.0.0:7000 (default: a free port)");
-  command->option_defaults()->group("Slurm");
+  command->default_group("Slurm");
   command->add_option("--cpus", job.cpus, "Cores of each worker, and of the scheduler, which also renders")
       ->type_name("N")
       ->check(whole_number(1, kMaxThreads))

@@ -109,7 +109,7 @@ echo "submitted: scheduler $scheduler, workers $workers"
                      fmt::arg("workers", slurm_files::kWorkers));
 }
 
-CLI::Validator sbatch_word() {
+OptionCheck sbatch_word() {
   return {[](const std::string& word) {
             const auto is_plain = [](unsigned char c) {
               return c > ' ' && c != 127 && c != '"' && c != '\'' && c != '\\';
@@ -121,7 +121,7 @@ CLI::Validator sbatch_word() {
           ""};
 }
 
-CLI::Validator sbatch_time() {
+OptionCheck sbatch_time() {
   return {[](const std::string& text) {
             static const std::regex time(
                 "[0-9]+(:[0-9]+(:[0-9]+)?)?|[0-9]+-[0-9]+(:[0-9]+(:[0-9]+)?)?|UNLIMITED");

@@ -2,10 +2,11 @@
 // a script that submits both.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "scheduler/cli/command_line.h"
 
 namespace penumbra {
 
@@ -44,9 +45,9 @@ std::string job_name(const SlurmJob& job);
 
 /// Checks a word for an #SBATCH line, where Slurm's own quoting would apply: not empty, no spaces, quotes,
 /// backslashes or control characters.
-CLI::Validator sbatch_word();
+OptionCheck sbatch_word();
 /// Checks a time limit: minutes, minutes:seconds, hours:minutes:seconds, days-hours[:minutes[:seconds]], or
 /// UNLIMITED.
-CLI::Validator sbatch_time();
+OptionCheck sbatch_time();
 
 }  // namespace penumbra

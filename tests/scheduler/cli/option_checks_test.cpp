@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "scenes/settings.h"
-#include "scheduler/cli/help_text.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/report_options.h"
 
@@ -16,83 +16,77 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
+std::string wrong(const OptionCheck& check, std::string text) { return check.wrong(text); }
+
 TEST(OptionChecks, NumbersAreFiniteAndWhole) {
   for (const char* text : {"nan", "inf", "-inf", "1e999", "", "5x", "0x10", "5 5"}) {
-    EXPECT_NE(whole_number(0, 10)(text), "") << text;
-    EXPECT_NE(positive_number()(text), "") << text;
-    EXPECT_NE(number_from_zero()(text), "") << text;
-    EXPECT_NE(number_between(-1, 1)(text), "") << text;
+    EXPECT_NE(wrong(whole_number(0, 10), text), "") << text;
+    EXPECT_NE(wrong(positive_number(), text), "") << text;
+    EXPECT_NE(wrong(number_from_zero(), text), "") << text;
+    EXPECT_NE(wrong(number_between(-1, 1), text), "") << text;
   }
-  EXPECT_NE(whole_number(0, 10)("1.5"), "");
-  EXPECT_THAT(whole_number(1, 10)("11"), HasSubstr("not in the range from 1 to 10"));
-  EXPECT_THAT(positive_number()("0"), HasSubstr("not above 0"));
-  EXPECT_NE(positive_number()("1e-999"), "") << "which is 0";
-  EXPECT_NE(number_from_zero()("-0.1"), "");
-  EXPECT_NE(number_between(-1, 1)("1.01"), "");
-  for (const char* text : {"1", "0", "+1"}) EXPECT_EQ(number_between(0, 1)(text), "") << text;
-  EXPECT_EQ(whole_number(1, 10)("10"), "");
-  EXPECT_EQ(positive_number()("1e300"), "");
+  EXPECT_NE(wrong(whole_number(0, 10), "1.5"), "");
+  EXPECT_THAT(wrong(whole_number(1, 10), "11"), HasSubstr("not in the range from 1 to 10"));
+  EXPECT_THAT(wrong(positive_number(), "0"), HasSubstr("not above 0"));
+  EXPECT_NE(wrong(positive_number(), "1e-999"), "") << "which is 0";
+  EXPECT_NE(wrong(number_from_zero(), "-0.1"), "");
+  EXPECT_NE(wrong(number_between(-1, 1), "1.01"), "");
+  for (const char* text : {"1", "0", "+1"}) EXPECT_EQ(wrong(number_between(0, 1), text), "") << text;
+  EXPECT_EQ(wrong(whole_number(1, 10), "10"), "");
+  EXPECT_EQ(wrong(positive_number(), "1e300"), "");
 }
 
 TEST(OptionChecks, TimesHaveUnits) {
   for (const auto& [text, seconds] : {std::pair("0s", 0.0), std::pair("90m", 5400.0),
                                       std::pair("12h", 43200.0), std::pair("1.5d", 129600.0)}) {
     std::string value = text;
-    EXPECT_EQ(duration()(value), "");
+    EXPECT_EQ(duration().wrong(value), "");
     EXPECT_EQ(std::stod(value), seconds);
   }
   for (const char* text : {"", "7", "d", "-1d", "nand", "infd", "7w", "1e999d"}) {
     std::string value = text;
-    EXPECT_THAT(duration()(value), HasSubstr("as in 30s, 90m, 12h or 7d")) << text;
+    EXPECT_THAT(duration().wrong(value), HasSubstr("as in 30s, 90m, 12h or 7d")) << text;
   }
 }
 
 TEST(OptionChecks, HelpHasTheLimits) {
-  EXPECT_EQ(whole_number(1, 10).get_description(), "1 to 10");
-  CLI::App app;
+  EXPECT_EQ(whole_number(1, 10).limits, "1 to 10");
+  CommandLine app("");
   RenderOptions options;
   add_render_options(app, options);
-  use_help_text(app);
   EXPECT_THAT(app.help(), HasSubstr("[1 to " + std::to_string(kMaxTile) + "]"));
-  EXPECT_EQ(whole_number(1, kMaxSamplesPerPixel).get_description(), "1 or more") << "for all that matters";
+  EXPECT_EQ(whole_number(1, kMaxSamplesPerPixel).limits, "1 or more") << "for all that matters";
   EXPECT_THAT(app.help(), HasSubstr("TOML"));
 }
 
 struct Command {
   std::vector<std::string> words;
-  void (*add)(CLI::App&);
+  void (*add)(CommandLine&);
 };
 
 /// Whether the command takes these words.
 bool takes(const Command& command, const std::vector<std::string>& more) {
-  CLI::App app;
+  CommandLine app("");
   command.add(app);
   std::vector<std::string> words = command.words;
   words.insert(words.end(), more.begin(), more.end());
-  std::ranges::reverse(words);  // CLI11 takes them from the back
-  try {
-    app.parse(words);
-  } catch (const CLI::ParseError&) {
-    return false;
-  }
-  return true;
+  return app.parse(std::move(words)).has_value();
 }
 
 TEST(OptionChecks, NoOptionTakesWhatIsNoNumberForOne) {
   static RenderOptions render, preview;
   static ReportOptions report;
   const Command commands[] = {
-      {{"a.xml"}, [](CLI::App& app) { add_render_options(app, render); }},
-      {{"a.xml"}, [](CLI::App& app) { add_preview_options(app, preview); }},
-      {{"a.xml", "-o", "out"}, [](CLI::App& app) { add_report_options(app, report); }}};
+      {{"a.xml"}, [](CommandLine& app) { add_render_options(app, render); }},
+      {{"a.xml"}, [](CommandLine& app) { add_preview_options(app, preview); }},
+      {{"a.xml", "-o", "out"}, [](CommandLine& app) { add_report_options(app, report); }}};
   std::vector<std::string> numeric;
   for (const Command& command : commands) {
-    CLI::App app;
+    CommandLine app("");
     command.add(app);
-    for (const CLI::Option* option : app.get_options()) {
-      const std::string name = option->get_name();
-      if (option->get_positional() || !takes(command, {name, "5"}) || takes(command, {name, "word"}))
-        continue;
+    for (const Option* option : app.options()) {
+      const std::string name = option->name();
+      if (option->is_positional() || !takes(command, {name, "5"}) || takes(command, {name, "word"})) continue;
       numeric.push_back(name);
       for (const char* bad : {"nan", "NAN", "inf", "-inf", "infinity", "1e999", "-1e999", "1e30x", ""})
         EXPECT_FALSE(takes(command, {name, bad})) << name << " " << bad;

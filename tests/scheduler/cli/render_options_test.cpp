@@ -10,15 +10,10 @@ using ::testing::ElementsAre;
 
 /// The options that a command line gives, or the parser's message.
 std::string parse(std::vector<std::string> words, RenderOptions& options) {
-  CLI::App app;
+  CommandLine app("");
   add_render_options(app, options);
-  std::ranges::reverse(words);  // CLI11 takes them from the back
-  try {
-    app.parse(words);
-  } catch (const CLI::ParseError& error) {
-    return error.what();
-  }
-  return "";
+  const auto parsed = app.parse(std::move(words));
+  return parsed ? "" : parsed.error().message;
 }
 
 std::string parse(const std::vector<std::string>& words) {
