@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "kernels/host/console.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/service/group_summary.h"
 #include "scheduler/cli/service/status_text.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kernels/host/console.h"
+#include "scheduler/cli/access_options.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 
