@@ -12,7 +12,7 @@
 // optimised on its own.
 #define STAGE static __attribute__((noinline, unused))
 // A function that just-in-time compilers do not inline (see lang_opencl.h); here it is like FN.
-#define CALLED_FN FN
+#define CALLED_FN static __attribute__((noinline, unused))
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict

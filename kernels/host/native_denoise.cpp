@@ -1,30 +1,30 @@
 #include "kernels/host/native_denoise.h"
 
+#include <utility>
+
 namespace penumbra {
 
 NativeDenoiseTile denoise_tile_sse2, denoise_tile_avx2, denoise_tile_avx512;
 
-NativeDenoiseTile* native_denoise_tile(Isa isa) {
-  switch (isa) {
-    case Isa::kSse2:
+namespace {
+
+constexpr std::pair<Isa, NativeDenoiseTile*> kTiles[] = {
 #ifdef PENUMBRA_SSE2
-      return denoise_tile_sse2;
-#else
-      break;
+    {Isa::kSse2, denoise_tile_sse2},
 #endif
-    case Isa::kAvx2:
 #ifdef PENUMBRA_AVX2
-      return denoise_tile_avx2;
-#else
-      break;
+    {Isa::kAvx2, denoise_tile_avx2},
 #endif
-    case Isa::kAvx512:
 #ifdef PENUMBRA_AVX512
-      return denoise_tile_avx512;
-#else
-      break;
+    {Isa::kAvx512, denoise_tile_avx512},
 #endif
-  }
+};
+
+}  // namespace
+
+NativeDenoiseTile* native_denoise_tile(Isa isa) {
+  for (const auto& [target, tile] : kTiles)
+    if (target == isa) return tile;
   return nullptr;
 }
 

@@ -10,7 +10,7 @@ namespace penumbra {
 using NativeDenoiseTile = void(const DenoiseTask& task, int tile, const float* guide, const float* sources,
                                float* models, float* scratch, float* out);
 
-/// The code for one of native_kernels().
+/// The code for the set; null if this binary has none.
 NativeDenoiseTile* native_denoise_tile(Isa isa);
 
 }  // namespace penumbra

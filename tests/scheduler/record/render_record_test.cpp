@@ -9,7 +9,7 @@
 #include "scenes/settings.h"
 #include "tests/support/integrator_parameters.h"
 
-namespace penumbra {
+namespace penumbra::render_record_test {
 namespace {
 
 using ::testing::AllOf;
@@ -157,4 +157,4 @@ TEST(RecordMetadata, HoldsSettingsAndHash) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::render_record_test
