@@ -11,8 +11,10 @@
 // A function that contains lane loops. It is never inlined, so that RESTRICT holds and each stage is
 // optimised on its own.
 #define STAGE static __attribute__((noinline, unused))
-// A function that just-in-time compilers do not inline (see lang_opencl.h); here it is like FN.
+// A long function that is called in several places, or rarely: it is compiled once instead of once per call.
 #define CALLED_FN static __attribute__((noinline, unused))
+// The same, but so short that here it is like FN.
+#define JIT_CALLED_FN FN
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict

@@ -32,6 +32,7 @@
 #else
   #define CALLED_FN STAGE
 #endif
+#define JIT_CALLED_FN CALLED_FN
 #define GLOBAL __global
 #define PRIVATE __private
 #define RESTRICT restrict

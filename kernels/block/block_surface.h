@@ -172,7 +172,7 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
 
 /// The surfaces that the last rays of LANES paths from lane i on hit, without chosen leaves, media and bent
 /// normals.
-CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                  PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
   const int only = only_triangle(scene, paths, i);
@@ -239,7 +239,7 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
 }
 
 /// Where the last rays of LANES paths from lane i on ended.
-CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+JIT_CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                              PRIVATE Surfaces* surfaces) {
   if (NEEDS_MEDIA(scene) && all_in_media(paths, i))
     see_no_surfaces(paths, i, surfaces);

@@ -47,7 +47,7 @@ FN void start_step(PRIVATE StepLanes* step) {
 }
 
 /// Resolves the BSDFs of the paths' surfaces.
-CALLED_FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+JIT_CALLED_FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   resolve_closures(scene, &step->surfaces, &step->closures);
   step->families = families_among(&step->closures);
 }
