@@ -173,7 +173,7 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
 /// The surfaces that the last rays of LANES paths from lane i on hit, without chosen leaves, media and bent
 /// normals.
 JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                 PRIVATE Surfaces* surfaces) {
+                                     PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
   const int only = only_triangle(scene, paths, i);
   find_triangle_points(scene, paths, i, only, &points);
@@ -240,7 +240,7 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
 
 /// Where the last rays of LANES paths from lane i on ended.
 JIT_CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                             PRIVATE Surfaces* surfaces) {
+                                 PRIVATE Surfaces* surfaces) {
   if (NEEDS_MEDIA(scene) && all_in_media(paths, i))
     see_no_surfaces(paths, i, surfaces);
   else

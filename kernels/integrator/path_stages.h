@@ -33,7 +33,7 @@ FN float path_survival(int rr_depth, int depth, float strongest, float eta, floa
 /// Random numbers for a step of LANES paths from lane i on. Numbers that the step does not need are not
 /// written.
 JIT_CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths,
-                            int i, PRIVATE float* u) {
+                                int i, PRIVATE float* u) {
   const uint spp = sequence_length(h);
   sample_pair(h->sampler.kind, spp, step_point(PAIR_LIGHT), paths, i, u + DIM_LIGHT_U * LANES,
               u + DIM_LIGHT_V * LANES);

@@ -327,8 +327,8 @@ FN uint index_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
 }
 
 /// One pair of numbers for each of the LANES paths from lane `first` on.
-JIT_CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
-                           PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+JIT_CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths,
+                               int first, PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
   const uint points = spp > 0xffffffffu / point.times ? 0xffffffffu : spp * point.times;
   if (HAS(SAMPLERS)) {
     if (sampler == SAMPLER_STRATIFIED) {
