@@ -160,8 +160,6 @@ class MicrofacetCases : public testing::TestWithParam<BsdfCase> {
   Truth truth_{GetParam().is_ggx(), closure_.alpha_u, closure_.alpha_v};
   Microfacets microfacets_ = make_microfacets(truth_.ggx ? DISTRIBUTION_GGX : DISTRIBUTION_BECKMANN,
                                               closure_.alpha_u, closure_.alpha_v);
-
-  void expect_distribution_of_visible_normals(int samples) const;
 };
 INSTANTIATE_TEST_SUITE_P(All, MicrofacetCases, testing::ValuesIn(bsdf_cases_of([](const BsdfCase& c) {
                            return (((ROUGH_CONDUCTORS | ROUGH_DIELECTRICS) >> c.material().family) & 1u) !=
@@ -234,9 +232,9 @@ TEST_P(MicrofacetCases, ValuesAreThoseOfTheModel) {
   EXPECT_GT(compared, 1000);
 }
 
-void MicrofacetCases::expect_distribution_of_visible_normals(int samples) const {
+TEST_P(MicrofacetCases, VisibleNormalsFollowTheirDistributionHoweverNarrow) {
   // Their slopes along the viewer's stretched direction and across it, by conditional distribution functions.
-  constexpr int kSide = 20;
+  constexpr int kSide = 20, kSamples = 400'000;
   RandomNumbers random(15);
   std::vector<double> ps;
   for (double theta : {0.0, 0.5, 1.2, 1.55, kPi / 2 - 1e-4}) {
@@ -246,7 +244,7 @@ void MicrofacetCases::expect_distribution_of_visible_normals(int samples) const 
     const double c = double(o.z) / std::max(slant, 1e-12);  // cotangent of the stretched viewer
     const double ax = slant > 0 ? sx / slant : 1, ay = slant > 0 ? sy / slant : 0;
     std::vector<double> counts(kSide * kSide);
-    for (int k = 0; k < samples; ++k) {
+    for (int k = 0; k < kSamples; ++k) {
       const Exact3 h = exact(sample_microfacet(microfacets_, wo, random.unit_float(), random.unit_float()));
       ASSERT_GT(double(h.z), 0);
       const double x = -double(h.x / h.z) / truth_.u, y = -double(h.y / h.z) / truth_.v;
@@ -271,18 +269,10 @@ void MicrofacetCases::expect_distribution_of_visible_normals(int samples) const 
       ++counts[cell(first) * kSide + cell(second)];
     }
     ps.push_back(statistics::chi_square_test(
-                     counts, std::vector<double>(counts.size(), double(samples) / (kSide * kSide)))
+                     counts, std::vector<double>(counts.size(), double(kSamples) / (kSide * kSide)))
                      .p);
   }
   for (double p : ps) EXPECT_GT(p, statistics::sidak_significance(0.01, 30 * ps.size()));
-}
-
-TEST_P(MicrofacetCases, VisibleNormalsFollowTheirDistributionHoweverNarrow) {
-  expect_distribution_of_visible_normals(100'000);
-}
-
-TEST_P(MicrofacetCases, ManyVisibleNormalsFollowTheirDistribution) {
-  expect_distribution_of_visible_normals(400'000);
 }
 
 TEST(Microfacets, RoughnessHasAFloorAndACeiling) {
