@@ -1,7 +1,6 @@
 // The block driver. A block of paths is generated, then repeats (intersect, step, occlude, compact) until it
 // is empty, and is then accumulated. Each stage loops over lanes of constant width. Native code runs one
-// block per thread, an OpenCL CPU device one block per work item. A GPU or a debugging session uses blocks of
-// one path and one lane.
+// block per thread, an OpenCL CPU device one block per work item. A GPU uses blocks of one path and one lane.
 #ifndef PENUMBRA_BLOCK_H
 #define PENUMBRA_BLOCK_H
 #include "kernels/block/block_accumulate.h"
