@@ -58,6 +58,7 @@ std::string key_of(const std::string& ids, std::span<const Triangle> triangles,
 template <typename Record>
 bool take(Bytes& bytes, std::uint64_t count, std::vector<Record>& records) {
   if (count > bytes.size() / sizeof(Record)) return false;
+  if (count == 0) return true;
   records.resize(count);
   std::memcpy(records.data(), bytes.data(), count * sizeof(Record));
   bytes = bytes.subspan(count * sizeof(Record));
