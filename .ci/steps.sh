@@ -3,8 +3,10 @@
 # Compiled files are kept from one run to the next, whichever folder the clone is in.
 export CCACHE_DIR=${CCACHE_DIR:-/var/tmp/penumbra-ccache-$(id -u)} CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=true CCACHE_MAXSIZE=5G
 
-# Stacks with names; and what libraries do within themselves is not ours to report.
+# Stacks with names; and what libraries do within themselves is not ours to report. LLVM within PoCL gives its threads stacks
+# for signals and keeps those that the sanitizer gave them.
 export ASAN_SYMBOLIZER_PATH=/usr/bin/llvm-symbolizer-19 TSAN_SYMBOLIZER_PATH=/usr/bin/llvm-symbolizer-19
+export ASAN_OPTIONS="use_sigaltstack=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 export TSAN_OPTIONS="suppressions=$PWD/.ci/tsan.supp${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
 export LSAN_OPTIONS="suppressions=$PWD/.ci/lsan.supp:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}"
 
