@@ -73,8 +73,10 @@ STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE
       const vec3 before = get_shadow_tint(&fields, i + j), colour = load_pane_tint(light, j).colour;
       const float share = shares[j];
       const bool through = (get_ray_tmax(&fields, i + j) > 0.0f) & (share > 0.0f);
-      const float over = 1.0f / (through ? share : 1.0f);
-      const vec3 tint = select3(through, scale(colour, over), make_vec3(1.0f, 1.0f, 1.0f));
+      const float of = through ? share : 1.0f;
+      // What has no colour divides to exactly 1, as if nothing were tinted.
+      const vec3 mean = make_vec3(colour.x / of, colour.y / of, colour.z / of);
+      const vec3 tint = select3(through, mean, make_vec3(1.0f, 1.0f, 1.0f));
       set_shadow_tint(&fields, i + j, mul(before, tint));
     }
 }

@@ -353,6 +353,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellAnalytic", "cornell/cornell.xml", false, closed_form},
       {"CornellControlVariate", "cornell/cornell.xml", false, control_variate},
       {"CornellPathControlVariate", "cornell/cornell.xml", false, path_with_control_variate},
+      {"Materials", "materials/materials.xml"},
+      {"MaterialsControlVariate", "materials/materials.xml", false, path_with_control_variate},
       {"VeachMisPart", "veach-mis/veach-mis.xml", false, part_of_paths},
       {"CornellGlossyAnalytic", "cornell/cornell.xml", false, glossy_closed_form},
       {"CornellGlossyPathControlVariate", "cornell/cornell.xml", false, glossy_path_with_control_variate},
