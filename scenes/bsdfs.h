@@ -33,10 +33,11 @@
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                               ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
-                               PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
-                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
+using BsdfModel =
+    std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, PolarizedPlasticBsdf,
+                 WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf,
+                 DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf>;
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,

@@ -40,7 +40,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
-  X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")
+  X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
+  X(roughdiffuse, ROUGHDIFFUSE, 21, 0, "rough diffuse BSDF")                                             \
+  X(difftrans, DIFFTRANS, 22, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -121,6 +123,10 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define WARD_DUER 1
 #define WARD_BALANCED 2
 
+// Variants of the rough diffuse BSDF.
+#define ROUGHDIFFUSE_FULL 0
+#define ROUGHDIFFUSE_FAST 1
+
 // The families that use each field. A field that no family in the scene uses is not read and keeps its value
 // of black_closure. Families of tests may use all fields.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
@@ -137,7 +143,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
-#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
+#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING))
 #define USERS_curve USERS(ROUGH_PLASTICS)
 #define USERS_curve_rows USERS(ROUGH_PLASTICS)
 #define USERS_first_lobe USERS(ONLY(PHASE))
@@ -146,14 +152,16 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_diffuse_rate USERS(PRINCIPLEDS)
 #define USERS_clearcoat_rate USERS(PRINCIPLEDS)
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
+#define USERS_diffuse \
+  USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
 #define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
-#define USERS_transmitted USERS(DIELECTRICS)
+#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS))
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
 #define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS)
-#define USERS_alpha_u \
-  USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_u                                                                                   \
+  USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE) | \
+        ONLY(ROUGHDIFFUSE))
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS)

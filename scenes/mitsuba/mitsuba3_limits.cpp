@@ -10,9 +10,11 @@ namespace {
 
 // Found by loading each plugin and parameter that scene_writer.cpp may write with Mitsuba 3.9.1.
 constexpr std::pair<std::string_view, std::string_view> kPlugins[] = {{"bsdf", "blinnphong"},
+                                                                      {"bsdf", "difftrans"},
                                                                       {"bsdf", "disney"},
                                                                       {"bsdf", "microfacet"},
                                                                       {"bsdf", "phong"},
+                                                                      {"bsdf", "roughdiffuse"},
                                                                       {"bsdf", "ward"},
                                                                       {"emitter", "sky"},
                                                                       {"emitter", "sun"},

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/trigonometric.hpp>
+#include <vector>
 
 #include "scenes/mitsuba/animation.h"
 #include "scenes/mitsuba/emitter_reader.h"
@@ -14,6 +18,7 @@
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/mitsuba/volume_reader.h"
 #include "scenes/names.h"
+#include "scenes/scene_bounds.h"
 #include "scenes/settings.h"
 
 namespace penumbra::mitsuba {
@@ -32,6 +37,35 @@ void replace_old_distributions(const Context& context) {
           fmt::format("beckmann of the same alpha stands in for the distribution '{}'", *text));
       *text = parameter.text = "beckmann";
     }
+}
+
+/// Gives a scene without a sensor the one that Mitsuba 0.6 and the first versions of 3 make: it looks along
+/// +z at the whole bounding box.
+void place_sensor(const Context& context, SceneDescription& scene) {
+  const auto placed = place_groups(scene);
+  const SceneBounds bounds = bounds_of(scene, placed ? *placed : std::vector<PlacedGroup>());
+  const SourceLocation location = context.tree.scene.location;
+  for (const Object& object : context.tree.objects)
+    if (object.tag == "sensor") {
+      context.unsupported(object.location, "sensors of shapes are not read",
+                          "one that sees all shapes takes its place");
+      break;
+    }
+  const glm::dvec3 extents = bounds.high - bounds.low;
+  const double largest = std::max({extents.x, extents.y, extents.z});
+  if (!(largest > 0)) {
+    context.unsupported(location, "the scene has no <sensor>, and no shapes that one could be placed before",
+                        "a perspective one at the origin stands in for it");
+    return;
+  }
+  context.diagnostics.warn(location, "the scene has no <sensor>; one that sees all shapes takes its place");
+  CameraSettings& camera = scene.camera;
+  camera.fov = 45;
+  const double distance = 0.5 * largest / std::tan(0.5 * glm::radians(camera.fov));
+  camera.to_world =
+      glm::translate(glm::dmat4(1.0), {bounds.center().x, bounds.center().y, bounds.low.z - distance});
+  camera.near_clip = distance / 100;
+  camera.far_clip = 5 * largest + distance;
 }
 
 }  // namespace
@@ -65,9 +99,6 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   context.media = &media;
   if (sensor != nullptr) {
     read_sensor(context, *sensor, scene);
-  } else {
-    context.unsupported(context.tree.scene.location, "the scene has no <sensor>",
-                        "a perspective one at the origin stands in for it");
   }
   MaterialReader materials(context);
   for (const Object* bsdf : root.nested("bsdf")) materials.read(*bsdf);
@@ -90,6 +121,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   for (const Object* medium : root.nested("medium")) media.read(*medium);
   root.finish();
   textures.install(scene);
+  if (sensor == nullptr) place_sensor(context, scene);
   if (!context.diagnostics.failed()) shapes.check_textures();
   return scene;
 }

@@ -198,7 +198,12 @@ class XmlReader {
     const std::vector<fs::path> beside = {file.path.parent_path(), tree_.folders.front()};
     const auto found = access_.find(*name, beside);
     std::error_code ignored;
-    if (!found) {
+    const auto is_allowed = [&](const fs::path& folder) { return access_.allows(folder / *name); };
+    if (!found && std::ranges::all_of(beside, is_allowed)) {
+      // Files often keep a path of the machine that they were made on.
+      diagnostics_.warn(element.value_location("value"),
+                        fmt::format("there is no folder '{}'; nothing is looked for there", *name));
+    } else if (!found) {
       element.wrong_value("value", found.error().message);
     } else if (!fs::is_directory(*found, ignored)) {
       element.wrong_value("value", fmt::format("'{}' is not a folder", found->string()));

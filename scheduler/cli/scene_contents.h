@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scenes/device/scene_bounds.h"
+#include "scenes/scene_bounds.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {

@@ -63,7 +63,24 @@ TEST_F(MitsubaPlugins, CameraErrors) {
   EXPECT_THAT(message("<float name='near_clip' value='5'/><float name='far_clip' value='4'/>"),
               HasSubstr("must be less than"));
   EXPECT_THAT(message(to_world("<matrix value='1 1 0 0 1 0 0 0 1'/>")), HasSubstr("shears"));
-  EXPECT_THAT(error("<scene version='3.0.0'/>"), HasSubstr("the scene has no <sensor>"));
+  EXPECT_THAT(error("<scene version='3.0.0'/>"), HasSubstr("the scene has no <sensor>, and no shapes"));
+}
+
+TEST_F(MitsubaPlugins, WithoutASensorOneSeesAllShapes) {
+  const SceneDescription result = good_of(
+      read("<scene version='0.6.0'><shape type='sphere'><point name='center' x='1' y='2' z='3'/></shape>"
+           "<shape type='sphere'><point name='center' x='1' y='6' z='4'/></shape></scene>"));
+  EXPECT_THAT(warnings(result), HasSubstr("no <sensor>"));
+  // The box is [0, 2] x [1, 7] x [2, 5]: its largest extent fills 45 degrees at its front.
+  const double distance = 3 / std::tan(22.5 * std::numbers::pi / 180);
+  const glm::dvec4 at = result.camera.to_world[3];
+  EXPECT_NEAR(glm::length(glm::dvec3(at) - glm::dvec3(1, 4, 2 - distance)), 0, 1e-12);
+  EXPECT_EQ(result.camera.to_world[2], glm::dvec4(0, 0, 1, 0));
+  EXPECT_EQ(result.camera.fov, 45);
+  EXPECT_NEAR(result.camera.far_clip, 30 + distance, 1e-12);
+  EXPECT_THAT(
+      error("<scene version='3.0.0'>" + in("shape", "sphere", in("sensor", "irradiancemeter")) + "</scene>"),
+      HasSubstr("sensors of shapes are not read"));
 }
 
 TEST_F(MitsubaPlugins, Lenses) {

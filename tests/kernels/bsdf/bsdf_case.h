@@ -41,16 +41,20 @@ inline Material empty_material(int family) {
   return m;
 }
 
+inline bool is_thin_sheet(const Closure& c) {
+  return c.family == FAMILY_PRINCIPLEDTHIN || c.family == FAMILY_DIFFTRANS;
+}
+
 /// Refractive index where wi leads, over that where wo does. A thin sheet has the same on both sides.
 inline double index_ratio(const Closure& c, const vec3& wi) {
-  return wi.z < 0 && c.family != FAMILY_PRINCIPLEDTHIN ? double(c.ior) : 1.0;
+  return wi.z < 0 && !is_thin_sheet(c) ? double(c.ior) : 1.0;
 }
 
 /// Of one that transmits.
 inline Closure seen_from_behind(const Closure& c) {
   Closure behind = c;
   if (c.family == FAMILY_PRINCIPLED_TRANSMITTING) behind.variant = PRINCIPLED_INSIDE - c.variant;
-  if (c.family != FAMILY_PRINCIPLEDTHIN) behind.ior = 1 / c.ior;
+  if (!is_thin_sheet(c)) behind.ior = 1 / c.ior;
   return behind;
 }
 

@@ -26,6 +26,14 @@ inline BsdfCase phong_case(const std::string& name, double diffuse, double specu
           true};
 }
 
+inline BsdfCase sheet_case(const std::string& name, double reflectance, double transmittance) {
+  Material m = empty_material(FAMILY_DIFFTRANS);
+  m.diffuse = grey(reflectance);
+  m.transmitted = grey(transmittance);
+  const double both = reflectance + transmittance;
+  return {name, m, both, 0, both, true, true};
+}
+
 /// Indices at 630, 532 and 465 nm or so: gold.
 inline Material gold(int family, double alpha_u, double alpha_v) {
   Material m = empty_material(family);
@@ -81,6 +89,9 @@ inline std::vector<BsdfCase> all_bsdf_cases() {
       phong_case("HalfPhong30", 0.4, 0.4, 30),
       phong_case("MostlyDiffuse100", 0.6, 0.2, 100),
       phong_case("MostlyPhong10000", 0.1, 0.8, 1e4),
+      sheet_case("SheetOfBoth", 0.2, 0.7),
+      sheet_case("SheetThatTransmits", 0, 0.5),
+      sheet_case("SheetThatReflects", 0.5, 0),
       smooth_case("Conductor", FAMILY_CONDUCTOR, 1.5),
       smooth_case("Dielectric", FAMILY_DIELECTRIC, 1.5),
       smooth_case("DielectricInside", FAMILY_DIELECTRIC, 1 / 1.5),

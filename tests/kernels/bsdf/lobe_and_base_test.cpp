@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scenes/bsdfs/blinnphong.h"
+#include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/roughplastic.h"
@@ -67,6 +68,11 @@ const LobeCase kLobes[] = {
     {"BlinnPhong0", of(BlinnPhongBsdf{.diffuse = kBlack, .specular = kWhite, .exponent = 0.0f})},
     {"BlinnPhong100", of(BlinnPhongBsdf{.diffuse = kBlack, .specular = kWhite, .exponent = 100.0f})},
     {"BlinnPhongWithBase", of(BlinnPhongBsdf{.diffuse = kGrey, .specular = kGrey, .exponent = 20.0f})},
+    {"RoughDiffuse", of(RoughDiffuseBsdf{})},
+    // Oren and Nayar's fit of light that is reflected twice adds up to more than arrives at grazing angles.
+    {"RoughDiffuseWhite", of(RoughDiffuseBsdf{.reflectance = kWhite, .alpha = 0.7f}), 0},
+    {"RoughDiffuseFastWhite",
+     of(RoughDiffuseBsdf{.reflectance = kWhite, .alpha = 0.5f, .use_fast_approx = true})},
     nori("NoriNarrow", 0.1f, 1.33f, 1.01f, kBlack),
     nori("NoriMiddle", 0.3f, 1.5f, 1.01f, {0.2f, 0.1f, 0.6f}),
     nori("NoriWide", 0.6f, 1.8f, 1.3f, {0.4f, 0.2f, 0.3f}),
@@ -205,6 +211,51 @@ TEST(LobesAndBasesOfAnyRoughness, HaveFiniteWeights) {
               if (s.pdf == DELTA_PDF || !(s.pdf > 0)) continue;
               ASSERT_TRUE(std::isfinite(s.pdf) && s.wi.z > 0);
             }
+}
+
+TEST(RoughDiffuse, WithoutSlopesIsLambertian) {
+  for (const bool is_fast : {false, true}) {
+    const Lobe lobe(RoughDiffuseBsdf{.reflectance = kGrey, .alpha = 0.0f, .use_fast_approx = is_fast});
+    const vec3 wi = direction(0.7, 1);
+    EXPECT_EQ(lobe.eval(direction(1.1, 2), wi).f_cos.x, 0.5f * (wi.z * INV_PI_F));
+  }
+}
+
+TEST(RoughDiffuse, TheFastModelReflectsWhatItsIntegralSays) {
+  // pi f = A + B max(0, cos phi) sin(high) tan(low): over phi the cosine integrates to 2, and over theta the
+  // rest is elementary on either side of the viewer's angle.
+  const double sigma2 = 0.5 * 0.6 * 0.6, a = 1 - 0.5 * sigma2 / (sigma2 + 0.33),
+               b = 0.45 * sigma2 / (sigma2 + 0.09);
+  const Lobe lobe(RoughDiffuseBsdf{.reflectance = kWhite, .alpha = 0.6f, .use_fast_approx = true});
+  for (const double theta : {0.0, 0.2, 0.7, 1.1, 1.4, 1.55}) {
+    const double sine = std::sin(theta), cosine = std::cos(theta);
+    const double rest = sine * (theta - sine * cosine) / 2 + sine / cosine * (1 - sine * sine * sine) / 3;
+    EXPECT_NEAR(lobe.reflectance(direction(theta, 1)).x, a + b * rest * 2 / std::numbers::pi, 1e-4) << theta;
+  }
+}
+
+TEST(RoughDiffuse, IsWhatTheFormulasSay) {
+  // Oren and Nayar's angles and tangents as they stand, in double.
+  constexpr double kPi = std::numbers::pi, kAlpha = 0.45, kReflectance = 0.8;
+  const double sigma2 = kAlpha * kAlpha / 2;
+  const Lobe lobe(RoughDiffuseBsdf{.reflectance = glm::vec3(float(kReflectance)), .alpha = float(kAlpha)});
+  RandomNumbers random(26);
+  for (int k = 0; k < 1000; ++k) {
+    const double theta_o = random.between(0, 1.5), theta_i = random.between(0, 1.5);
+    const double phi = random.between(0, 2 * kPi), cosine = std::cos(phi);
+    const double high = std::max(theta_o, theta_i), low = std::min(theta_o, theta_i);
+    const double c1 = 1 - 0.5 * sigma2 / (sigma2 + 0.33);
+    const double c2 =
+        0.45 * sigma2 / (sigma2 + 0.09) * (std::sin(high) - (cosine < 0 ? std::pow(2 * low / kPi, 3) : 0));
+    const double c3 = 0.125 * sigma2 / (sigma2 + 0.09) * std::pow(4 * high * low / (kPi * kPi), 2);
+    const double once =
+        c1 + cosine * c2 * std::tan(low) + (1 - std::abs(cosine)) * c3 * std::tan((high + low) / 2);
+    const double twice = 0.17 * sigma2 / (sigma2 + 0.13) * (1 - cosine * std::pow(2 * low / kPi, 2));
+    const double expected = kReflectance / kPi * (once + kReflectance * twice) * std::cos(theta_i);
+    // The terms are rounded, and cosines next to the horizon more.
+    ASSERT_NEAR(double(lobe.eval(direction(theta_o, 0.4), direction(theta_i, 0.4 + phi)).f_cos.x), expected,
+                1e-5 * kReflectance);
+  }
 }
 
 TEST(BlinnPhong, OfExponent0IsLambertian) {

@@ -1,4 +1,4 @@
-#include "scenes/device/scene_bounds.h"
+#include "scenes/scene_bounds.h"
 
 #include <variant>
 #include <vector>
