@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 #include <grpcpp/security/auth_metadata_processor.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "kernels/host/process.h"
+#include "scheduler/keys/host_names.h"
 #include "scheduler/protocol/token.h"
 
 namespace penumbra {
@@ -105,10 +109,26 @@ Expected<std::shared_ptr<const Keys>> listening_keys(const std::string& address,
   return keys;
 }
 
-std::string reachable_address(const std::string& address) {
+std::string reachable_address(const std::string& address, const Keys* keys) {
+  if (!is_tcp(address)) return address;
   const auto [host, port] = split_address(address);
-  if (!is_tcp(address) || (host != "0.0.0.0" && host != "[::]")) return address;
-  return fmt::format("{}:{}", host_name(), port);
+  const bool is_everywhere = host == "0.0.0.0" || host == "[::]";
+  const std::string usual = is_everywhere ? host_name() : bare_host(host);
+  std::string reached = usual;
+  if (keys != nullptr && !is_certificate_for(keys->certificate, usual)) {
+    std::vector<std::string> promised = certificate_names(keys->certificate);
+    std::erase_if(promised, [](const std::string& name) { return name.starts_with("*."); });
+    // Names of the loopback interface first where it listens there, else last.
+    std::ranges::stable_partition(promised, [&, loopback = loopback_names()](const std::string& name) {
+      return (std::ranges::find(loopback, name) != loopback.end()) == is_loopback(host);
+    });
+    std::vector<std::string> names = is_everywhere ? host_names() : std::vector<std::string>();
+    std::ranges::copy(promised, std::back_inserter(names));
+    const auto found = std::ranges::find_if(
+        names, [&](const std::string& name) { return is_certificate_for(keys->certificate, name); });
+    if (found != names.end()) reached = *found;
+  }
+  return fmt::format("{}:{}", reached.contains(':') ? fmt::format("[{}]", reached) : reached, port);
 }
 
 std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens, const Keys* keys) {

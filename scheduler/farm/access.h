@@ -28,8 +28,9 @@ Expected<void> check_listen_address(const std::string& address, bool has_keys = 
 Expected<std::shared_ptr<const Keys>> listening_keys(const std::string& address, const std::string& folder);
 
 /// The address at which clients on other hosts reach this one: "0.0.0.0" and "[::]" are replaced by the
-/// host's name.
-std::string reachable_address(const std::string& address);
+/// host's name. With keys, clients accept only a host that is in the certificate: then it is the first
+/// of the given host, the names of this host if it listens on all, and the certificate's names that is in it.
+std::string reachable_address(const std::string& address, const Keys* keys = nullptr);
 
 /// Credentials for a TCP port. With keys, connections are encrypted, and clients must have certificates of
 /// the same authority. Without keys, they are for connections within this host. The token is checked when a

@@ -47,15 +47,16 @@ Expected<void> FarmRun::start() {
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
   if (!options_.address_file.empty()) {
-    const std::string address = reachable_address(server_->more_address());
+    const std::string address = reachable_address(server_->more_address(), options_.keys.get());
     if (const auto written = write_address_file(options_.address_file, address); !written)
       return fail("--address-file: " + written.error().message);
   }
   const bool far = !options_.launch.empty() && !options_.listen.empty();
-  workers_here_.emplace(
-      worker_command(options_, far ? reachable_address(server_->more_address()) : socket_->address(),
-                     far && !options_.keys ? server_->tokens().work : ""),
-      options_.workers);
+  workers_here_.emplace(worker_command(options_,
+                                       far ? reachable_address(server_->more_address(), options_.keys.get())
+                                           : socket_->address(),
+                                       far && !options_.keys ? server_->tokens().work : ""),
+                        options_.workers);
   // Workers start up while the first scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();
@@ -73,7 +74,7 @@ void FarmRun::tell_how_to_watch() {
   if (server_->more_address().empty()) return;
   if (options_.keys) {
     // Tokens from keys must not be printed.
-    const std::string address = shell_quoted(reachable_address(server_->more_address()));
+    const std::string address = shell_quoted(reachable_address(server_->more_address(), options_.keys.get()));
     const auto line = [&](KeyRole role, const char* command) {
       source_.notice(
           fmt::format("from other hosts: penumbra {} {} --keys FOLDER, a copy of the keys for {} ('{}')",

@@ -88,6 +88,7 @@ class FarmRun {
   void forget_gone_workers();
   void tell_start_problems();
   void worker_ended(const ChildExit& exit);
+  void tell_loss(WorkerId id);
   void advance_clock();
   void tick();
   void publish();

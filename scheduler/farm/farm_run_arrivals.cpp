@@ -144,7 +144,26 @@ void FarmRun::on(const arrivals::Gone& arrival) {
   worker.gone = true;
   worker.gone_since = since_start();
   worker.last_unit = plan_.in_hand(arrival.worker);
+  if (worker.pid == 0) tell_loss(arrival.worker);
   tell_plan(WorkerLost{arrival.worker});
+}
+
+/// Reports a worker that this farm did not start and that has gone without a word: killed, or cut off. Of
+/// its own workers the end of the process tells more.
+void FarmRun::tell_loss(WorkerId id) {
+  const Worker& worker = workers_.at(id);
+  if (worker.dismissed || worker.has_left) return;  // reported already
+  const std::string held =
+      worker.last_unit ? fmt::format(" at {}", unit_text(unit(*worker.last_unit))) : std::string();
+  const std::string text =
+      fmt::format("worker {} was lost{}: its connection broke, as when it is killed or its host is cut off{}",
+                  worker.name, held, held.empty() ? "" : "; others render what it held");
+  for (const auto& [job, of] : jobs_) {
+    if (!of->has_share(id)) continue;
+    of->share(id).ended = "its connection broke";
+    of->problem(text);
+  }
+  source_.notice(text);
 }
 
 void FarmRun::on(const arrivals::ViewChanged& arrival) {

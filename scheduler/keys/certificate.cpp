@@ -1,6 +1,9 @@
 #include "scheduler/keys/certificate.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <netinet/in.h>
 #include <openssl/bn.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
@@ -65,18 +68,32 @@ std::string common_name(const X509_NAME* name) {
   return text;
 }
 
-/// The names in a server's certificate.
-std::string names_in(X509* certificate) {
+std::vector<std::string> names_in(X509* certificate) {
   const Names names(
       static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
-  std::string all;
+  std::vector<std::string> all;
   for (int i = 0; names && i < sk_GENERAL_NAME_num(names.get()); ++i) {
-    const Bio text(BIO_new(BIO_s_mem()));
-    GENERAL_NAME_print(text.get(), sk_GENERAL_NAME_value(names.get(), i));
-    const std::string name = text_in(text.get());  // "DNS:a", "IP Address:1.2.3.4"
-    all += (all.empty() ? "" : ", ") + name.substr(name.find(':') + 1);
+    int kind = 0;
+    const auto* value = static_cast<const ASN1_STRING*>(
+        GENERAL_NAME_get0_value(sk_GENERAL_NAME_value(names.get(), i), &kind));
+    if (kind != GEN_DNS && kind != GEN_IPADD) continue;
+    const unsigned char* bytes = ASN1_STRING_get0_data(value);
+    const int size = ASN1_STRING_length(value);
+    if (kind == GEN_DNS) {
+      all.emplace_back(reinterpret_cast<const char*>(bytes), std::size_t(size));
+    } else {
+      char text[INET6_ADDRSTRLEN] = "";
+      if (size == sizeof(in_addr)) inet_ntop(AF_INET, bytes, text, sizeof text);
+      if (size == sizeof(in6_addr)) inet_ntop(AF_INET6, bytes, text, sizeof text);
+      if (*text != 0) all.emplace_back(text);
+    }
   }
-  return all.empty() ? "no host at all" : all;
+  return all;
+}
+
+std::string names_text(X509* certificate) {
+  const std::vector<std::string> names = names_in(certificate);
+  return names.empty() ? "no host at all" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 bool add_extension(X509* certificate, X509* issuer, int kind, const char* value) {
@@ -172,6 +189,11 @@ bool is_certificate_for(const std::string& certificate, const std::string& host)
                   X509_check_ip_asc(read.get(), host.c_str(), 0) == 1);
 }
 
+std::vector<std::string> certificate_names(const std::string& certificate) {
+  const Certificate read = read_certificate(certificate);
+  return read ? names_in(read.get()) : std::vector<std::string>();
+}
+
 bool is_certificate_name(const std::string& name) {
   if (ASN1_OCTET_STRING* address = a2i_IPADDRESS(name.c_str())) {
     ASN1_OCTET_STRING_free(address);
@@ -217,7 +239,7 @@ std::string verification_text(int code, void* certificate, const std::string& ho
                          common_name(X509_get_issuer_name(x509)));
     case X509_V_ERR_HOSTNAME_MISMATCH:
     case X509_V_ERR_IP_ADDRESS_MISMATCH:
-      return fmt::format("is for {}, and not for {} (penumbra keys --name)", names_in(x509), host);
+      return fmt::format("is for {}, and not for {} (penumbra keys --name)", names_text(x509), host);
     case X509_V_ERR_INVALID_PURPOSE:
       return fmt::format(
           "('{}') is not made for this use: schedulers' and clients' cannot stand for each other",

@@ -45,6 +45,9 @@ bool is_certificate_name(const std::string& name);
 /// Whether a server with this certificate may have this host name or address.
 bool is_certificate_for(const std::string& certificate, const std::string& host);
 
+/// The host names and addresses of a server's certificate, in its order. Empty if it cannot be read.
+std::vector<std::string> certificate_names(const std::string& certificate);
+
 /// Explains an OpenSSL verification error (X509_V_ERR_…) of this certificate (an X509*, may be null). `host`:
 /// the name that the certificate had to match.
 std::string verification_text(int code, void* certificate, const std::string& host);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "scenes/names.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/keys/certificate.h"
 #include "scheduler/keys/host_names.h"
@@ -62,11 +63,15 @@ WebAccess::WebAccess(std::string address, std::vector<std::string> tokens, std::
 }
 
 bool WebAccess::is_own_name(std::string_view host_header) const {
-  const std::string_view host = host_of(host_header);
+  // Names of hosts are the same in capitals, and with the dot of the root at their end (RFC 1035, 2.3.3 and
+  // 5.1).
+  std::string host = to_lower_case(host_of(host_header));
+  if (host.ends_with('.')) host.pop_back();
   if (host.empty()) return false;
   const std::string bare = bare_host(host);
   if (is_loopback(host) || std::ranges::count(loopback_names(), bare) > 0) return true;
-  return host == split_address(address_).host || (keys_ && is_certificate_for(keys_->certificate, bare));
+  return host == to_lower_case(split_address(address_).host) ||
+         (keys_ && is_certificate_for(keys_->certificate, bare));
 }
 
 bool WebAccess::is_token(std::string_view text) const { return is_any_of(text, tokens_); }
@@ -96,7 +101,7 @@ std::string WebAccess::cookie() const {
 }
 
 std::string WebAccess::url() const {
-  return fmt::format("{}://{}/", keys_ ? "https" : "http", reachable_address(address_));
+  return fmt::format("{}://{}/", keys_ ? "https" : "http", reachable_address(address_, keys_.get()));
 }
 
 }  // namespace penumbra

@@ -17,13 +17,20 @@ namespace penumbra {
 namespace {
 
 constexpr int kBetweenScreens = 500;  // in milliseconds
-constexpr int kLongestLine = 1000;    // if the output is not a terminal
+constexpr int kMostMessages = 5;
+constexpr int kLongestLine = 1000;  // if the output is not a terminal
 
 struct StatusOptions {
   ServiceAddress service;
   std::vector<std::string> jobs;
   bool watch = false, json = false, unfolded = false;
 };
+
+/// The last messages of the service, at most `most`.
+std::vector<std::string> last_messages(const wire::StatusReply& status, int most) {
+  const int shown = std::min({status.messages_size(), most, kMostMessages});
+  return {status.messages().end() - std::max(0, shown), status.messages().end()};
+}
 
 /// Runs until q or Ctrl-C. If the service is away, it waits for it and keeps showing the last state.
 ExitCode watch(JobsClient& service, const std::vector<JobId>& jobs, bool unfolded) {
@@ -45,9 +52,8 @@ ExitCode watch(JobsClient& service, const std::vector<JobId>& jobs, bool unfolde
     if (last) {
       lines = status_lines(*last, columns, std::max(1, rows - 4), unfolded);
       const int room = std::max(0, rows - 1 - int(lines.size()));
-      const int shown = std::min(last->messages_size(), std::min(room, 5));
-      for (int i = last->messages_size() - shown; i < last->messages_size(); ++i)
-        lines.push_back(fitted_line(last->messages(i), columns));
+      for (const std::string& message : last_messages(*last, room))
+        lines.push_back(fitted_line(message, columns));
     }
     const std::string keys = unfolded ? "q: quit, f: fold groups" : "q: quit, f: show jobs of groups";
     lines.push_back(fitted_line(status ? keys : keys + "; trying again: " + status.error().message, columns));
@@ -76,6 +82,9 @@ ExitCode status(const StatusOptions& options) {
   for (const std::string& line :
        status_lines(*reply, kLongestLine, std::numeric_limits<int>::max() / 2, unfolded))
     print_answer(line + "\n");
+  if (options.jobs.empty())
+    for (const std::string& message : last_messages(*reply, kMostMessages))
+      print_answer(fitted_line(message, kLongestLine) + "\n");
   return kAllDone;
 }
 

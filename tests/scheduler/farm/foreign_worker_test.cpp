@@ -23,6 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -140,7 +141,9 @@ TEST_F(ForeignWorkerTest, WhoClaimsToBeAnotherProcessDoesNotGetItKilled) {
   const RenderOutcome outcome = run.wait();
   EXPECT_GT(outcome.seconds, 3);
   EXPECT_TRUE(outcome.complete);
-  EXPECT_THAT(outcome.problems, IsEmpty());
+  const std::string lost = fmt::format("worker elsewhere:{} was lost", workers[0]);
+  EXPECT_THAT(outcome.problems, ElementsAre(HasSubstr(lost)));
+  EXPECT_THAT(notices(), Contains(HasSubstr(lost)));
   EXPECT_THAT(notices(), Contains(HasSubstr("did not start has joined it: elsewhere:" +
                                             std::to_string(workers[0]) + ", over the Unix socket")));
 }

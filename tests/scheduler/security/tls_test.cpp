@@ -4,6 +4,7 @@
 #include <future>
 #include <thread>
 
+#include "kernels/host/process.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
@@ -74,6 +75,24 @@ TEST_F(TlsTest, AllAddressesAreListenedAtWithKeysOnly) {
   const auto without = Server::listen({.address = socket_.address() + "2", .more = "0.0.0.0:0"});
   ASSERT_FALSE(without);
   EXPECT_THAT(without.error().message, AllOf(HasSubstr("penumbra keys"), HasSubstr("--keys")));
+}
+
+TEST_F(TlsTest, TheAddressThatIsToldIsInTheCertificate) {
+  const auto told = [&](const std::vector<std::string>& names, const std::string& address) {
+    return reachable_address(address, farm_.server(names).get());
+  };
+  EXPECT_EQ(told({"farm.example", "localhost"}, "0.0.0.0:7000"), "farm.example:7000");
+  EXPECT_EQ(told({"localhost", "127.0.0.1", "::1", "farm.example"}, "[::]:7000"), "farm.example:7000");
+  EXPECT_EQ(told({"*.no-such.example", "10.9.8.7"}, "0.0.0.0:7000"), "10.9.8.7:7000");
+  EXPECT_EQ(told({"fd00::7"}, "0.0.0.0:7000"), "[fd00::7]:7000");
+  EXPECT_EQ(told({"localhost", "127.0.0.1"}, "0.0.0.0:7000"), "localhost:7000");
+  EXPECT_EQ(told({"farm.example", "127.0.0.1"}, "localhost:7000"), "127.0.0.1:7000");
+  EXPECT_EQ(told({"farm.example", "127.0.0.1"}, "127.0.0.1:7000"), "127.0.0.1:7000");
+  EXPECT_EQ(told({"farm.example"}, "10.9.8.7:7000"), "farm.example:7000");
+  // Names of this host come first, and without keys there is nothing to choose from.
+  EXPECT_EQ(told({"farm.example", host_name()}, "0.0.0.0:7000"), host_name() + ":7000");
+  EXPECT_EQ(reachable_address("0.0.0.0:7000"), host_name() + ":7000");
+  EXPECT_EQ(reachable_address("unix:/a"), "unix:/a");
 }
 
 TEST_F(TlsTest, TokensDecideWithinTheFarm) {

@@ -125,11 +125,12 @@ TEST_F(WebServerTest, OnlyUnderItsOwnNames) {
   const auto status = [&](const std::string& host) {
     return client().ask(fmt::format("GET / HTTP/1.1\r\n{}{}\r\n", host, kBearer)).status;
   };
-  for (const char* host : {"127.0.0.1", "localhost", "localhost:9000", "127.0.0.1:80", "[::1]:8080"})
+  for (const char* host : {"127.0.0.1", "localhost", "localhost:9000", "127.0.0.1:80", "[::1]:8080",
+                           "localhost.", "LocalHost:9000", "LOCALHOST.:80"})
     EXPECT_EQ(status(fmt::format("Host: {}\r\n", host)), 200) << host;
   // An attacker's name that leads here.
-  for (const char* host :
-       {"evil.example", "evil.example:8080", "127.0.0.1.evil.example", "localhost.evil.example", "10.0.0.1"})
+  for (const char* host : {"evil.example", "evil.example:8080", "127.0.0.1.evil.example",
+                           "localhost.evil.example", "10.0.0.1", "localhost.."})
     EXPECT_EQ(status(fmt::format("Host: {}\r\n", host)), 421) << host;
   EXPECT_EQ(status(""), 421);
 }
