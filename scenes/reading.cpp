@@ -10,7 +10,12 @@ namespace penumbra {
 
 void Reading::refuse_variables(std::string_view format) {
   for (const auto& [name, value] : options.defines)
-    diagnostics.error({}, fmt::format("-D {}={}: a {} scene has no variables", name, value, format));
+    diagnostics.error(
+        {}, fmt::format("-D {}: a {} scene has no variables; those of Mitsuba have, as ${}. {}", name, format,
+                        name,
+                        name == "frame" ? "Frames of this format are a file each, named in a job file as in "
+                                          "scene = \"shot.{frame:04}.pbrt\""
+                                        : "--set KEY=VALUE overrides settings (`penumbra settings`)"));
 }
 
 Expected<SceneDescription> Reading::finish(SceneDescription scene, SourceLocation root) {

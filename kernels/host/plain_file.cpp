@@ -5,8 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <vector>
+
+#include "kernels/host/text.h"
 
 namespace penumbra {
 namespace {
@@ -24,7 +28,38 @@ struct Descriptor {
   const int number;
 };
 
+constexpr std::size_t kMostNames = 10'000;  // of a folder that is looked through
+
+/// The names in the folder, sorted.
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    names.push_back(at->path().filename().string());
+    if (names.size() > kMostNames) return {};
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
 }  // namespace
+
+std::string file_suggestion(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::path found;
+  bool is_other = false;
+  for (const std::filesystem::path& part : file) {
+    if (part.empty() || std::filesystem::exists(found / part, ignored)) {
+      found /= part;
+      continue;
+    }
+    const auto nearest = nearest_name(part.string(), names_in(found.empty() ? "." : found));
+    if (!nearest) return {};
+    found /= *nearest;
+    is_other = true;
+  }
+  return is_other ? fmt::format("; did you mean '{}'?", found.string()) : std::string();
+}
 
 Expected<std::string> read_plain_file(const std::filesystem::path& file, std::uint64_t max_bytes) {
   const auto unreadable = [&](int error) {
@@ -32,7 +67,7 @@ Expected<std::string> read_plain_file(const std::filesystem::path& file, std::ui
   };
   const Descriptor descriptor(file);
   if (descriptor.number < 0 && errno == ENOENT)
-    return fail(fmt::format("there is no file '{}'", file.string()));
+    return fail(fmt::format("there is no file '{}'{}", file.string(), file_suggestion(file)));
   if (descriptor.number < 0) return unreadable(errno);
   struct stat status {};
   if (fstat(descriptor.number, &status) != 0) return unreadable(errno);

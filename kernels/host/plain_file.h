@@ -15,6 +15,10 @@ namespace penumbra {
 /// end), is larger than `max_bytes`, or cannot be read.
 Expected<std::string> read_plain_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
+/// Of a file that does not exist: "; did you mean 'x'?" with the path whose misspelt part is replaced by the
+/// nearest name in its folder, or empty.
+std::string file_suggestion(const std::filesystem::path& file);
+
 /// Writes all bytes to an open regular file. Returns false, with errno set, on failure.
 bool write_whole(int descriptor, std::span<const std::uint8_t> bytes);
 

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/help_text.h"
@@ -24,6 +26,7 @@ namespace penumbra {
 namespace {
 
 struct CompareCommandOptions {
+  std::vector<std::string> others;  ///< the images after the first, then the reference
   std::string image, reference, second_reference, variance, reference_variance;
   CompareOptions compare;
   std::string json;  ///< file name, or - for stdout
@@ -224,7 +227,14 @@ nlohmann::ordered_json report_json(const CompareCommandOptions& options, const C
 
 ExitCode bad_input(const Error& error) { return print_error(error), kBadInput; }
 
-ExitCode compare(const CompareCommandOptions& options) {
+struct Compared {
+  ExitCode code = kAllDone;
+  nlohmann::ordered_json json = {};  ///< null if the images could not be compared
+};
+
+/// Compares one image, and prints the table unless JSON goes to stdout.
+Compared compare_one(const CompareCommandOptions& options) {
+  const auto bad_input = [](const Error& error) { return print_error(error), Compared{kBadInput}; };
   if (const auto writable = check_files(options); !writable) return bad_input(writable.error());
   const auto comparison = run_comparison(options);
   if (!comparison) return bad_input(comparison.error());
@@ -235,7 +245,7 @@ ExitCode compare(const CompareCommandOptions& options) {
     const auto made = make_heat_map(options, *comparison);
     if (!made) return bad_input(made.error());
     auto written = write_heat_map(options, *made);
-    if (!written) return print_error(written.error()), kIncomplete;
+    if (!written) return print_error(written.error()), Compared{kIncomplete};
     map = std::move(*written);
   }
   if (options.json != "-") {
@@ -246,17 +256,40 @@ ExitCode compare(const CompareCommandOptions& options) {
                                map->range.logarithmic ? ", logarithmic" : ""));
   }
   const bool passed = passes(options, *comparison, *limits);
-  if (!options.json.empty()) {
-    const std::string json = report_json(options, *comparison, *limits, map, passed)
-                                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                             "\n";
-    if (options.json == "-") {
-      print_answer(json);
-    } else if (const auto written = write_output(options.json, bytes_of(json)); !written) {
-      return print_error(written.error()), kIncomplete;
-    }
+  return {passed ? kAllDone : kIncomplete, report_json(options, *comparison, *limits, map, passed)};
+}
+
+ExitCode write_json(const std::string& file, const nlohmann::ordered_json& json) {
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (file == "-") return print_answer(text), kAllDone;
+  if (const auto written = write_output(file, bytes_of(text)); !written)
+    return print_error(written.error()), kIncomplete;
+  return kAllDone;
+}
+
+/// Several images have a table each, and one list in JSON.
+ExitCode compare(CompareCommandOptions options) {
+  std::vector<std::string> images = options.others;
+  options.reference = images.back();
+  images.back() = options.image;
+  std::ranges::rotate(images, images.end() - 1);
+  const bool several = images.size() > 1;
+  for (const auto& [name, value] :
+       {std::pair("--heatmap", &options.heatmap), {"--variance", &options.variance}})
+    if (several && !value->empty())
+      return bad_input({fmt::format("{} is of one image, and here are {}", name, images.size())});
+  ExitCode code = kAllDone;
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const std::string& image : images) {
+    options.image = image;
+    if (several && options.json != "-")
+      print_answer(fmt::format("{}{} against {}\n", all.empty() ? "" : "\n", image, options.reference));
+    Compared compared = compare_one(options);
+    code = std::max(code, compared.code);
+    if (!compared.json.is_null()) all.push_back(std::move(compared.json));
   }
-  return passed ? kAllDone : kIncomplete;
+  if (options.json.empty() || all.empty()) return code;
+  return std::max(code, write_json(options.json, several ? all : all.front()));
 }
 
 void add_metric_options(CommandLine& command, CompareCommandOptions& options) {
@@ -408,7 +441,12 @@ void add_compare_command(CommandLine& app, Command& chosen) {
   CommandLine* command = app.add_command("compare", "Measure the error of an image against a reference");
   const auto options = std::make_shared<CompareCommandOptions>();
   command->add_option("A", options->image, "Image to measure")->check(some_text())->required();
-  command->add_option("B", options->reference, "Reference, of the same size")->check(some_text())->required();
+  command
+      ->add_option("B", options->others,
+                   "Reference, of the same size. With more files the last is it, and each of the others is "
+                   "compared with it")
+      ->check(some_text())
+      ->required();
   add_metric_options(*command, *options);
   add_z_options(*command, *options);
   add_output_options(*command, *options);
@@ -430,8 +468,9 @@ void add_compare_command(CommandLine& app, Command& chosen) {
       "agree or it is inconclusive; 2 bad usage or bad input, with --z-test also no variances.\n\n"
       "Examples:\n"
       "  penumbra compare cornell.exr reference.exr\n"
-      "  penumbra compare cornell.exr reference.exr --json | jq .relative_mse\n"
+      "  penumbra compare cornell.exr reference.exr --json | jq .relmse\n"
       "  penumbra compare cornell.exr reference.exr --heatmap where.png --map flip\n"
+      "  penumbra compare spp*.exr reference.exr\n"
       "  penumbra compare cornell.exr half1.exr --second-reference half2.exr\n"
       "  penumbra compare a.exr b.exr --z-test && echo the same up to noise\n"
       "  penumbra compare a.exr b.exr --fail-above relmse=1e-3 --fail-above max=0.5 && echo good enough");

@@ -131,6 +131,12 @@ std::string csv_quoted(const std::string& text) {
   return out + "\"";
 }
 
+std::string csv_line(std::span<const std::string> fields) {
+  std::string line;
+  for (const std::string& field : fields) line += (&field == fields.data() ? "" : ",") + field;
+  return line + "\r\n";
+}
+
 std::string file_name_of(std::string_view text) {
   std::string name;
   for (const char c : text) {

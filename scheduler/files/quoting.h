@@ -32,6 +32,9 @@ std::string gnuplot_quoted(std::string_view text);
 /// apostrophe.
 std::string csv_quoted(const std::string& text);
 
+/// A line of CSV; fields that need it must be quoted already.
+std::string csv_line(std::span<const std::string> fields);
+
 /// A file name for a text: control characters, '/' and '%' become %XX, so different texts have different
 /// names.
 std::string file_name_of(std::string_view text);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/host/text.h"
 #include "scenes/number.h"
 
 namespace penumbra {
@@ -59,8 +60,8 @@ Expected<CompareLimit> parse_limit(std::string_view text) {
     return fail(fmt::format("'{}' is not of the form METRIC=VALUE", text));
   CompareLimit limit{.metric = std::string(text.substr(0, equals))};
   if (std::ranges::none_of(kMetrics, [&](const Metric& m) { return limit.metric == m.name; })) {
-    return fail(
-        fmt::format("there is no metric '{}'; there are {}", limit.metric, fmt::join(limit_metrics(), ", ")));
+    return fail(fmt::format("there is no metric '{}'{}; there are {}", limit.metric,
+                            suggestion(limit.metric, limit_metrics()), fmt::join(limit_metrics(), ", ")));
   }
   const std::string_view number = text.substr(equals + 1);
   const auto value = parse_number(number);

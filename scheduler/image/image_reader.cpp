@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include "kernels/host/module.h"
+#include "kernels/host/plain_file.h"
 
 namespace penumbra {
 
 namespace {
 
-Expected<const ImageReader*> image_reader() {
+/// Error if there is no such file, or no reader.
+Expected<const ImageReader*> image_reader(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return fail(fmt::format("{}: no such file{}", path.string(), file_suggestion(path)));
   static const Expected<const void*> reader =
       load_module("libpenumbra_image_reader.so", "penumbra_image_reader");
   if (!reader) return fail(fmt::format("cannot load what reads images: {}", reader.error().message));
@@ -18,13 +23,13 @@ Expected<const ImageReader*> image_reader() {
 }  // namespace
 
 Expected<Image> read_image(const std::filesystem::path& path) {
-  const auto reader = image_reader();
+  const auto reader = image_reader(path);
   if (!reader) return std::unexpected(reader.error());
   return (*reader)->read(path);
 }
 
 Expected<Image> read_image_header(const std::filesystem::path& path) {
-  const auto reader = image_reader();
+  const auto reader = image_reader(path);
   if (!reader) return std::unexpected(reader.error());
   return (*reader)->read_header(path);
 }

@@ -24,7 +24,7 @@ Json seconds_json(const PhaseSeconds& seconds) {
 Json errors_json(const ImageErrors& errors) {
   return {{"mse", json_number(errors.mse)},
           {"relmse", json_number(errors.relative_mse)},
-          {"relmse_trimmed", json_number(errors.trimmed_relative_mse)},
+          {"trimmed_relmse", json_number(errors.trimmed_relative_mse)},
           {"block_relmse", json_number(errors.block_relative_mse)},
           {"mape", json_number(errors.mape)},
           {"smape", json_number(errors.smape)},

@@ -32,12 +32,6 @@ void add_slope(const Slope& slope, std::vector<std::string>& fields) {
                 {exact(fit.slope), exact(fit.low), exact(fit.high), csv_quoted(slope.none_because)});
 }
 
-std::string csv_line(const std::vector<std::string>& fields) {
-  std::string line;
-  for (const std::string& field : fields) line += (&field == fields.data() ? "" : ",") + field;
-  return line + "\r\n";
-}
-
 /// 0.012, or $1.2\cdot10^{-5}$.
 std::string latex_number(double value) {
   if (!std::isfinite(value)) return "--";
@@ -120,10 +114,11 @@ std::optional<std::size_t> fastest_curve(const SceneReport& scene, std::size_t t
 
 std::string summary_csv(const ReportData& report) {
   using Kind = TimeToTarget::Kind;
-  std::string csv = csv_line({"scene", "method", "slope_mse_over_time", "low", "high", "no_slope_because",
-                              "slope_mse_over_spp", "low", "high", "no_slope_because", "longest_seconds",
-                              "relmse", "relmse_standard_error", "efficiency", "target", "target_error",
-                              "seconds", "shorter_than", "longer_than"});
+  std::string csv = csv_line(std::vector<std::string>{
+      "scene", "method", "slope_mse_over_time", "slope_mse_over_time_low", "slope_mse_over_time_high",
+      "no_slope_over_time_because", "slope_mse_over_spp", "slope_mse_over_spp_low", "slope_mse_over_spp_high",
+      "no_slope_over_spp_because", "longest_seconds", "relmse", "relmse_standard_error", "efficiency",
+      "target", "target_error", "seconds", "shorter_than", "longer_than"});
   for (const SceneReport& scene : report.scenes)
     for (const Curve& curve : scene.curves) {
       std::vector<std::string> fields = {csv_quoted(scene.name), csv_quoted(curve.name.label)};

@@ -217,7 +217,7 @@ TEST_F(TinyRenderToml, SettingsAndDefines) {
   EXPECT_EQ(scene.film.crop_width, 64);
   EXPECT_EQ(scene.camera.fov, 10.0);
   EXPECT_THAT(toml_error(scene_with(kDirect), {.defines = {{"a", "1"}}}),
-              HasSubstr("-D a=1: a TinyRender scene has no variables"));
+              HasSubstr("-D a: a TinyRender scene has no variables"));
   // Settings may put right what the file has wrong about them together.
   EXPECT_TRUE(read_toml(scene_with("type = \"direct\"\nemitterSamples = 0\nbsdfSamples = 0"),
                         {.settings = {{"integrator.emitter_samples", "2"}}}));

@@ -82,7 +82,7 @@ TEST_F(CompareCommand, PrintsJson) {
     const ProgramResult result = compare(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const auto report = json::parse(result.out);
-    EXPECT_DOUBLE_EQ(report["relative_mse"], 0.25 / 1.01);
+    EXPECT_DOUBLE_EQ(report["relmse"], 0.25 / 1.01);
     EXPECT_EQ(report["mse"], 0.25);
     EXPECT_EQ(report["per_channel"]["bias"], (std::vector<double>{0.5, 0.5, 0.5}));
     EXPECT_EQ(report["mean_ratio"], (std::vector<double>{1.5, 1.5, 1.5}));
@@ -131,14 +131,14 @@ TEST_F(CompareCommand, AnExrAndAPngAreComparedAsSrgb) {
     const ProgramResult same = compare({"g.exr", "g.png", "--ldr", "--json", "--fail-above", "max=0"});
     EXPECT_EQ(same.exit_code, 0) << same.err;
     const auto report = json::parse(same.out);
-    EXPECT_EQ(report["max_difference"], 0);
+    EXPECT_EQ(report["max"], 0);
     EXPECT_EQ(report["flip"]["kind"], "LDR");
     EXPECT_EQ(report["verdict"], "agree");
     EXPECT_EQ(compare({"g.png", "g.exr", "--ldr", "--fail-above", "max=0"}).exit_code, 0);
   }
   // 0.5 is 188 of 255 in sRGB.
   const auto half = json::parse(compare({"grey.png", "one.exr", "--ldr", "--json"}).out);
-  EXPECT_NEAR(half["max_difference"], 67.0 / 255, 1e-6);
+  EXPECT_NEAR(half["max"], 67.0 / 255, 1e-6);
   EXPECT_EQ(half["verdict"], "inconclusive");
   EXPECT_THAT(half["verdict_reason"], HasSubstr("8-bit images have no variances"));
   EXPECT_EQ(compare({"one.png", "one.exr", "--ldr", "--z-test"}).exit_code, 2);
@@ -211,6 +211,26 @@ TEST_F(CompareCommand, TheZTestTellsNoiseFromDifference) {
   EXPECT_EQ(compare({"one.exr", "one.exr", "--fail-above", "max_z=4"}).exit_code, 2);
 }
 
+TEST_F(CompareCommand, SeveralImagesAreComparedWithTheLast) {
+  const ProgramResult text = compare({"more.exr", "one.exr", "one.exr"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out,
+              AllOf(HasSubstr("more.exr against one.exr\n"), HasSubstr("\none.exr against one.exr\n")));
+  const ProgramResult result =
+      compare({"more.exr", "one.exr", "one.exr", "--fail-above", "relmse=0.01", "--json"});
+  EXPECT_EQ(result.exit_code, 1);
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.size(), 2u);
+  EXPECT_EQ(json[0]["image"], "more.exr");
+  EXPECT_GT(json[0]["relmse"], 0.01);
+  EXPECT_EQ(json[0]["passed"], false);
+  EXPECT_EQ(json[1]["relmse"], 0);
+  EXPECT_EQ(json[1]["passed"], true);
+  EXPECT_EQ(compare({"more.exr", "missing.exr", "one.exr"}).exit_code, 2);
+  EXPECT_THAT(compare({"more.exr", "one.exr", "one.exr", "--heatmap", "h.png"}).err,
+              HasSubstr("--heatmap is of one image"));
+}
+
 TEST_F(CompareCommand, ASecondReferenceRemovesNoise) {
   write("a.exr", noisy(1.0f, 1));
   write("b.exr", noisy(1.0f, 2));
@@ -278,7 +298,7 @@ TEST_F(CompareCommand, LayersAreChosenByName) {
   write("a.exr", a);
   write("b.exr", b);
   const auto report = json::parse(compare({"a.exr", "b.exr", "--layer", "depth", "--json"}).out);
-  EXPECT_EQ(report["max_difference"], 2);
+  EXPECT_EQ(report["max"], 2);
   EXPECT_EQ(report["channels"], std::vector<std::string>{"depth.Z"});
   const ProgramResult wrong = compare({"a.exr", "b.exr", "--layer", "deep"});
   EXPECT_EQ(wrong.exit_code, 2);

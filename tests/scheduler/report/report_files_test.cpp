@@ -107,6 +107,15 @@ TEST(ReportCsv, ReadsBack) {
   EXPECT_EQ(rows.back()[column("spp")], "");
 }
 
+TEST(Csv, ColumnsHaveUniqueNames) {
+  const ReportData report = some_report();
+  for (const std::string& csv : {report_csv(report), summary_csv(report)}) {
+    std::vector<std::string> names = read_csv(csv)[0];
+    std::ranges::sort(names);
+    EXPECT_EQ(std::ranges::adjacent_find(names), names.end()) << csv.substr(0, csv.find('\n'));
+  }
+}
+
 TEST(ReportHtml, IsSelfContainedAndEscaped) {
   ReportData report = some_report();
   report.scenes[0].plots = {{"time",
