@@ -1,23 +1,26 @@
 #include "scheduler/cli/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
+#include <charconv>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <type_traits>
 
 #include "kernels/host/console.h"
+#include "kernels/host/plain_file.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/help_text.h"
 
 namespace penumbra {
 namespace {
 
-OptionCheck check_of(const CLI::Validator& validator) {
-  return {[validator](std::string& text) { return validator(text); }, validator.get_description()};
+std::string none_of_text(const std::string& text, const std::vector<std::string>& words) {
+  return fmt::format("'{}' is none of {}{}", text, fmt::join(words, ", "), suggestion(text, words));
 }
 
 std::vector<std::string> sorted_names(const std::set<CLI::Option*>& options) {
@@ -38,13 +41,23 @@ CLI::Option* add_function(CLI::App& app, const std::string& names, std::function
       description);
 }
 
+/// In place of "--spp: 1 required N missing".
+std::string message_of(const CLI::ParseError& error) {
+  const std::string text = error.what();
+  const std::size_t end = text.find(": ");
+  const bool is_without_value = dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr &&
+                                text.ends_with(" missing") && end != std::string::npos;
+  return is_without_value ? fmt::format("{} needs a value", text.substr(0, end)) : text;
+}
+
 /// Our help in place of the library's.
 class HelpFormatter final : public CLI::Formatter {
  public:
   explicit HelpFormatter(const CommandLine& command) : command_(command) {}
 
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
-    return help_text(command_, make_usage(app, std::move(name)));
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    const bool is_short = mode != CLI::AppFormatMode::All && !command_.short_help().empty();
+    return help_text(command_, make_usage(app, std::move(name)), is_short);
   }
 
  private:
@@ -53,17 +66,43 @@ class HelpFormatter final : public CLI::Formatter {
 
 }  // namespace
 
-OptionCheck one_of(std::vector<std::string> words) { return check_of(CLI::IsMember(std::move(words))); }
-
-OptionCheck existing_file() { return check_of(CLI::ExistingFile).hidden(); }
-
-OptionCheck whole_number_or(int low, int high, const std::string& word) {
-  OptionCheck check = check_of(CLI::Range(low, high) | CLI::IsMember(std::vector<std::string>{word}));
-  check.limits = fmt::format("{} to {}, or {}", low, high, word);
-  return check;
+OptionCheck one_of(std::vector<std::string> words) {
+  std::string limits = fmt::format("{{{}}}", fmt::join(words, ","));
+  return {[words = std::move(words)](const std::string& text) {
+            return std::ranges::find(words, text) != words.end() ? std::string() : none_of_text(text, words);
+          },
+          std::move(limits)};
 }
 
-OptionCheck size_in_bytes() { return check_of(CLI::AsSizeValue(false)).hidden(); }
+OptionCheck existing_file() {
+  return {[](const std::string& text) -> std::string {
+    std::error_code ignored;
+    if (!std::filesystem::exists(text, ignored))
+      return fmt::format("there is no file '{}'{}", text, file_suggestion(text));
+    return std::filesystem::is_directory(text, ignored) ? fmt::format("'{}' is a folder", text) : "";
+  }};
+}
+
+OptionCheck whole_number_or(int low, int high, const std::string& word) {
+  const std::string limits = fmt::format("{} to {}, or {}", low, high, word);
+  return {[=](const std::string& text) -> std::string {
+            int value = 0;
+            const char* end = text.data() + text.size();
+            const auto [at, error] = std::from_chars(text.data(), end, value);
+            const bool is_number = error == std::errc() && at == end;
+            if (text == word || (is_number && value >= low && value <= high)) return {};
+            return fmt::format("'{}' is neither a whole number from {} to {} nor {}", text, low, high, word);
+          },
+          limits};
+}
+
+OptionCheck size_in_bytes() {
+  return {[size = CLI::AsSizeValue(false)](std::string& text) {
+    const std::string given = text;
+    return size(text).empty() ? std::string()
+                              : fmt::format("'{}' is no size in bytes, as in 20G, 512M or 65536", given);
+  }};
+}
 
 Option* Option::type_name(const std::string& name) { return option_.type_name(name), this; }
 Option* Option::group(const std::string& name) { return option_.group(name), this; }
@@ -159,9 +198,14 @@ Option* CommandLine::add_option_function(const std::string& names,
 Option* CommandLine::add_choice(const std::string& names,
                                 const std::vector<std::pair<std::string, int>>& choices,
                                 std::function<void(int)> take, const std::string& description) {
-  const std::map<std::string, int> by_name(choices.begin(), choices.end());
   Option* option = wrapped(app_->add_option_function<int>(names, std::move(take), description));
-  return option->transform(check_of(CLI::CheckedTransformer(by_name)).hidden());
+  return option->transform({[choices](std::string& text) -> std::string {
+    const auto chosen = std::ranges::find(choices, text, &std::pair<std::string, int>::first);
+    if (chosen != choices.end()) return text = fmt::to_string(chosen->second), std::string();
+    std::vector<std::string> words;
+    for (const auto& [word, number] : choices) words.push_back(word);
+    return none_of_text(text, words);
+  }});
 }
 
 Option* CommandLine::add_flag(const std::string& names, FlagTarget target, const std::string& description) {
@@ -186,6 +230,7 @@ void CommandLine::default_group(const std::string& name) { app_->option_defaults
 
 void CommandLine::remove_option(const Option* option) {
   app_->remove_option(&option->option_);
+  short_help_.erase(option);
   std::erase_if(options_, [&](const auto& each) { return each.get() == option; });
 }
 
@@ -199,6 +244,16 @@ void CommandLine::require_command() { app_->require_subcommand(1); }
 void CommandLine::prefix_command() { app_->prefix_command(); }
 void CommandLine::callback(std::function<void()> run) { app_->callback(std::move(run)); }
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
+void CommandLine::explain(std::function<std::string(const std::string& word)> explain) {
+  explain_ = std::move(explain);
+}
+
+void CommandLine::short_help(std::vector<std::string> names) {
+  if (short_help_.empty())
+    wrapped(app_->set_help_all_flag("--help-all", "Show the help of all options"))->group(group::kGeneral);
+  for (const std::string& name : names) short_help_.insert(option(name));
+}
+
 void CommandLine::group(const std::string& name) { app_->group(name); }
 
 std::string CommandLine::name() const { return app_->get_name(); }
@@ -245,7 +300,7 @@ std::optional<ExitCode> CommandLine::parse(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     std::ostringstream answer, ignored;
     if (app_->exit(error, answer, ignored) == 0) return print_answer(answer.str()), kAllDone;
-    return refuse(error.what());
+    return refuse(message_of(error));
   }
   return std::nullopt;
 }
@@ -255,7 +310,7 @@ Expected<void> CommandLine::parse(std::vector<std::string> words) {
   try {
     app_->parse(std::move(words));
   } catch (const CLI::ParseError& error) {
-    return fail(error.what());
+    return fail(message_of(error));
   }
   return {};
 }
@@ -265,12 +320,15 @@ ExitCode CommandLine::refuse(const std::string& what) const {
   const CommandLine& command = chosen.empty() ? *this : *find_command(chosen.front()->get_name());
   const std::string called = chosen.empty() ? name() : name() + " " + command.name();
   const auto unknown = command.app_->remaining();
-  const std::string why =
-      unknown.empty() ? what
-                      : fmt::format("unexpected argument '{}'{}", unknown.front(),
-                                    suggestion(unknown.front(), command.known_names(unknown.front())));
+  const std::string why = unknown.empty() ? what : command.why_unexpected(unknown.front());
   print_message(fmt::format("{}: error: {}\nRun '{} --help' for what there is.", called, why, called));
   return kBadInput;
+}
+
+std::string CommandLine::why_unexpected(const std::string& word) const {
+  std::string why = fmt::format("unexpected argument '{}'", word);
+  const std::string better = explain_ ? explain_(word) : std::string();
+  return why + (better.empty() ? suggestion(word, known_names(word)) : "; " + better);
 }
 
 /// The names that the command accepts: its options if the unknown word is an option, else its commands.

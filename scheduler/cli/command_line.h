@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -157,6 +158,12 @@ class CommandLine {
   void callback(std::function<void()> run);
   /// Text at the end of the help.
   void footer(const std::string& text);
+  /// What to say about a word that is neither an option nor an argument, such as what is right instead; if it
+  /// returns an empty text, the nearest name is suggested.
+  void explain(std::function<std::string(const std::string& word)> explain);
+  /// --help shows these options only, the examples of the footer, and how to see the rest; --help-all, which
+  /// this adds, shows all. May be called again with more.
+  void short_help(std::vector<std::string> names);
   /// The heading under which the program's help lists this command.
   void group(const std::string& name);
 
@@ -164,6 +171,8 @@ class CommandLine {
   [[nodiscard]] std::string description() const;
   [[nodiscard]] std::string footer() const;
   [[nodiscard]] const std::string& group() const;
+  /// The options that short_help chose; empty: --help shows all.
+  [[nodiscard]] const std::set<const Option*>& short_help() const { return short_help_; }
   /// In the order in which they were added.
   [[nodiscard]] std::vector<Option*> options() const;
   [[nodiscard]] std::vector<CommandLine*> commands() const;
@@ -189,10 +198,13 @@ class CommandLine {
   void begin();
   Option* wrapped(CLI::Option* option);
   [[nodiscard]] std::vector<std::string> known_names(const std::string& unknown) const;
+  [[nodiscard]] std::string why_unexpected(const std::string& word) const;
 
   std::shared_ptr<CLI::App> app_;  // a command's belongs to the program's
   std::vector<std::unique_ptr<Option>> options_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
+  std::function<std::string(const std::string& word)> explain_;
+  std::set<const Option*> short_help_;
 };
 
 }  // namespace penumbra

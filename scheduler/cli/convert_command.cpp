@@ -115,7 +115,7 @@ ExitCode convert_scene(const ConvertOptions& options, const CommandLine& command
   if (const auto checked = check_outputs(std::span(&output, 1), std::span(&input, 1)); !checked)
     return print_error(checked.error()), kBadInput;
   const auto scene = read_scene_with_options(options.scene);
-  if (!scene) return print_error(scene.error()), kIncomplete;
+  if (!scene) return print_error(scene.error()), kBadInput;
   for (const std::string& warning : scene->warnings) print_warning(warning);
   std::vector<std::string> refused;
   auto files = mitsuba::scene_files(*scene, options.output, &refused);

@@ -78,10 +78,20 @@ std::string commands_text(const CommandLine& command, int columns) {
       });
 }
 
-std::string options_text(const CommandLine& command, int columns) {
+std::string options_text(const CommandLine& command, bool is_short, int columns) {
+  std::vector<Option*> options = command.options();
+  if (is_short)
+    std::erase_if(options, [&](const Option* option) {
+      return !command.short_help().contains(option) && option->group() != group::kGeneral;
+    });
   return by_group(
-      command.options(), [](const Option* option) { return group_of(*option); },
+      options, [](const Option* option) { return group_of(*option); },
       [&](const Option* option) { return option_text(*option, columns); });
+}
+
+std::string examples_of(const std::string& footer) {
+  const std::size_t at = footer.find("Examples:\n");
+  return at == std::string::npos ? std::string() : footer.substr(at);
 }
 
 }  // namespace
@@ -102,13 +112,14 @@ ValueType value_type(const Option& option) {
   return {type.substr(0, colon), values};
 }
 
-std::string help_text(const CommandLine& command, std::string usage) {
+std::string help_text(const CommandLine& command, std::string usage, bool is_short) {
   const int columns = std::min(text_columns(), kTextColumns);
   usage.erase(usage.find_last_not_of('\n') + 1);
   std::string text = wrapped(command.description() + ".", 0, 0, columns) + "\n\n" +
                      wrapped(usage, 0, 4, columns) + "\n" + commands_text(command, columns) +
-                     options_text(command, columns);
-  const std::string footer = command.footer();
+                     options_text(command, is_short, columns);
+  std::string footer = command.footer();
+  if (is_short) footer = fmt::format("--help-all shows all options and more.\n\n{}", examples_of(footer));
   if (!footer.empty()) text += "\n";
   std::istringstream lines(footer);
   for (std::string line; std::getline(lines, line);)

@@ -22,8 +22,8 @@ constexpr const char* kGeneral = "General";
 
 /// The help of a program or of one of its commands: options by group, in lines of at most kTextColumns. In
 /// the footer, lines that begin with a space are kept, others are wrapped. `usage` is the line that says how
-/// to call it.
-std::string help_text(const CommandLine& command, std::string usage);
+/// to call it. `is_short`: only the options of CommandLine::short_help, and the examples of the footer.
+std::string help_text(const CommandLine& command, std::string usage, bool is_short = false);
 
 /// The type of an option's value: for "NAME:{a,b}" the name NAME and the accepted values "a, b".
 struct ValueType {

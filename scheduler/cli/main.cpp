@@ -10,6 +10,7 @@
 #include "scheduler/cli/build_info.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/option_hints.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
@@ -40,14 +41,27 @@ void group_commands(CommandLine& app) {
     for (const char* command : commands) app.find_command(command)->group(group);
 }
 
+/// `help`, `help COMMAND` and `version` as the flags that they stand for.
+std::vector<std::string> with_flags(std::vector<std::string> line) {
+  if (line.size() == 2 && line[1] == "version") line[1] = "--version";
+  if (line.size() == 2 && line[1] == "help") line[1] = "--help";
+  if (line.size() > 2 && line[1] == "help") {
+    line.erase(line.begin() + 1);
+    line.insert(line.begin() + 2, "--help");
+  }
+  return line;
+}
+
 ExitCode run(int argc, char** argv) {
-  const std::vector<std::string> command_line(argv, argv + argc);
-  if (const std::string program = argc > 1 ? sibling_program(command_line[1]) : ""; !program.empty()) {
+  const std::vector<std::string> command_line = with_flags({argv, argv + argc});
+  if (const std::string program = command_line.size() > 1 ? sibling_program(command_line[1]) : "";
+      !program.empty()) {
     return run_sibling(program, {command_line.begin() + 2, command_line.end()});
   }
   CommandLine app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
   app.add_version(build_info);
   app.require_command();
+  app.explain(command_hint);
   Command chosen;
   add_render_command(app, command_line, chosen);
   add_preview_command(app, chosen);
@@ -72,7 +86,9 @@ ExitCode run(int argc, char** argv) {
   group_commands(app);
   if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))
     return *answered;
-  if (const auto ended = app.parse(argc, argv)) return *ended;
+  std::vector<const char*> words;
+  for (const std::string& word : command_line) words.push_back(word.c_str());
+  if (const auto ended = app.parse(int(words.size()), words.data())) return *ended;
   return chosen();
 }
 

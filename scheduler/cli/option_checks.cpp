@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "scenes/number.h"
@@ -23,12 +25,36 @@ OptionCheck number_check(std::function<std::string(double)> wrong, const std::st
           help};
 }
 
+/// Seconds of a number from zero with its unit. Nothing for other texts.
+std::optional<double> time_with_unit(std::string_view text) {
+  constexpr std::pair<char, double> kUnits[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
+  if (text.empty()) return std::nullopt;
+  const auto unit = std::ranges::find(kUnits, text.back(), &std::pair<char, double>::first);
+  text.remove_suffix(1);
+  const auto number = parse_number(text);
+  if (unit == std::end(kUnits) || !number || !(*number >= 0)) return std::nullopt;
+  return *number * unit->second;
+}
+
+/// Two whole numbers with "-", "..", ":" or "," between them.
+bool is_range(std::string_view text) {
+  for (const std::string_view between : {"..", "-", ":", ","}) {
+    const std::size_t at = text.find(between, 1);
+    if (at == std::string_view::npos) continue;
+    if (parse_integer(text.substr(0, at)) && parse_integer(text.substr(at + between.size()))) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 OptionCheck whole_number(std::int64_t low, std::int64_t high) {
   return {[low, high](const std::string& text) {
             const auto value = parse_integer(text, low, high);
-            return value ? std::string() : value.error().message;
+            if (value) return std::string();
+            return value.error().message +
+                   (is_range(text) ? "; this takes one number, a list in a job file takes several"
+                                   : std::string());
           },
           high < kUnlimited ? fmt::format("{} to {}", low, high) : fmt::format("{} or more", low)};
 }
@@ -57,14 +83,17 @@ OptionCheck number_from_zero() {
 
 OptionCheck duration() {
   return {[](std::string& text) -> std::string {
-            constexpr std::pair<char, double> kUnits[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
-            const auto unit =
-                std::ranges::find(kUnits, text.empty() ? ' ' : text.back(), &std::pair<char, double>::first);
-            const auto number =
-                parse_number(std::string_view(text).substr(0, text.size() - (text.empty() ? 0 : 1)));
-            if (unit == std::end(kUnits) || !number || !(*number >= 0))
-              return fmt::format("'{}' is no time, as in 30s, 90m, 12h or 7d", text);
-            text = fmt::to_string(*number * unit->second);
+            const auto time = time_with_unit(text);
+            if (!time) return fmt::format("'{}' is no time, as in 30s, 90m, 12h or 7d", text);
+            text = fmt::to_string(*time);
+            return {};
+          },
+          ""};
+}
+
+OptionCheck seconds() {
+  return {[](std::string& text) -> std::string {
+            if (const auto time = time_with_unit(text)) text = fmt::to_string(*time);
             return {};
           },
           ""};

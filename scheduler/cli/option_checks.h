@@ -18,6 +18,9 @@ OptionCheck number_from_zero();
 /// A number from zero with its unit s, m, h or d, as in "90m"; becomes seconds. For Option::transform.
 OptionCheck duration();
 
+/// The same for options in seconds that had no unit before: a number without one is left as it is.
+OptionCheck seconds();
+
 /// Not empty.
 OptionCheck some_text();
 /// NAME=VALUE, NAME not empty.

@@ -7,6 +7,7 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/estimate_text.h"
 #include "scheduler/cli/one_render.h"
+#include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/render_checkpoint.h"
@@ -99,6 +100,8 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
   CommandLine* command = app.add_command("render", "Render scenes");
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(*command, *options);
+  show_common_render_options(*command);
+  command->short_help({"--estimate", "--listen", "--web"});
   command->footer(
       "Writes the image as EXR with layers (see the README), the same as PNG (clamped, sRGB), and statistics "
       "as JSON. The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone, with "
@@ -128,6 +131,8 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
   command->callback([options, command, &command_line, &chosen] {
     options->scene.scene = options->scenes.front();
     chosen = [options, command, &command_line] {
+      if (const auto checked = check_no_value_is_a_scene(*command, options->scenes); !checked)
+        return print_error(checked.error()), kBadInput;
       const bool is_set = options->scenes.size() > 1 || is_job_file(options->scenes.front());
       if (options->estimate) return is_set ? estimate_set(*options, *command) : estimate(*options);
       const std::atomic<bool>& stop = install_stop_signal();

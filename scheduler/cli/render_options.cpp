@@ -11,6 +11,7 @@
 #include "scheduler/cli/film_scale.h"
 #include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/web_page.h"
 #include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
@@ -69,6 +70,7 @@ void add_scene_options(CommandLine& command, SceneOptions& options) {
 namespace {
 
 void add_scene_text_options(CommandLine& command, SceneOptions& options) {
+  command.explain([&command](const std::string& word) { return option_hint(command, word); });
   command.add_option("-D", options.defines, "Fill $NAME of the scene file, as in -D albedo=0.5; repeatable")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
@@ -270,9 +272,15 @@ void add_output_options(CommandLine& command, RenderOptions& options) {
       ->group(group::kOutput);
   command
       .add_option("--summary", options.summary,
-                  "Of several scenes, JSON of what became of each (default: jobs.json, beside the job file "
-                  "or the images)")
+                  "Of several scenes, JSON of what became of each (default: jobs.json beside the images, or "
+                  "beside the job file, for NAME.toml NAME.jobs.json)")
       ->type_name("FILE")
+      ->group(group::kOutput);
+  command
+      .add_option("--table", options.table,
+                  "Of several scenes, CSV of what became of each: its parameters, time and error")
+      ->type_name("FILE")
+      ->check(some_text())
       ->group(group::kOutput);
 }
 
@@ -303,8 +311,10 @@ void add_region_options(CommandLine& command, RenderOptions& options) {
 void add_effort_options(CommandLine& command, RenderOptions& options) {
   command
       .add_option("--time-budget", options.time_budget,
-                  "Start no tile after this time of rendering; the first pass is always rendered")
+                  "Start no tile after this time of rendering, as in 90, 15m or 8h; the first pass is always "
+                  "rendered")
       ->type_name("SECONDS")
+      ->transform(seconds())
       ->check(positive_number())
       ->group(group::kSampling);
   command
@@ -367,6 +377,7 @@ void add_checkpoint_options(CommandLine& command, RenderOptions& options) {
       .add_option("--checkpoint-interval", options.checkpoint_interval,
                   "Time between checkpoints, longer where they would take more than 1% of it; 0: none")
       ->type_name("SECONDS")
+      ->transform(seconds())
       ->check(number_from_zero())
       ->capture_default_str()
       ->group(group::kCheckpoints);
@@ -420,6 +431,11 @@ void add_render_options(CommandLine& command, RenderOptions& options) {
           ->group(kEstimate);
   command.add_flag("--json", options.json, "Print the estimate as JSON")->needs(estimate)->group(kEstimate);
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
+}
+
+void show_common_render_options(CommandLine& command) {
+  command.short_help({"SCENE", "-D", "--set", "--integrator", "--spp", "--seed", "--time-budget", "--scale",
+                      "--crop", "--out", "--denoise", "--workers", "--threads", "--backend"});
 }
 
 void add_scene_overrides(CommandLine& command, SceneOptions& options) {

@@ -78,9 +78,11 @@ struct RenderOptions {
   bool resume = false;    ///< print a note if there is no checkpoint to resume from
   bool restart = false;   ///< ignore and replace an existing checkpoint
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: no checkpoints
+  bool writes_here = true;  ///< false: the files are written elsewhere, by a service, or not at all
   // For several scenes.
   bool force = false;   ///< render also what is already there and unchanged
   std::string summary;  ///< file with the result of each render; empty: beside the images
+  std::string table;    ///< the same as CSV; empty: none
 };
 
 /// --threads, --backend, --opencl-device, --isa.
@@ -97,6 +99,8 @@ void add_scene_options(CommandLine& command, SceneOptions& options);
 /// The same without the scene itself.
 void add_scene_overrides(CommandLine& command, SceneOptions& options);
 void add_render_options(CommandLine& command, RenderOptions& options);
+/// Chooses what the short help of a command with add_render_options shows.
+void show_common_render_options(CommandLine& command);
 /// Adds the options of a scheduler that renders for an interactive window.
 void add_preview_options(CommandLine& command, RenderOptions& options);
 

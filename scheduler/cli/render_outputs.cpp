@@ -213,12 +213,16 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
 
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
-                        bool stopped) {
+                        StoppedBy stopped) {
   Expected<void> written =
       sample_range(outcome.film).total == 0 ? fail("nothing was rendered") : make_folders(prepared.files);
   if (written) written = write_outputs(prepared, outcome, command_line);
   if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
-  print_problems(outcome, stopped);
+  // Cancelling is a wish and no error; the caller tells what became of the render.
+  if (stopped == StoppedBy::kCancel)
+    for (const std::string& problem : outcome.problems) print_warning(problem);
+  else
+    print_problems(outcome, stopped == StoppedBy::kSignal);
   const bool is_wrong = print_flagged(prepared, outcome.film, strict);
   if (!written) return {RenderEndKind::kFailed, written.error().message};
   if (!outcome.complete)

@@ -26,6 +26,9 @@ void add_images(const Image& image, const Film& format, const std::optional<std:
 void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
                     OutputBatch& batch);
 
+/// What ended a render before it was done.
+enum class StoppedBy { kNothing, kSignal, kCancel };
+
 enum class RenderEndKind { kDone, kIncomplete, kFailed };
 struct RenderEnd {
   RenderEndKind kind = RenderEndKind::kDone;
@@ -36,7 +39,7 @@ struct RenderEnd {
 /// the render incomplete.
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
-                        bool stopped);
+                        StoppedBy stopped);
 
 /// Prints files, size, samples and time, and whether a time budget has ended the render.
 void print_summary(const RenderOutcome& outcome, const PreparedRender& prepared);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "kernels/host/console.h"
@@ -182,8 +183,10 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
   // Check what is possible before the scene, which may be large, is read.
-  if (auto checked = check_outputs(files->all(), std::array{std::filesystem::path(options.scene.scene)});
-      !checked)
+  const auto check_files = [&](std::span<const std::filesystem::path> inputs) {
+    return options.writes_here && !options.estimate ? check_outputs(files->all(), inputs) : Expected<void>();
+  };
+  if (auto checked = check_files(std::array{std::filesystem::path(options.scene.scene)}); !checked)
     return std::unexpected(checked.error());
   const auto keys = listening_keys(options.listen, options.keys);
   if (!keys) return std::unexpected(keys.error());
@@ -193,8 +196,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   auto scene = shared != nullptr ? shared->load(options.scene) : load_reduced(options);
   if (!scene) return std::unexpected(scene.error());
   if (is_denoised(scene->description.film)) add_denoised_files(*files);
-  if (auto checked = check_outputs(files->all(), scene->description.files); !checked)
-    return std::unexpected(checked.error());
+  if (auto checked = check_files(scene->description.files); !checked) return std::unexpected(checked.error());
   const auto film = cropped_film(options, scene->description.film);
   if (!film) return std::unexpected(film.error());
   const auto device = device_options(options, scene->device);

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <glm/trigonometric.hpp>
 #include <string_view>
 #include <variant>
 
+#include "scenes/cameras.h"
 #include "scenes/instances.h"
 #include "scheduler/cli/text_layout.h"
 
@@ -50,12 +53,44 @@ void count_geometry(const SceneDescription& scene, std::span<const PlacedGroup> 
   }
 }
 
+NamedTexts camera_text(const CameraFacts& camera) {
+  NamedTexts texts = {{"position", place_text(camera.position)},
+                      {"direction", place_text(camera.direction)},
+                      {"up", place_text(camera.up)}};
+  if (camera.is_orthographic)
+    texts.emplace_back("view", fmt::format("orthographic, {:.6g} x {:.6g}", camera.across, camera.down));
+  else
+    texts.emplace_back("field of view",
+                       fmt::format("{:.4g} degrees across, {:.4g} down", camera.across, camera.down));
+  texts.emplace_back("aperture", camera.aperture_radius > 0
+                                     ? fmt::format("radius {:.6g}, in focus at distance {:.6g}",
+                                                   camera.aperture_radius, camera.focus_distance)
+                                     : "none: a pinhole");
+  return texts;
+}
+
 }  // namespace
+
+CameraFacts camera_facts(const CameraSettings& camera, const Film& film) {
+  CameraFacts facts;
+  facts.is_orthographic = camera.projection == Projection::kOrthographic;
+  facts.position = camera.to_world[3] + 0.0;  // no -0
+  facts.direction = glm::normalize(glm::dvec3(camera.to_world[2])) + 0.0;
+  facts.up = glm::normalize(glm::dvec3(camera.to_world[1])) + 0.0;
+  const HalfFilm half = half_film(camera, film);
+  const auto full_angle = [](double tangent) { return glm::degrees(2 * std::atan(tangent)); };
+  facts.across = facts.is_orthographic ? 2 * half.x : full_angle(half.x);
+  facts.down = facts.is_orthographic ? 2 * half.y : full_angle(half.y);
+  facts.aperture_radius = camera.aperture_radius;
+  facts.focus_distance = camera.focus_distance;
+  return facts;
+}
 
 Expected<SceneContents> contents_of(const SceneDescription& scene) {
   const auto placed = place_groups(scene);
   if (!placed) return std::unexpected(placed.error());
   SceneContents contents;
+  contents.camera = camera_facts(scene.camera, scene.film);
   contents.extent = bounds_of(scene, *placed);
   contents.instances = placed->size();
   count_geometry(scene, *placed, contents);
@@ -96,11 +131,26 @@ std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContent
   if (lights.empty()) lights.emplace_back("none", "");
   NamedTexts files;
   for (const auto& [path, bytes] : contents.files) files.emplace_back(path.string(), size_text(bytes));
-  return {{"Geometry", geometry}, {"Textures", textures}, {"Lights", lights}, {"Files", files}};
+  return {{"Camera", camera_text(contents.camera)},
+          {"Geometry", geometry},
+          {"Textures", textures},
+          {"Lights", lights},
+          {"Files", files}};
 }
 
 void add_contents(nlohmann::ordered_json& json, const SceneContents& contents) {
   const auto triple = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  const CameraFacts& camera = contents.camera;
+  json["camera"] = {{"projection", camera.is_orthographic ? "orthographic" : "perspective"},
+                    {"position", triple(camera.position)},
+                    {"direction", triple(camera.direction)},
+                    {"up", triple(camera.up)}};
+  if (camera.is_orthographic)
+    json["camera"]["view"] = {camera.across, camera.down};
+  else
+    json["camera"]["fov"] = {camera.across, camera.down};
+  json["camera"]["aperture_radius"] = camera.aperture_radius;
+  if (camera.aperture_radius > 0) json["camera"]["focus_distance"] = camera.focus_distance;
   const SceneBounds& box = contents.extent;
   json["extent"] = {
       {"low", triple(box.low)}, {"high", triple(box.high)}, {"size", triple(box.high - box.low)}};

@@ -15,7 +15,19 @@
 
 namespace penumbra {
 
+/// How the camera is placed and what it sees, in scene units and degrees.
+struct CameraFacts {
+  bool is_orthographic = false;
+  glm::dvec3 position{0.0}, direction{0.0}, up{0.0};  ///< the latter of length 1
+  /// Full angles of view across and down the whole film; of an orthographic camera the width and height of
+  /// what it sees.
+  double across = 0, down = 0;
+  double aperture_radius = 0, focus_distance = 0;  ///< radius 0: a pinhole
+};
+CameraFacts camera_facts(const CameraSettings& camera, const Film& film);
+
 struct SceneContents {
+  CameraFacts camera;
   SceneBounds extent;
   std::map<std::string, std::size_t> geometry;  ///< number of meshes, spheres, …, without instancing
   std::size_t triangles = 0;                    ///< triangles in meshes, without instancing
@@ -34,7 +46,7 @@ Expected<SceneContents> contents_of(const SceneDescription& scene);
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 /// Name and value pairs under headings, for display.
 std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContents& contents);
-/// Adds members to a JSON object: extent, geometry, instances, textures, lights_by_kind, files.
+/// Adds members to a JSON object: camera, extent, geometry, instances, textures, lights_by_kind, files.
 void add_contents(nlohmann::ordered_json& json, const SceneContents& contents);
 
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 
 #include "kernels/host/process.h"
 #include "kernels/host/text.h"
+#include "scheduler/keys/secrets.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
 #include "scheduler/service/status_wire.h"
@@ -252,6 +253,20 @@ JobExpected<void> JobQueue::change(JobId number, const Change& change) {
                : std::unexpected(*refused);
   fail_hopeless();
   changed_.notify_all();
+  return {};
+}
+
+JobExpected<void> JobQueue::check_owner(JobId number, const std::string& owner) {
+  if (!own_jobs_) return {};
+  const std::lock_guard lock(mutex_);
+  const auto found = find(number);
+  if (!found) return std::unexpected(found.error());
+  for (const Entry* entry : *found)
+    if (owner.empty() || !are_equal_secrets(owner, entry->job.submission().owner()))
+      return job_error(
+          JobErrorKind::kNotYours,
+          fmt::format("job {} is {}'s, and this service lets only who submitted a job change it (--own-jobs)",
+                      entry->number(), entry->job.status().submitter()));
   return {};
 }
 

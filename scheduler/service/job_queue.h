@@ -20,7 +20,7 @@
 namespace penumbra {
 
 /// The kind of an error of a client's request.
-enum class JobErrorKind { kNonsense, kNotFound, kNotNow, kFull };
+enum class JobErrorKind { kNonsense, kNotFound, kNotNow, kFull, kNotYours };
 struct JobError {
   JobErrorKind kind;
   std::string message;
@@ -63,6 +63,10 @@ class JobQueue {
   JobExpected<void> remove(JobId number);
   /// All jobs of the group have been submitted.
   JobExpected<void> close_group(JobId group);
+  /// From now on jobs are changed only by who shows the secret that they were submitted with.
+  void own_jobs() { own_jobs_ = true; }
+  /// Error: that is so, and this is another secret than that of the job, or of one of the group.
+  JobExpected<void> check_owner(JobId number, const std::string& owner);
   /// The path of a job's file.
   JobExpected<std::filesystem::path> file(JobId job, const std::string& name);
 
@@ -152,6 +156,7 @@ class JobQueue {
 
   Spool& spool_;
   const bool tells_ends_;
+  bool own_jobs_ = false;  // set before clients connect
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
   std::condition_variable changed_;

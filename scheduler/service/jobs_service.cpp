@@ -17,6 +17,8 @@ grpc::Status status_of(const JobError& error) {
       return {grpc::StatusCode::NOT_FOUND, error.message};
     case JobErrorKind::kNotNow:
       return {grpc::StatusCode::FAILED_PRECONDITION, error.message};
+    case JobErrorKind::kNotYours:
+      return {grpc::StatusCode::PERMISSION_DENIED, error.message};
     case JobErrorKind::kFull:
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
     case JobErrorKind::kNonsense:
@@ -109,7 +111,8 @@ grpc::Status JobsService::Change(grpc::ServerContext* context, const wire::Chang
                                  wire::ChangeReply*) {
   if (grpc::Status begun = begin(*context, *request); !begun.ok()) return begun;
   for (const JobId job : request->jobs()) {
-    JobExpected<void> changed;
+    JobExpected<void> changed = queue_.check_owner(job, request->owner());
+    if (!changed) return status_of(changed.error());
     switch (request->change_case()) {
       case wire::ChangeRequest::kCancel:
         changed = queue_.cancel(job);

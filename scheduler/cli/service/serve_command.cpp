@@ -60,9 +60,15 @@ void add_serve_command(CommandLine& app, Command& chosen) {
       ->add_option("--checkpoint-interval", options->checkpoint_interval,
                    "Time between checkpoints, longer where they would take more than 1% of it; 0: none")
       ->type_name("SECONDS")
+      ->transform(seconds())
       ->check(number_from_zero())
       ->group("Jobs")
       ->capture_default_str();
+  command
+      ->add_flag("--own-jobs", options->own_jobs,
+                 "Jobs are cancelled, prioritized, retried and removed only by who submitted them, whom a "
+                 "secret in ~/.local/state/penumbra/owner proves (default: by everybody who may submit)")
+      ->group("Jobs");
   command
       ->add_option(
           "--on-done", options->on_done,

@@ -225,7 +225,10 @@ void ServiceRun::write(FinishedJob finished) {
     if (has_samples || (finished.outcome && !was_cancelled)) {
       for (const std::string& problem : finished.outcome->problems) queue_.problem(job.id, problem);
       end = finish_render(*job.prepared, *finished.outcome, job.command_line, fmt::format("job {}", job.id),
-                          job.strict_numerics, was_cancelled);
+                          job.strict_numerics,
+                          was_cancelled ? StoppedBy::kCancel
+                          : stop_       ? StoppedBy::kSignal
+                                        : StoppedBy::kNothing);
     }
   } catch (const std::exception& error) {
     end = {RenderEndKind::kFailed, error.what()};
@@ -323,6 +326,7 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   std::vector<std::string> problems;
   JobQueue queue(**spool, problems, !options.on_done.empty());
   for (const std::string& problem : problems) print_warning(problem);
+  if (options.own_jobs) queue.own_jobs();
   ServiceOptions with_threads = options;
   if (options.threads == 0)
     with_threads.threads = std::max(1, int(core_count()) / std::max(1, options.workers));

@@ -19,6 +19,7 @@ struct ServiceOptions {
   int threads = 0;              ///< per worker; 0: all cores of this machine, divided among the workers
   double checkpoint_interval = 0;
   std::string on_done;         ///< shell command for the end of jobs and groups; see EndHook; empty: none
+  bool own_jobs = false;       ///< jobs are changed only by who submitted them
   std::optional<double> keep;  ///< seconds after which jobs that are over are removed
 };
 

@@ -8,6 +8,7 @@
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/submitted_render.h"
@@ -29,7 +30,7 @@ bool is_refused(const Option& option) {
   if (option.long_names().empty()) return false;
   const std::string& name = option.long_names().front();
   if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys" ||
-      name == "help")
+      name == "help" || name == "help-all")
     return false;
   return name == "resume" || is_shared_option(name);
 }
@@ -74,6 +75,7 @@ class Submitter {
 
 Expected<void> Submitter::submit(std::size_t index) {
   SetMember member = plan_.members[index];
+  member.options.writes_here = false;
   if (options_.priority) member.priority = *options_.priority;
   std::vector<JobId> after;
   for (const std::size_t before : member.after) {
@@ -119,6 +121,8 @@ ExitCode submit(const SubmitOptions& options, const CommandLine& command,
                 const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
   if (const auto checked = check_options(command); !checked) return print_error(checked.error()), kBadInput;
+  if (const auto checked = check_no_value_is_a_scene(command, options.render.scenes); !checked)
+    return print_error(checked.error()), kBadInput;
   const auto plan = plan_set(options.render, command);
   if (!plan) return print_error(plan.error()), kBadInput;
   const auto connected = connect_to_service({options.service.to, options.render.keys});
@@ -148,6 +152,8 @@ void add_submit_command(CommandLine& app, const std::vector<std::string>& comman
       ->type_name("P")
       ->check(whole_number(-kMostUrgent, kMostUrgent))
       ->group("Jobs");
+  show_common_render_options(*command);
+  command->short_help({"--to", "--priority", "--keys"});
   command->footer(
       "Takes scenes and job files with the options of `penumbra render`. Scenes are read here and sent, each "
       "once. Several renders, or those of a job file, are a group with a number of its own. -o names the "

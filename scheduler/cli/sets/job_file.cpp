@@ -47,11 +47,19 @@ class JobFileReader {
         read_table(*node->as_table(), defaults);
       else if (*key == "render" && node->is_array() && node->as_array()->is_homogeneous<toml::table>())
         renders = node->as_array();
+      else if (*key == "render" || *key == "defaults")
+        error(*key, *key == "render"
+                        ? "a render is a [[render]] table, with two brackets on each side, because "
+                          "there may be several"
+                        : "[defaults] is one table, with one bracket on each side");
       else
         error(*key, fmt::format("'{}' is none of a job file's parts: they are [defaults] and [[render]]",
                                 key->str()));
     }
-    if (renders == nullptr) return diagnostics.error({&file_, 0}, "no [[render]]"), patterns;
+    if (renders == nullptr) {
+      if (!diagnostics.failed()) diagnostics.error({&file_, 0}, "no [[render]]");
+      return patterns;
+    }
     for (const toml::node& node : *renders) {
       RenderPattern pattern = defaults;
       pattern.location = toml_location(file_, node.source().begin);
@@ -272,7 +280,8 @@ bool is_job_file(const fs::path& file) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
     std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
-    if (line.starts_with("[[render]]")) return true;
+    // Of a file that is meant as one, its reader tells what is wrong with it.
+    if (line.starts_with("[[render]]") || line.starts_with("[render]")) return true;
   }
   return false;
 }

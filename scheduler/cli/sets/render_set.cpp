@@ -23,6 +23,7 @@
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_page.h"
 #include "scheduler/cli/render_preparation.h"
+#include "scheduler/cli/sets/failure_reasons.h"
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/sets/set_summary.h"
 #include "scheduler/cli/stop_signal.h"
@@ -60,6 +61,7 @@ std::string key_of(const PreparedRender& prepared, const std::string& worker, bo
 
 wire::JobState job_state_of(SetState state) {
   if (state == SetState::kFailed) return wire::JOB_FAILED;
+  if (state == SetState::kNotBegun) return wire::JOB_CANCELLED;
   return state == SetState::kIncomplete ? wire::JOB_INCOMPLETE : wire::JOB_DONE;
 }
 
@@ -133,7 +135,7 @@ class SceneSet final : public JobSource {
   void fail_member(std::size_t index, const Error& error);
   void write_images();
   void write(FinishedRender finished);
-  void end(std::size_t index, SetState state, const std::string& error = {});
+  void end(std::size_t index, SetState state, const std::string& error = {}, bool is_told = true);
   [[nodiscard]] Expected<void> write_summary() const;
   [[nodiscard]] std::size_t ended();
   /// Of all renders: " (0:41:10 left)"; empty while none has been rendered.
@@ -153,6 +155,7 @@ class SceneSet final : public JobSource {
   std::condition_variable ended_one_;
   std::mutex mutex_;  // protects entries_ and how many of them have ended, and were rendered for that
   std::vector<SetEntry> entries_;
+  FailureReasons failures_;
   std::size_t ended_ = 0, rendered_ = 0;
   Clock::time_point next_summary_{};
   std::vector<SetEntry> earlier_;  // of other sets with the same summary file
@@ -234,8 +237,12 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
 }
 
 void SceneSet::fail_member(std::size_t index, const Error& error) {
-  print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
-  end(index, SetState::kFailed, error.message);
+  const bool is_new = [&] {
+    const std::lock_guard lock(mutex_);
+    return failures_.add(entries_[index].name, error.message);
+  }();
+  if (is_new) print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
+  end(index, SetState::kFailed, error.message, is_new);
 }
 
 // --- The thread that drives the farm
@@ -312,7 +319,8 @@ void SceneSet::write(FinishedRender finished) {
     entry.relative_error = error;
   }
   const bool strict = plan_.members[finished.index].options.strict_numerics;
-  const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name, strict, stop_);
+  const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name, strict,
+                                        stop_ ? StoppedBy::kSignal : StoppedBy::kNothing);
   end(finished.index,
       ended.kind == RenderEndKind::kDone     ? SetState::kDone
       : ended.kind == RenderEndKind::kFailed ? SetState::kFailed
@@ -322,14 +330,14 @@ void SceneSet::write(FinishedRender finished) {
   if (outcome.complete && ended.kind != RenderEndKind::kFailed) remove_checkpoint(*finished.prepared);
 }
 
-void SceneSet::end(std::size_t index, SetState state, const std::string& error) {
+void SceneSet::end(std::size_t index, SetState state, const std::string& error, bool is_told) {
   const std::lock_guard lock(mutex_);
   entries_[index].state = state;
   entries_[index].error = error;
   ++ended_;
   ended_one_.notify_all();
   if (state != SetState::kUnchanged) ++rendered_;
-  if (!options_.quiet) {
+  if (!options_.quiet && is_told) {
     clear_line();
     print_remark(set_line(entries_[index], ended_, entries_.size(), longest_name_));
   }
@@ -387,9 +395,16 @@ ExitCode SceneSet::run() {
   writer.join();
   if (!ran) print_error(ran.error());
   for (std::size_t i = 0; i < entries_.size(); ++i)
-    if (entries_[i].state == SetState::kWaiting)
-      end(i, SetState::kFailed, stop_ ? "stopped by a signal before it began" : "no worker was left");
+    if (entries_[i].state == SetState::kWaiting) {
+      if (stop_)
+        end(i, SetState::kNotBegun, "stopped by a signal before it began", false);
+      else
+        end(i, SetState::kFailed, "no worker was left");
+    }
   if (const auto written = write_summary(); !written) return print_error(written.error()), kIncomplete;
+  if (!options_.table.empty())
+    if (const auto written = write_output(options_.table, bytes_of(set_table(entries_))); !written)
+      return print_error(written.error()), kIncomplete;
   page_.close();
   return print_end();
 }
@@ -397,15 +412,22 @@ ExitCode SceneSet::run() {
 ExitCode SceneSet::print_end() {
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
   if (!options_.quiet)
-    print_remark(set_totals(entries_, seconds) + fmt::format("wrote {}\n", plan_.summary.string()));
+    print_remark(set_totals(entries_, seconds) +
+                 fmt::format("wrote {}{}\n", plan_.summary.string(),
+                             options_.table.empty() ? "" : ", " + options_.table));
   if (!options_.quiet && sampler_replaced_) print_sampler_note();
+  for (const std::string& line : failures_.repeated()) print_error({line});
+  const auto not_begun = std::ranges::count(entries_, SetState::kNotBegun, &SetEntry::state);
   const auto failed = std::ranges::count_if(entries_, [](const SetEntry& entry) {
     return entry.state == SetState::kFailed || entry.state == SetState::kIncomplete;
   });
   if (failed > 0)
     print_error(
         {fmt::format("{} of {} failed or are incomplete", failed, counted(entries_.size(), "render"))});
-  return failed > 0 ? kIncomplete : kAllDone;
+  if (not_begun > 0)
+    print_error({fmt::format("{} of {} not begun: a signal stopped the set", not_begun,
+                             counted(entries_.size(), "render"))});
+  return failed > 0 || not_begun > 0 ? kIncomplete : kAllDone;
 }
 
 }  // namespace
@@ -415,8 +437,9 @@ ExitCode render_set(const RenderOptions& options, const CommandLine& command,
   const std::atomic<bool>& stop = install_stop_signal();
   auto plan = plan_set(options, command);
   if (!plan) return print_error(plan.error()), kBadInput;
-  if (auto writable = check_writable(plan->summary); !writable)
-    return print_error(writable.error()), kBadInput;
+  for (const std::filesystem::path& file : {plan->summary, std::filesystem::path(options.table)})
+    if (!file.empty())
+      if (auto writable = check_writable(file); !writable) return print_error(writable.error()), kBadInput;
   return SceneSet(std::move(*plan), options, command_line, stop).run();
 }
 

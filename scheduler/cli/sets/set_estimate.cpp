@@ -13,6 +13,7 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/estimate_totals.h"
+#include "scheduler/cli/sets/failure_reasons.h"
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/stop_signal.h"
 
@@ -42,7 +43,6 @@ class SetEstimator {
   ExitCode run() {
     std::size_t width = 6;
     for (const SetMember& member : plan_.members) width = std::max(width, member.name.size());
-    if (!options_.json) print_answer(estimate_heading(width));
     for (const SetMember& member : plan_.members) {
       if (stop_) break;
       SetMemberEstimate& estimated =
@@ -52,17 +52,30 @@ class SetEstimator {
       } catch (const std::exception& error) {  // usually out of memory; other renders may need less
         fail_member(estimated, {error.what()}, kIncomplete);
       }
-      if (!options_.json) print_answer(estimate_row(estimated, width));
+      if (!options_.json) print_rows(width);
     }
-    print_answer(options_.json ? set_estimate_json(estimates_)
-                               : totals_text(totals_of(estimates_), plan_.members.size()));
+    // Where nothing could be measured there are reasons, and no figures.
+    if (options_.json)
+      print_answer(set_estimate_json(estimates_));
+    else if (printed_ > 0)
+      print_answer(totals_text(totals_of(estimates_), plan_.members.size()));
+    for (const std::string& line : failures_.repeated()) print_error({line});
     if (stop_) print_error({"stopped by a signal before all renders were measured"});
     return stop_ ? kIncomplete : exit_code_;
   }
 
  private:
+  /// The rows that are not printed yet, from the first render on that could be measured.
+  void print_rows(std::size_t width) {
+    if (printed_ == 0 && !estimates_.back().estimate) return;
+    if (printed_ == 0) print_answer(estimate_heading(width));
+    for (; printed_ < estimates_.size(); ++printed_) print_answer(estimate_row(estimates_[printed_], width));
+  }
+
   void estimate(const SetMember& member, SetMemberEstimate& estimated) {
-    auto prepared = prepare_render(member.options, &scenes_);
+    RenderOptions options = member.options;
+    options.writes_here = false;
+    auto prepared = prepare_render(options, &scenes_);
     if (!prepared) return fail_member(estimated, prepared.error(), kBadInput);
     if (const auto device = check_device(prepared->job.device); !device)
       return fail_member(estimated, device.error(), kBadInput);
@@ -79,7 +92,8 @@ class SetEstimator {
   }
 
   void fail_member(SetMemberEstimate& estimated, const Error& error, ExitCode code) {
-    print_error({fmt::format("{}: {}", estimated.name, error.message)});
+    if (failures_.add(estimated.name, error.message))
+      print_error({fmt::format("{}: {}", estimated.name, error.message)});
     estimated.error = error.message;
     exit_code_ = std::max(exit_code_, code);
   }
@@ -92,6 +106,8 @@ class SetEstimator {
   std::map<MeasurementKey, std::optional<RenderEstimate>> measured_;
   double seconds_ = 0;  // for each measurement
   std::vector<SetMemberEstimate> estimates_;
+  std::size_t printed_ = 0;  // rows
+  FailureReasons failures_;
   ExitCode exit_code_ = kAllDone;
 };
 

@@ -83,10 +83,12 @@ class SetPlanner {
     plan_.name = fs::path(options_.scenes.front()).filename().string();
     if (more > 0) plan_.name += fmt::format(" and {} more", more);
     plan_.has_job_file = !files_.empty();
-    plan_.summary = options_.summary.empty() ? summary_folder() / "jobs.json" : fs::path(options_.summary);
-    if (const auto taken = taken_by_.find(fs::absolute(plan_.summary).lexically_normal());
-        taken != taken_by_.end())
-      return fail(fmt::format("{} is a file of {} and the summary", plan_.summary.string(), taken->second));
+    plan_.summary = options_.summary.empty() ? default_summary() : fs::path(options_.summary);
+    if (const auto taken = take_file(plan_.summary, "the summary"); !taken)
+      return std::unexpected(taken.error());
+    if (!options_.table.empty())
+      if (const auto taken = take_file(options_.table, "--table"); !taken)
+        return std::unexpected(taken.error());
     return std::move(plan_);
   }
 
@@ -178,16 +180,25 @@ class SetPlanner {
 
   /// The summary is beside the first job file, so that its place does not depend on which renders there are.
   /// If the command says where the images go, or if there are no job files, it is in the common folder of all
-  /// images.
-  [[nodiscard]] fs::path summary_folder() const {
+  /// images. Each job file has its own: NAME.jobs.json, and jobs.json of jobs.toml.
+  [[nodiscard]] fs::path default_summary() const {
+    const fs::path job_file = files_.empty() ? fs::path("jobs.toml") : files_.front().source->path;
+    const std::string stem = job_file.stem().string();
+    const std::string name = stem == "jobs" ? "jobs.json" : stem + ".jobs.json";
     if (!files_.empty() && options_.out.empty()) {
-      fs::path folder = files_.front().source->path.parent_path();
-      if (check_writable(folder / "jobs.json")) return folder;
+      fs::path beside = job_file.parent_path() / name;
+      if (check_writable(beside)) return beside;
     }
     fs::path common = plan_.members.front().files.all().front().parent_path();
     for (const SetMember& member : plan_.members)
       for (const fs::path& file : member.files.all()) common = common_folder(common, file.parent_path());
-    return common;
+    return common / name;
+  }
+
+  Expected<void> take_file(const fs::path& file, const char* what) {
+    const auto [taken, is_new] = taken_by_.emplace(fs::absolute(file).lexically_normal(), what);
+    if (is_new) return {};
+    return fail(fmt::format("{} is a file of {} and {}", file.string(), taken->second, what));
   }
 
   /// Error if two renders write the same file.

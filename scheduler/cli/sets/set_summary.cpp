@@ -14,13 +14,15 @@
 #include "scheduler/cli/progress.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/json_number.h"
+#include "scheduler/files/quoting.h"
 
 namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 5> kStateNames{"waiting", "done", "unchanged", "incomplete", "failed"};
+constexpr std::array<std::string_view, 6> kStateNames{"waiting",    "done",   "unchanged",
+                                                      "incomplete", "failed", "not begun"};
 
 std::filesystem::path folder_of_summary(const std::filesystem::path& summary) {
   return std::filesystem::absolute(summary).lexically_normal().parent_path();
@@ -92,6 +94,42 @@ Expected<void> write_set_summary(const std::filesystem::path& path, const std::v
   return write_output(path, bytes_of(text));
 }
 
+std::string set_table(const std::vector<SetEntry>& entries) {
+  const std::vector<std::string> first{"name", "scene"};
+  const std::vector<std::string> last{"state", "samples_per_pixel", "seconds", "relative_error", "file",
+                                      "error"};
+  std::vector<std::string> parameters;
+  for (const SetEntry& entry : entries)
+    for (const auto& [name, value] : entry.choices)
+      if (std::ranges::find(parameters, name) == parameters.end()) parameters.push_back(name);
+  std::vector<std::string> header = first;
+  for (const std::string& name : parameters) {
+    const bool is_taken =
+        std::ranges::find(first, name) != first.end() || std::ranges::find(last, name) != last.end();
+    header.push_back(csv_quoted(is_taken ? "parameter." + name : name));
+  }
+  header.insert(header.end(), last.begin(), last.end());
+  std::string table = csv_line(header);
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::to_string(value) : std::string();
+  };
+  for (const SetEntry& entry : entries) {
+    std::vector<std::string> line{csv_quoted(entry.name), csv_quoted(entry.scene)};
+    for (const std::string& name : parameters) {
+      const auto found = std::ranges::find(entry.choices, name, &std::pair<std::string, std::string>::first);
+      line.push_back(found == entry.choices.end() ? std::string() : csv_quoted(found->second));
+    }
+    const bool has_samples = entry.samples > 0;
+    line.insert(line.end(),
+                {std::string(set_state_name(entry.state)), has_samples ? fmt::to_string(entry.samples) : "",
+                 has_samples ? number(entry.seconds) : "", has_samples ? number(entry.relative_error) : "",
+                 entry.files.empty() ? "" : csv_quoted(entry.files.front()),
+                 csv_quoted(entry.error.substr(0, entry.error.find('\n')))});
+    table += csv_line(line);
+  }
+  return table;
+}
+
 FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
   FinishedRenders finished;
   std::ifstream file(path);
@@ -147,7 +185,7 @@ std::string set_line(const SetEntry& entry, std::size_t ended, std::size_t all, 
 std::string set_totals(const std::vector<SetEntry>& entries, double seconds) {
   std::string text = counted(entries.size(), "render") + ":";
   for (const SetState state :
-       {SetState::kDone, SetState::kUnchanged, SetState::kIncomplete, SetState::kFailed})
+       {SetState::kDone, SetState::kUnchanged, SetState::kIncomplete, SetState::kFailed, SetState::kNotBegun})
     if (const auto count = std::ranges::count(entries, state, &SetEntry::state); count > 0)
       text += fmt::format(" {} {},", count, set_state_name(state));
   return fmt::format("{} in {}\n", text, clock_text(seconds));

@@ -12,7 +12,8 @@
 
 namespace penumbra {
 
-enum class SetState { kWaiting, kDone, kUnchanged, kIncomplete, kFailed };
+/// kNotBegun: the set was stopped before.
+enum class SetState { kWaiting, kDone, kUnchanged, kIncomplete, kFailed, kNotBegun };
 
 struct SetEntry {
   std::string name;                                          ///< for display
@@ -34,6 +35,10 @@ std::string_view set_state_name(SetState state);
 /// Writes all entries atomically, and those of `earlier` that are not part of this set.
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
                                  const std::vector<SetEntry>& earlier = {});
+
+/// The entries as CSV with a header: name, scene, a column for each parameter that any of them has, state,
+/// samples per pixel, render time, relative error, first file, and the reason of those that are not done.
+std::string set_table(const std::vector<SetEntry>& entries);
 
 /// Renders that an earlier summary lists with a key and whose files all exist. Empty if there is no readable
 /// summary.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <set>
 #include <sstream>
 
 #include "kernels/host/text.h"
@@ -47,9 +48,12 @@ constexpr std::array<std::pair<const char*, const char*>, 5> kNotForJobs{
 
 fs::path absolute_path(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
 
-/// NAME.slurm beside the first scene or job file.
+/// NAME.slurm beside the first scene or job file, or in the present folder where nothing can be written
+/// there.
 fs::path default_folder(const fs::path& scene) {
-  return scene.parent_path() / (scene.stem().string() + ".slurm");
+  const std::string name = scene.stem().string() + ".slurm";
+  fs::path beside = scene.parent_path() / name;
+  return check_writable(beside / slurm_files::kSubmit) ? beside : fs::path(name);
 }
 
 /// Finds here what would otherwise be found when the job has waited in the queue.
@@ -64,6 +68,13 @@ Expected<void> check_render(const RenderOptions& options, const CommandLine& com
     for (const SetMember& member : plan->members)
       if (!fs::exists(member.options.scene.scene, ignored))
         return fail(fmt::format("{}: there is no file {}", member.name, member.options.scene.scene));
+    if (const auto writable = check_writable(plan->summary); !writable) return writable;
+    std::set<fs::path> folders;
+    for (const SetMember& member : plan->members)
+      for (const fs::path& file : member.files.all())
+        if (folders.insert(file.parent_path()).second)
+          if (const auto writable = check_writable(file); !writable)
+            return fail(fmt::format("{}: {}", member.name, writable.error().message));
     return {};
   }
   checked.scene.scene = options.scenes.front();
@@ -173,8 +184,9 @@ void print_what_to_do(const SlurmJob& job, bool submitted) {
 ExitCode sbatch(const SbatchOptions& options, const CommandLine& command) {
   const auto job = job_of(options, command);
   if (!job) return print_error(job.error()), kBadInput;
-  if (const auto made = make_folders(job->folder / slurm_files::kSubmit); !made)
-    return print_error(made.error()), kBadInput;
+  for (const Expected<void>& made :
+       {check_writable(job->folder / slurm_files::kSubmit), make_folders(job->folder / slurm_files::kSubmit)})
+    if (!made) return print_error({fmt::format("--folder: {}", made.error().message)}), kBadInput;
   if (const auto keys = provide_keys(job->keys, job->partition); !keys)
     return print_error(keys.error()), kBadInput;
   if (const auto written = write_scripts(*job); !written) return print_error(written.error()), kBadInput;
@@ -233,16 +245,20 @@ void add_sbatch_command(CommandLine& app, Command& chosen) {
       ->add_option("--retry-for", job.retry_for,
                    "Time for which workers wait for a scheduler that is not there yet, or is requeued")
       ->type_name("SECONDS")
+      ->transform(seconds())
       ->check(number_from_zero())
       ->capture_default_str();
   command
       ->add_option(
           "--folder", options->folder,
           "Folder of scripts, keys and logs, which all nodes see (default: NAME.slurm beside the first scene "
-          "or job file)")
+          "or job file, or in the present folder if nothing can be written there)")
       ->type_name("FOLDER")
       ->check(some_text());
   command->add_flag("--submit", options->submit, "Submit the jobs, too");
+  show_common_render_options(*command);
+  command->short_help({"--workers", "--cpus", "--time", "--partition", "--worker-partition", "--account",
+                       "--option", "--keys", "--folder", "--submit"});
   command->footer(
       "Takes the scenes, job files and options of `penumbra render`, and writes three scripts: "
       "scheduler.sbatch, "

@@ -67,6 +67,11 @@ TEST(Help, OfEveryCommandFitsIsGroupedAndPlain) {
     const std::string help = output_of(folder, command);
     expect_it_fits(help, name);
     expect_known_words(help, name);
+    if (help.contains("--help-all")) {
+      command.back() = "--help-all";
+      expect_it_fits(output_of(folder, command), name);
+      expect_known_words(output_of(folder, command), name);
+    }
     std::string heading;
     for (const std::string& line : lines_of(help)) {
       if (line.ends_with(":") && !line.starts_with(" ")) heading = line;
@@ -80,7 +85,7 @@ TEST(Help, OfEveryCommandFitsIsGroupedAndPlain) {
 
 TEST(Help, SaysWhatAnOptionTakes) {
   const TemporaryFolder folder;
-  const std::string help = output_of(folder, {"render", "--help"});
+  const std::string help = output_of(folder, {"render", "--help-all"});
   for (const char* text :
        {"\nInput:\n  SCENE... ", "\nIntegrator and samples:\n", "\nWorkers and devices:\n", "[default: 5]",
         "(default: 64; 256 with ppm)", "[1 to 2048]", "[auto, portable, embree]", "[not with --pixel]",

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <set>
 
 #include "kernels/host/device_scene.h"
@@ -73,6 +75,35 @@ TEST(InfoCommand, SaysWhatTheFilesHold) {
   ASSERT_EQ(json["files"].size(), 2u);
   EXPECT_EQ(json["files"][1]["bytes"], std::filesystem::file_size(folder / "q.ply"));
   EXPECT_FALSE(json["left_out"].empty());
+}
+
+TEST(InfoCommand, TellsTheCamera) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const auto json =
+      nlohmann::json::parse(run_penumbra(folder.path(), {"info", "s.xml", "--json"}).out)["camera"];
+  EXPECT_EQ(json["projection"], "perspective");
+  EXPECT_EQ(json["position"], (nlohmann::json{0.0, 2.0, -4.0}));
+  // From (0, 2, -4) to (0, 0.5, 0).
+  const double length = std::hypot(1.5, 4.0);
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(json["direction"][0], 0, kRounding);
+  EXPECT_NEAR(json["direction"][1], -1.5 / length, kRounding);
+  EXPECT_NEAR(json["direction"][2], 4 / length, kRounding);
+  // 60 degrees across 24 pixels; down 20 pixels: tan(f / 2) = 20 / 24 tan(30).
+  EXPECT_NEAR(json["fov"][0], 60, 1e-9);
+  EXPECT_NEAR(json["fov"][1],
+              2 * std::atan(20.0 / 24 * std::tan(std::numbers::pi / 6)) * 180 / std::numbers::pi, 1e-9);
+  EXPECT_EQ(json["aperture_radius"], 0);
+  const std::string text =
+      run_penumbra(folder.path(), {"info", "s.xml", "--set", "camera.aperture_radius=0.25", "--set",
+                                   "camera.focus_distance=3"})
+          .out;
+  EXPECT_THAT(text, AllOf(HasSubstr("(0, 2, -4)"), HasSubstr("60 degrees across, 51.38 down"),
+                          HasSubstr("radius 0.25, in focus at distance 3")));
+  const std::string parallel =
+      run_penumbra(folder.path(), {"info", "s.xml", "--set", "camera.projection=orthographic"}).out;
+  EXPECT_THAT(parallel, HasSubstr("orthographic, 2 x "));
 }
 
 TEST(InfoCommand, SaysWhichDialectOfNoriItReads) {

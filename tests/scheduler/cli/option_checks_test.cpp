@@ -49,6 +49,16 @@ TEST(OptionChecks, TimesHaveUnits) {
   }
 }
 
+TEST(OptionChecks, SecondsMayHaveAUnit) {
+  for (const auto& [text, becomes] :
+       {std::pair("5s", "5"), std::pair("2m", "120"), std::pair("1.5h", "5400"), std::pair("7", "7"),
+        std::pair("0.25", "0.25"), std::pair("-1s", "-1s"), std::pair("many", "many")}) {
+    std::string value = text;
+    EXPECT_EQ(seconds().wrong(value), "");
+    EXPECT_EQ(value, becomes);
+  }
+}
+
 TEST(OptionChecks, HelpHasTheLimits) {
   EXPECT_EQ(whole_number(1, 10).limits, "1 to 10");
   CommandLine app("");

@@ -304,6 +304,9 @@ TEST_F(Service, CancelKeepsWhatIsRendered) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/s.exr"));
   const auto statistics = nlohmann::json::parse(contents("out/s.json"));
   EXPECT_EQ(statistics["complete"], false);
+  const std::string said = wait_for_words(std::regex("cancelled: what was rendered"));
+  EXPECT_THAT(said,
+              AllOf(HasSubstr("cancelled: what was rendered before is kept"), Not(HasSubstr("signal"))));
   const ProgramResult again = run({"cancel", rendering});
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.err, HasSubstr("is cancelled"));
@@ -385,6 +388,58 @@ TEST_F(Service, OtherWorkersJoin) {
   EXPECT_TRUE(comes(submit({"--spp", "4"}), "done"));
   joined.send(SIGTERM);
   EXPECT_EQ(joined.wait().exit_code, 0);
+}
+
+TEST_F(Service, TheLossOfAnotherWorkerIsTold) {
+  serve({"--workers", "1", "--threads", "1"});
+  Program joined(folder_.path(), std::string(PENUMBRA_BINARY_DIR) + "/penumbra-worker",
+                 {"--connect", address_, "--threads", "1"});
+  const std::string number = submit(kLong);
+  const auto renders = [&] {
+    const nlohmann::json workers = status()["workers"];
+    return workers.size() == 2 && std::ranges::all_of(workers, [](const nlohmann::json& worker) {
+             return worker["units"].get<int>() > 0;
+           });
+  };
+  for (int i = 0; i < 1000 && !renders(); ++i) std::this_thread::sleep_for(10ms);
+  joined.send(SIGKILL);
+  joined.wait();
+  const std::string said = wait_for_words(std::regex("worker \\S+ was lost at the tile.*connection"));
+  EXPECT_THAT(said, HasSubstr("was lost at the tile"));
+  EXPECT_THAT(status()["messages"].dump(), HasSubstr("was lost at the tile"));
+  EXPECT_THAT(run({"status"}).out, HasSubstr("was lost at the tile"));
+  EXPECT_EQ(run({"cancel", number}).exit_code, 0);
+  EXPECT_TRUE(comes(number, "cancelled"));
+  EXPECT_THAT(job(number)["problems"].dump(), HasSubstr("was lost at the tile"));
+}
+
+TEST_F(Service, OwnJobsAreChangedByTheirSubmitterAlone) {
+  serve({"--workers", "0", "--own-jobs"});
+  const auto as = [&](const std::string& who, const std::string& line) {
+    return run_shell(folder_.path(),
+                     "XDG_STATE_HOME=\"$PWD/" + who + "\" penumbra " + line + " --to " + address_);
+  };
+  ASSERT_EQ(as("one", "submit s.xml --spp 4").exit_code, 0);
+  for (const char* change : {"cancel 1", "prioritize 1 --priority 3", "retry 1"}) {
+    const ProgramResult refused = as("two", change);
+    EXPECT_EQ(refused.exit_code, 1) << change;
+    EXPECT_THAT(refused.err, HasSubstr("lets only who submitted a job change it")) << change;
+  }
+  EXPECT_EQ(as("two", "status").exit_code, 0);
+  EXPECT_EQ(as("one", "prioritize 1 --priority 3").exit_code, 0);
+  EXPECT_EQ(as("one", "cancel 1").exit_code, 0);
+  EXPECT_EQ(as("two", "submit s.xml --spp 4").exit_code, 0) << "the owner's secret is not needed to submit";
+  const std::string secret = contents("one/penumbra/owner");
+  EXPECT_EQ(secret.size(), 33u);
+  EXPECT_THAT(run({"status", "--json"}).out, Not(HasSubstr(secret.substr(0, 32))));
+}
+
+TEST_F(Service, AFolderThatCannotBeWrittenIsNoHindrance) {
+  serve({"--workers", "0"});
+  const ProgramResult submitted = run_shell(
+      folder_.path(), "s=$PWD/s.xml; cd /proc && penumbra submit \"$s\" --spp 4 -q --to " + address_);
+  EXPECT_EQ(submitted.exit_code, 0) << submitted.err;
+  EXPECT_EQ(run({"cancel", "1"}).exit_code, 0);
 }
 
 TEST_F(Service, OverTcpATokenIsWanted) {

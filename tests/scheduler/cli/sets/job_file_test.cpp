@@ -1,5 +1,6 @@
 // Tests how job files are read, and which errors are reported.
 #include "scheduler/cli/sets/job_file.h"
+#include "scheduler/cli/sets/set_summary.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,7 +114,8 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
       {"[[render]]\nscene = 'a'\nname = 'x'\nafter = 'x'", ":1:1", "'x' would come after itself"},
       {"[[render]]\nscene = 'a'\nname = 'x'\nafter = ['y']\n[[render]]\nscene = 'b'\nname = 'y'\nafter = 'x'",
        ":1:1", "'x' would come after itself"},
-      {"[render]\nscene = 'a'", ":1:", "[defaults] and [[render]]"},
+      {"[render]\nscene = 'a'", ":1:", "a render is a [[render]] table, with two brackets"},
+      {"[[defaults]]\nspp = 1\n[[render]]\nscene = 'a'", ":1:", "[defaults] is one table"},
       {"[[render]]\nscene = 'a'\n[default]\nspp = 1", ":3:", "[defaults] and [[render]]"},
   };
   for (const auto& [text, place, what] : cases) {
@@ -125,6 +127,23 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
   EXPECT_FALSE(read_job_file(folder_ / "missing.toml"));
 }
 
+TEST(SetTable, HasAColumnForEachParameterAndUniqueNames) {
+  SetEntry first{.name = "a, b", .scene = "a.xml", .choices = {{"seed", "3"}, {"state", "x"}}};
+  first.state = SetState::kDone;
+  first.samples = 16;
+  first.seconds = 0.5;
+  first.relative_error = 0.25;
+  first.files = {"/out/a.exr", "/out/a.png"};
+  SetEntry second{.name = "c", .scene = "c.xml", .choices = {{"integrator", "path"}}};
+  second.state = SetState::kFailed;
+  second.error = "no such file\nmore";
+  EXPECT_EQ(set_table({first, second}),
+            "name,scene,seed,parameter.state,integrator,state,samples_per_pixel,seconds,relative_error,file,"
+            "error\r\n"
+            "\"a, b\",a.xml,3,x,,done,16,0.5,0.25,/out/a.exr,\r\n"
+            "c,c.xml,,,path,failed,,,,,no such file\r\n");
+}
+
 TEST_F(JobFileTest, AreToldFromScenes) {
   const auto is_one = [&](const std::string& name, const std::string& text) {
     write_text(folder_ / name, text);
@@ -132,6 +151,7 @@ TEST_F(JobFileTest, AreToldFromScenes) {
   };
   EXPECT_TRUE(is_one("a.toml", "# jobs\n[defaults]\nspp = 1\n [[ render ]] # all\nscene = 'x'"));
   EXPECT_TRUE(is_one("a.TOML", "[[render]]"));
+  EXPECT_TRUE(is_one("a.toml", "[render]\nscene = 'x'")) << "its error says how it is written";
   EXPECT_FALSE(is_one("a.toml", "[renderer]\nspp = 1\n[camera]\n"));
   EXPECT_FALSE(is_one("a.xml", "[[render]]"));
   EXPECT_FALSE(is_job_file(folder_ / "missing.toml"));

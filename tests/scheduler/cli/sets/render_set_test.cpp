@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -24,6 +25,7 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 class RenderSet : public ::testing::Test {
  protected:
@@ -73,6 +75,45 @@ TEST_F(RenderSet, ABadSceneDoesNotStopTheOthersAndTheExitCodeSaysSo) {
   EXPECT_THAT(set.err, AllOf(HasSubstr("b.xml"), HasSubstr("there is no file 'missing.xml'"),
                              HasSubstr("2 of 4 renders failed or are incomplete")));
   EXPECT_THAT(set.out, HasSubstr("failed"));
+}
+
+TEST_F(RenderSet, OneReasonOfManyFailuresIsToldOnce) {
+  write_text(folder_ / "p.pbrt",
+             "Film \"rgb\" \"integer xresolution\" [4] \"integer yresolution\" [4]\nWorldBegin\n");
+  write_text(folder_ / "shots.toml", "[[render]]\nscene = \"p.pbrt\"\nframe = \"1..40\"\nout = \"out/\"\n");
+  const ProgramResult set = run({"shots.toml"});
+  EXPECT_EQ(set.exit_code, 1);
+  const std::string reason = "-D frame: a pbrt scene has no variables";
+  EXPECT_THAT(set.err, AllOf(HasSubstr(reason), HasSubstr("\"shot.{frame:04}.pbrt\""),
+                             HasSubstr("39 more renders failed like p.pbrt frame=1, from p.pbrt frame=2 to "
+                                       "p.pbrt frame=40: "),
+                             HasSubstr("40 of 40 renders failed")));
+  EXPECT_LT(std::ranges::count(set.err + set.out, '\n'), 10) << set.err << set.out;
+  EXPECT_EQ(states("shots.jobs.json").size(), 40u);
+  const ProgramResult estimate = run({"shots.toml", "--estimate"});
+  EXPECT_EQ(estimate.exit_code, 2);
+  EXPECT_THAT(estimate.err, AllOf(HasSubstr(reason), HasSubstr("39 more renders")));
+  EXPECT_EQ(estimate.out, "") << "there are no figures";
+}
+
+TEST_F(RenderSet, AJobFileHasASummaryOfItsOwnAndATable) {
+  write_text(folder_ / "jobs.toml", "[[render]]\nscene = \"a.xml\"\nseed = [1, 2]\nout = \"out/\"\n");
+  write_text(folder_ / "night.toml",
+             "[[render]]\nscene = \"b.xml\"\ndefine.albedo = 0.25\nout = \"out/\"\n[[render]]\nscene = "
+             "\"no.xml\"\n");
+  ASSERT_EQ(run({"jobs.toml"}).exit_code, 0);
+  const ProgramResult night = run({"night.toml", "--table", "out/results.csv"});
+  EXPECT_EQ(night.exit_code, 1);
+  EXPECT_THAT(night.out, HasSubstr("wrote night.jobs.json, out/results.csv"));
+  EXPECT_THAT(states("jobs.json"), ElementsAre("done", "done"));
+  EXPECT_EQ(states("night.jobs.json").size(), 2u);
+  const std::string table = file_contents(folder_ / "out/results.csv");
+  EXPECT_THAT(table, AllOf(StartsWith("name,scene,albedo,state,samples_per_pixel,seconds,relative_error,file,"
+                                      "error\r\nb.xml,b.xml,0.25,done,8,"),
+                           HasSubstr("\r\nno.xml,no.xml,,failed,,,,")));
+  const ProgramResult same = run({"a.xml", "b.xml", "-o", "out/", "--table", "out/a.exr"});
+  EXPECT_EQ(same.exit_code, 2);
+  EXPECT_THAT(same.err, HasSubstr("out/a.exr is a file of a.xml and --table"));
 }
 
 TEST_F(RenderSet, WhatIsThereUnchangedIsLeftAsItIs) {
@@ -434,7 +475,10 @@ TEST_F(RenderSet, CtrlCKeepsWhatIsDoneAndSaysWhatIsNot) {
   set.send(SIGINT);
   const ProgramResult result = set.wait();
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(states(), ElementsAre("incomplete", "failed", "failed"));
+  EXPECT_THAT(states(), ElementsAre("incomplete", "not begun", "not begun"));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("1 of 3 renders failed or are incomplete"),
+                                HasSubstr("2 of 3 renders not begun: a signal stopped the set")));
+  EXPECT_THAT(result.out, HasSubstr("3 renders: 1 incomplete, 2 not begun"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/a.exr"));
 }
 

@@ -1,0 +1,28 @@
+// Why renders of a set failed: each reason is told once, and at the end for how many more it held.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace penumbra {
+
+class FailureReasons {
+ public:
+  /// Counts a render that failed. Returns whether the reason is new, and so is to be told.
+  bool add(const std::string& render, const std::string& reason);
+
+  /// A line about each reason that several renders share, in the order of the reasons:
+  /// "39 more renders failed like a-0001, from a-0002 to a-0040: no such file".
+  [[nodiscard]] std::vector<std::string> repeated() const;
+
+ private:
+  struct Renders {
+    std::string first, second, last;
+    std::size_t count = 0;
+  };
+  std::vector<std::string> reasons_;  // in the order in which they came
+  std::map<std::string, Renders> renders_;
+};
+
+}  // namespace penumbra
