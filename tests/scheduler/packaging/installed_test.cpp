@@ -75,6 +75,14 @@ TEST_F(Installed, IsFoundThroughALinkAndThroughPath) {
   EXPECT_THAT(listed.out, ContainsRegex("native: (sse2|avx2|avx512)"));
 }
 
+TEST_F(Installed, HasItsPapers) {
+  const ProgramResult listed = in_clean_environment("cd \"$P/share/doc/penumbra\" && find . -type f | sort");
+  for (const char* name :
+       {"./README.md\n", "./LICENSE\n", "./copyright\n", "./examples/penumbra-serve.service\n",
+        "./examples/system/penumbra-serve.service\n"})
+    EXPECT_THAT(listed.out, HasSubstr(name));
+}
+
 TEST_F(Installed, EveryProgramStarts) {
   std::string programs = "penumbra penumbra-worker penumbra-stress";
   if (has_window()) programs += " penumbra-view";

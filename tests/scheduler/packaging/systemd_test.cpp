@@ -40,6 +40,9 @@ TEST_F(Systemd, FindsNothingWrongWithTheUnits) {
   if (verified.exit_code == kCannot) GTEST_SKIP() << verified.out;
   EXPECT_EQ(verified.exit_code, 0);
   EXPECT_THAT(verified.err, IsEmpty());
+  const ProgramResult system =
+      beside_systemd("systemd-analyze verify /usr/local/share/doc/penumbra/examples/system/*.service\n");
+  EXPECT_EQ(system.exit_code, 0) << system.err;
 }
 
 TEST_F(Systemd, RestartsAServiceThatGoesOnAndEndsItCleanly) {
