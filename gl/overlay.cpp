@@ -206,7 +206,7 @@ OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status, 
   if (panel) draw_panel(settings, status, shown, left, width, result);
   if (!panel || beside) draw_pixel(status, {free_width, io.DisplaySize.y});
   if (!panel) draw_handle(settings);
-  draw_help(settings, {free_width, io.DisplaySize.y});
+  result.again = draw_help(settings, {free_width, io.DisplaySize.y});
   const float pixels = io.DisplayFramebufferScale.x;
   result.picture_area = {0, 0, int(std::lround(free_width * pixels)),
                          int(std::lround(io.DisplaySize.y * pixels))};

@@ -18,6 +18,7 @@ struct OverlayResult {
   std::vector<Action> actions;       ///< those that settings do not tell: kOneMoreSample, kReload, kSave, …
   std::optional<CameraFormat> copy;  ///< the view is to be copied in this form
   bool shows_histogram = false;
+  bool again = false;           ///< another frame is needed: something had to be laid out to know its size
   bool alpha_changed = false;   ///< settings.alpha has changed since the last frame
   PixelRectangle picture_area;  ///< the part of the framebuffer beside the panel, in pixels
 };

@@ -23,6 +23,8 @@ constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
     {"right click", "on a slider: back to its usual value"},
 });
 
+constexpr float kLeastHelpScale = 0.5f;  // smaller text cannot be read; then it scrolls
+
 /// Draws a key cap.
 void key_cap(const std::string& text) {
   const float unit = overlay_unit();
@@ -67,22 +69,26 @@ void keys_of(std::span<const ActionInfo> actions, const char* name) {
 
 }  // namespace
 
-void draw_help(DisplaySettings& settings, const ImVec2& free) {
-  if (!settings.help) return;
+bool draw_help(DisplaySettings& settings, const ImVec2& free) {
+  if (!settings.help) return false;
   const float unit = overlay_unit();
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  const bool wide = display.x >= 760 * unit;
+  const bool wide = display.x >= 600 * unit;
   const float width = std::min((wide ? 740 : 400) * unit, display.x);
   const float middle = 0.5f * (width <= free.x ? free.x : display.x);
   ImGui::SetNextWindowPos({middle, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 5 * unit);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, unit);
-  bool open = true;
+  bool open = true, is_smaller = false;
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_NoResize | ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoSavedSettings;
   if (ImGui::Begin("Help", &open, kFlags)) {
+    // As large as fits: where lines wrap is known only once they are laid out.
+    float& scale = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("scale"), 1);
+    if (ImGui::IsWindowAppearing()) scale = 1;
+    ImGui::SetWindowFontScale(scale);
     const auto actions = all_actions();
     heading("Keys");
     if (wide) {
@@ -104,10 +110,15 @@ void draw_help(DisplaySettings& settings, const ImVec2& free) {
       for (const auto& [what, help] : kMouse) help_row(what, help, false);
       ImGui::EndTable();
     }
+    const float height = ImGui::GetCursorPosY() + ImGui::GetStyle().WindowPadding.y;
+    const float fitting = std::max(kLeastHelpScale, scale * std::min(1.0f, display.y / height));
+    is_smaller = fitting < scale;
+    scale = fitting;
   }
   ImGui::End();
   ImGui::PopStyleVar(2);
   if (!open) settings.help = false;
+  return is_smaller;
 }
 
 ImVec4 connection_color(const ViewStatus& status) {

@@ -46,7 +46,10 @@ void draw_layers(DisplaySettings& settings, const ViewStatus& status) {
   labelled("layer");
   ImGui::SetNextItemWidth(-1);
   const bool is_named = settings.layer == Layer::kNamed;
-  if (ImGui::BeginCombo("##layer", is_named ? settings.named.c_str() : "none of these")) {
+  const bool is_image = settings.layer == Layer::kComposite;
+  const char* chosen = is_named ? settings.named.c_str() : is_image ? "image" : "none of these";
+  if (ImGui::BeginCombo("##layer", chosen)) {
+    if (ImGui::Selectable("image", is_image)) settings.layer = Layer::kComposite;
     for (const std::string& name : status.named_layers)
       if (ImGui::Selectable(name.c_str(), is_named && settings.named == name)) {
         settings.layer = Layer::kNamed;
@@ -200,6 +203,7 @@ void draw_pixel(const ViewStatus& status, const ImVec2& free) {
   const PixelValue& pixel = *status.pixel;
   std::string text = fmt::format("{}, {}   {:.4g}  {:.4g}  {:.4g}", pixel.x, pixel.y, pixel.value[0],
                                  pixel.value[1], pixel.value[2]);
+  if (!pixel.of.empty()) text += fmt::format("   {}", pixel.of);
   if (pixel.standard_error) text += fmt::format("   ± {:.2g}", *pixel.standard_error);
   if (pixel.samples > 0) text += fmt::format("   {} samples", count_text(double(pixel.samples)));
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |

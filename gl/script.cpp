@@ -89,7 +89,7 @@ class ScriptParser {
         {"quit", &ScriptParser::quit},     {"layer", &ScriptParser::layer},
         {"zoom", &ScriptParser::zoom},     {"reference", &ScriptParser::reference},
         {"point", &ScriptParser::point},   {"compare", &ScriptParser::compare},
-        {"copy", &ScriptParser::copy},
+        {"copy", &ScriptParser::copy},     {"timeout", &ScriptParser::timeout},
     };
     const Word word = words_[next_++];
     for (const Entry& entry : kCommands) {
@@ -184,11 +184,15 @@ class ScriptParser {
       const Word word = words_[next_++];
       if (word.text != "timeout") return unknown(word, "part of a wait", {"timeout"});
       double seconds = 0;
-      if (!take_number("seconds", 0, kLongestTimeout, seconds)) return false;
-      if (!(seconds > 0)) return error(words_[next_ - 1].offset, "a timeout is longer than 0 seconds");
+      if (!take_timeout(seconds)) return false;
       wait.timeout_seconds = seconds;
     }
     return add(wait);
+  }
+
+  bool timeout() {
+    TimeoutCommand timeout{.line = line_};
+    return take_timeout(timeout.seconds) && add(timeout);
   }
 
   bool set() {
@@ -304,6 +308,11 @@ class ScriptParser {
       return error(word->offset, fmt::format("'{}' is not between {} and {}", word->text, low, high));
     value = *number;
     return true;
+  }
+
+  bool take_timeout(double& seconds) {
+    if (!take_number("seconds", 0, kLongestTimeout, seconds)) return false;
+    return seconds > 0 || error(words_[next_ - 1].offset, "a timeout is longer than 0 seconds");
   }
 
   template <typename T>

@@ -51,7 +51,13 @@ struct WaitCommand {
   WaitFor what = WaitFor::kFinished;
   std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: the number, at least 1
   std::string text = {};                       ///< kMessage
-  std::optional<double> timeout_seconds = {};  ///< above 0; default: the script runner's
+  std::optional<double> timeout_seconds = {};  ///< above 0; default: that of the last TimeoutCommand
+};
+
+/// `timeout SECONDS`: how long the waits that follow wait, unless they say it themselves
+struct TimeoutCommand {
+  int line = 0;
+  double seconds = 0;  ///< above 0
 };
 
 /// `set alpha V`
@@ -138,7 +144,7 @@ struct QuitCommand {
 using ScriptCommand =
     std::variant<KeyCommand, CameraCommand, WaitCommand, SetAlphaCommand, SetExposureCommand, LayerCommand,
                  ReferenceCommand, CompareCommand, ZoomCommand, PointCommand, CopyCommand, ResizeCommand,
-                 ScreenshotCommand, SaveCommand, LogCommand, QuitCommand>;
+                 ScreenshotCommand, SaveCommand, LogCommand, QuitCommand, TimeoutCommand>;
 
 int line_of(const ScriptCommand& command);
 

@@ -14,7 +14,6 @@ namespace penumbra {
 namespace {
 
 constexpr double kPatienceWithDesktop = 1;  // seconds, for a new size
-constexpr double kPatience = 120;           // seconds, for a wait without a timeout
 
 const char* name_of(WaitFor what) {
   switch (what) {
@@ -99,11 +98,16 @@ Expected<bool> ScriptRunner::run(const WaitCommand& command) {
     return fail(fmt::format("the render is over, with {} of every pixel",
                             counted(viewer_->least_samples(), "sample")));
   const double waited = seconds_since(since_);
-  const double patience = command.timeout_seconds.value_or(kPatience);
+  const double patience = command.timeout_seconds.value_or(patience_);
   if (waited < patience) return false;
   return fail(fmt::format("waited {} s for {}; reached: {} of every pixel, {} of the closed form", patience,
                           name_of(command.what), counted(viewer_->least_samples(), "sample"),
                           counted(viewer_->analytic_frames(), "frame")));
+}
+
+Expected<bool> ScriptRunner::run(const TimeoutCommand& command) {
+  patience_ = command.seconds;
+  return true;
 }
 
 Expected<bool> ScriptRunner::run(const SetAlphaCommand& command) {

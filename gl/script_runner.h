@@ -12,6 +12,8 @@ namespace penumbra {
 
 class ScriptRunner {
  public:
+  static constexpr double kUsualPatience = 120;  ///< seconds
+
   /// `file_name` is for messages.
   ScriptRunner(std::vector<ScriptCommand> commands, std::string file_name)
       : commands_(std::move(commands)), file_name_(std::move(file_name)) {}
@@ -43,12 +45,14 @@ class ScriptRunner {
   Expected<bool> run(const SaveCommand& command);
   Expected<bool> run(const LogCommand& command);
   Expected<bool> run(const QuitCommand& command);
+  Expected<bool> run(const TimeoutCommand& command);
   [[nodiscard]] bool is_there(const WaitCommand& command) const;
 
   std::vector<ScriptCommand> commands_;
   std::string file_name_;
   std::size_t next_ = 0;
   Clock::time_point since_ = Clock::now();  // when the current command was first tried
+  double patience_ = kUsualPatience;        // seconds, for a wait without a timeout
   int tries_ = 0;                           // of the current command
   bool wants_frame_ = false;
   Viewer* viewer_ = nullptr;

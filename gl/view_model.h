@@ -53,13 +53,14 @@ struct WorkerView {
 struct PixelValue {
   int x = 0, y = 0;
   std::array<float, 3> value{};  ///< what is shown there, linear
-  float samples = 0;
+  std::string of = {};           ///< what that is, if it is not the layer as it was rendered: "difference"
+  float samples = 0;             ///< 0: what is shown has none
   std::optional<float> standard_error = {};
   /// A value that is NaN is the same as itself.
   bool operator==(const PixelValue& other) const {
     using Bits = std::array<std::uint32_t, 3>;
     return x == other.x && y == other.y && std::bit_cast<Bits>(value) == std::bit_cast<Bits>(other.value) &&
-           samples == other.samples && standard_error == other.standard_error;
+           of == other.of && samples == other.samples && standard_error == other.standard_error;
   }
 };
 

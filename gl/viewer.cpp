@@ -314,7 +314,7 @@ Expected<void> Viewer::draw() {
   window_.begin_frame();
   status_.analytic_frames = analytic_frames();
   const OverlayResult overlay = draw_overlay(settings_, status_, composite_.shown());
-  stale_ = false;
+  stale_ = overlay.again;
   picture_area_ = overlay.picture_area;
   for (const Action action : overlay.actions) act(action);
   if (overlay.alpha_changed) set_alpha(settings_.alpha);

@@ -138,6 +138,9 @@ class Viewer {
   Expected<void> compose_shown();
   [[nodiscard]] std::string shown_layer_name() const;
   void look_at_pixel(const PixelRectangle& place);
+  /// What the numbers of the picture are, if they are not the layer as it was rendered: "reference",
+  /// "difference", "relative error", "denoised"; else empty.
+  [[nodiscard]] std::string name_of_shown_values();
   void say(std::string text);
   Expected<void> draw_closed_form();
   /// Replaces the composed picture by the newest denoised one, and has the present one denoised.

@@ -264,6 +264,20 @@ void Viewer::compare_composed() {
 
 // --- The pixel below the mouse
 
+std::string Viewer::name_of_shown_values() {
+  switch (settings_.comparison) {
+    case Comparison::kReference:
+      return "reference";
+    case Comparison::kDifference:
+      return "difference";
+    case Comparison::kRelativeError:
+      return "relative error";
+    case Comparison::kNone:
+      break;
+  }
+  return denoised_values().empty() ? "" : "denoised";
+}
+
 void Viewer::look_at_pixel(const PixelRectangle& place) {
   status_.pixel.reset();
   const auto pointer = window_.pointer();
@@ -275,13 +289,15 @@ void Viewer::look_at_pixel(const PixelRectangle& place) {
   if (!value) return;
   const std::size_t at = std::size_t(y) * std::size_t(film_->width()) + std::size_t(x);
   const float error = film_->standard_error()[at];
-  const bool is_image = settings_.layer == Layer::kComposite && settings_.comparison == Comparison::kNone;
-  status_.pixel =
-      PixelValue{.x = x,
-                 .y = y,
-                 .value = *value,
-                 .samples = film_->radiance()[4 * at + 3],
-                 .standard_error = is_image && !std::isnan(error) ? std::optional(error) : std::nullopt};
+  // Samples and their error are of the render, not of a reference, a difference or a denoised picture.
+  const std::string of = name_of_shown_values();
+  const bool has_error = settings_.layer == Layer::kComposite && of.empty() && !std::isnan(error);
+  status_.pixel = PixelValue{.x = x,
+                             .y = y,
+                             .value = *value,
+                             .of = of,
+                             .samples = of.empty() ? film_->radiance()[4 * at + 3] : 0,
+                             .standard_error = has_error ? std::optional(error) : std::nullopt};
 }
 
 }  // namespace penumbra

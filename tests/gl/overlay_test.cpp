@@ -123,7 +123,7 @@ std::vector<Case> cases() {
   file.scene = "out/a.exr";
   file.hybrid = file.interactive = file.has_camera = false;
   file.difference = Difference{0.01, 2e-3};
-  file.pixel = PixelValue{12, 30, {0.1f, 0.2f, 0.3f}, 64, 0.01f};
+  file.pixel = PixelValue{12, 30, {0.1f, 0.2f, 0.3f}, "", 64, 0.01f};
   all.push_back(
       {"file", file, {.layer = Layer::kNamed, .named = "depth", .comparison = Comparison::kDifference}});
 
@@ -240,6 +240,20 @@ TEST_P(OverlayAtSize, EveryStateIsDrawnWithoutErrors) {
     EXPECT_GT(values.size(), 8u) << "there is text";
     keep_screenshot(fmt::format("{}-{}x{}-{}", one.name, size.width, size.height, size.scale));
   }
+}
+
+TEST_P(OverlayAtSize, TheHelpFits) {
+  const Size size = GetParam();
+  if (float(size.width) < 600 * size.scale) GTEST_SKIP() << "the text would be too small";
+  open(size.width, size.height, size.scale);
+  if (IsSkipped() || HasFatalFailure()) return;
+  DisplaySettings settings{.help = true};
+  frames(settings, connected_status(), 8);
+  const ImGuiWindow* help = ImGui::FindWindowByName("Help");
+  ASSERT_NE(help, nullptr);
+  EXPECT_EQ(help->ScrollMax.y, 0);
+  EXPECT_GE(help->Pos.y, 0);
+  EXPECT_LE(help->Pos.y + help->Size.y, ImGui::GetIO().DisplaySize.y);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, OverlayAtSize,

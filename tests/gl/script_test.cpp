@@ -75,6 +75,7 @@ TEST(Script, EachCommand) {
   EXPECT_EQ(one<WaitCommand>("wait analytic timeout 3").timeout_seconds, 3.0);
   EXPECT_EQ(one<WaitCommand>("wait finished").what, WaitFor::kFinished);
   EXPECT_EQ(one<WaitCommand>("wait samples 4 timeout 1").timeout_seconds, 1.0);
+  EXPECT_EQ(one<TimeoutCommand>("timeout 0.5").seconds, 0.5);
   EXPECT_EQ(one<SetAlphaCommand>("set alpha -0.5").alpha, -0.5);
   EXPECT_EQ(one<SetExposureCommand>("set exposure +3").exposure, 3.0);
   EXPECT_EQ(one<ResizeCommand>("resize 640 480").width, 640);
@@ -159,6 +160,8 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"wait finished 3", 15, "unknown part of a wait '3'"},
            Case{"wait finished timeot 3", 15, "did you mean 'timeout'?"},
            Case{"wait finished timeout", 22, "seconds is missing"},
+           Case{"timeout", 8, "seconds is missing"},
+           Case{"timeout 0", 9, "a timeout is longer than 0 seconds"},
            Case{"wait finished timeout 0", 23, "a timeout is longer than 0 seconds"},
            Case{"wait finished timeout -1", 23, "'-1' is not between"},
            Case{"set", 4, "alpha or exposure is missing"},
