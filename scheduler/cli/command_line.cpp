@@ -99,8 +99,11 @@ OptionCheck whole_number_or(int low, int high, const std::string& word) {
 OptionCheck size_in_bytes() {
   return {[size = CLI::AsSizeValue(false)](std::string& text) {
     const std::string given = text;
-    return size(text).empty() ? std::string()
-                              : fmt::format("'{}' is no size in bytes, as in 20G, 512M or 65536", given);
+    try {
+      if (size(text).empty()) return std::string();
+    } catch (const CLI::ValidationError&) {  // of an unknown unit
+    }
+    return fmt::format("'{}' is no size in bytes, as in 20G, 512M or 65536", given);
   }};
 }
 

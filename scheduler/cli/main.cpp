@@ -3,9 +3,11 @@
 
 #include <exception>
 #include <new>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "kernels/host/text.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/build_info.h"
 #include "scheduler/cli/command_line.h"
@@ -86,6 +88,11 @@ ExitCode run(int argc, char** argv) {
   group_commands(app);
   if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))
     return *answered;
+  if (argc > 2 && std::string_view(argv[1]) == "help" && app.find_command(argv[2]) == nullptr) {
+    std::vector<std::string> names;
+    for (const CommandLine* command : app.commands()) names.push_back(command->name());
+    return app.refuse(fmt::format("there is no command '{}'{}", argv[2], suggestion(argv[2], names)));
+  }
   std::vector<const char*> words;
   for (const std::string& word : command_line) words.push_back(word.c_str());
   if (const auto ended = app.parse(int(words.size()), words.data())) return *ended;

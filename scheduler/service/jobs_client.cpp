@@ -8,7 +8,7 @@
 
 #include "jobs.grpc.pb.h"
 #include "scheduler/files/atomic_file.h"
-#include "scheduler/keys/owner_secret.h"
+#include "scheduler/keys/submitter_secret.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
@@ -117,7 +117,7 @@ Expected<wire::SubmitReply> JobsClient::submit(const Submission& submission, con
   prepare(context, access_.token, kPatience);
   auto asked = request<wire::SubmitRequest>();
   *asked.mutable_submission() = encode(submission);
-  asked.mutable_submission()->set_owner(owner_secret());
+  asked.mutable_submission()->set_owner(submitter_secret());
   wire::SubmitReply reply;
   if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok())
     return failed(status);
@@ -143,7 +143,7 @@ Expected<void> JobsClient::change(JobId number, wire::ChangeRequest request) {
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
   request.add_jobs(number);
-  request.set_owner(owner_secret());
+  request.set_owner(submitter_secret());
   wire::ChangeReply reply;
   if (const grpc::Status status = connection_->stub->Change(&context, request, &reply); !status.ok())
     return failed(status);

@@ -67,7 +67,7 @@ void add_serve_command(CommandLine& app, Command& chosen) {
   command
       ->add_flag("--own-jobs", options->own_jobs,
                  "Jobs are cancelled, prioritized, retried and removed only by who submitted them, whom a "
-                 "secret in ~/.local/state/penumbra/owner proves (default: by everybody who may submit)")
+                 "secret in ~/.local/state/penumbra/submitter proves (default: by everybody who may submit)")
       ->group("Jobs");
   command
       ->add_option(

@@ -308,6 +308,8 @@ void SceneSet::write(FinishedRender finished) {
   const RenderOutcome& outcome = finished.outcome;
   const std::string name = entries_[finished.index].name;
   const auto [least, most, total] = sample_range(outcome.film);
+  if (total == 0 && stop_)
+    return end(finished.index, SetState::kNotBegun, "stopped by a signal before its first sample", false);
   const double error = outcome.film.relative_error();
   {
     const std::lock_guard lock(mutex_);

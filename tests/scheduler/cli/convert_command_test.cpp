@@ -283,7 +283,7 @@ TEST_F(ConvertImage, WhatDoesNotFitNamesWhatDoes) {
         std::pair(Words{"s.xml", "t.xml", "--layer", "albedo"}, "--layer: for images"),
         std::pair(Words{"a.exr", "a.png", "--layer", "normal"},
                   "a.exr: has no layer 'normal'; it has beauty"),
-        std::pair(Words{"a.exr", "a.png", "--tonemap", "hable"}, "--tonemap: hable not in"),
+        std::pair(Words{"a.exr", "a.png", "--tonemap", "hable"}, "--tonemap: 'hable' is none of clamp"),
         std::pair(Words{"none.exr", "a.png"}, "none.exr: no such file")}) {
     const ProgramResult done = convert(words);
     EXPECT_EQ(done.exit_code, 2) << why;

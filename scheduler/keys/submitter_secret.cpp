@@ -1,4 +1,4 @@
-#include "scheduler/keys/owner_secret.h"
+#include "scheduler/keys/submitter_secret.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -15,10 +15,10 @@
 namespace penumbra {
 namespace {
 
-constexpr std::uint64_t kMostOwnerBytes = 256;
+constexpr std::uint64_t kMostSubmitterBytes = 256;
 
-std::optional<std::string> read_owner(const std::filesystem::path& file) {
-  auto text = read_plain_file(file, kMostOwnerBytes);
+std::optional<std::string> read_submitter(const std::filesystem::path& file) {
+  auto text = read_plain_file(file, kMostSubmitterBytes);
   if (!text) return std::nullopt;
   while (text->ends_with('\n')) text->pop_back();
   return *text;
@@ -26,11 +26,11 @@ std::optional<std::string> read_owner(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string owner_secret() {
+std::string submitter_secret() {
   const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
   if (state.empty()) return {};
-  const std::filesystem::path file = state / "penumbra" / "owner";
-  if (const auto known = read_owner(file)) return *known;
+  const std::filesystem::path file = state / "penumbra" / "submitter";
+  if (const auto known = read_submitter(file)) return *known;
   std::error_code ignored;
   std::filesystem::create_directories(file.parent_path(), ignored);
   // Of two processes that make it at once, both then have that of the first.
@@ -44,7 +44,7 @@ std::string owner_secret() {
   close(descriptor);
   const bool is_linked = is_written && link(aside.c_str(), file.c_str()) == 0;
   unlink(aside.c_str());
-  return is_linked ? secret : read_owner(file).value_or("");
+  return is_linked ? secret : read_submitter(file).value_or("");
 }
 
 }  // namespace penumbra
