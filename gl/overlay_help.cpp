@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -23,11 +24,12 @@ constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
     {"right click", "on a slider: back to its usual value"},
 });
 
+constexpr float kHelpStep = 0.98f;       // a little smaller than the heights say, which do not all scale
 constexpr float kLeastHelpScale = 0.5f;  // smaller text cannot be read; then it scrolls
 
 /// Draws a key cap.
-void key_cap(const std::string& text) {
-  const float unit = overlay_unit();
+void key_cap(const std::string& text, float scale) {
+  const float unit = overlay_unit() * scale;
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 end{corner.x + size.x + 10 * unit, corner.y + size.y + 2 * unit};
@@ -38,11 +40,11 @@ void key_cap(const std::string& text) {
   ImGui::Dummy({end.x - corner.x, end.y - corner.y});
 }
 
-void help_row(const std::string& key, const std::string& help, bool cap) {
+void help_row(const std::string& key, const std::string& help, bool cap, float scale) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   if (cap) {
-    key_cap(key);
+    key_cap(key, scale);
   } else {
     ImGui::TextUnformatted(key.c_str());
   }
@@ -61,9 +63,9 @@ bool begin_columns(const char* name, float first_width) {
   return true;
 }
 
-void keys_of(std::span<const ActionInfo> actions, const char* name) {
+void keys_of(std::span<const ActionInfo> actions, const char* name, float scale) {
   if (!begin_columns(name, 88 * overlay_unit())) return;
-  for (const ActionInfo& info : actions) help_row(key_text(info.key), std::string(info.help), true);
+  for (const ActionInfo& info : actions) help_row(key_text(info.key), std::string(info.help), true, scale);
   ImGui::EndTable();
 }
 
@@ -89,6 +91,8 @@ bool draw_help(DisplaySettings& settings, const ImVec2& free) {
     float& scale = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("scale"), 1);
     if (ImGui::IsWindowAppearing()) scale = 1;
     ImGui::SetWindowFontScale(scale);
+    const ImVec2 padding = ImGui::GetStyle().CellPadding;
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {padding.x, padding.y * scale});
     const auto actions = all_actions();
     heading("Keys");
     if (wide) {
@@ -97,23 +101,30 @@ bool draw_help(DisplaySettings& settings, const ImVec2& free) {
       const auto half = std::size_t(camera - actions.begin());
       if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingStretchSame)) {
         ImGui::TableNextColumn();
-        keys_of(actions.first(half), "left keys");
+        keys_of(actions.first(half), "left keys", scale);
         ImGui::TableNextColumn();
-        keys_of(actions.subspan(half), "right keys");
+        keys_of(actions.subspan(half), "right keys", scale);
         ImGui::EndTable();
       }
     } else {
-      keys_of(actions, "keys");
+      keys_of(actions, "keys", scale);
     }
     heading("Mouse");
     if (begin_columns("mouse", 130 * unit)) {
-      for (const auto& [what, help] : kMouse) help_row(what, help, false);
+      for (const auto& [what, help] : kMouse) help_row(what, help, false, scale);
       ImGui::EndTable();
     }
-    const float height = ImGui::GetCursorPosY() + ImGui::GetStyle().WindowPadding.y;
-    const float fitting = std::max(kLeastHelpScale, scale * std::min(1.0f, display.y / height));
-    is_smaller = fitting < scale;
-    scale = fitting;
+    ImGui::PopStyleVar();
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float height = ImGui::GetCursorPosY() + style.WindowPadding.y;
+    const float room = display.y - 2 * style.DisplaySafeAreaPadding.y;
+    if (height > room) {
+      // Letters of whole pixels: lines of fractions would leave a bit to scroll.
+      const float letter = ImGui::GetFontSize() / scale;
+      const float fitting = std::floor(kHelpStep * scale * room / height * letter) / letter;
+      is_smaller = fitting >= kLeastHelpScale;
+      if (is_smaller) scale = fitting;
+    }
   }
   ImGui::End();
   ImGui::PopStyleVar(2);

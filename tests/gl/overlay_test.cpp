@@ -251,7 +251,7 @@ TEST_P(OverlayAtSize, TheHelpFits) {
   frames(settings, connected_status(), 8);
   const ImGuiWindow* help = ImGui::FindWindowByName("Help");
   ASSERT_NE(help, nullptr);
-  EXPECT_EQ(help->ScrollMax.y, 0);
+  EXPECT_LT(help->ScrollMax.y, 1) << "but for the rounding of its size";
   EXPECT_GE(help->Pos.y, 0);
   EXPECT_LE(help->Pos.y + help->Size.y, ImGui::GetIO().DisplaySize.y);
 }
