@@ -22,6 +22,7 @@
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/disney.h"
+#include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/nested.h"
 #include "scenes/bsdfs/phong.h"
@@ -33,11 +34,11 @@
 
 namespace penumbra {
 
-using BsdfModel =
-    std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, PolarizedPlasticBsdf,
-                 WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf,
-                 DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf>;
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                               ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
+                               PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
+                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, MetalRoughBsdf, NullBsdf,
+                               MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf>;
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,

@@ -8,6 +8,7 @@
 #include "kernels/bsdf/difftrans.h"
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
+#include "kernels/bsdf/metalrough.h"
 #include "kernels/bsdf/microfacet_diffuse.h"
 #include "kernels/bsdf/phase.h"
 #include "kernels/bsdf/phong.h"

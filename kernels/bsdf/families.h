@@ -41,8 +41,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
   X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
-  X(roughdiffuse, ROUGHDIFFUSE, 21, 0, "rough diffuse BSDF")                                             \
-  X(difftrans, DIFFTRANS, 22, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")
+  X(metalrough, METALROUGH, 21, SEVERAL_LOBES, "metallic-roughness BSDF")                                \
+  X(roughdiffuse, ROUGHDIFFUSE, 22, 0, "rough diffuse BSDF")                                             \
+  X(difftrans, DIFFTRANS, 23, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -85,16 +86,16 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, flatness) /* or subsurface */                                                  \
   F(a, float, clearcoat)                                                                     \
   F(a, float, clearcoat_gloss)
-#define CLOSURE_PARAMETERS(F, a)                                                     \
-  F(a, int, variant)         /* of the family's formula */                           \
-  F(a, int, curve)           /* start of its values in the table of curves */        \
-  F(a, int, curve_rows)      /* 1, or CURVE_ROWS: number of curves over roughness */ \
-  F(a, int, first_lobe)      /* phase functions: index in the table of lobes */      \
-  F(a, float, internal)      /* diffuse reflectance of the boundary from inside */   \
-  F(a, float, specular_rate) /* principled: relative sampling rates of lobes */      \
-  F(a, float, diffuse_rate)                                                          \
-  F(a, float, clearcoat_rate)                                                        \
-  F(a, float, diff_trans_rate)                                                       \
+#define CLOSURE_PARAMETERS(F, a)                                                   \
+  F(a, int, variant)         /* of the family's formula */                         \
+  F(a, int, curve)           /* start of its values in the table of curves */      \
+  F(a, int, curve_rows)      /* number of its curves */                            \
+  F(a, int, first_lobe)      /* phase functions: index in the table of lobes */    \
+  F(a, float, internal)      /* diffuse reflectance of the boundary from inside */ \
+  F(a, float, specular_rate) /* principled: relative sampling rates of lobes */    \
+  F(a, float, diffuse_rate)                                                        \
+  F(a, float, clearcoat_rate)                                                      \
+  F(a, float, diff_trans_rate)                                                     \
   TEXTURED_FIELDS(F, a)
 #define CLOSURE_FIELDS(F, a)       \
   F(a, int, family) /* FAMILY_* */ \
@@ -109,6 +110,9 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define CURVE_KNOTS 64                  // values of a curve, at cosines from 0 to 1
 #define CURVE_ROWS 32                   // curves of a material with textured roughness, see roughplastic.h
 #define CURVE_STRIDE (CURVE_KNOTS + 1)  // offset from curve to curve
+#define REFLECTION_ROWS 64              // twice as many curves of albedo, see metalrough.h
+#define LEAST_REFLECTION_ALPHA 1e-3f    // roughness of the first row ...
+#define FIRST_REFLECTION_PLACE 0.177827941f  // ... and its fourth root
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
@@ -141,41 +145,43 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
 #define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
 #define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
+#define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY) | ONLY(METALROUGH))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING))
-#define USERS_curve USERS(ROUGH_PLASTICS)
-#define USERS_curve_rows USERS(ROUGH_PLASTICS)
+#define USERS_curve USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
+#define USERS_curve_rows USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
 #define USERS_first_lobe USERS(ONLY(PHASE))
 #define USERS_internal USERS(ONLY(PLASTIC))
 #define USERS_specular_rate USERS(PRINCIPLEDS)
 #define USERS_diffuse_rate USERS(PRINCIPLEDS)
 #define USERS_clearcoat_rate USERS(PRINCIPLEDS)
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
-#define USERS_diffuse \
-  USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
-#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
+#define USERS_diffuse                                                                                     \
+  USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
+        ONLY(METALROUGH))
+#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | ONLY(METALROUGH))
 #define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS))
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
-#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS)
+#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | ONLY(METALROUGH))
 #define USERS_alpha_u                                                                                   \
   USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE) | \
         ONLY(ROUGHDIFFUSE))
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
-#define USERS_roughness USERS(DISNEYS)
+#define USERS_roughness USERS(DISNEYS | ONLY(METALROUGH))
 #define USERS_anisotropic USERS(DISNEYS)
-#define USERS_metallic USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
+#define USERS_metallic USERS(METALS_AND_BASES)
 #define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN))
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_spec_tint USERS(DISNEYS)
-#define USERS_specular_level USERS(ONLY(DISNEY))
+#define USERS_specular_level USERS(ONLY(DISNEY) | ONLY(METALROUGH))
 #define USERS_sheen USERS(DISNEYS)
 #define USERS_sheen_tint USERS(DISNEYS)
 #define USERS_flatness USERS(DISNEYS)
-#define USERS_clearcoat USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
-#define USERS_clearcoat_gloss USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
+#define USERS_clearcoat USERS(METALS_AND_BASES)
+#define USERS_clearcoat_gloss USERS(METALS_AND_BASES)
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -238,6 +244,7 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
   X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
   X(principled, PRINCIPLED)                           \
   X(disney, DISNEY)                                   \
+  X(metalrough, METALROUGH)                           \
   EXTRA_LTC_FAMILIES(X)
 #define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
@@ -245,7 +252,7 @@ FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 /// Approximate albedo, from the closure's colours.
 FN vec3 closure_albedo(Closure c) {
   // The boundary of a coat reflects this much along the normal.
-  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE)) >> c.family) & 1u) != 0u;
+  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE) | ONLY(METALROUGH)) >> c.family) & 1u) != 0u;
   const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
   return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
 }

@@ -11,7 +11,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// Whether the closure has a diffuse part, or is a phase function.
 FN bool has_diffuse_part(Closure c) {
-  const uint diffuse = USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS);
+  const uint diffuse = USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | ONLY(METALROUGH));
   const bool metal = is_among(c, USERS_metallic) & (c.metallic >= 1.0f);
   const bool glass = is_among(c, USERS_spec_trans) & (c.spec_trans >= 1.0f);
   const bool coloured = (max_component(c.diffuse) > 0.0f) & !metal & !glass;

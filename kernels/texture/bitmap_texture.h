@@ -83,7 +83,7 @@ FN vec3 bordered_texel(float border_u, float border_v, vec3 texel) {
                                bordered_texel(x.high_border, y.high_border, t11), x.share);           \
     TextureStep step;                                                                                 \
     step.factor = blend3(first, second, y.share);                                                     \
-    step.next = -1;                                                                                   \
+    step.next = texture->texture0;                                                                    \
     return step;                                                                                      \
   }
 BITMAP_TEXTURE(byte, TEXTURE_BYTE_BITMAP)

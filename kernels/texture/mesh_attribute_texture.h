@@ -22,7 +22,7 @@ FN TextureStep mesh_attribute_texture(const PRIVATE Scene* scene, GLOBAL const T
       add_scaled(add_scaled(c0, b1, sub(load3(&colours->c1), c0)), b2, sub(load3(&colours->c2), c0));
   TextureStep step;
   step.factor = select3(some, mul(load3(&texture->colour0), value), make_vec3(0.0f, 0.0f, 0.0f));
-  step.next = -1;
+  step.next = texture->texture0;
   return step;
 }
 

@@ -51,7 +51,7 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
   F(float, v_offset)                                                                  \
   F(vec3, colour0)                                                                    \
   F(vec3, colour1)                                                                    \
-  F(int, texture0) /* texture that scales colour0 (a lower index), or -1 */           \
+  F(int, texture0) /* texture (a lower index), or -1: scales colour0, or the texel */ \
   F(int, texture1) /* ... colour1 */                                                  \
   /* Bitmaps: see texel.h. */                                                         \
   F(int, width)                                                                       \

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernels/host/parallel.h"
+#include "scenes/bsdfs/reflection_albedo.h"
 
 namespace penumbra {
 
@@ -16,6 +17,15 @@ int MaterialTables::boundary(RoughBoundary boundary, int rows) {
     curves_.resize(curves_.size() + CURVE_KNOTS + 1);
   }
   return at->second;
+}
+
+int MaterialTables::reflection() {
+  if (reflection_ < 0) {
+    static const std::vector<float> albedo = reflection_albedo_curves();
+    reflection_ = int(curves_.size());
+    curves_.insert(curves_.end(), albedo.begin(), albedo.end());
+  }
+  return reflection_;
 }
 
 void MaterialTables::compute() {

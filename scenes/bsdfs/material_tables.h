@@ -22,6 +22,9 @@ class MaterialTables {
   /// that many values of roughness, instead of one for the boundary's own. Equal boundaries are stored once.
   int boundary(RoughBoundary boundary, int rows);
 
+  /// The index at which the 2 * REFLECTION_ROWS curves of reflection_albedo (metalrough.h) begin.
+  int reflection();
+
   /// Computes the curves, on all cores. Call it after the last boundary.
   void compute();
 
@@ -34,6 +37,7 @@ class MaterialTables {
  private:
   std::vector<float>& curves_;
   std::map<std::pair<RoughBoundary, int>, int> boundaries_;
+  int reflection_ = -1;
   std::vector<std::pair<RoughBoundary, std::size_t>> missing_;  ///< curves that are not computed, and where
 };
 

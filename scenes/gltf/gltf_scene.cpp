@@ -11,6 +11,7 @@
 #include "scenes/gltf/mesh_pose.h"
 #include "scenes/gltf/node_transforms.h"
 #include "scenes/gltf/primitive.h"
+#include "scenes/gltf/tangents.h"
 #include "scenes/gltf/view_reader.h"
 #include "scenes/reading.h"
 #include "scenes/texture_needs.h"
@@ -39,8 +40,10 @@ class SceneBuilder {
     if (asset_.has_animations)
       report_.warn(asset_.place({"animations"}), "animations are ignored: nodes are where they rest");
     if (!is_lit()) {
-      report_.warn({asset_.json.get(), 0},
-                   "the file has no light; a white sky of radiance 1 stands in for it");
+      report_.warn(
+          {asset_.json.get(), 0},
+          "the file has no light; a white sky of radiance 1 stands in for it (Blender exports lamps with "
+          "'Punctual Lights', but no area lamps and no world)");
       scene_.emitters.emplace_back(ConstantEnvironment{});
     }
   }
@@ -160,27 +163,45 @@ class SceneBuilder {
     if (!instances)
       return report_.error(asset_.place({"nodes", index}),
                            fmt::format("node {}: {}", index, instances.error().message));
-    if (!*instances) return read_mesh(node, index, to_world, scene_.shapes);
-    const int group = int(scene_.groups.size());
-    ShapeGroup shapes{node.name.empty() ? fmt::format("node {}", index) : node.name, {}, {}};
-    read_mesh(node, index, glm::dmat4(1.0), shapes.shapes);
-    if (shapes.shapes.empty()) return;
+    if (!*instances) return read_mesh(node, index, to_world, false, scene_.shapes);
+    std::string name = node.name.empty() ? fmt::format("node {}", index) : node.name;
+    // Mirrored instances have other normal maps.
+    std::optional<int> groups[2];
+    const auto group_of = [&](bool mirrored) {
+      if (groups[mirrored]) return *groups[mirrored];
+      ShapeGroup shapes{mirrored ? name + " (mirrored)" : name, {}, {}};
+      read_mesh(node, index, glm::dmat4(1.0), mirrored, shapes.shapes);
+      groups[mirrored] = shapes.shapes.empty() ? -1 : int(scene_.groups.size());
+      if (!shapes.shapes.empty()) scene_.groups.push_back(std::move(shapes));
+      return *groups[mirrored];
+    };
+    const bool has_maps = has_normal_maps(asset_.model.meshes[std::size_t(node.mesh)]);
     std::size_t flat = 0;
     for (const glm::dmat4& instance : **instances) {
       const glm::dmat4 placed = to_world * instance;
-      if (is_singular(placed))
+      if (is_singular(placed)) {
         ++flat;
-      else
-        scene_.instances.push_back({shapes.name, group, placed});
+        continue;
+      }
+      const int group = group_of(has_maps && is_mirror(placed));
+      if (group >= 0) scene_.instances.push_back({name, group, placed});
     }
     if (flat > 0)
       report_.warn(asset_.place({"nodes", index}),
                    fmt::format("node {}: {} of {} instances are flattened by their transforms, and left out",
                                index, flat, (*instances)->size()));
-    scene_.groups.push_back(std::move(shapes));
   }
 
-  void read_mesh(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world,
+  [[nodiscard]] bool has_normal_maps(const tinygltf::Mesh& mesh) const {
+    const auto& materials = asset_.model.materials;
+    return std::ranges::any_of(mesh.primitives, [&](const tinygltf::Primitive& primitive) {
+      return primitive.material >= 0 && std::size_t(primitive.material) < materials.size() &&
+             materials[std::size_t(primitive.material)].normalTexture.index >= 0;
+    });
+  }
+
+  /// `mirrored`: further transforms mirror the shapes.
+  void read_mesh(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world, bool mirrored,
                  std::vector<Shape>& shapes) {
     const auto mesh_index = std::size_t(node.mesh);
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_index];
@@ -206,18 +227,57 @@ class SceneBuilder {
         continue;
       }
       if (shapes.size() >= kMostShapes) return report_.error(location, "more than a million shapes");
-      const SurfaceOfMaterial& surface =
-          materials_.surface(primitive.material, primitive.attributes.contains("COLOR_0"));
+      MaterialUse where{.coloured = primitive.attributes.contains("COLOR_0")};
+      const SurfaceOfMaterial& surface = materials_.surface(primitive.material, where);
       auto posed = read_posed(node, mesh, primitive, surface.texcoord);
       if (!posed) {
         report_.error(location, fmt::format("'{}': {}", name, posed.error().message));
         continue;
       }
-      if (surface.has_normal_map) check_tangents(primitive, location);
       check_opacity(primitive, location);
-      add_mesh(std::move(*posed), surface, node.skin >= 0 ? glm::dmat4(1.0) : to_world, location, name,
-               shapes);
+      const glm::dmat4 placed = node.skin >= 0 ? glm::dmat4(1.0) : to_world;
+      if (!surface.has_normal_map) {
+        add_mesh(std::move(*posed), surface, placed, location, name, shapes);
+        continue;
+      }
+      auto reversed =
+          reversed_triangles(primitive, *posed, mirrored != is_mirror(placed), node.skin >= 0, location);
+      if (!reversed) {
+        report_.error(location, fmt::format("'{}': {}", name, reversed.error().message));
+        continue;
+      }
+      const auto count = std::size_t(std::ranges::count(*reversed, true));
+      if (count == 0) {
+        add_mesh(std::move(*posed), surface, placed, location, name, shapes);
+        continue;
+      }
+      where.mirrored = true;
+      const SurfaceOfMaterial& other = materials_.surface(primitive.material, where);
+      if (count == reversed->size()) {
+        add_mesh(std::move(*posed), other, placed, location, name, shapes);
+        continue;
+      }
+      add_mesh(part_of(*posed, *reversed), other, placed, location, name, shapes);
+      reversed->flip();
+      add_mesh(part_of(*posed, *reversed), surface, placed, location, name, shapes);
     }
+  }
+
+  /// The triangles on which green counts the other way: those with mirrored coordinates, or with others in a
+  /// mirrored place.
+  Expected<std::vector<bool>> reversed_triangles(const tinygltf::Primitive& primitive, const Mesh& mesh,
+                                                 bool mirror, bool is_skinned, SourceLocation location) {
+    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
+    if (!attributes) return std::unexpected(attributes.error());
+    const auto tangents = attributes->read("TANGENT", 4, 4);
+    if (!tangents) return std::unexpected(tangents.error());
+    if (*tangents && !is_skinned && has_other_tangents(mesh, **tangents))
+      report_.warn_counted(location,
+                           "TANGENT leans by more than 45 degrees from the direction of the texture "
+                           "coordinates, which is used");
+    auto reversed = mirrored_triangles(mesh, *tangents);
+    if (mirror) reversed.flip();
+    return reversed;
   }
 
   /// The mesh of a primitive in its rest pose: in its own space, or with a skin in world space.
@@ -268,15 +328,6 @@ class SceneBuilder {
     shapes.push_back(std::move(shape));
   }
 
-  /// Our tangents follow from the texture coordinates, like MikkTSpace's, except for mirrored ones.
-  void check_tangents(const tinygltf::Primitive& primitive, SourceLocation location) {
-    if (primitive.attributes.contains("TANGENT"))
-      report_.warn_counted(
-          location,
-          "TANGENT is ignored: the tangents of normal maps follow from the texture coordinates, "
-          "and where those are mirrored, green counts the other way");
-  }
-
   /// The alpha of vertex colours is not supported.
   void check_opacity(const tinygltf::Primitive& primitive, SourceLocation location) {
     const auto colours = primitive.attributes.find("COLOR_0");
@@ -295,7 +346,10 @@ class SceneBuilder {
     if (cameras_ > 1)
       report_.warn(asset_.place({"cameras"}), fmt::format("of {} cameras the first is used", cameras_));
     if (cameras_ > 0) return;
-    report_.warn({asset_.json.get(), 0}, "the file has no camera; the whole scene is seen from in front");
+    report_.warn(
+        {asset_.json.get(), 0},
+        "the file has no camera; the whole scene is seen from in front (Blender exports cameras with "
+        "'Cameras')");
     look_at_everything(scene_);
   }
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/gltf/specular_glossiness.h"
-
 namespace penumbra::gltf {
 
 namespace {
@@ -45,13 +43,8 @@ std::vector<double> numbers_of(const tinygltf::Value& extension, const char* nam
   return numbers;
 }
 
+constexpr double kMostSpecularColour = 1e6;
 constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
-
-/// The refractive index whose reflectance at normal incidence is `factor` times that of `ior`.
-float index_with(double ior, double factor) {
-  const double root = std::sqrt(std::clamp(factor, 0.0, 1.0)) * std::abs((ior - 1) / (ior + 1));
-  return float((1 + root) / (1 - root));
-}
 
 std::string name_of(const tinygltf::Material& material, std::size_t index) {
   return material.name.empty() ? fmt::format("material {}", index) : material.name;
@@ -59,14 +52,14 @@ std::string name_of(const tinygltf::Material& material, std::size_t index) {
 
 }  // namespace
 
-const SurfaceOfMaterial& MaterialBuilder::surface(int material, bool coloured) {
-  const auto [entry, is_new] = surfaces_.try_emplace({material, coloured});
+const SurfaceOfMaterial& MaterialBuilder::surface(int material, const MaterialUse& where) {
+  const auto [entry, is_new] = surfaces_.try_emplace({material, where});
   if (!is_new) return entry->second;
   const auto& materials = asset_.model.materials;
   if (material < 0) {
-    entry->second = build(tinygltf::Material(), materials.size(), coloured);
+    entry->second = build(tinygltf::Material(), materials.size(), where);
   } else {
-    entry->second = build(materials[std::size_t(material)], std::size_t(material), coloured);
+    entry->second = build(materials[std::size_t(material)], std::size_t(material), where);
   }
   return entry->second;
 }
@@ -109,15 +102,12 @@ MaterialBuilder::Base MaterialBuilder::base_of(const tinygltf::Material& materia
 
 TexturedColour MaterialBuilder::base_colour(const Base& base, bool coloured) {
   TexturedColour colour(base.colour);
-  if (base.texture.there()) {
-    if (coloured)
-      report_.warn_counted(base.texture.location,
-                           "colours of vertices are left out where there is a texture of the base colour");
+  if (base.texture.there())
     if (const auto index = textures_.colours(base.texture))
       colour.texture = textures_.scaled(*index, base.colour);
-  } else if (coloured) {
-    scene_.textures.push_back({"COLOR_0", MeshAttributeTexture{}});
-    colour.texture = textures_.scaled(int(scene_.textures.size()) - 1, base.colour);
+  if (coloured) {
+    const int vertices = textures_.vertex_colours(colour.texture);
+    colour.texture = colour.texture == kNoTexture ? textures_.scaled(vertices, base.colour) : vertices;
   }
   return colour;
 }
@@ -125,32 +115,25 @@ TexturedColour MaterialBuilder::base_colour(const Base& base, bool coloured) {
 SurfaceMaterial MaterialBuilder::specular_glossiness(const tinygltf::Material& material, std::size_t index,
                                                      const Base& base, bool coloured) {
   const tinygltf::Value& extension = *extension_of(material, kSpecularGlossiness);
-  const glm::dvec3 diffuse(base.colour),
-      specular(colour_of(numbers_of(extension, "specularFactor", {1.0, 1.0, 1.0})));
+  const TextureUse texture = extension_use(extension, "specularGlossinessTexture", index);
+  MetalRoughBsdf surface;
+  surface.base_color = base_colour(base, coloured);
+  surface.ior = 0.0f;  // reflects the specular colour along the normal
+  surface.specular_color =
+      TexturedColour(colour_of(numbers_of(extension, "specularFactor", {1.0, 1.0, 1.0})));
   const double glossiness = double(unit(number_of(&extension, "glossinessFactor", 1.0)));
-  const TextureUse gloss = extension_use(extension, "specularGlossinessTexture", index);
-  const MetalRoughness plain = metal_roughness_of(diffuse, specular, glossiness);
-  PrincipledBsdf solid;
-  solid.eta = 1.5f;
-  solid.roughness = TexturedNumber(float(plain.roughness));
-  solid.metallic = TexturedNumber(float(plain.metallic));
-  if (base.texture.there() || gloss.there()) {
-    if (coloured)
-      report_.warn_counted(place(index, "extensions"),
-                           "colours of vertices are left out where there is a texture of the base colour");
-    if (const auto maps = textures_.specular_glossiness(base.texture, gloss, diffuse, specular, glossiness)) {
-      solid.base_color.texture = maps->base_colour;
-      solid.metallic = TexturedNumber(1.0f);
-      solid.metallic.texture = maps->metallic;
-      solid.roughness = TexturedNumber(1.0f);
-      solid.roughness.texture = maps->roughness;
+  surface.roughness = TexturedNumber(float(1.0 - glossiness));
+  if (texture.there()) {
+    if (const auto colours = textures_.colours(texture))
+      surface.specular_color.texture = textures_.scaled(*colours, surface.specular_color.value);
+    if (const auto rough = textures_.roughness_of(texture, glossiness)) {
+      surface.roughness = TexturedNumber(1.0f);
+      surface.roughness.texture = *rough;
     }
-  } else {
-    solid.base_color = base_colour({glm::vec3(plain.base_colour), base.alpha}, coloured);
   }
-  SurfaceMaterial surface = surface_of(name_of(material, index), solid);
-  if (surface.back == nullptr) surface.back = surface.front;
-  return surface;
+  SurfaceMaterial both = surface_of(name_of(material, index), surface);
+  both.back = both.front;
+  return both;
 }
 
 TexturedNumber MaterialBuilder::number(double factor, const TextureUse& texture, BitmapChannels channel) {
@@ -161,111 +144,117 @@ TexturedNumber MaterialBuilder::number(double factor, const TextureUse& texture,
   return number;
 }
 
-SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material, std::size_t index,
-                                             bool coloured) {
+SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material, std::size_t index,
+                                             const Base& base, bool coloured) {
   const auto& pbr = material.pbrMetallicRoughness;
   const std::string name = name_of(material, index);
-  const Base base = base_of(material, index);
-  if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it only emits, see build
-  if (extension_of(material, kSpecularGlossiness) != nullptr)
-    return specular_glossiness(material, index, base, coloured);
   const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
-  const tinygltf::Value* ior = extension_of(material, "KHR_materials_ior");
-  const tinygltf::Value* specular = extension_of(material, "KHR_materials_specular");
-  const tinygltf::Value* coat = extension_of(material, "KHR_materials_clearcoat");
-  const tinygltf::Value* transmission = extension_of(material, "KHR_materials_transmission");
-  double index_of_refraction = number_of(ior, "ior", 1.5);
-  if (!(index_of_refraction >= 1.0)) {
+  MetalRoughBsdf surface;
+  surface.base_color = base_colour(base, coloured);
+  surface.roughness = number(pbr.roughnessFactor, rough, BitmapChannels::kGreen);
+  surface.metallic = number(pbr.metallicFactor, rough, BitmapChannels::kBlue);
+  const double ior = number_of(extension_of(material, "KHR_materials_ior"), "ior", 1.5);
+  if (ior >= 1.0 || ior == 0.0)
+    surface.ior = float(ior);
+  else
     report_.warn(place(index, "extensions"),
-                 fmt::format("'{}': the refractive index {} is read as 1.5", name, index_of_refraction));
-    index_of_refraction = 1.5;
+                 fmt::format("'{}': the refractive index {} is read as 1.5", name, ior));
+  if (const auto* specular = extension_of(material, "KHR_materials_specular")) {
+    surface.specular = number(number_of(specular, "specularFactor", 1.0),
+                              extension_use(*specular, "specularTexture", index), BitmapChannels::kAlpha);
+    const auto factor = numbers_of(*specular, "specularColorFactor", {1.0, 1.0, 1.0});
+    for (std::size_t c = 0; c < 3 && c < factor.size(); ++c)
+      surface.specular_color.value[int(c)] = float(std::clamp(factor[c], 0.0, kMostSpecularColour));
+    const TextureUse colours = extension_use(*specular, "specularColorTexture", index);
+    if (colours.there())
+      if (const auto texture = textures_.colours(colours))
+        surface.specular_color.texture = textures_.scaled(*texture, surface.specular_color.value);
   }
-  const float eta = index_with(index_of_refraction, number_of(specular, "specularFactor", 1.0));
-  if (specular != nullptr)
-    report_.warn_counted(
-        place(index, "extensions"),
-        "KHR_materials_specular: its factor becomes a refractive index with as much reflection along "
-        "the normal; its colour and textures are ignored");
-  const TexturedColour colour = base_colour(base, coloured);
-  const TexturedNumber roughness = number(pbr.roughnessFactor, rough, BitmapChannels::kGreen);
-  const TexturedNumber metallic = number(pbr.metallicFactor, rough, BitmapChannels::kBlue);
+  if (const auto* coat = extension_of(material, "KHR_materials_clearcoat")) {
+    surface.clearcoat = number(number_of(coat, "clearcoatFactor", 0.0),
+                               extension_use(*coat, "clearcoatTexture", index), BitmapChannels::kRed);
+    surface.clearcoat_roughness =
+        number(number_of(coat, "clearcoatRoughnessFactor", 0.0),
+               extension_use(*coat, "clearcoatRoughnessTexture", index), BitmapChannels::kGreen);
+    if (surface.clearcoat.value > 0.0f &&
+        (coat->Has("clearcoatNormalTexture") || material.normalTexture.index >= 0))
+      report_.warn_counted(place(index, "extensions"),
+                           "KHR_materials_clearcoat: the coat has the normals of the surface below it");
+  }
   TexturedNumber transmitted;
-  if (transmission != nullptr)
+  if (const auto* transmission = extension_of(material, "KHR_materials_transmission"))
     transmitted = number(number_of(transmission, "transmissionFactor", 0.0),
                          extension_use(*transmission, "transmissionTexture", index), BitmapChannels::kRed);
+  SurfaceMaterial solid = surface_of(name, surface);
+  solid.back = solid.front;  // both sides are the same, as in a rasteriser's two-sided materials
+  if (transmitted.value == 0.0f) return solid;
+  const SurfaceMaterial clear = glass(material, index, surface);
+  if (transmitted.value == 1.0f && transmitted.texture == kNoTexture) return clear;
+  BlendBsdf blend;
+  blend.weight = transmitted;
+  return blended(name, blend, solid, clear);
+}
+
+SurfaceMaterial MaterialBuilder::glass(const tinygltf::Material& material, std::size_t index,
+                                       const MetalRoughBsdf& surface) {
+  const std::string name = name_of(material, index);
+  const float eta = surface.ior > 0.0f ? surface.ior : 1.5f;
+  if (surface.ior == 0.0f || extension_of(material, "KHR_materials_specular") != nullptr)
+    report_.warn_counted(place(index, "extensions"),
+                         "KHR_materials_specular is ignored where KHR_materials_transmission transmits");
+  if (surface.clearcoat.value > 0.0f)
+    report_.warn_counted(place(index, "extensions"),
+                         "KHR_materials_clearcoat is ignored where KHR_materials_transmission transmits");
   const double thickness = number_of(extension_of(material, "KHR_materials_volume"), "thicknessFactor", 0.0);
-  if (transmitted.value > 0.0f && !(thickness > 0.0)) {
+  if (!(thickness > 0.0)) {
     // Without a volume, glTF's transmitting surfaces are thin.
     PrincipledThinBsdf thin;
-    thin.base_color = colour;
-    thin.roughness = roughness;
-    thin.spec_trans = transmitted;
+    thin.base_color = surface.base_color;
+    thin.roughness = surface.roughness;
+    thin.spec_trans = TexturedNumber(1.0f);
     thin.eta = TexturedNumber(eta);
-    if (metallic.value > 0.0f)
+    if (surface.metallic.value > 0.0f)
       report_.warn_counted(place(index, "pbrMetallicRoughness"),
                            "metalness is ignored where KHR_materials_transmission makes a thin pane");
     return surface_of(name, thin);
   }
   PrincipledBsdf solid;
-  solid.base_color = colour;
-  solid.roughness = roughness;
-  solid.metallic = metallic;
-  solid.spec_trans = transmitted;
-  solid.eta = solid.transmits() ? std::max(eta, 1.001f) : eta;
-  if (solid.transmits())
-    report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
-  if (coat != nullptr) {
-    report_.warn_counted(place(index, "extensions"),
-                         "KHR_materials_clearcoat is approximated by Disney's, which is a quarter as strong");
-    solid.clearcoat = TexturedNumber(unit(number_of(coat, "clearcoatFactor", 0.0)));
-    const double alpha = std::pow(number_of(coat, "clearcoatRoughnessFactor", 0.0), 2.0);
-    solid.clearcoat_gloss = TexturedNumber(unit((0.1 - alpha) / 0.099));
-  }
-  SurfaceMaterial surface = surface_of(name, solid);
-  if (surface.back == nullptr)
-    surface.back = surface.front;  // both sides are the same, as in a rasteriser's two-sided materials
-  return surface;
+  solid.base_color = surface.base_color;
+  solid.roughness = surface.roughness;
+  solid.metallic = surface.metallic;
+  solid.spec_trans = TexturedNumber(1.0f);
+  solid.eta = std::max(eta, 1.001f);
+  report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
+  return surface_of(name, solid);
 }
 
-SurfaceMaterial MaterialBuilder::with_alpha(const tinygltf::Material& material, std::size_t index,
-                                            SurfaceMaterial inside) {
+SurfaceMaterial MaterialBuilder::lit_part(const tinygltf::Material& material, std::size_t index,
+                                          bool coloured) {
+  if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it only emits
+  const Base base = base_of(material, index);
+  return extension_of(material, kSpecularGlossiness) != nullptr
+             ? specular_glossiness(material, index, base, coloured)
+             : metal_rough(material, index, base, coloured);
+}
+
+std::optional<TexturedNumber> MaterialBuilder::coverage(const tinygltf::Material& material,
+                                                        const Base& base) {
   const bool cut = material.alphaMode == "MASK";
-  if (!cut && material.alphaMode != "BLEND") return inside;
-  const std::string name = name_of(material, index);
-  const auto& [colour, factor, base] = base_of(material, index);
-  MaskBsdf mask;
-  mask.opacity = TexturedNumber(float(cut ? (factor >= material.alphaCutoff ? 1.0 : 0.0) : factor));
-  if (base.there()) {
+  if (!cut && material.alphaMode != "BLEND") return std::nullopt;
+  const double factor = base.alpha;
+  TexturedNumber opacity(float(cut ? (factor >= material.alphaCutoff ? 1.0 : 0.0) : factor));
+  if (base.texture.there()) {
     const auto texture =
-        cut ? textures_.cut_alpha(base, factor, material.alphaCutoff) : textures_.alpha(base);
-    if (texture) mask.opacity.texture = cut ? *texture : textures_.scaled(*texture, glm::vec3(float(factor)));
+        cut ? textures_.cut_alpha(base.texture, factor, material.alphaCutoff) : textures_.alpha(base.texture);
+    if (texture) opacity.texture = cut ? *texture : textures_.scaled(*texture, glm::vec3(float(factor)));
   }
-  if (mask.opacity.texture == kNoTexture && mask.opacity.value == 1.0f) return inside;
-  return masked(name, mask, inside);
+  if (opacity.texture == kNoTexture && opacity.value == 1.0f) return std::nullopt;
+  return opacity;
 }
 
-SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std::size_t index,
-                                         bool coloured) {
-  texcoord_ = -1;
-  SurfaceOfMaterial result;
-  SurfaceMaterial surface = opaque_part(material, index, coloured);
-  const auto& bump = material.normalTexture;
-  if (bump.index >= 0 && surface.front != nullptr) {
-    tinygltf::TextureInfo info;
-    info.index = bump.index;
-    info.texCoord = bump.texCoord;
-    info.extensions = bump.extensions;
-    if (const auto normals = textures_.normals(use(info, index, "normalTexture"), bump.scale)) {
-      surface = bent(surface, {BendKind::kNormalMap, *normals});
-      result.has_normal_map = true;
-    }
-  }
-  if (material.occlusionTexture.index >= 0)
-    report_.warn_counted(place(index, "occlusionTexture"),
-                         "textures of occlusion are ignored: what they darken is computed");
-  surface = with_alpha(material, index, std::move(surface));
-  std::tie(result.front, result.back) = installer_.add(surface, scene_);
-
+void MaterialBuilder::add_emission(const tinygltf::Material& material, std::size_t index, const Base& base,
+                                   bool coloured, const std::optional<TexturedNumber>& coverage,
+                                   SurfaceOfMaterial& result) {
   const tinygltf::Value* strength = extension_of(material, "KHR_materials_emissive_strength");
   glm::vec3 emitted(0.0f);
   for (std::size_t c = 0; c < 3 && c < material.emissiveFactor.size(); ++c)
@@ -275,7 +264,6 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     report_.warn_counted(
         place(index, "extensions"),
         "KHR_materials_unlit: such surfaces are area lights of their base colour, and light others");
-    const Base base = base_of(material, index);
     result.radiance = base.colour;
     result.radiance_texture = base_colour({glm::vec3(1.0f), base.alpha, base.texture}, coloured).texture;
     result.two_sided_emission = result.unlit = true;
@@ -285,6 +273,45 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     result.radiance = emitted;
     result.two_sided_emission = material.doubleSided;
   }
+  if (!result.radiance || !coverage) return;
+  // What is not there does not shine.
+  if (coverage->texture != kNoTexture)
+    result.radiance_texture = textures_.product(result.radiance_texture, coverage->texture);
+  else if (coverage->value > 0.0f)
+    result.radiance = *result.radiance * coverage->value;
+  else
+    result.radiance.reset();
+}
+
+SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std::size_t index,
+                                         const MaterialUse& where) {
+  texcoord_ = -1;
+  SurfaceOfMaterial result;
+  SurfaceMaterial surface = lit_part(material, index, where.coloured);
+  const auto& bump = material.normalTexture;
+  if (bump.index >= 0 && surface.front != nullptr) {
+    tinygltf::TextureInfo info;
+    info.index = bump.index;
+    info.texCoord = bump.texCoord;
+    info.extensions = bump.extensions;
+    if (const auto normals =
+            textures_.normals(use(info, index, "normalTexture"), bump.scale, where.mirrored)) {
+      surface = bent(surface, {BendKind::kNormalMap, *normals});
+      result.has_normal_map = true;
+    }
+  }
+  if (material.occlusionTexture.index >= 0)
+    report_.warn_counted(place(index, "occlusionTexture"),
+                         "textures of occlusion are ignored: what they darken is computed");
+  const Base base = base_of(material, index);
+  const auto opacity = coverage(material, base);
+  if (opacity) {
+    MaskBsdf mask;
+    mask.opacity = *opacity;
+    surface = masked(name_of(material, index), mask, surface);
+  }
+  std::tie(result.front, result.back) = installer_.add(surface, scene_);
+  add_emission(material, index, base, where.coloured, opacity, result);
   result.texcoord = texcoord_;
   return result;
 }

@@ -1,6 +1,7 @@
 // Converts glTF's metallic-roughness materials to materials of a scene.
 #pragma once
 
+#include <compare>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,17 +23,23 @@ struct SurfaceOfMaterial {
   bool has_normal_map = false;
 };
 
+/// What a material is made for: whether the mesh has colours of vertices, and whether the texture coordinates
+/// mirror the normal map there, so that its green counts the other way.
+struct MaterialUse {
+  bool coloured = false, mirrored = false;
+  friend auto operator<=>(const MaterialUse&, const MaterialUse&) = default;
+};
+
 class MaterialBuilder {
  public:
   MaterialBuilder(const Asset& asset, ReaderReport& report, TextureBuilder& textures, SceneDescription& scene)
       : asset_(asset), report_(report), textures_(textures), scene_(scene) {}
 
-  /// The surface of material number `material`; -1 is glTF's default material. `coloured`: the mesh has
-  /// vertex colours.
-  const SurfaceOfMaterial& surface(int material, bool coloured);
+  /// The surface of material number `material`; -1 is glTF's default material.
+  const SurfaceOfMaterial& surface(int material, const MaterialUse& where);
 
  private:
-  SurfaceOfMaterial build(const tinygltf::Material& material, std::size_t index, bool coloured);
+  SurfaceOfMaterial build(const tinygltf::Material& material, std::size_t index, const MaterialUse& where);
   /// The base colour of a surface and its opacity, whichever material model defines them.
   struct Base {
     glm::vec3 colour{1.0f};
@@ -42,8 +49,15 @@ class MaterialBuilder {
   Base base_of(const tinygltf::Material& material, std::size_t index);
   SurfaceMaterial specular_glossiness(const tinygltf::Material& material, std::size_t index, const Base& base,
                                       bool coloured);
-  SurfaceMaterial opaque_part(const tinygltf::Material& material, std::size_t index, bool coloured);
-  SurfaceMaterial with_alpha(const tinygltf::Material& material, std::size_t index, SurfaceMaterial inside);
+  SurfaceMaterial metal_rough(const tinygltf::Material& material, std::size_t index, const Base& base,
+                              bool coloured);
+  /// What a transmitting material is where it transmits everything.
+  SurfaceMaterial glass(const tinygltf::Material& material, std::size_t index, const MetalRoughBsdf& surface);
+  SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, bool coloured);
+  /// How much of the surface there is (alphaMode). Nothing: all of it.
+  std::optional<TexturedNumber> coverage(const tinygltf::Material& material, const Base& base);
+  void add_emission(const tinygltf::Material& material, std::size_t index, const Base& base, bool coloured,
+                    const std::optional<TexturedNumber>& coverage, SurfaceOfMaterial& result);
   TexturedColour base_colour(const Base& base, bool coloured);
   TexturedNumber number(double factor, const TextureUse& texture, BitmapChannels channel);
   TextureUse use(const tinygltf::TextureInfo& info, std::size_t material, const char* name);
@@ -57,7 +71,7 @@ class MaterialBuilder {
   TextureBuilder& textures_;
   SceneDescription& scene_;
   MaterialInstaller installer_;
-  std::map<std::pair<int, bool>, SurfaceOfMaterial> surfaces_;
+  std::map<std::pair<int, MaterialUse>, SurfaceOfMaterial> surfaces_;
   int texcoord_ = -1;  ///< of the material that is being built
 };
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "scenes/gltf/data_address.h"
-#include "scenes/gltf/specular_glossiness.h"
 #include "scenes/image/bitmap_values.h"
 
 namespace penumbra::gltf {
@@ -52,29 +51,23 @@ Bitmap byte_bitmap(const std::string& name, int width, int height, int channels,
 
 std::uint8_t to_byte(double value) { return std::uint8_t(std::lround(255.0 * std::clamp(value, 0.0, 1.0))); }
 
-/// Encodes as sRGB (IEC 61966-2-1).
-std::uint8_t to_srgb_byte(double value) {
-  return to_byte(value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055);
+/// A normal map with its vectors multiplied by `scale`, and normalised.
+Bitmap scaled_normals(const Bitmap& map, const glm::dvec3& scale) {
+  const std::size_t texels = std::size_t(map.width) * std::size_t(map.height);
+  const auto channels = std::size_t(map.channels);
+  std::vector<float> values;
+  values.reserve(3 * texels);
+  for (std::size_t i = 0; i < texels; ++i) {
+    glm::dvec3 n;
+    for (std::size_t c = 0; c < 3; ++c)
+      n[int(c)] = 2.0 * bitmap_value(map, i * channels + std::min(c, channels - 1), 1.0f) - 1.0;
+    n *= scale;
+    const double length = glm::length(n);
+    n = length > 0.0 ? n / length : glm::dvec3(0.0, 0.0, 1.0);
+    for (int c = 0; c < 3; ++c) values.push_back(float(0.5 * n[c] + 0.5));
+  }
+  return float_bitmap(map.name, map.width, map.height, 3, values);
 }
-
-/// Looks up a bitmap at the resolution of another one. Without a bitmap the value is 1 everywhere.
-class Resampled {
- public:
-  Resampled(const Bitmap* bitmap, float gamma) : bitmap_(bitmap) {
-    if (bitmap != nullptr) values_.emplace(*bitmap, gamma);
-  }
-  [[nodiscard]] double at(std::size_t x, std::size_t y, std::size_t width, std::size_t height,
-                          std::size_t channel) const {
-    if (bitmap_ == nullptr) return 1.0;
-    const auto w = std::size_t(bitmap_->width), h = std::size_t(bitmap_->height),
-               n = std::size_t(bitmap_->channels);
-    return double((*values_)[(y * h / height * w + x * w / width) * n + std::min(channel, n - 1)]);
-  }
-
- private:
-  const Bitmap* bitmap_;
-  std::optional<BitmapValues> values_{};
-};
 
 }  // namespace
 
@@ -205,71 +198,51 @@ std::optional<int> TextureBuilder::cut_alpha(const TextureUse& use, double facto
   return add(use, known->second, 1.0f, BitmapChannels::kAlpha);
 }
 
-std::optional<int> TextureBuilder::normals(const TextureUse& use, double scale) {
+std::optional<int> TextureBuilder::normals(const TextureUse& use, double scale, bool mirrored) {
   auto index = bitmap(use, BitmapChannels::kAll);
   if (!index) return std::nullopt;
-  if (scale != 1.0) {
-    const auto [known, is_new] = scaled_normals_.try_emplace({*index, scale}, -1);
-    if (is_new) {
-      const Bitmap& map = bitmaps_.bitmap(*index);
-      const std::size_t texels = std::size_t(map.width) * std::size_t(map.height);
-      const auto channels = std::size_t(map.channels);
-      std::vector<float> values;
-      values.reserve(3 * texels);
-      for (std::size_t i = 0; i < texels; ++i) {
-        glm::dvec3 n;
-        for (std::size_t c = 0; c < 3; ++c)
-          n[int(c)] = 2.0 * bitmap_value(map, i * channels + std::min(c, channels - 1), 1.0f) - 1.0;
-        n = glm::dvec3(scale * n.x, scale * n.y, n.z);
-        const double length = glm::length(n);
-        n = length > 0.0 ? n / length : glm::dvec3(0.0, 0.0, 1.0);
-        for (int c = 0; c < 3; ++c) values.push_back(float(0.5 * n[c] + 0.5));
-      }
-      known->second = bitmaps_.add(float_bitmap(map.name, map.width, map.height, 3, values));
-    }
+  if (scale != 1.0 || mirrored) {
+    const auto [known, is_new] = changed_normals_.try_emplace({*index, scale, mirrored}, -1);
+    if (is_new)
+      known->second = bitmaps_.add(
+          scaled_normals(bitmaps_.bitmap(*index), glm::dvec3(scale, mirrored ? -scale : scale, 1.0)));
     index = known->second;
   }
   return add(use, *index, 1.0f, BitmapChannels::kAll);
 }
 
-std::optional<TextureBuilder::Converted> TextureBuilder::specular_glossiness(
-    const TextureUse& diffuse, const TextureUse& specular, const glm::dvec3& diffuse_factor,
-    const glm::dvec3& specular_factor, double glossiness) {
-  const auto read = [&](const TextureUse& use, BitmapChannels channels) {
-    return use.there() ? bitmap(use, channels) : std::nullopt;
-  };
-  const auto of_diffuse = read(diffuse, BitmapChannels::kAll),
-             of_specular = read(specular, BitmapChannels::kAll);
-  if (!of_diffuse && !of_specular) return std::nullopt;
-  const auto of_gloss = of_specular ? read(specular, BitmapChannels::kAlpha) : std::nullopt;
-  const auto of = [&](const std::optional<int>& index) { return index ? &bitmaps_.bitmap(*index) : nullptr; };
-  int width = 1, height = 1;
-  for (const Bitmap* map : {of(of_diffuse), of(of_specular)})
-    if (map != nullptr) width = std::max(width, map->width), height = std::max(height, map->height);
-  const Resampled diffuse_map(of(of_diffuse), kSrgb), specular_map(of(of_specular), kSrgb),
-      gloss_map(of(of_gloss), 1.0f);
-  std::vector<std::uint8_t> colours, metallic, roughness;
-  const auto w = std::size_t(width), h = std::size_t(height);
-  for (std::size_t y = 0; y < h; ++y)
-    for (std::size_t x = 0; x < w; ++x) {
-      glm::dvec3 d, s;
-      for (int c = 0; c < 3; ++c) {
-        d[c] = diffuse_factor[c] * diffuse_map.at(x, y, w, h, std::size_t(c));
-        s[c] = specular_factor[c] * specular_map.at(x, y, w, h, std::size_t(c));
-      }
-      const MetalRoughness texel = metal_roughness_of(d, s, glossiness * gloss_map.at(x, y, w, h, 0));
-      for (int c = 0; c < 3; ++c) colours.push_back(to_srgb_byte(texel.base_colour[c]));
-      metallic.push_back(to_byte(texel.metallic));
-      roughness.push_back(to_byte(texel.roughness));
-    }
-  const TextureUse& use = of_diffuse ? diffuse : specular;
-  const std::string name = of(of_diffuse ? of_diffuse : of_specular)->name;
-  const int colour_map = bitmaps_.add(byte_bitmap(name, width, height, 3, colours));
-  const int metal_map = bitmaps_.add(byte_bitmap(name, width, height, 1, metallic));
-  const int rough_map = bitmaps_.add(byte_bitmap(name, width, height, 1, roughness));
-  return Converted{add(use, colour_map, kSrgb, BitmapChannels::kAll),
-                   add(use, metal_map, 1.0f, BitmapChannels::kBlue),
-                   add(use, rough_map, 1.0f, BitmapChannels::kGreen)};
+int TextureBuilder::vertex_colours(int times) {
+  MeshAttributeTexture colours;
+  colours.times = times;
+  scene_.textures.push_back({"COLOR_0", colours});
+  return int(scene_.textures.size()) - 1;
+}
+
+std::optional<int> TextureBuilder::roughness_of(const TextureUse& glossiness, double factor) {
+  const auto index = bitmap(glossiness, BitmapChannels::kAlpha);
+  if (!index) return std::nullopt;
+  const Bitmap& gloss = bitmaps_.bitmap(*index);
+  std::vector<std::uint8_t> rough(std::size_t(gloss.width) * std::size_t(gloss.height));
+  for (std::size_t i = 0; i < rough.size(); ++i)
+    rough[i] = to_byte(1.0 - factor * bitmap_value(gloss, i, 1.0f));
+  return add(glossiness, bitmaps_.add(byte_bitmap(gloss.name, gloss.width, gloss.height, 1, rough)), 1.0f,
+             BitmapChannels::kAlpha);
+}
+
+int TextureBuilder::product(int texture, int by) {
+  if (texture == kNoTexture) return by;
+  // The last factor of the first texture.
+  int* next = &texture;
+  while (*next != kNoTexture)
+    next = std::visit(
+        [](auto& model) -> int* {
+          if constexpr (requires { model.times; }) return &model.times;
+          if constexpr (requires { model.texture; }) return &model.texture;
+          return nullptr;  // glTF has no other textures
+        },
+        scene_.textures[std::size_t(*next)].model);
+  *next = by;
+  return texture;
 }
 
 int TextureBuilder::scaled(int texture, const glm::vec3& factor) {

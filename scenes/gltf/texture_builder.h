@@ -46,20 +46,20 @@ class TextureBuilder {
   std::optional<int> alpha(const TextureUse& use);
   std::optional<int> cut_alpha(const TextureUse& use, double factor, double cutoff);
 
-  /// The image as a normal map, with x and y multiplied by `scale`.
-  std::optional<int> normals(const TextureUse& use, double scale);
+  /// The image as a normal map, with x and y multiplied by `scale`, and y negated if it is `mirrored`.
+  std::optional<int> normals(const TextureUse& use, double scale, bool mirrored);
 
-  /// The textures of KHR_materials_pbrSpecularGlossiness times its factors, converted to metallic-roughness,
-  /// with the coordinates of the first texture present. Nothing if there is no texture.
-  struct Converted {
-    int base_colour = kNoTexture, metallic = kNoTexture, roughness = kNoTexture;
-  };
-  std::optional<Converted> specular_glossiness(const TextureUse& diffuse, const TextureUse& specular,
-                                               const glm::dvec3& diffuse_factor,
-                                               const glm::dvec3& specular_factor, double glossiness);
+  /// The colours of the vertices, times a texture or kNoTexture.
+  int vertex_colours(int times);
+
+  /// 1 - `factor` times the image's alpha channel, the glossiness; nothing if it has none.
+  std::optional<int> roughness_of(const TextureUse& glossiness, double factor);
 
   /// A texture times a colour.
   int scaled(int texture, const glm::vec3& factor);
+  /// The product of two textures, of which the first may be kNoTexture. The second is older than whatever the
+  /// first is made of. The first is changed.
+  int product(int texture, int by);
 
   /// Moves the bitmaps to the scene.
   void install() { scene_.bitmaps = bitmaps_.take(); }
@@ -75,8 +75,8 @@ class TextureBuilder {
   BitmapFiles bitmaps_;
   ReaderReport& report_;
   SceneDescription& scene_;
-  std::map<std::tuple<int, double>, int> scaled_normals_;       ///< keyed by bitmap and scale
-  std::map<std::tuple<int, double, double>, int> cut_bitmaps_;  ///< keyed by bitmap, factor and cutoff
+  std::map<std::tuple<int, double, bool>, int> changed_normals_;  ///< keyed by bitmap, scale, and mirroring
+  std::map<std::tuple<int, double, double>, int> cut_bitmaps_;    ///< keyed by bitmap, factor and cutoff
 };
 
 }  // namespace penumbra::gltf

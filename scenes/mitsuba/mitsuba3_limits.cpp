@@ -12,6 +12,7 @@ namespace {
 constexpr std::pair<std::string_view, std::string_view> kPlugins[] = {{"bsdf", "blinnphong"},
                                                                       {"bsdf", "difftrans"},
                                                                       {"bsdf", "disney"},
+                                                                      {"bsdf", "metalrough"},
                                                                       {"bsdf", "microfacet"},
                                                                       {"bsdf", "phong"},
                                                                       {"bsdf", "roughdiffuse"},

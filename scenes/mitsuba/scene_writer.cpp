@@ -32,6 +32,9 @@ class SceneWriter {
   SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
 
   Expected<std::vector<SceneFile>> write() {
+    for (const SceneTexture& texture : scene_.textures)
+      if (multiplies(texture.model))
+        return fail(fmt::format("{} multiplies another texture, which Mitsuba has not", texture.name));
     put_integrator();
     if (auto done = put_media(); !done) return std::unexpected(done.error());
     put_sensor();
@@ -120,6 +123,16 @@ class SceneWriter {
     const bool shared =
         ours.is<PathIntegrator>() || ours.is<VolpathIntegrator>() || ours.is<DirectIntegrator>();
     return shared && std::ranges::find(kWays, name) != std::end(kWays);
+  }
+
+  /// Whether a texture of its own values multiplies another one.
+  static bool multiplies(const TextureModel& model) {
+    return std::visit(
+        [](const auto& texture) {
+          if constexpr (requires { texture.times; }) return texture.times != kNoTexture;
+          return false;
+        },
+        model);
   }
 
   Expected<void> put_media() {

@@ -21,7 +21,8 @@ struct BitmapTexture {
   bool raw = false;
   float gamma = kSrgb;  ///< decoding of integers: (n / most)^gamma, sRGB, or linear (1)
   BitmapChannels channel = BitmapChannels::kAll;
-  int bitmap = -1;  ///< index into SceneDescription::bitmaps
+  int bitmap = -1;         ///< index into SceneDescription::bitmaps
+  int times = kNoTexture;  ///< another texture, which multiplies it
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -70,7 +71,8 @@ struct BitmapTexture {
 /// The record without the position of its texels.
 inline TextureNode texture_of(const BitmapTexture& bitmap) {
   TextureNode t{};
-  t.texture0 = t.texture1 = kNoTexture;
+  t.texture0 = bitmap.times;
+  t.texture1 = kNoTexture;
   t.wrap_u = bitmap.wrap_u;
   t.wrap_v = bitmap.wrap_v;
   t.nearest = bitmap.filter == BitmapFilter::kNearest ? 1 : 0;

@@ -17,6 +17,7 @@ struct MeshAttributeTexture {
   static constexpr const char* kText = "colours of the vertices or faces of a mesh";
   MeshAttribute attribute = MeshAttribute::kVertexColour;
   float scale = 1.0f;
+  int times = kNoTexture;  ///< another texture, which multiplies it
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -30,7 +31,8 @@ struct MeshAttributeTexture {
 inline TextureNode texture_of(const MeshAttributeTexture& texture) {
   TextureNode t{};
   t.kind = TEXTURE_MESH_ATTRIBUTE;
-  t.texture0 = t.texture1 = kNoTexture;
+  t.texture0 = texture.times;
+  t.texture1 = kNoTexture;
   t.colour0 = to_vec3(glm::vec3(texture.scale));
   return t;
 }

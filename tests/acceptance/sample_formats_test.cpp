@@ -56,8 +56,8 @@ TEST_F(SampleFormats, EachIsReadWithoutAWarning) {
               UnorderedElementsAre("mitsuba.xml", "nori.xml", "pbrt.pbrt", "tinyrender.toml", "gltf.gltf"));
 }
 
-/// With another seed each, at a smaller size. glTF has no filter, and its materials are Mitsuba's
-/// `principled`.
+/// With another seed each, at a smaller size. glTF has no filter, and its materials are
+/// `metalrough`.
 TEST_F(SampleFormats, AllShowTheSameImage) {
   int seed = 1;
   const auto render = [&](const std::string& command, const std::string& out) {
@@ -66,12 +66,12 @@ TEST_F(SampleFormats, AllShowTheSameImage) {
                  " --set sampler.sample_count=128 --seed " + std::to_string(seed++) + " -o " + out);
   };
   render("penumbra render scenes/formats/mitsuba.xml", "diffuse.exr");
-  render("penumbra render scenes/formats/mitsuba.xml -D material=principled", "principled.exr");
+  render("penumbra render scenes/formats/mitsuba.xml -D material=metalrough", "metalrough.exr");
   for (const std::string& command : commands()) {
     const std::string file = file_of(command), out = file + ".exr";
     render(command.substr(0, command.find(" --spp")), out);
     expect_works("penumbra compare --z-test " + out +
-                 (file == "gltf.gltf" ? " principled.exr" : " diffuse.exr"));
+                 (file == "gltf.gltf" ? " metalrough.exr" : " diffuse.exr"));
   }
 }
 

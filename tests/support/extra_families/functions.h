@@ -48,7 +48,7 @@ FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   }
 PHONG_AGAIN(glossy, , , , )
 PHONG_AGAIN(crude, , , , )
-SIX_PHONGS(PHONG_AGAIN)
+THREE_PHONGS(PHONG_AGAIN)
 #undef PHONG_AGAIN
 
 /// A microfacet lobe of about the width, half as bright again, beside too dark a Lambert of another colour.
