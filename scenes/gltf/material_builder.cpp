@@ -296,7 +296,8 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     info.extensions = bump.extensions;
     if (const auto normals =
             textures_.normals(use(info, index, "normalTexture"), bump.scale, where.mirrored)) {
-      surface = bent(surface, {BendKind::kNormalMap, *normals});
+      // Its bumps do not shade each other: glTF's BSDF has the bent normal instead of the other.
+      surface = bent(surface, {.kind = BendKind::kNormalMap, .texture = *normals, .shadows = false});
       result.has_normal_map = true;
     }
   }

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "scenes/gltf/specular_glossiness.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/support/tga_file.h"
 
@@ -204,31 +203,8 @@ TEST_F(GltfExtensions, TheDefaultMaterialOfVariantsIsShown) {
 "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}]}},
 "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}},
 {"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 1, 1]}}])")));
-  EXPECT_EQ(std::get<PrincipledBsdf>(front(scene)).base_color.value, glm::vec3(0, 0, 1));
+  EXPECT_EQ(std::get<MetalRoughBsdf>(front(scene)).base_color.value, glm::vec3(0, 0, 1));
   EXPECT_THAT(warnings(scene), Not(HasSubstr("variants")));
-}
-
-TEST(SpecularGlossiness, MetalsAndDielectricsAreExact) {
-  const auto glass = gltf::metal_roughness_of({0.5, 0.25, 0.125}, glm::dvec3(0.04), 0.75);
-  EXPECT_NEAR(glass.metallic, 0.0, 1e-12);
-  EXPECT_NEAR(glass.base_colour.x, 0.5, 1e-12);
-  EXPECT_NEAR(glass.base_colour.z, 0.125, 1e-12);
-  EXPECT_EQ(glass.roughness, 0.25);
-  const auto gold = gltf::metal_roughness_of(glm::dvec3(0.0), {1.0, 0.7, 0.3}, 1.0);
-  EXPECT_NEAR(gold.metallic, 1.0, 1e-12);
-  EXPECT_NEAR(gold.base_colour.y, 0.7, 1e-12);
-  EXPECT_NEAR(gold.base_colour.z, 0.3, 1e-12);
-}
-
-TEST(SpecularGlossiness, AllThatIsReflectedAlongTheNormalStays) {
-  for (const double diffuse : {0.1, 0.4, 0.8})
-    for (const double specular : {0.05, 0.2, 0.6}) {
-      const auto m = gltf::metal_roughness_of(glm::dvec3(diffuse), glm::dvec3(specular), 0.5);
-      const double base = m.base_colour.x;
-      EXPECT_NEAR(base * (1 - m.metallic) * 0.96, diffuse * (1 - specular), 1e-9)
-          << diffuse << " " << specular;
-      EXPECT_NEAR(0.04 * (1 - m.metallic) + base * m.metallic, specular, 1e-9) << diffuse << " " << specular;
-    }
 }
 
 TEST_F(GltfExtensions, SpecularGlossinessBeatsTheOtherModel) {
@@ -240,10 +216,12 @@ TEST_F(GltfExtensions, SpecularGlossinessBeatsTheOtherModel) {
 "glossinessFactor": 0.5}}}])")));
   const auto& mask = std::get<MaskBsdf>(front(scene));
   EXPECT_EQ(mask.opacity.value, 0.5f);
-  const auto& solid = std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(mask.inside)).model);
+  const auto& solid = std::get<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(mask.inside)).model);
   EXPECT_NEAR(solid.base_color.value.x, 0.5f, 1e-6f);
   EXPECT_NEAR(solid.base_color.value.y, 0.25f, 1e-6f);
-  EXPECT_NEAR(solid.metallic.value, 0.0f, 1e-6f);
+  EXPECT_EQ(solid.metallic.value, 0.0f);
+  EXPECT_EQ(solid.ior, 0.0f);
+  EXPECT_EQ(solid.specular_color.value, glm::vec3(0.04f));
   EXPECT_EQ(solid.roughness.value, 0.5f);
 }
 
@@ -257,12 +235,10 @@ TEST_F(GltfExtensions, TexturesOfSpecularGlossinessAreConverted) {
       R"(, "images": [{"uri": "d.tga"}, {"uri": "s.tga"}], "textures": [{"source": 0}, {"source": 1}],
 "materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 0},
 "specularGlossinessTexture": {"index": 1}, "glossinessFactor": 0.5}}}])")));
-  const auto& solid = std::get<PrincipledBsdf>(front(scene));
-  EXPECT_NEAR(texel(scene, solid.metallic.texture, 0, 0), 1.0, 0.01);
-  EXPECT_NEAR(texel(scene, solid.metallic.texture, 1, 0), 0.0, 0.01);
-  EXPECT_NEAR(texel(scene, solid.base_color.texture, 0, 0), 1.0, 0.01);
-  EXPECT_NEAR(texel(scene, solid.base_color.texture, 0, 1), decoded_value(188, 255, kSrgb), 0.01);
-  EXPECT_NEAR(texel(scene, solid.base_color.texture, 1, 0), 0.0, 0.01);
+  const auto& solid = std::get<MetalRoughBsdf>(front(scene));
+  EXPECT_NEAR(texel(scene, solid.specular_color.texture, 0, 0), 1.0, 1e-6);
+  EXPECT_NEAR(texel(scene, solid.specular_color.texture, 0, 1), decoded_value(188, 255, kSrgb), 1e-6);
+  EXPECT_NEAR(texel(scene, solid.base_color.texture, 0, 0), 0.0, 1e-6);
   EXPECT_NEAR(texel(scene, solid.roughness.texture, 0, 0), 0.8, 0.003);
   EXPECT_NEAR(texel(scene, solid.roughness.texture, 1, 0), 0.6, 0.003);
 }
@@ -342,14 +318,14 @@ TEST_F(GltfExtensions, WebPIsRead) {
   const SceneDescription scene = good_gltf(triangle().text(textured(
       R"({"extensions": {"EXT_texture_webp": {"source": 0}}})",
       R"("extensionsRequired": ["EXT_texture_webp"], "images": [{"uri": "data:image/webp;base64,UklGRkQAAABXRUJQVlA4IDgAAABQAgCdASoBAAEAAAAAJaACdLoB+AH6AfwAB5AA/v9vVv/8sPx/Unn/yxD//xPTm8RU8r/+JkAAAA=="}])")));
-  const int texture = std::get<PrincipledBsdf>(front(scene)).base_color.texture;
+  const int texture = std::get<MetalRoughBsdf>(front(scene)).base_color.texture;
   EXPECT_NEAR(texel(scene, texture, 0, 0), 1.0, 0.05);
   EXPECT_NEAR(texel(scene, texture, 0, 1), 0.0, 0.05);
 }
 
 TEST_F(GltfExtensions, ATextureWithoutAnImageIsLeftOut) {
   const SceneDescription scene = good_gltf(triangle().text(textured("{}", "\"images\": []")));
-  EXPECT_EQ(std::get<PrincipledBsdf>(front(scene)).base_color.texture, kNoTexture);
+  EXPECT_EQ(std::get<MetalRoughBsdf>(front(scene)).base_color.texture, kNoTexture);
   EXPECT_THAT(warnings(scene), HasSubstr("texture 0 has no image; it is left out"));
 }
 
@@ -365,7 +341,7 @@ TEST_F(GltfExtensions, Ktx2IsNamedWhereThereIsNoOtherImage) {
   const SceneDescription scene = good_gltf(triangle().text(textured(
       R"({"source": 1, "extensions": {"KHR_texture_basisu": {"source": 0}}})",
       R"("extensionsUsed": ["KHR_texture_basisu"], "images": [{"uri": "t.ktx2"}, {"uri": "t.tga"}])")));
-  EXPECT_EQ(image(scene, std::get<PrincipledBsdf>(front(scene)).base_color.texture).width, 1);
+  EXPECT_EQ(image(scene, std::get<MetalRoughBsdf>(front(scene)).base_color.texture).width, 1);
 }
 
 TEST_F(GltfExtensions, WhatIsLeftOutIsSaidAndNoError) {

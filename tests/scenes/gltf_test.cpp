@@ -27,9 +27,10 @@ TEST_F(GltfText, ATriangleIsFacetedAndSeenFromInFront) {
   EXPECT_EQ(mesh(scene).positions[1], glm::dvec3(1, 0, 0));
   EXPECT_EQ(mesh(scene).texcoords[0], glm::vec2(0, 1));
   EXPECT_EQ(mesh(scene).triangles, std::vector<glm::uvec3>({{0, 1, 2}}));
-  EXPECT_THAT(warnings(scene), AllOf(HasSubstr("no camera"), HasSubstr("no light; a white sky")));
+  EXPECT_THAT(warnings(scene), AllOf(HasSubstr("no camera"), HasSubstr("'Cameras'"),
+                                     HasSubstr("no light; a white sky"), HasSubstr("'Punctual Lights'")));
   const auto& material =
-      std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[0].front_bsdf)).model);
+      std::get<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[0].front_bsdf)).model);
   EXPECT_EQ(material.base_color.value, glm::vec3(1.0f));
   EXPECT_EQ(material.metallic.value, 1.0f);
   EXPECT_EQ(material.roughness.value, 1.0f);
@@ -157,11 +158,11 @@ TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
   const auto bsdf = [&](std::size_t shape) -> const BsdfModel& {
     return scene.bsdfs.at(std::size_t(scene.shapes[shape].front_bsdf)).model;
   };
-  const auto& area_light = std::get<PrincipledBsdf>(bsdf(0));
+  const auto& area_light = std::get<MetalRoughBsdf>(bsdf(0));
   EXPECT_EQ(area_light.base_color.value, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(area_light.roughness.value, 0.4f);
   EXPECT_EQ(area_light.metallic.value, 0.6f);
-  EXPECT_NEAR(area_light.eta, 1.5f, 1e-6f);
+  EXPECT_EQ(area_light.ior, 1.5f);
   EXPECT_EQ(scene.shapes[0].radiance, glm::vec3(8, 4, 2));
   EXPECT_TRUE(scene.shapes[0].two_sided_emission);
   const auto& pane = std::get<PrincipledThinBsdf>(bsdf(1));
@@ -171,7 +172,34 @@ TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
   EXPECT_TRUE(std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[2].back_bsdf)).model).inside);
   EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).opacity.value, 0.5f);
   EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).inside, kBlackBsdf);
-  EXPECT_EQ(scene.shapes[3].radiance, glm::vec3(0.5f, 0.5f, 0.25f));
+  EXPECT_EQ(scene.shapes[3].radiance, glm::vec3(0.25f, 0.25f, 0.125f)) << "half of it is there";
+}
+
+TEST_F(GltfText, SpecularColourAndClearCoatKeepTheirFactors) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      R"({"attributes": {"POSITION": 0}, "material": 0})",
+      R"(, "extensionsUsed": ["KHR_materials_specular", "KHR_materials_clearcoat", "KHR_materials_ior"],
+"materials": [{"extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 0.4, 1]},
+"KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25},
+"KHR_materials_ior": {"ior": 0}}}])")));
+  const auto& surface = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
+  EXPECT_EQ(surface.specular.value, 0.5f);
+  EXPECT_EQ(surface.specular_color.value, glm::vec3(2, 0.4f, 1));
+  EXPECT_EQ(surface.clearcoat.value, 0.75f);
+  EXPECT_EQ(surface.clearcoat_roughness.value, 0.25f);
+  EXPECT_EQ(surface.ior, 0.0f) << "KHR_materials_ior: it reflects all light";
+}
+
+TEST_F(GltfText, PartlyTransmittingSurfacesAreBlends) {
+  const SceneDescription scene = good_gltf(triangle().text(
+      one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
+               R"(, "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions":
+{"KHR_materials_transmission": {"transmissionFactor": 0.25}}}])")));
+  const auto& blend = std::get<BlendBsdf>(scene.bsdfs.at(std::size_t(scene.shapes.at(0).front_bsdf)).model);
+  EXPECT_EQ(blend.weight.value, 0.25f);
+  EXPECT_TRUE(std::holds_alternative<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(blend.first)).model));
+  EXPECT_EQ(std::get<PrincipledThinBsdf>(scene.bsdfs.at(std::size_t(blend.second)).model).spec_trans.value,
+            1.0f);
 }
 
 TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
@@ -183,7 +211,7 @@ TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
       one_mesh(R"({"attributes": {"POSITION": 0, "COLOR_0": 1}, "material": 0})",
                R"(, "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1]}}])")));
   EXPECT_EQ(mesh(scene).colours[1], glm::vec3(0, 0.2f, 0));
-  const auto& material = std::get<PrincipledBsdf>(scene.bsdfs.at(0).model);
+  const auto& material = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
   const auto& scale =
       std::get<ScaleTexture>(scene.textures.at(std::size_t(material.base_color.texture)).model);
   EXPECT_EQ(scale.scale.value, glm::vec3(0.5f, 1, 1));
@@ -222,7 +250,7 @@ TEST_F(GltfTextures, MetalnessIsBlueAndRoughnessGreenBothLinear) {
       R"({"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5,
 "baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4]}}}}})",
       R"({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728})");
-  const auto& material = std::get<PrincipledBsdf>(scene.bsdfs.at(0).model);
+  const auto& material = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
   EXPECT_NEAR(texel(scene, material.metallic.texture, 0, 0), 0.6, 1e-6);
   const auto& rough =
       std::get<ScaleTexture>(scene.textures.at(std::size_t(material.roughness.texture)).model);
@@ -292,7 +320,7 @@ TEST_F(GltfTextures, ImagesInBuffersAndDataAddressesAreTheSame) {
       fmt::format(R"(, "images": [{{"uri": "data:image/png;base64,{}"}}], "textures": [{{"source": 0}}],
 "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}])",
                   png))));
-  const auto& material = std::get<PrincipledBsdf>(data.bsdfs.at(0).model);
+  const auto& material = std::get<MetalRoughBsdf>(data.bsdfs.at(0).model);
   for (const std::size_t c : {0u, 1u, 2u})
     EXPECT_EQ(texel(data, material.base_color.texture, 0, c), c == 0 ? 1.0 : 0.0);
   EXPECT_EQ(bitmap(data, material.base_color.texture).wrap_u, WRAP_REPEAT);

@@ -5,6 +5,7 @@
 
 #include "scenes/bsdfs/blinnphong.h"
 #include "scenes/bsdfs/material_tables.h"
+#include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/roughplastic.h"
@@ -25,6 +26,7 @@ SceneTables all_materials() {
   MaterialTables shared(tables.curves);
   for (const int distribution : {DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX})
     tables.materials.push_back(material_of(RoughPlasticBsdf{.distribution = distribution}, shared));
+  tables.materials.push_back(material_of(MetalRoughBsdf{.roughness = 0.4f}, shared));
   shared.compute();
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));
