@@ -226,6 +226,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, nz)                                                                                      \
   F(int, channels)       /* 1 or 3 */                                                             \
   F(int, nearest)        /* 1: constant in each cell; 0: interpolated between cell centres */     \
+  F(int, fades)          /* 1: interpolated towards 0 outside of the grid; 0: constant there */   \
   F(int, first_value)    /* index in volume_values; x fastest, all channels of a cell together */ \
   F(int, first_majorant) /* index in majorants, x fastest: maxima of blocks of MAJORANT_CELLS^3 cells */
 
@@ -256,6 +257,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, area)                                                                                          \
   F(int, sampling)  /* EMITTER_* */                                                                       \
   F(int, two_sided) /* 1: also emits from the back */                                                     \
+  F(int, unseen)    /* 1: rays do not meet it, so only samples of the light find it */                    \
   F(int, polygon)   /* index of the polygon light that it is part of, or -1 */                            \
   F(float, pmf)     /* probability of choosing this light */                                              \
   F(int, start)     /* choice by power: the first of its LIGHT_PROBABILITY_STEPS */                       \

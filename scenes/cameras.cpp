@@ -53,8 +53,8 @@ double film_reach(const CameraSettings& camera, const Film& film) {
 HalfFilm half_film(const CameraSettings& camera, const Film& film) {
   const double w = film.width, h = film.height;
   if (camera.projection == Projection::kOrthographic) return {camera.scale_x, camera.scale_y * h / w};
-  const double x = half_width_tangent(camera.fov, camera.fov_axis, w, h);
-  return {x, x * h / w};
+  const double high = h * camera.pixel_aspect, x = half_width_tangent(camera.fov, camera.fov_axis, w, high);
+  return {x, x * high / w};
 }
 
 double distortion_reach(const CameraSettings& camera, const Film& film) {

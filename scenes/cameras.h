@@ -34,6 +34,8 @@ struct CameraSettings {
   /// window).
   double fov = 50.0;
   FovAxis fov_axis = FovAxis::kX;
+  /// Height of a pixel over its width; perspective. The angle of view is that of a film of such pixels.
+  double pixel_aspect = 1.0;
   /// Orthographic camera: half the film's width, and half its height times its aspect ratio.
   double scale_x = 1.0, scale_y = 1.0;
   /// Distances along +z; the camera sees nothing nearer than near_clip or farther than far_clip.
@@ -74,6 +76,7 @@ void camera_parameters(const Row& row) {
   row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0},
       "full angle of view of the whole film, degrees; perspective");
   row("fov_axis", &C::fov_axis, fov_axes(), "axis of the film that fov spans");
+  row("pixel_aspect", &C::pixel_aspect, kLength, "height of a pixel over its width; perspective");
   row("scale_x", &C::scale_x, kLength, "half the width of the view; orthographic");
   row("scale_y", &C::scale_y, kLength, "half the height of the view of a square film; orthographic");
   row("near_clip", &C::near_clip, kLength, "nearest distance along the view that is seen",

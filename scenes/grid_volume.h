@@ -14,12 +14,13 @@ struct VolumeGrid {
   std::vector<float> values;  ///< nx * ny * nz * channels, finite and at least 0
 };
 
-/// A grid placed in space. Values are interpolated between cell centres and constant beyond the outermost
-/// centres.
+/// A grid placed in space. Values are interpolated between cell centres. Beyond the outermost centres they
+/// are constant, or, with `fades`, interpolated towards cells of value 0 around the grid.
 struct GridVolume {
   std::shared_ptr<const VolumeGrid> grid;  ///< never null
   glm::dmat4 to_world{1.0};  ///< the transform of the unit cube, which the grid fills; invertible
   bool nearest = false;      ///< no interpolation: the value is constant in each cell
+  bool fades = false;        ///< only without `nearest`
 };
 
 }  // namespace penumbra

@@ -70,6 +70,9 @@ struct Shape {
   /// Multiplies the radiance: an index into SceneDescription::textures, or kNoTexture.
   int radiance_texture = kNoTexture;
   bool two_sided_emission = false;  ///< emits from the back as well (meshes and disks only)
+  /// Rays do not meet the emission, as where a mask with opacity 0 cuts the shape away: it lights other
+  /// shapes, but neither the camera nor a mirror sees it.
+  bool unseen_emission = false;
   /// How points on an emitter are sampled; kAuto: as the integrator chooses.
   EmitterSampling sampling = EmitterSampling::kAuto;
   bool flip_normals = false;  ///< swaps front and back

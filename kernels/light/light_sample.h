@@ -15,7 +15,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, wi)         /* unit, direction to the light, without the offset of the origin */             \
   F(a, float, tmax)      /* length of the shadow ray; negative: no contribution */                        \
   F(a, float, pdf)       /* per solid angle, times that of choosing the light; delta light: the latter */ \
-  F(a, bool, delta)      /* a delta light: no other strategy samples it */                                \
+  F(a, bool, delta)      /* a delta or unseen light: no other strategy samples it */                      \
   F(a, bool, of_polygon) /* part of a polygon light, which has a closed form */                           \
   F(a, vec3, radiance)   /* arriving along wi if unoccluded, including the inverse square law */          \
   F(a, int, light)       /* index of the light */
@@ -115,6 +115,7 @@ FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledP
   const float cosine_front = -dot3(s.wi, at.normal);
   const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
   s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light->area);
+  s.delta = light->unseen != 0;
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
   return at_place(s, at);
 }

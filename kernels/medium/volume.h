@@ -29,8 +29,14 @@ FN vec3 cell_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, int x, in
 
 FN vec3 between3(vec3 a, vec3 b, float share) { return add_scaled(a, share, sub(b, a)); }
 
+/// The share of an outermost cell's value at a position along one axis of a grid that fades: interpolation
+/// between it and the 0 of the next cell outside.
+FN float fading(float place, int cells) {
+  return clamp_f(min_f(place, (float)cells - place) + 0.5f, 0.0f, 1.0f);
+}
+
 /// The value at a position in cell coordinates: that of the cell, or interpolated between the eight nearest
-/// cell centres. Positions beyond the outermost centres take their values.
+/// cell centres. Positions beyond the outermost centres take their values, or less where the grid fades.
 FN vec3 volume_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 place) {
   const float shift = v->nearest != 0 ? 0.0f : 0.5f;
   const float x = clamp_f(place.x - shift, 0.0f, (float)(v->nx - 1)),
@@ -44,7 +50,9 @@ FN vec3 volume_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 pl
   const vec3 near_high = between3(cell_value(scene, v, x0, y1, z0), cell_value(scene, v, x1, y1, z0), fx);
   const vec3 far_low = between3(cell_value(scene, v, x0, y0, z1), cell_value(scene, v, x1, y0, z1), fx);
   const vec3 far_high = between3(cell_value(scene, v, x0, y1, z1), cell_value(scene, v, x1, y1, z1), fx);
-  return between3(between3(near_low, near_high, fy), between3(far_low, far_high, fy), fz);
+  const vec3 value = between3(between3(near_low, near_high, fy), between3(far_low, far_high, fy), fz);
+  if (v->fades == 0) return value;
+  return scale(value, fading(place.x, v->nx) * fading(place.y, v->ny) * fading(place.z, v->nz));
 }
 
 /// The traversal of a ray through a volume.

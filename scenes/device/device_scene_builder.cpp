@@ -103,6 +103,8 @@ class Builder {
       records_.light_triangles =
           light_triangles(records_.triangles, records_.quadrics, records_.lights.size());
     }
+    hide_unseen(records_.triangles);
+    hide_unseen(records_.quadrics);
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
     if (Expected<void> done = check_split_light(); !done) return std::unexpected(done.error());
@@ -230,6 +232,13 @@ class Builder {
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);
     if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry))
       add_cylinder(shape, *cylinder, front, back);
+  }
+
+  /// Takes unseen lights from the primitives, so that rays find none there.
+  template <typename Primitives>
+  void hide_unseen(Primitives& primitives) const {
+    for (auto& each : primitives)
+      if (each.light >= 0 && records_.lights[std::size_t(each.light)].unseen != 0) each.light = -1;
   }
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {

@@ -125,6 +125,7 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
     light.texture = light.grid = -1;
     light.sampling = sampling;
     light.two_sided = shape.two_sided_emission ? 1 : 0;
+    light.unseen = shape.unseen_emission ? 1 : 0;
     light.polygon = polygons ? int(polygons_.size()) : -1;
     const bool whole = !textured && take_whole(outline, light);
     if (whole) add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
@@ -175,6 +176,7 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area, cons
   light.sampling =
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
+  light.unseen = shape.unseen_emission ? 1 : 0;
   light.polygon = light.texture = light.grid = -1;
   // Points on cylinders are never sampled by their texture.
   const double gain = light.kind == LIGHT_CYLINDER

@@ -187,7 +187,9 @@ LightTexture LightTextures::of_image(int texture) const {
 
 glm::ivec2 LightTextures::size_of(int texture) const {
   if (texture < 0) return {1, 1};
-  const auto* image = std::get_if<BitmapTexture>(&scene_->textures.at(std::size_t(texture)).model);
+  const TextureModel& model = scene_->textures.at(std::size_t(texture)).model;
+  if (const auto* scaled = std::get_if<ScaleTexture>(&model)) return size_of(scaled->texture);
+  const auto* image = std::get_if<BitmapTexture>(&model);
   if (image == nullptr || image->bitmap < 0) return {1, 1};
   const Bitmap& bitmap = *scene_->bitmaps.at(std::size_t(image->bitmap));
   return {bitmap.width, bitmap.height};

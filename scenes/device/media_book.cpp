@@ -30,7 +30,7 @@ int material_of_phase(const std::vector<PhaseLobe>& phase, SceneRecords& records
 bool equal(const std::optional<GridVolume>& a, const std::optional<GridVolume>& b) {
   if (!a || !b) return !a && !b;
   const VolumeGrid &g = *a->grid, &h = *b->grid;
-  return a->to_world == b->to_world && a->nearest == b->nearest &&
+  return a->to_world == b->to_world && a->nearest == b->nearest && a->fades == b->fades &&
          (&g == &h ||
           (g.nx == h.nx && g.ny == h.ny && g.nz == h.nz && g.channels == h.channels && g.values == h.values));
 }

@@ -82,6 +82,7 @@ Expected<int> VolumeTables::add(const GridVolume& volume, SceneRecords& records)
   record.nz = grid.nz;
   record.channels = grid.channels;
   record.nearest = volume.nearest ? 1 : 0;
+  record.fades = volume.fades ? 1 : 0;
   record.first_value = entry->second.first_value;
   record.first_majorant = entry->second.first_majorant;
   records.volumes.push_back(record);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/gtc/packing.hpp>
+#include <vector>
 
 #include "scenes/image/bitmap.h"
 
@@ -71,6 +72,19 @@ Bitmap float_bitmap(std::string name, int width, int height, int channels, const
   bitmap.words.reserve(values.size());
   for (const auto value : values) bitmap.words.push_back(std::bit_cast<std::uint32_t>(float(value)));
   return bitmap;
+}
+
+/// The mean of a bitmap's channels, decoded with `gamma`, as linear grey.
+inline Bitmap channel_mean(const Bitmap& bitmap, float gamma) {
+  const BitmapValues values(bitmap, gamma);
+  const auto channels = std::size_t(bitmap.channels);
+  std::vector<float> means(std::size_t(bitmap.width) * std::size_t(bitmap.height));
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    double sum = 0;
+    for (std::size_t c = 0; c < channels; ++c) sum += double(values[i * channels + c]);
+    means[i] = float(sum / double(channels));
+  }
+  return float_bitmap(bitmap.name, bitmap.width, bitmap.height, 1, means);
 }
 
 }  // namespace penumbra

@@ -144,6 +144,8 @@ class SceneWriter {
           (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
         return fail(
             fmt::format("{} has a colour that multiplies a grid, which Mitsuba has not", medium.name));
+      if (medium.density && medium.density->fades)
+        return fail(fmt::format("{} has a grid that fades at its faces, which Mitsuba has not", medium.name));
       xml_.open("medium", medium.density ? HeterogeneousMedium::kPlugin : HomogeneousMedium::kPlugin,
                 fmt::format(" id=\"medium-{}\"", i));
       float scale = e.x;
@@ -511,6 +513,8 @@ class SceneWriter {
     put_medium(shape.exterior, "exterior");
     if (shape.radiance && with_emitter) {
       xml_.open("emitter", AreaLightParameters::kPlugin);
+      if (shape.unseen_emission)
+        return fail(fmt::format("{} lights other shapes unseen, which Mitsuba has not", shape.name));
       if (shape.radiance_texture != kNoTexture && *shape.radiance != glm::vec3(1.0f))
         return fail(
             fmt::format("{} has a radiance that multiplies a texture, which Mitsuba has not", shape.name));

@@ -12,9 +12,14 @@ using SettingNames = std::vector<std::string>;
 
 // Settings of `camera`: the angle of view, those of every sensor, a lens, a distortion.
 inline const SettingNames kViewAngle = {"fov", "fov_axis"};
-inline const SettingNames kPlace = {
-    "near_clip",     "far_clip",    "principal_point_offset_x", "principal_point_offset_y", "magnify_red",
-    "magnify_green", "magnify_blue"};
+inline const SettingNames kPlace = {"near_clip",
+                                    "far_clip",
+                                    "principal_point_offset_x",
+                                    "principal_point_offset_y",
+                                    "pixel_aspect",
+                                    "magnify_red",
+                                    "magnify_green",
+                                    "magnify_blue"};
 inline const SettingNames kLens = {"aperture_radius", "focus_distance", "blades",      "blade_rotation",
                                    "refocus_red",     "refocus_green",  "refocus_blue"};
 inline const SettingNames kDistortion = {"distortion_k1", "distortion_k2"};

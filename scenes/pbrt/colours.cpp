@@ -151,7 +151,8 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
         return wrong(fmt::format("numbers must be in [0, {}], not {}",
                                  use == ColourOf::kReflectance ? "1" : "1e30", x));
     const glm::dvec3 colour = to_rec709({n[0], n[1], n[2]}, parameter.colour_space);
-    return glm::vec3(use == ColourOf::kReflectance ? glm::min(colour, 1.0) : colour);
+    // A reflectance of a larger gamut may be above 1 in ours: under white light, it is that bright.
+    return glm::vec3(colour);
   }
   if (parameter.type == "blackbody") {
     if (n.size() != 1 || !(n[0] >= 100.0 && n[0] <= 1e6))
@@ -168,6 +169,24 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
 }
 
 double luminance(const glm::dvec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
+
+glm::dmat3 white_balance(double kelvin) {
+  // The second radiation constant was 1.4380e-2 m K when the illuminants were named by temperature.
+  const double t = kelvin * 1.4388 / 1.4380;
+  const glm::dmat3 xyz_of_rgb = to_xyz(kColourSpaces[0]);
+  glm::dvec3 white = xyz_of_rgb * glm::dvec3(black_body(kelvin));
+  if (t >= 4000.0) {
+    const double x = t <= 7000.0 ? 0.244063 + (0.09911e3 + (2.9678e6 - 4.6070e9 / t) / t) / t
+                                 : 0.237040 + (0.24748e3 + (1.9018e6 - 2.0064e9 / t) / t) / t;
+    white = xyz_of({x, -3.0 * x * x + 2.870 * x - 0.275});
+  }
+  const glm::dmat3 cones =
+      glm::transpose(glm::dmat3(0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296));
+  const glm::dvec3 gains = (cones * xyz_of(kD65)) / (cones * (white / white.y));
+  const glm::dmat3 adapted =
+      glm::inverse(cones) * glm::dmat3(gains.x, 0, 0, 0, gains.y, 0, 0, 0, gains.z) * cones;
+  return glm::inverse(xyz_of_rgb) * adapted * xyz_of_rgb;
+}
 
 bool is_colour_space(std::string_view name) {
   return std::ranges::any_of(kColourSpaces, [&](const ColourSpace& each) { return each.name == name; });

@@ -21,6 +21,11 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
 double luminance(const glm::dvec3& colour);
 
 /// Whether pbrt has a colour space of this name.
+/// The matrix, for linear Rec. 709, of a film whose white balance is that temperature, in kelvins: what a
+/// daylight of it (CIE 15:2004; below 4000 K, a black body) lights becomes what D65 lights, by the Bradford
+/// transform of Lam (1985).
+glm::dmat3 white_balance(double kelvin);
+
 bool is_colour_space(std::string_view name);
 
 /// The refractive index at 589 nm of a named glass, "glass-BK7" for example.

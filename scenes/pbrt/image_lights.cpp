@@ -4,20 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "scenes/angles.h"
 #include "scenes/image/bitmap_values.h"
+#include "scenes/names.h"
 #include "scenes/pbrt/light_strength.h"
 #include "scenes/punctual_lights.h"
+
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
 namespace {
 
-/// The illuminance of a plane below the octahedral image. It is half of the true value, because pbrt computes
-/// it so, and files give a sky's brightness accordingly.
-double illuminance_of(const Bitmap& square) {
+/// The illuminance of a plane below the octahedral image, as pbrt computes it, because files give a sky's
+/// brightness accordingly. It is half of the true value. Also, pbrt takes channels in the order of the file,
+/// in which those of EXR files are B, G, R.
+double illuminance_of(const Bitmap& square, const std::string& file) {
   const BitmapValues values(square, kSrgb);
+  const bool blue_first = extension_of(file) == ".exr";
   const auto channels = std::size_t(square.channels);
   double sum = 0;
   for (int y = 0; y < square.height; ++y)
@@ -29,38 +34,28 @@ double illuminance_of(const Bitmap& square) {
       if (r >= 1) continue;
       const std::size_t at = (std::size_t(y) * std::size_t(square.width) + std::size_t(x)) * channels;
       const auto value = [&](std::size_t c) { return double(values[at + std::min(c, channels - 1)]); };
-      sum += (1 - r * r) * luminance({value(0), value(1), value(2)});
+      const glm::dvec3 colour(value(0), value(1), value(2));
+      sum += (1 - r * r) * luminance(blue_first ? glm::dvec3(colour.z, colour.y, colour.x) : colour);
     }
   return sum * 2 * kPi / (double(square.width) * square.height);
 }
 
-/// An octahedral image with bilinear interpolation.
+/// An octahedral image. As in pbrt, a direction has the colour of its texel.
 class OctahedralImage {
  public:
   explicit OctahedralImage(const Bitmap& square) : values_(square, kSrgb), square_(square) {}
 
   [[nodiscard]] glm::dvec3 towards(const glm::dvec3& direction) const {
-    const glm::dvec2 at = octahedral_square(direction) * double(square_.width) - 0.5;
-    const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
-    const double u = at.x - x, v = at.y - y;
-    return (1 - v) * ((1 - u) * texel(x, y) + u * texel(x + 1, y)) +
-           v * ((1 - u) * texel(x, y + 1) + u * texel(x + 1, y + 1));
-  }
-
- private:
-  [[nodiscard]] glm::dvec3 texel(int x, int y) const {
     const int side = square_.width;
+    const glm::dvec2 at = octahedral_square(direction) * double(side);
+    const int x = std::clamp(int(at.x), 0, side - 1), y = std::clamp(int(at.y), 0, side - 1);
     const auto channels = std::size_t(square_.channels);
-    // Beyond an edge, the image continues at the other half of that edge, reversed.
-    if (x < 0) x = -1 - x, y = side - 1 - y;
-    if (x >= side) x = 2 * side - 1 - x, y = side - 1 - y;
-    if (y < 0) y = -1 - y, x = side - 1 - x;
-    if (y >= side) y = 2 * side - 1 - y, x = side - 1 - x;
-    const std::size_t at = (std::size_t(y) * std::size_t(side) + std::size_t(x)) * channels;
-    const auto value = [&](std::size_t c) { return double(values_[at + std::min(c, channels - 1)]); };
+    const std::size_t first = (std::size_t(y) * std::size_t(side) + std::size_t(x)) * channels;
+    const auto value = [&](std::size_t c) { return double(values_[first + std::min(c, channels - 1)]); };
     return {value(0), value(1), value(2)};
   }
 
+ private:
   BitmapValues values_;
   const Bitmap& square_;
 };
@@ -70,8 +65,10 @@ void add(std::vector<float>& values, const glm::dvec3& colour) {
 }
 
 /// Resamples the octahedral image to longitude and polar angle, with y up and half as many rows as columns.
-std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
-  const int height = std::clamp(square.width, 2, 8192), width = 2 * height;
+/// A small image gets more texels than it has: its own have sharp edges, ours are interpolated.
+std::shared_ptr<const Bitmap> resampled(const Context& context, const Bitmap& square) {
+  const int finer = std::max(square.width, std::min(4 * square.width, 1024));
+  const int height = std::clamp(finer, 2, 8192), width = 2 * height;
   const OctahedralImage image(square);
   std::vector<float> values;
   values.reserve(3 * std::size_t(width) * std::size_t(height));
@@ -80,8 +77,9 @@ std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
     for (int column = 0; column < width; ++column) {
       // Our texel (x, y) is at longitude 2 pi (x + 1/2) / W, see kernels/light/envmap_grid.h; z becomes -y.
       const double phi = 2 * kPi * (column + 0.5) / width;
-      add(values, image.towards(
-                      {std::sin(phi) * std::sin(theta), std::cos(theta), -std::cos(phi) * std::sin(theta)}));
+      const glm::dvec3 from(std::sin(phi) * std::sin(theta), std::cos(theta),
+                            -std::cos(phi) * std::sin(theta));
+      add(values, balanced(context, image.towards(from)));
     }
   }
   return std::make_shared<const Bitmap>(float_bitmap(square.name, width, height, 3, values));
@@ -149,6 +147,7 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
   ReaderReport& report = context.report;
   const auto other = std::ranges::find_if(context.scene.emitters, is_sky);
   const std::string file = parameters.text("filename", "", report);
+  refuse_colour_of_image(context, parameters, "L");
   glm::vec3 radiance = emitted(context, parameters, "L", location);
   if (parameters.has("portal")) {
     parameters.take("portal");
@@ -184,8 +183,9 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
   report.warn_counted(location, "images of all directions are resampled, from octahedral to longitudes");
   EnvironmentMapLight sky;
   sky.filename = file;
-  sky.image = resampled(*image);
-  sky.scale = radiance.x * float(factor_of(context, parameters, "illuminance", illuminance_of(*image)));
+  sky.image = resampled(context, *image);
+  sky.scale = float(emitted_scale(context, parameters, location) *
+                    factor_of(context, parameters, "illuminance", illuminance_of(*image, file)));
   sky.to_world = glm::dmat4(glm::dmat3(state.ctm));
   context.scene.emitters.emplace_back(std::move(sky));
 }
@@ -195,22 +195,34 @@ void read_projection(Context& context, TextureReader& textures, Parameters& para
   ReaderReport& report = context.report;
   const std::string file = parameters.text("filename", "", report);
   const double fov = parameters.number("fov", 90.0, report);
-  const glm::dvec3 strength(emitted(context, parameters, "I", location));
+  const double strength = emitted_scale(context, parameters, location);
   if (!(fov > 0.0 && fov < 180.0))
     return report.error(parameters.location("fov", location),
                         fmt::format("fov must be between 0 and 180, not {}", fov));
+  if (file.empty()) return report.error(location, "a projection light needs a \"string filename\"");
   const auto image = textures.image(file, parameters.location("filename", location));
   if (image == nullptr) return parameters.accept({"power"});
   const BitmapValues values(*image, kSrgb);
   const auto channels = std::size_t(image->channels);
-  const Beam beam = beam_of(
-      image->width, image->height, std::tan(0.5 * fov * kDegree), [&](int x, int y, const glm::dvec3&) {
-        const std::size_t at = (std::size_t(y) * std::size_t(image->width) + std::size_t(x)) * channels;
-        const auto value = [&](std::size_t c) { return double(values[at + std::min(c, channels - 1)]); };
-        return glm::dvec3(value(0), value(1), value(2));
-      });
-  const double factor = factor_of(context, parameters, "power", beam.power > 0.0 ? beam.power : 1.0);
-  add_beam(context, textures, file, beam, factor * strength, state.ctm, location);
+  // Each texel of pbrt's image shines alike in all of its directions; ours are interpolated, so that a small
+  // image gets more of them.
+  const auto beam_of_texels = [&](int finer, const auto& shown) {
+    return beam_of(finer * image->width, finer * image->height, std::tan(0.5 * fov * kDegree),
+                   [&](int x, int y, const glm::dvec3&) {
+                     const std::size_t texel =
+                         std::size_t(y / finer) * std::size_t(image->width) + std::size_t(x / finer);
+                     const auto value = [&](std::size_t c) {
+                       return double(values[texel * channels + std::min(c, channels - 1)]);
+                     };
+                     return shown(glm::dvec3(value(0), value(1), value(2)));
+                   });
+  };
+  const double power = beam_of_texels(1, std::identity()).power;
+  const double factor = factor_of(context, parameters, "power", power > 0.0 ? power : 1.0);
+  const int finer = std::max(1, 512 / std::max(image->width, image->height));
+  const Beam beam =
+      beam_of_texels(finer, [&](const glm::dvec3& colour) { return balanced(context, colour); });
+  add_beam(context, textures, file, beam, glm::dvec3(factor * strength), state.ctm, location);
 }
 
 void read_goniometric(Context& context, TextureReader& textures, Parameters& parameters,
@@ -231,10 +243,15 @@ void read_goniometric(Context& context, TextureReader& textures, Parameters& par
     return report.error(parameters.location("filename", location),
                         fmt::format("an image of {} x {}; one of all directions is square, up to 16384",
                                     image->width, image->height));
-  // Areas of the octahedral image are proportional to solid angle.
-  strength *= factor_of(context, parameters, "power", 4 * kPi * std::max(mean_luminance(*image), 1e-30));
-  const OctahedralImage directions(*image);
-  const int side = std::clamp(image->width / 2, 16, 2048);
+  // Areas of the octahedral image are proportional to solid angle. The colour is that of I, times the mean of
+  // the image's channels.
+  const Bitmap grey = channel_mean(*image, kSrgb);
+  strength *= factor_of(context, parameters, "power", 4 * kPi * std::max(mean_luminance(grey), 1e-30));
+  const OctahedralImage directions(grey);
+  const int side = std::clamp(2 * image->width, 16, 2048);
+  // In the light's space y is the axis of the octahedron's poles.
+  glm::dmat4 exchanged(1.0);
+  std::swap(exchanged[1], exchanged[2]);
   // For each face of a cube its axis, and one axis to the right and one upwards.
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
@@ -246,7 +263,7 @@ void read_goniometric(Context& context, TextureReader& textures, Parameters& par
       const Beam beam = beam_of(side, side, 1.0, [&](int, int, const glm::dvec3& at) {
         return directions.towards(glm::dmat3(face) * at);
       });
-      add_beam(context, textures, file, beam, strength, state.ctm * face, location);
+      add_beam(context, textures, file, beam, strength, state.ctm * exchanged * face, location);
     }
 }
 

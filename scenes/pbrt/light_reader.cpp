@@ -104,11 +104,12 @@ std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader
   }
   AreaLight light;
   light.location = location;
+  refuse_colour_of_image(context, parameters, "L");
   light.radiance = emitted(context, parameters, "L", location);
   light.two_sided = parameters.boolean("twosided", false, report);
   if (parameters.has("power")) {
     const double power = parameters.number("power", -1.0, report);
-    if (power > 0.0) light.power = power;
+    if (power > 0.0) light.power = power;  // as in pbrt, otherwise not given
   }
   if (parameters.has("spread")) {
     parameters.take("spread");
@@ -118,7 +119,7 @@ std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader
   if (const std::string file = parameters.text("filename", "", report); !file.empty()) {
     const auto image = textures.light_image(file, parameters.location("filename", location));
     if (image) {
-      light.image = *image;
+      light.image = textures.balanced(*image);
       light.image_mean = mean_luminance(textures.bitmap_of(*image));
     }
     if (light.power && !(light.image_mean > 0.0)) light.image_mean = 1.0;

@@ -28,6 +28,16 @@ void set_metal(ConductorSurface& surface, const char* name) {
   surface.k = TexturedColour(index.k);
 }
 
+/// The reflectance under a coating between which and it light goes to and fro for ever, as in our plastic,
+/// that reflects as much as one of `reflectance` in pbrt. There, light meets one of the two surfaces `depth`
+/// times at most, the lower one first: of the series sum (reflectance f)^i, where the coating reflects f of
+/// the light from below, the first (depth + 1) / 2 terms are left.
+double cut_interreflection(double reflectance, double ior, int depth) {
+  const double f = smooth_internal_reflectance(ior), ratio = reflectance * f;
+  const double cut = reflectance * (1.0 - std::pow(ratio, (depth + 1) / 2)) / (1.0 - ratio);
+  return cut / (1.0 + f * cut);
+}
+
 /// Of light along the normal, whose indices are no textures.
 glm::vec3 normal_reflectance(const ConductorSurface& metal) {
   const glm::vec3 eta = metal.eta.value / metal.ext_eta, k = metal.k.value / metal.ext_eta;
@@ -273,9 +283,17 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
       location, given.is_lit() ? "coateddiffuse is approximated by a plastic, whose coating scatters nothing"
                                : "coateddiffuse is approximated by a plastic: diffuse under a boundary "
                                  "without thickness");
-  parameters.accept({"thickness", "g", "maxdepth", "nsamples", "twosided"});
-  const TexturedColour colour =
+  parameters.accept({"thickness", "g", "nsamples", "twosided"});
+  TexturedColour colour =
       textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
+  const std::int64_t depth = parameters.integer("maxdepth", 10, report);
+  if (depth < 1) report.error(parameters.location("maxdepth", location), "maxdepth must be at least 1");
+  // The refractive index is reported by plastic_with.
+  const Parameter* eta = parameters.find("eta");
+  const double ior = eta != nullptr && eta->numbers.size() == 1 ? eta->numbers[0] : 1.5;
+  if (colour.texture == kNoTexture && depth >= 1 && ior >= 1.0 && ior <= double(kMostIndexRatio))
+    for (int c = 0; c < 3; ++c)
+      colour.value[c] = float(cut_interreflection(double(colour.value[c]), ior, int(depth)));
   return plastic_with(parameters, colour, 1.5, "coateddiffuse", location);
 }
 

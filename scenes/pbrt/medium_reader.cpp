@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scenes/pbrt/cloud_density.h"
+#include "scenes/pbrt/grid_refinement.h"
 #include "scenes/pbrt/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/transform.h"
@@ -141,8 +142,7 @@ void MediumReader::refuse_emission(Parameters& parameters, SourceLocation locati
 MediumReader::Medium MediumReader::homogeneous(Parameters& parameters, const GraphicsState&,
                                                SourceLocation location) {
   ParticipatingMedium medium;
-  const Scattering milk = scattering_of("Wholemilk").value();
-  read_coefficients(parameters, milk.scattered, milk.absorbed, medium, location);
+  read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
   return medium;
 }
 
@@ -214,7 +214,8 @@ MediumReader::Medium MediumReader::uniform_grid(Parameters& parameters, const Gr
   if (!density) return std::nullopt;
   VolumeGrid grid = *size;
   grid.values = std::move(*density);
-  medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(grid)), *place};
+  medium.density = GridVolume{
+      .grid = std::make_shared<const VolumeGrid>(std::move(grid)), .to_world = *place, .fades = true};
   return medium;
 }
 
@@ -231,15 +232,21 @@ MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const Graphi
     context_.report.error(location, "an rgbgrid needs \"rgb sigma_s\" or \"rgb sigma_a\"");
     return std::nullopt;
   }
-  const std::size_t count = 3 * std::size_t(size->nx) * std::size_t(size->ny) * std::size_t(size->nz);
-  // Missing coefficients are 1.
-  auto scattered = has_scattered ? cells(parameters, "sigma_s", "rgb", 3, *size)
-                                 : std::optional(std::vector<float>(count, 1.0f));
-  auto absorbed = has_absorbed ? cells(parameters, "sigma_a", "rgb", 3, *size)
-                               : std::optional(std::vector<float>(count, 1.0f));
+  const int finer = refinement_of(*size);
+  VolumeGrid extinction{finer * size->nx, finer * size->ny, finer * size->nz, 3, {}};
+  const std::size_t count =
+      3 * std::size_t(extinction.nx) * std::size_t(extinction.ny) * std::size_t(extinction.nz);
+  // Missing coefficients are 1, up to the faces of the box.
+  const auto coefficients = [&](const char* name, bool given) -> std::optional<std::vector<float>> {
+    if (!given) return std::vector<float>(count, 1.0f);
+    const auto coarse = cells(parameters, name, "rgb", 3, *size);
+    if (!coarse) return std::nullopt;
+    return refined(*coarse, *size, 3, finer);
+  };
+  const auto scattered = coefficients("sigma_s", has_scattered),
+             absorbed = coefficients("sigma_a", has_absorbed);
   if (!scattered || !absorbed) return std::nullopt;
-  VolumeGrid extinction = *size, albedo = *size;
-  extinction.channels = albedo.channels = 3;
+  VolumeGrid albedo = extinction;
   for (std::size_t i = 0; i < count; ++i) {
     const float sum = (*scattered)[i] + (*absorbed)[i];
     extinction.values.push_back(sum);

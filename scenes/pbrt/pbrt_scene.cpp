@@ -131,14 +131,9 @@ class SceneParser {
   }
   void attribute_begin(const Token& token) { push(token, "AttributeEnd"); }
   void attribute_end(const Token& token) { pop(token, "AttributeBegin", "AttributeEnd"); }
+  /// In pbrt-v4 TransformBegin is another word for AttributeBegin: the whole state is restored.
   void transform_begin(const Token& token) { push(token, "TransformEnd"); }
-  void transform_end(const Token& token) {
-    const GraphicsState inner = state_;
-    pop(token, "TransformBegin", "TransformEnd");
-    const glm::dmat4 outer = state_.ctm;
-    state_ = inner;
-    state_.ctm = outer;
-  }
+  void transform_end(const Token& token) { pop(token, "TransformBegin", "TransformEnd"); }
   void object_begin(const Token& token) {
     const std::string name = quoted("a name");
     if (shapes_.in_object()) return report_.error(token.location, "objects cannot hold others");
@@ -189,6 +184,7 @@ class SceneParser {
   void world_begin(const Token& token) {
     if (world_) return report_.error(token.location, "a second WorldBegin");
     world_ = true;
+    check_exposure(context_, token.location);
     state_.ctm = glm::dmat4(1.0);
     systems_["world"] = state_.ctm;
   }
@@ -198,7 +194,7 @@ class SceneParser {
     camera_.camera_from_world = state_.ctm;
     camera_.media = state_.media;
     camera_.location = token.location;
-    has_camera_ = true;
+    read_shutter(context_, camera_);
     systems_["camera"] = is_singular(state_.ctm) ? glm::dmat4(1.0) : glm::inverse(state_.ctm);
   }
   void film(const Token& token) { view(token, read_film); }
@@ -303,8 +299,7 @@ class SceneParser {
       if (!stack_.empty())
         report_.error(stack_.back().begin, fmt::format("there is no {} for this", stack_.back().end));
       if (!world_) report_.error(end, "the file has no WorldBegin");
-      if (!has_camera_) report_.error(end, "the file has no Camera");
-      if (has_camera_) read_camera(context_, camera_);
+      read_camera(context_, camera_);
       read_integrator(context_, integrator_);
       materials_.finish();
       shapes_.finish();
@@ -317,6 +312,7 @@ class SceneParser {
   /// Without media, both integrators make the same image.
   void follow_media() {
     const std::string& type = integrator_.type;
+    if (context_.scene.integrator.is<AmbientOcclusionIntegrator>()) return;  // which sees no media in pbrt
     if (type == "path" || type == "simplepath" || type == "randomwalk")
       return report_.warn(integrator_.location,
                           "the integrator 'path' passes through media as if they were not there, as pbrt's; "
@@ -352,7 +348,7 @@ class SceneParser {
   std::vector<Import> imports_;
   std::map<std::string, glm::dmat4> systems_;
   CameraDirective camera_;
-  bool has_camera_ = false, world_ = false;
+  bool world_ = false;
   IntegratorDirective integrator_;  ///< pbrt's default is volpath
 };
 

@@ -11,6 +11,7 @@
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/pbrt/loop_subdivision.h"
+#include "scenes/pbrt/mesh_faces.h"
 #include "scenes/pbrt/quadric_mesh.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/texture_needs.h"
@@ -133,7 +134,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::bilinear_mesh(Parameters& para
                                                                 SourceLocation location) {
   auto mesh = vertices(parameters, location);
   if (!mesh) return std::nullopt;
-  parameters.accept({"faceIndices"});
+  parameters.accept({"faceIndices", "emissionfilename"});  // the latter chooses samples alone
   const auto corners = indices(parameters, *mesh, 4, location);
   bool warped = false;
   for (std::size_t i = 0; i + 3 < corners.size(); i += 4) {
@@ -301,11 +302,12 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
   struct Reader {
     const char* type;
     std::optional<Geometry> (ShapeReader::*read)(Parameters&, SourceLocation);
+    Faces faces = Faces::kWhole;
   };
-  static constexpr Reader kReaders[] = {{"trianglemesh", &ShapeReader::triangle_mesh},
-                                        {"bilinearmesh", &ShapeReader::bilinear_mesh},
-                                        {"plymesh", &ShapeReader::ply_mesh},
-                                        {"loopsubdiv", &ShapeReader::subdivision},
+  static constexpr Reader kReaders[] = {{"trianglemesh", &ShapeReader::triangle_mesh, Faces::kTriangles},
+                                        {"bilinearmesh", &ShapeReader::bilinear_mesh, Faces::kPatches},
+                                        {"plymesh", &ShapeReader::ply_mesh, Faces::kTriangles},
+                                        {"loopsubdiv", &ShapeReader::subdivision, Faces::kTriangles},
                                         {"sphere", &ShapeReader::sphere},
                                         {"cylinder", &ShapeReader::cylinder},
                                         {"disk", &ShapeReader::disk}};
@@ -331,6 +333,7 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
     return;
   }
   finish_curves();
+  use.faces = found->faces;
   auto geometry = (this->*found->read)(parameters, location);
   parameters.finish(fmt::format("the shape '{}'", type), report);
   if (!geometry) return;
@@ -353,10 +356,38 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
   // The front follows the normal in the shape's own space, even if the transform mirrors.
   shape.flip_normals = state.reverse_orientation;
   shape.geometry = std::move(geometry);
+  // Of shapes of our own, spheres and cylinders shine outwards alone.
+  if (state.area_light != nullptr && state.area_light->two_sided && use.faces == Faces::kWhole &&
+      !std::holds_alternative<Mesh>(shape.geometry))
+    shape.geometry = mesh_of(shape.geometry);
   if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
-  if (state.area_light != nullptr) make_emit(shape, *state.area_light);
+  if (state.area_light != nullptr)
+    add_lights(std::move(shape), use, *state.area_light);
+  else
+    add_part(std::move(shape), std::move(use));
+}
+
+void ShapeReader::add_part(Shape shape, Use use) {
   shapes().push_back(std::move(shape));
   uses().push_back(std::move(use));
+}
+
+/// Adds an emitting shape. Where pbrt's faces are lights of the same power, those of different areas become
+/// different shapes, because their radiances differ.
+void ShapeReader::add_lights(Shape shape, const Use& use, const AreaLight& light) {
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  if (!light.power || use.faces == Faces::kWhole || mesh == nullptr) {
+    const double area = area_of(shape);
+    make_emit(shape, light, area);
+    return add_part(std::move(shape), use);
+  }
+  std::vector<FacesOfArea> parts = split_by_face_area(*mesh, use.faces == Faces::kPatches ? 2 : 1);
+  for (FacesOfArea& part : parts) {
+    Shape of_area = shape;
+    of_area.geometry = std::move(part.mesh);
+    make_emit(of_area, light, part.face_area);
+    add_part(std::move(of_area), use);
+  }
 }
 
 std::vector<Shape>& ShapeReader::shapes() {
@@ -404,13 +435,14 @@ void ShapeReader::finish() {
       finish(scene.groups[g].shapes[i], group_uses_[g][i]);
 }
 
-std::pair<int, int> ShapeReader::materials_of(const Use& use) {
+TexturedNumber ShapeReader::alpha_of(const Use& use) {
+  if (!use.alpha) return TexturedNumber(1.0f);
+  Parameters parameters = *use.alpha;
+  return textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
+}
+
+std::pair<int, int> ShapeReader::materials_of(const Use& use, const TexturedNumber& alpha) {
   const std::shared_ptr<const SurfaceMaterial> own = materials_.material(use.material);
-  TexturedNumber alpha(1.0f);
-  if (use.alpha) {
-    Parameters parameters = *use.alpha;
-    alpha = textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
-  }
   SurfaceMaterial material = *own;
   if (alpha.texture != kNoTexture || alpha.value < 1.0f) {
     // Created once for all shapes with the same material and alpha.
@@ -437,22 +469,60 @@ std::pair<int, int> ShapeReader::materials_of(const Use& use) {
 
 void ShapeReader::finish(Shape& shape, Use& use) {
   ReaderReport& report = context_.report;
-  SceneDescription& scene = context_.scene;
   if (report.full()) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(use);
+  const TexturedNumber alpha = alpha_of(use);
+  if (shape.radiance) cut_emission(shape, use, alpha);
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(use, alpha);
   if (use.media.are_different()) {
     shape.interior = media_.install(use.media.inside, use.media.location);
     shape.exterior = media_.install(use.media.outside, use.media.location);
   }
   map_textures(shape, use);
-  if (missing_for_textures(scene, shape).coordinates)
-    report.warn(use.location,
-                fmt::format("'{}' has textures, but no texture coordinates; those of each triangle are "
-                            "its barycentric ones",
-                            shape.name));
-  if (!std::holds_alternative<Mesh>(shape.geometry) && texture_needs(scene, shape).coordinates)
-    report.warn_counted(
-        use.location, "textures on spheres, cylinders and disks are as Mitsuba turns them, not as pbrt does");
+  set_coordinates(shape, use);
+}
+
+/// Where alpha cuts a shape away, it does not shine either. The exception is pbrt's: a shape with alpha 0
+/// everywhere shines as if it were there, on all but rays, which do not meet it.
+void ShapeReader::cut_emission(Shape& shape, const Use& use, const TexturedNumber& alpha) {
+  const SurfaceMaterial& material = *materials_.material(use.material);
+  if (is_nothing(material.front) && is_nothing(material.back)) {
+    context_.report.warn(use.location, "an area light on the material 'interface' is ignored, as in pbrt");
+    shape.radiance.reset();
+    shape.radiance_texture = kNoTexture;
+    return;
+  }
+  if (alpha.texture == kNoTexture) {
+    if (alpha.value == 0.0f)
+      shape.unseen_emission = true;
+    else
+      *shape.radiance *= std::min(alpha.value, 1.0f);
+    return;
+  }
+  const auto cut = textures_.product(shape.radiance_texture, alpha.texture);
+  if (cut)
+    shape.radiance_texture = *cut;
+  else
+    context_.report.unsupported(
+        use.location,
+        "the image of a light is cut by an alpha that is no image, or mapped otherwise; "
+        "that is not read",
+        "it is not cut");
+}
+
+/// Gives meshes that textures need pbrt's own texture coordinates, and disks those of pbrt.
+void ShapeReader::set_coordinates(Shape& shape, const Use& use) {
+  if (!texture_needs(context_.scene, shape).coordinates) return;
+  if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+    const glm::dmat4 to_world(glm::dvec4(disk->x_axis, 0.0), glm::dvec4(disk->y_axis, 0.0),
+                              glm::dvec4(disk->normal, 0.0), glm::dvec4(disk->center, 1.0));
+    Mesh mesh = disk_mesh(disk->radius, 0.0, 0.0);
+    if (context_.report.place(mesh, to_world, false, shape.name, use.location))
+      shape.geometry = std::move(mesh);
+    return;
+  }
+  auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  if (mesh != nullptr && mesh->texcoords.empty())
+    set_default_coordinates(*mesh, use.faces == Faces::kPatches);
 }
 
 /// Computes texture coordinates from vertex positions if the shape's textures use a mapping.
@@ -502,8 +572,9 @@ bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, S
   }
   if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
     const double scale = uniform_scale(to_world).value();
+    // pbrt's v grows from the lowest point, ours from the highest: the axis is turned round.
     *sphere = {transform_point(to_world, glm::dvec3(0.0)), sphere->radius * scale, x_axis, y_axis,
-               (is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(x_axis, y_axis)};
+               (is_mirror(to_world) ? 1.0 : -1.0) * glm::cross(x_axis, y_axis)};
   } else if (auto* disk = std::get_if<Disk>(&shape.geometry)) {
     const double scale = uniform_scale(to_world, 2).value();
     *disk = {transform_point(to_world, disk->center),
@@ -517,7 +588,8 @@ bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, S
   return true;
 }
 
-void ShapeReader::make_emit(Shape& shape, const AreaLight& light) {
+/// `area`: that of what is one light in pbrt.
+void ShapeReader::make_emit(Shape& shape, const AreaLight& light, double area) {
   ReaderReport& report = context_.report;
   if (in_object())
     report.warn_counted(light.location,
@@ -525,17 +597,11 @@ void ShapeReader::make_emit(Shape& shape, const AreaLight& light) {
   shape.two_sided_emission = light.two_sided;
   double scale = 1.0;
   if (light.power)
-    scale =
-        *light.power / (std::numbers::pi * area_of(shape) * (light.two_sided ? 2.0 : 1.0) * light.image_mean);
+    scale = *light.power / (std::numbers::pi * area * (light.two_sided ? 2.0 : 1.0) * light.image_mean);
   shape.radiance = glm::vec3(glm::dvec3(light.radiance) * scale);
   shape.radiance_texture = light.image;
   if (!(std::max({shape.radiance->x, shape.radiance->y, shape.radiance->z}) < 1e37f))
     return report.error(light.location, "the radiance of this light is not finite");
-  if (shape.two_sided_emission &&
-      (std::holds_alternative<Sphere>(shape.geometry) || std::holds_alternative<Cylinder>(shape.geometry))) {
-    report.warn_counted(light.location, "spheres and cylinders shine outwards alone");
-    shape.two_sided_emission = false;
-  }
 }
 
 }  // namespace penumbra::pbrt

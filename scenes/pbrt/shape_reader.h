@@ -48,9 +48,12 @@ class ShapeReader {
   std::vector<std::uint32_t> indices(Parameters& parameters, const Mesh& mesh, std::size_t corners,
                                      SourceLocation location);
 
+  /// What is a shape of its own in pbrt.
+  enum class Faces { kWhole, kTriangles, kPatches };
   /// Properties of a shape that are known only at the end of the file.
   struct Use {
     int material = kDefaultMaterial;
+    Faces faces = Faces::kWhole;
     std::optional<Parameters> alpha = std::nullopt;  ///< the directive's parameter `alpha`
     MediumNames media;
     SourceLocation location;
@@ -62,12 +65,17 @@ class ShapeReader {
     GraphicsState state;
   };
   void add(const std::string& type, Geometry geometry, Use use, const GraphicsState& state);
+  void add_lights(Shape shape, const Use& use, const AreaLight& light);
+  void add_part(Shape shape, Use use);
   void finish_curves();
   bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
-  void make_emit(Shape& shape, const AreaLight& light);
+  void make_emit(Shape& shape, const AreaLight& light, double area);
+  void cut_emission(Shape& shape, const Use& use, const TexturedNumber& alpha);
+  void set_coordinates(Shape& shape, const Use& use);
+  TexturedNumber alpha_of(const Use& use);
   void finish(Shape& shape, Use& use);
   void map_textures(Shape& shape, const Use& use);
-  std::pair<int, int> materials_of(const Use& use);
+  std::pair<int, int> materials_of(const Use& use, const TexturedNumber& alpha);
   std::vector<Shape>& shapes();
   std::vector<Use>& uses() { return object_ >= 0 ? group_uses_[std::size_t(object_)] : uses_; }
 

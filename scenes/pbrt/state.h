@@ -35,8 +35,8 @@ struct AreaLight {
   int image = kNoTexture;   ///< texture that multiplies the radiance
   double image_mean = 1.0;  ///< mean luminance of that texture
   bool two_sided = false;
-  /// Power given instead of a scale: the light is scaled so that pi times its area times its radiance equals
-  /// this.
+  /// The light is scaled so that pi times its area times its radiance equals this, before its own scale. As
+  /// each triangle or patch of a mesh is a light of its own in pbrt, each has this power.
   std::optional<double> power = std::nullopt;
   SourceLocation location = {};
 };
@@ -64,7 +64,11 @@ struct Context {
   const FileAccess& files;
   std::filesystem::path folder;
   SceneDescription& scene;
-  double exposure = 1.0;  ///< exposure of the film: the factor from radiance to pbrt's pixel values
+  double shutter_time = 1.0;  ///< of the camera
+  double sensitivity = 1.0;   ///< of the film, by its iso
+  glm::dmat3 balance{1.0};    ///< of the film: its white balance, which the lights get
+  /// The factor from radiance to pbrt's pixel values.
+  [[nodiscard]] double exposure() const { return shutter_time * sensitivity; }
 };
 
 }  // namespace penumbra::pbrt

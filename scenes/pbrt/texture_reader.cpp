@@ -8,7 +8,9 @@
 #include <glm/gtc/packing.hpp>
 
 #include "scenes/image/bitmap_values.h"
+#include "scenes/names.h"
 #include "scenes/number.h"
+#include "scenes/pbrt/light_strength.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
@@ -141,6 +143,42 @@ std::optional<int> TextureReader::alpha_of(const std::string& file) {
   return std::nullopt;
 }
 
+std::optional<int> TextureReader::mean_of(int bitmap, float gamma) {
+  const auto [known, is_new] = means_.try_emplace({bitmap, gamma});
+  if (!is_new) return known->second;
+  const Bitmap& image = bitmaps_.bitmap(bitmap);
+  const BitmapValues values(image, gamma);
+  const std::size_t texels = std::size_t(image.width) * std::size_t(image.height);
+  bool grey = true;
+  for (std::size_t i = 0; i < 3 * texels && grey; i += 3)
+    grey = values[i] == values[i + 1] && values[i] == values[i + 2];
+  if (!grey) known->second = bitmaps_.add(channel_mean(image, gamma));
+  return known->second;
+}
+
+int TextureReader::balanced(int light_image) {
+  if (context_.balance == glm::dmat3(1.0)) return light_image;
+  name_ = context_.scene.textures[std::size_t(light_image)].name;
+  of_ = Of::kColours;
+  const auto made =
+      combined({TextureValue{glm::vec3(1.0f), light_image}},
+               [&](std::span<const glm::dvec3> v) { return penumbra::pbrt::balanced(context_, v[0]); });
+  return made ? made->texture : light_image;
+}
+
+std::optional<int> TextureReader::product(int light_image, int alpha) {
+  if (light_image == kNoTexture) return alpha;
+  const auto [known, is_new] = products_.try_emplace({light_image, alpha});
+  if (!is_new) return known->second;
+  name_ = context_.scene.textures[std::size_t(alpha)].name;
+  of_ = Of::kColours;
+  const auto made = combined(
+      {TextureValue{glm::vec3(1.0f), light_image}, TextureValue{glm::vec3(1.0f), alpha}},
+      [](std::span<const glm::dvec3> v) { return v[0] * glm::clamp(v[1], 0.0, 1.0); }, true);
+  if (made) known->second = made->texture;
+  return known->second;
+}
+
 std::shared_ptr<const Bitmap> TextureReader::image(const std::string& file, SourceLocation location) {
   const auto index = bitmap(file, location);
   return index ? bitmaps_.shared(*index) : nullptr;
@@ -157,7 +195,9 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
     report.unsupported(parameters.location("wrap", location),
                        fmt::format("'{}' is no wrap that is read", wrap), "it is repeated");
   model.wrap_u = model.wrap_v = model.wrap;
-  const std::string encoding = parameters.text("encoding", "sRGB", report);
+  // In pbrt only PNG files have sRGB values unless the directive says so.
+  const std::string encoding =
+      parameters.text("encoding", extension_of(model.filename) == ".png" ? "sRGB" : "linear", report);
   if (encoding == "linear") {
     model.gamma = 1.0f;
     model.raw = true;
@@ -180,10 +220,18 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
     report.error(location, "an imagemap needs a \"string filename\"");
     return {};
   }
-  auto index = of_ == Of::kNumbers ? alpha_of(model.filename) : std::nullopt;
-  if (!index) index = bitmap(model.filename, parameters.location("filename", location));
+  const auto index = bitmap(model.filename, parameters.location("filename", location));
   if (!index) return {glm::vec3(0.5f)};
   model.bitmap = *index;
+  if (of_ == Of::kNumbers && bitmaps_.bitmap(*index).channels == 3) {
+    if (const auto alpha = alpha_of(model.filename)) {
+      model.bitmap = *alpha;
+    } else if (const auto mean = mean_of(*index, model.gamma)) {
+      model.bitmap = *mean;
+      model.gamma = 1.0f;
+      model.raw = true;
+    }
+  }
   const TextureValue image{glm::vec3(1.0f), add_mapped(model, to_uv)};
   if (inverted)
     return combined({image}, [&](std::span<const glm::dvec3> v) { return glm::max(1.0 - scale * v[0], 0.0); })
@@ -220,7 +268,7 @@ int TextureReader::scaled(int texture, const glm::vec3& factor) {
 }
 
 TextureValue TextureReader::scale(Parameters& parameters, SourceLocation location) {
-  const TextureValue a = value(parameters, "tex", 1.0), b = value(parameters, "scale", 1.0);
+  const TextureValue a = value(parameters, "tex", 1.0), b = value(parameters, "scale", 1.0, Of::kNumbers);
   if (a.texture == kNoTexture && b.texture == kNoTexture) return {a.value * b.value};
   if (a.texture != kNoTexture && b.texture != kNoTexture) {
     if (const auto product = combined({a, b}, [](std::span<const glm::dvec3> v) { return v[0] * v[1]; }))
@@ -371,7 +419,7 @@ const Bitmap& TextureReader::bitmap_of(int texture) const {
 
 std::optional<TextureValue> TextureReader::combined(
     std::initializer_list<TextureValue> values,
-    const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of) {
+    const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of, bool any_wrap) {
   struct Source {
     glm::dvec3 factor;
     std::optional<BitmapValues> texels = std::nullopt;
@@ -396,7 +444,7 @@ std::optional<TextureValue> TextureReader::combined(
       if (image == nullptr) return std::nullopt;
       const TextureMapping* own = mapping_of(texture);
       const bool alike = mapping == own || (mapping != nullptr && own != nullptr && *mapping == *own);
-      if (first != nullptr && (each.to_uv != to_uv || image->wrap != first->wrap || !alike))
+      if (first != nullptr && (each.to_uv != to_uv || (!any_wrap && image->wrap != first->wrap) || !alike))
         return std::nullopt;
       first = image;
       mapping = own;

@@ -34,6 +34,11 @@ class TextureReader {
   /// checkerboards, possibly scaled.
   std::optional<int> square_root(int texture);
   int scaled(int texture, const glm::vec3& factor);
+  /// A light's image by the film's white balance.
+  int balanced(int light_image);
+  /// A light's image, or kNoTexture, times an alpha. Nothing if they are not two images that are mapped
+  /// alike.
+  std::optional<int> product(int light_image, int alpha);
 
   /// An image whose values are radiance.
   std::optional<int> light_image(const std::string& file, SourceLocation location);
@@ -66,9 +71,10 @@ class TextureReader {
     return value(parameters, name, fallback, of_);
   }
   /// The image of a function applied to textures. They must be images that differ only in their texels;
-  /// otherwise nothing.
+  /// otherwise nothing. `any_wrap`: they may repeat in other ways, and the last one's counts.
   std::optional<TextureValue> combined(std::initializer_list<TextureValue> values,
-                                       const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of);
+                                       const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of,
+                                       bool any_wrap = false);
   /// The transform from texture coordinates, or from those of the current texture's mapping, to those of
   /// pbrt's images.
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
@@ -76,13 +82,18 @@ class TextureReader {
   int add_mapped(TextureModel model, const glm::dmat3& to_uv);
   TextureValue placeholder(SourceLocation location, const std::string& message);
   std::optional<int> bitmap(const std::string& file, SourceLocation location);
-  /// The alpha channel of an image, which is its value as a float texture. Nothing if alpha is 1 everywhere.
+  /// The alpha channel of an image of colours, which is its value as a float texture. Nothing if alpha is 1
+  /// everywhere.
   std::optional<int> alpha_of(const std::string& file);
+  /// The value of an image of colours as a float texture: their mean. Nothing for an image of greys.
+  std::optional<int> mean_of(int bitmap, float gamma);
 
   Context& context_;
   BitmapFiles bitmaps_;
   std::map<std::pair<std::string, Of>, TextureValue> textures_;
   std::map<int, std::optional<int>> square_roots_;
+  std::map<std::pair<int, float>, std::optional<int>> means_;
+  std::map<std::pair<int, int>, std::optional<int>> products_;
   std::map<int, TextureMapping> mappings_;
   std::optional<TextureMapping> mapping_;  ///< of the texture that is being read
   glm::dmat4 ctm_{1.0};                    ///< of the texture that is being read

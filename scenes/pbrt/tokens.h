@@ -2,6 +2,7 @@
 // the line. Include and similar directives insert other files.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -17,7 +18,7 @@ enum class TokenKind { kEnd, kWord, kText, kOpen, kClose };
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string_view text;  ///< of a quoted string: without the quotes
+  std::string_view text;  ///< of a quoted string: without the quotes, escapes resolved
   SourceLocation location;
 };
 
@@ -43,12 +44,14 @@ class TokenReader {
     std::size_t at = 0;
   };
   Token scan();
+  Token quoted(Open& open);
 
   const FileAccess& files_;
   ReaderReport& report_;
   std::filesystem::path folder_;
   std::vector<std::unique_ptr<SourceFile>> sources_;
   std::vector<Open> open_;
+  std::deque<std::string> resolved_;  ///< strings that had escapes
   std::size_t bytes_ = 0;
   Token ahead_;
   bool has_ahead_ = false;

@@ -13,7 +13,12 @@ struct CameraDirective {
   MediumNames media;
   SourceLocation location;
 };
+/// Reads when the camera's shutter is open, before the lights, whose strengths depend on it.
+void read_shutter(Context& context, CameraDirective& camera);
+/// Without a Camera directive, pbrt's camera is a perspective one at the origin.
 void read_camera(Context& context, CameraDirective& camera);
+/// Reports an exposure that is not 1, which changes the strengths of all lights.
+void check_exposure(Context& context, SourceLocation location);
 
 void read_film(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
 void read_sampler(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
