@@ -67,7 +67,7 @@ void add(std::vector<float>& values, const glm::dvec3& colour) {
 /// Resamples the octahedral image to longitude and polar angle, with y up and half as many rows as columns.
 /// A small image gets more texels than it has: its own have sharp edges, ours are interpolated.
 std::shared_ptr<const Bitmap> resampled(const Context& context, const Bitmap& square) {
-  const int finer = std::max(square.width, std::min(4 * square.width, 1024));
+  const int finer = std::max(square.width, std::min(8 * square.width, 1024));
   const int height = std::clamp(finer, 2, 8192), width = 2 * height;
   const OctahedralImage image(square);
   std::vector<float> values;

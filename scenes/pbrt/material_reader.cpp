@@ -124,16 +124,16 @@ std::shared_ptr<const SurfaceMaterial> MaterialReader::read(const std::string& t
   if (found == nullptr)
     return std::make_shared<SurfaceMaterial>(both_sides(type.c_str(), DiffuseBsdf{kUnreadColour}));
   SurfaceMaterial material = (this->*found->read)(parameters, location);
-  SurfaceBend bend;
+  SurfaceBend bend;  // whose bumps cast no shadows on each other in pbrt
   if (const std::string file = parameters.text("normalmap", "", report); !file.empty()) {
     if (const auto texture = textures_.normal_map(file, parameters.location("normalmap", location)))
-      bend = {BendKind::kNormalMap, *texture};
+      bend = {.kind = BendKind::kNormalMap, .texture = *texture, .shadows = false};
   }
   if (const TexturedNumber bumps = textures_.number(parameters, "displacement", 0.0, -1e30, 1e30);
       bumps.texture != kNoTexture) {
     if (bend.kind != BendKind::kNone)
       report.warn(location, "a material has a normalmap or displacement; this normalmap is ignored");
-    bend = {BendKind::kBumpMap, bumps.texture};
+    bend = {.kind = BendKind::kBumpMap, .texture = bumps.texture, .shadows = false};
   }
   if (bend.kind != BendKind::kNone && !is_bent(material.front)) material = bent(material, bend);
   parameters.finish(fmt::format("the material '{}'", type), report);

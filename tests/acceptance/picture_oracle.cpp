@@ -45,14 +45,15 @@ PictureAgreement compare_with_picture(SceneDescription scene, const std::filesys
   scene.sampler.spp = samples;
   scene.film.closed_light_edges = false;  // which would hide the noise that the other program has there
   const FilmAccumulator film = render_or_throw(scene, device);
-  if (film.width() != theirs.width || film.height() != theirs.height)
+  const Film& shown = scene.film;  // of which the picture shows the crop window
+  if (shown.crop_width != theirs.width || shown.crop_height != theirs.height)
     throw std::runtime_error(fmt::format("{} has {} x {} pixels, the render {} x {}", reference.string(),
-                                         theirs.width, theirs.height, film.width(), film.height()));
+                                         theirs.width, theirs.height, shown.crop_width, shown.crop_height));
   struct Total {
     double ours = 0, theirs = 0, variance = 0;  ///< sums; the variance is that of the difference of the sums
   };
   const auto add = [&](Total& total, int x, int y, int c) {
-    const statistics::Sample pixel = pixel_sample(film, film.x() + x, film.y() + y, c);
+    const statistics::Sample pixel = pixel_sample(film, shown.crop_x + x, shown.crop_y + y, c);
     total.ours += pixel.mean();
     total.theirs += theirs.at(x, y, c);
     total.variance += pixel.variance() * (1.0 / double(pixel.count()) + 1.0 / double(reference_samples));
@@ -62,8 +63,10 @@ PictureAgreement compare_with_picture(SceneDescription scene, const std::filesys
     for (int x = 0; x < theirs.width; ++x)
       for (int c = 0; c < 3; ++c) add(all, x, y, c);
   PictureAgreement result;
-  result.mean = all.ours / all.theirs;
-  result.mean_tolerance = kPictureMean + kPictureDeviates * std::sqrt(all.variance) / all.theirs;
+  const bool same = all.ours == all.theirs;  // as two black pictures are
+  result.mean = same ? 1.0 : all.ours / all.theirs;
+  result.mean_tolerance =
+      kPictureMean + (same ? 0.0 : kPictureDeviates * std::sqrt(all.variance) / all.theirs);
   constexpr int kPixels = kPictureBlock * kPictureBlock;
   const double dark = kPictureDark * all.theirs / (3.0 * theirs.width * theirs.height) * kPixels;
   int count = 0, accepted = 0;
@@ -74,7 +77,8 @@ PictureAgreement compare_with_picture(SceneDescription scene, const std::filesys
         for (int i = 0; i < kPixels; ++i) add(block, x + i % kPictureBlock, y + i / kPictureBlock, c);
         const double limit =
             kPictureLevel * std::max(block.theirs, dark) + kPictureDeviates * std::sqrt(block.variance);
-        const double excess = std::abs(block.ours - block.theirs) / limit;
+        const double difference = std::abs(block.ours - block.theirs),
+                     excess = difference == 0.0 ? 0.0 : difference / limit;
         ++count;
         accepted += excess <= 1.0 ? 1 : 0;
         if (!(excess <= result.worst)) {

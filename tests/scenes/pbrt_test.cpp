@@ -516,7 +516,7 @@ TEST(PbrtOctahedron, IsItsInverseOfEqualAreas) {
 }
 
 TEST_F(PbrtText, ImagesOfTheSkyAreResampled) {
-  // 16 x 16, the half with x > 0 white; it gets 64 rows.
+  // 16 x 16, the half with x > 0 white; it gets 128 rows.
   std::vector<std::uint8_t> texels(256, 0);
   for (std::size_t y = 0; y < 16; ++y)
     for (std::size_t x = 8; x < 16; ++x) texels[16 * y + x] = 255;
@@ -528,9 +528,9 @@ TEST_F(PbrtText, ImagesOfTheSkyAreResampled) {
   EXPECT_EQ(sky.scale, 3.0f);
   ASSERT_EQ(sky.image->width, 2 * sky.image->height);
   // Texel (x, y) is at (sin p sin t, cos t, -cos p sin t), p = 2 pi (x + 1/2) / W, t = pi y / (H - 1).
-  ASSERT_EQ(sky.image->height, 64);
-  for (const auto [column, expected] : {std::pair(32, 1.0), std::pair(96, 0.0)})  // p = 91 and 271 degrees
-    EXPECT_EQ(bitmap_value(*sky.image, 3 * (std::size_t(32) * 128 + std::size_t(column)), 1.0f), expected);
+  ASSERT_EQ(sky.image->height, 128);
+  for (const auto [column, expected] : {std::pair(64, 1.0), std::pair(192, 0.0)})  // p = 91 and 271 degrees
+    EXPECT_EQ(bitmap_value(*sky.image, 3 * (std::size_t(64) * 256 + std::size_t(column)), 1.0f), expected);
 }
 
 TEST_F(PbrtText, TheIlluminanceOfAnImageIsAsPbrtCountsIt) {
