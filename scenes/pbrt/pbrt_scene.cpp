@@ -197,7 +197,12 @@ class SceneParser {
     read_shutter(context_, camera_);
     systems_["camera"] = is_singular(state_.ctm) ? glm::dmat4(1.0) : glm::inverse(state_.ctm);
   }
-  void film(const Token& token) { view(token, read_film); }
+  void film(const Token& token) {
+    if (state_.colour_space != "srgb")
+      report_.warn(token.location,
+                   fmt::format("the film's colours are linear sRGB's, not {}'s", state_.colour_space));
+    view(token, read_film);
+  }
   void sampler(const Token& token) { view(token, read_sampler); }
   void filter(const Token& token) { view(token, read_filter); }
   void integrator(const Token& token) {

@@ -40,13 +40,21 @@ TEST_F(PbrtMedia, AreSumsOfWhatIsScatteredAndAbsorbed) {
   EXPECT_FALSE(medium.density);
 }
 
-TEST_F(PbrtMedia, OfNoCoefficientsAreMilk) {
-  const ParticipatingMedium milk = inside("\"string type\" \"homogeneous\"");
-  expect_close(milk.extinction, {2.5511f, 3.2124f, 3.784f});
-  const ParticipatingMedium preset =
+TEST_F(PbrtMedia, MissingCoefficientsAreOne) {
+  const ParticipatingMedium plain = inside("\"string type\" \"homogeneous\"");
+  expect_close(plain.extinction, glm::vec3(2.0f));
+  expect_close(plain.albedo, glm::vec3(0.5f));
+  const ParticipatingMedium clear = inside("\"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0]");
+  expect_close(clear.extinction, glm::vec3(1.0f));
+}
+
+TEST_F(PbrtMedia, PresetsAreMeasured) {
+  // Jensen et al. 2001, figure 5; Narasimhan et al. 2006.
+  const ParticipatingMedium milk =
       inside("\"string type\" \"homogeneous\" \"string preset\" \"Wholemilk\" \"float scale\" 2");
-  expect_close(preset.extinction, 2.0f * milk.extinction);
-  EXPECT_EQ(preset.albedo, milk.albedo);
+  expect_close(milk.extinction, 2.0f * glm::vec3(2.5511f, 3.2124f, 3.784f));
+  const ParticipatingMedium coffee = inside("\"string type\" \"homogeneous\" \"string preset\" \"Espresso\"");
+  expect_close(coffee.extinction, glm::vec3(0.72378f + 4.7984f, 0.84557f + 6.5751f, 1.0247f + 8.8493f));
 }
 
 TEST_F(PbrtMedia, GridsFillTheirBox) {
@@ -63,6 +71,7 @@ TEST_F(PbrtMedia, GridsFillTheirBox) {
   ASSERT_TRUE(medium.density);
   EXPECT_EQ(medium.density->grid->nz, 3);
   EXPECT_THAT(medium.density->grid->values, ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_TRUE(medium.density->fades) << "the grid is 0 outside";
   expect_near(medium.density->to_world * glm::dvec4(0, 0, 0, 1), {11, 1, 1});
   expect_near(medium.density->to_world * glm::dvec4(1, 1, 1, 1), {14, 2, 1.5});
 }
@@ -74,8 +83,22 @@ TEST_F(PbrtMedia, GridsOfColoursHaveTwo) {
       "\"float scale\" 4");
   EXPECT_EQ(medium.extinction, glm::vec3(4.0f));
   EXPECT_EQ(medium.albedo, glm::vec3(1.0f));
-  EXPECT_THAT(medium.density->grid->values, ElementsAre(2, 1, 4, 0, 4, 0));
-  EXPECT_THAT(medium.albedo_grid->grid->values, ElementsAre(0.5f, 1, 0.25f, 0, 0.75f, 0));
+  // Cells a fourth as large. pbrt interpolates both coefficients, towards 0 outside of the grid.
+  const VolumeGrid& density = *medium.density->grid;
+  const VolumeGrid& albedo = *medium.albedo_grid->grid;
+  ASSERT_EQ(glm::ivec3(density.nx, density.ny, density.nz), glm::ivec3(8, 4, 4));
+  const auto weight = [](int fine, int cell) {
+    return std::max(0.0, 1.0 - std::abs((fine + 0.5) / 4 - (cell + 0.5)));
+  };
+  for (int z = 0; z < 4; ++z)
+    for (int x = 0; x < 8; ++x) {
+      const double others = weight(1, 0) * weight(z, 0), first = others * weight(x, 0),
+                   second = others * weight(x, 1);
+      const auto at = std::size_t(3 * (8 * (4 * z + 1) + x));
+      EXPECT_NEAR(density.values[at], 2 * first, 1e-6);
+      EXPECT_NEAR(density.values[at + 1], first + 4 * second, 1e-6);
+      EXPECT_NEAR(albedo.values[at + 1], (first + 3 * second) / (first + 4 * second), 1e-6);
+    }
 }
 
 TEST_F(PbrtMedia, AreBetweenSurfacesThatPartTwo) {

@@ -1,0 +1,152 @@
+// Area lights and image lights of pbrt-v4, and the faces of meshes.
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "scenes/image/bitmap_values.h"
+#include "scenes/pbrt/mesh_faces.h"
+#include "tests/scenes/pbrt_text.h"
+#include "tests/support/tga_file.h"
+
+namespace penumbra::pbrt_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class PbrtLights : public PbrtText {
+ protected:
+  static constexpr const char* kLit = "AreaLightSource \"diffuse\" \"rgb L\" [4 4 4]\n";
+  static std::string triangle_with(const std::string& more) {
+    return "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1] " + more +
+           "\n";
+  }
+};
+
+TEST_F(PbrtLights, AlphaCutsEmission) {
+  EXPECT_EQ(good_pbrt(kLit + triangle_with("\"float alpha\" 0.25")).shapes[0].radiance, glm::vec3(1.0f));
+  EXPECT_EQ(good_pbrt(kLit + triangle_with("\"float alpha\" 3")).shapes[0].radiance, glm::vec3(4.0f));
+  const SceneDescription unseen = good_pbrt(kLit + triangle_with("\"float alpha\" 0"));
+  EXPECT_EQ(unseen.shapes[0].radiance, glm::vec3(4.0f)) << "a light that no ray meets";
+  EXPECT_TRUE(unseen.shapes[0].unseen_emission);
+  write("a.tga", tga_file(2, 1, 1, std::vector<std::uint8_t>{255, 51}));
+  const std::string alpha = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.tga\"\n";
+  const SceneDescription cut = good_pbrt(alpha + kLit + triangle_with("\"texture alpha\" \"a\""));
+  EXPECT_EQ(cut.shapes[0].radiance_texture, std::get<MaskBsdf>(front(cut)).opacity.texture);
+  write("l.tga", tga_file(2, 1, 1, std::vector<std::uint8_t>{255, 255}));
+  const SceneDescription both =
+      good_pbrt(alpha + "AreaLightSource \"diffuse\" \"string filename\" \"l.tga\"\n" +
+                triangle_with("\"texture alpha\" \"a\""));
+  const auto& model =
+      std::get<BitmapTexture>(both.textures.at(std::size_t(both.shapes[0].radiance_texture)).model);
+  const Bitmap& product = *both.bitmaps.at(std::size_t(model.bitmap));
+  EXPECT_NEAR(bitmap_value(product, 0, 1.0f), 1.0, 1e-3);
+  EXPECT_NEAR(bitmap_value(product, 3, 1.0f), 0.2, 1e-3);
+}
+
+TEST_F(PbrtLights, InterfacesDoNotShine) {
+  const SceneDescription scene = good_pbrt("Material \"interface\"\n" + (kLit + triangle_with("")));
+  EXPECT_FALSE(scene.shapes[0].radiance);
+  EXPECT_THAT(warnings(scene), HasSubstr("an area light on the material 'interface' is ignored"));
+}
+
+TEST_F(PbrtLights, EachFaceHasThePower) {
+  // Triangles of areas 1/2 and 2.
+  const SceneDescription scene = good_pbrt(
+      "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float power\" 6\n"
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 5 0 0 7 0 0 5 2 0] \"integer indices\" [0 1 2 "
+      "3 4 5]\n");
+  ASSERT_EQ(scene.shapes.size(), 2u);
+  EXPECT_NEAR(scene.shapes[0].radiance->x, 6 / (std::numbers::pi * 0.5), 1e-5);
+  EXPECT_NEAR(scene.shapes[1].radiance->x, 6 / (std::numbers::pi * 2), 1e-6);
+  EXPECT_EQ(mesh(scene, 1).positions.size(), 3u);
+  const SceneDescription patch = good_pbrt(
+      "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float power\" 6\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 3]\n");
+  ASSERT_EQ(patch.shapes.size(), 1u);
+  EXPECT_NEAR(patch.shapes[0].radiance->x, 6 / std::numbers::pi, 1e-6) << "a patch is one light";
+}
+
+TEST_F(PbrtLights, MeshesWithoutCoordinatesHavePbrts) {
+  write("t.tga", tga_file(1, 1, 1, std::vector<std::uint8_t>{255}));
+  const std::string material =
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.tga\"\n"
+      "Material \"diffuse\" \"texture reflectance\" \"t\"\n";
+  const SceneDescription scene = good_pbrt(
+      material +
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 3 2 1]\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 3]\n");
+  using glm::vec2;
+  EXPECT_THAT(mesh(scene, 0).texcoords,
+              ElementsAre(vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0), vec2(1, 0), vec2(1, 1)));
+  // Of a patch they are its u and v.
+  const Mesh& patch = mesh(scene, 1);
+  for (std::size_t i = 0; i < patch.positions.size(); ++i)
+    EXPECT_EQ(patch.texcoords[i], vec2(patch.positions[i].x, patch.positions[i].y));
+  EXPECT_EQ(mesh(good_pbrt(kTriangle)).texcoords.size(), 0u) << "nothing needs them";
+}
+
+TEST_F(PbrtLights, SpheresCountVFromBelow) {
+  const auto& sphere = std::get<Sphere>(good_pbrt("Shape \"sphere\"").shapes[0].geometry);
+  expect_near(sphere.z_axis, {0, 0, -1});
+}
+
+TEST_F(PbrtLights, FloatTexturesAreMeansOfColours) {
+  // TGA's order is blue, green, red; only PNG files are sRGB by themselves.
+  write("c.tga", tga_file(1, 1, 3, std::vector<std::uint8_t>{0, 51, 255}));
+  const SceneDescription scene =
+      good_pbrt("Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"c.tga\"\n" +
+                triangle_with("\"texture alpha\" \"t\""));
+  const auto& model = std::get<BitmapTexture>(
+      scene.textures.at(std::size_t(std::get<MaskBsdf>(front(scene)).opacity.texture)).model);
+  EXPECT_NEAR(bitmap_value(*scene.bitmaps.at(std::size_t(model.bitmap)), 0, 1.0f), (1.0 + 0.2) / 3, 1e-6);
+  EXPECT_EQ(model.gamma, 1.0f);
+}
+
+TEST_F(PbrtLights, GoniometricLightsHaveTheirPolesAlongY) {
+  // 16 x 16: the central diamond, the upper hemisphere of the octahedron, is white.
+  std::vector<std::uint8_t> texels(256, 0);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x)
+      if (std::abs(x - 7.5) + std::abs(y - 7.5) < 7.5) texels[std::size_t(16 * y + x)] = 255;
+  write("up.tga", tga_file(16, 16, 1, texels));
+  const SceneDescription scene =
+      good_pbrt(std::string(kTriangle) +
+                "LightSource \"goniometric\" \"string filename\" \"up.tga\" \"rgb I\" [1 1 1]\n");
+  for (const Emitter& each : scene.emitters) {
+    const auto& face = std::get<ProjectorLight>(each);
+    const auto& scale = std::get<ScaleTexture>(scene.textures.at(std::size_t(face.irradiance.texture)).model);
+    const auto& image = std::get<BitmapTexture>(scene.textures.at(std::size_t(scale.texture)).model);
+    const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image.bitmap));
+    const auto center = std::size_t(bitmap.height / 2 * bitmap.width + bitmap.width / 2);
+    const double up = face.to_world[2].y;
+    if (std::abs(up) > 0.5) EXPECT_EQ(bitmap_value(bitmap, 3 * center, 1.0f) > 0.0, up > 0.0);
+  }
+}
+
+TEST_F(PbrtLights, TransformBlocksKeepTheWholeState) {
+  const SceneDescription scene = good_pbrt(
+      "Material \"diffuse\" \"rgb reflectance\" [1 0 0]\nTransformBegin\nTranslate 1 0 0\n"
+      "Material \"diffuse\" \"rgb reflectance\" [0 1 0]\nTransformEnd\n" +
+      std::string(kTriangle));
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene)).reflectance.value, glm::vec3(1, 0, 0));
+  expect_near(mesh(scene).positions[0], glm::dvec3(0.0));
+}
+
+TEST_F(PbrtLights, StringsHaveEscapes) {
+  const SceneDescription scene = good_pbrt(
+      "MakeNamedMaterial \"a\\\"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 1 0]\n"
+      "NamedMaterial \"a\\\"b\"\n" +
+      std::string(kTriangle));
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene)).reflectance.value, glm::vec3(0, 1, 0));
+  EXPECT_THAT(wrong("NamedMaterial \"a\\qb\""), HasSubstr("'\\q' is no escape"));
+}
+
+TEST_F(PbrtLights, ImagesAndColoursExcludeEachOther) {
+  EXPECT_THAT(wrong("LightSource \"infinite\" \"string filename\" \"x.png\" \"rgb L\" [1 1 1]"),
+              HasSubstr("exclude each other"));
+  EXPECT_THAT(wrong("LightSource \"projection\""), HasSubstr("needs a \"string filename\""));
+}
+
+}  // namespace
+}  // namespace penumbra::pbrt_test

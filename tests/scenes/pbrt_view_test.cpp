@@ -1,0 +1,145 @@
+// Cameras and films of pbrt-v4: windows, transforms, exposure.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/scene_description.h"
+#include "tests/scenes/pbrt_text.h"
+
+namespace penumbra::pbrt_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class PbrtView : public PbrtText {};
+
+/// Where the camera shows a point, in pixels of the whole film from its upper left corner, by the meaning of
+/// our settings.
+glm::dvec2 shown(const SceneDescription& scene, const glm::dvec3& point) {
+  const CameraSettings& camera = scene.camera;
+  const HalfFilm half = half_film(camera, scene.film);
+  const glm::dvec3 seen(glm::inverse(camera.to_world) * glm::dvec4(point, 1));
+  const double depth = camera.projection == Projection::kOrthographic ? 1.0 : seen.z;
+  return {scene.film.width * (0.5 - camera.principal_point_offset_x - 0.5 * seen.x / (depth * half.x)),
+          scene.film.height * (0.5 - camera.principal_point_offset_y - 0.5 * seen.y / (depth * half.y))};
+}
+
+constexpr const char* kFilm = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20\n";
+
+/// pbrt: a point (X, Y, Z) of camera space is at (X, Y) / (Z tan(fov / 2)) of the screen, of which the window
+/// fills the film, with y upwards.
+glm::dvec2 on_film(const glm::dvec2& screen, const std::array<double, 4>& window) {
+  return {40 * (screen.x - window[0]) / (window[1] - window[0]),
+          20 * (window[3] - screen.y) / (window[3] - window[2])};
+}
+
+void expect_shown(const SceneDescription& scene, const glm::dvec3& point, const glm::dvec2& expected) {
+  const glm::dvec2 found = shown(scene, point);
+  EXPECT_NEAR(found.x, expected.x, 1e-9);
+  EXPECT_NEAR(found.y, expected.y, 1e-9);
+}
+
+TEST_F(PbrtView, WindowsMayBeAnywhereAndOfAnyShape) {
+  const double tangent = std::tan(20 * std::numbers::pi / 180);
+  for (const glm::dvec3 point : {glm::dvec3(0.2, 0.3, 2.0), glm::dvec3(-0.4, 0.1, 1.0)}) {
+    const glm::dvec2 seen = glm::dvec2(point) / point.z / tangent;
+    expect_shown(
+        good_pbrt(kTriangle, std::string("Camera \"perspective\" \"float fov\" 40 \"float screenwindow\" "
+                                         "[-0.5 1.5 -1 0.8]\n") +
+                                 kFilm),
+        point, on_film(seen, {-0.5, 1.5, -1, 0.8}));
+    expect_shown(good_pbrt(kTriangle, std::string("Camera \"perspective\" \"float fov\" 40 \"float "
+                                                  "frameaspectratio\" 0.5\n") +
+                                          kFilm),
+                 point, on_film(seen, {-1, 1, -2, 2}));
+    expect_shown(
+        good_pbrt(kTriangle,
+                  std::string("Camera \"orthographic\" \"float screenwindow\" [-2 1 -1 3]\n") + kFilm),
+        point, on_film(glm::dvec2(point), {-2, 1, -1, 3}));
+  }
+}
+
+TEST_F(PbrtView, TransformsScaleAndTiltCameras) {
+  // The camera's space is the world's, scaled after it was turned: its axes are not at right angles.
+  const double angle = 0.6;
+  const std::string view =
+      std::string("Rotate ") + std::to_string(angle * 180 / std::numbers::pi) + " 1 0 0\nScale 2 3 1\n";
+  const glm::dvec3 point(0.3, -0.2, 2.0);
+  const glm::dvec3 scaled = point * glm::dvec3(2, 3, 1);
+  const glm::dvec3 seen(scaled.x, std::cos(angle) * scaled.y - std::sin(angle) * scaled.z,
+                        std::sin(angle) * scaled.y + std::cos(angle) * scaled.z);
+  const SceneDescription perspective =
+      good_pbrt(kTriangle, view + "Camera \"perspective\" \"float fov\" 90\n" + kFilm);
+  const glm::dvec2 found = shown(perspective, point),
+                   expected = on_film(glm::dvec2(seen) / seen.z, {-2, 2, -1, 1});
+  EXPECT_NEAR(found.x, expected.x, 1e-4) << "the angle has six decimals";
+  EXPECT_NEAR(found.y, expected.y, 1e-4);
+  const SceneDescription parallel = good_pbrt(kTriangle, view + "Camera \"orthographic\"\n" + kFilm);
+  const glm::dvec2 flat = shown(parallel, point), wanted = on_film(glm::dvec2(seen), {-2, 2, -1, 1});
+  EXPECT_NEAR(flat.x, wanted.x, 1e-4);
+  EXPECT_NEAR(flat.y, wanted.y, 1e-4);
+}
+
+TEST_F(PbrtView, AParallelCameraWithALensSeesFromTheLens) {
+  const SceneDescription scene = good_pbrt(
+      kTriangle,
+      std::string("Camera \"orthographic\" \"float lensradius\" 0.2 \"float focaldistance\" 3\n") + kFilm);
+  EXPECT_EQ(scene.camera.projection, Projection::kPerspective);
+  EXPECT_EQ(scene.camera.focus_distance, 3.0);
+  // In focus it is where the parallel camera has it.
+  expect_shown(scene, {0.5, 0.25, 3.0}, on_film({0.5, 0.25}, {-2, 2, -1, 1}));
+}
+
+TEST_F(PbrtView, WithoutADirectiveTheCameraIsAtTheOrigin) {
+  const SceneDescription scene = lit(good_of(read_pbrt(pbrt(kTriangle, ""))));
+  EXPECT_EQ(scene.camera.fov, 90.0);
+  expect_near(glm::dvec3(scene.camera.to_world[2]), {0, 0, 1});
+}
+
+TEST_F(PbrtView, CropWindowsReplacePixelBounds) {
+  const SceneDescription scene = good_pbrt(
+      kTriangle,
+      "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0 0.5 0 1] "
+      "\"integer pixelbounds\" [4 8 4 8]");
+  EXPECT_EQ(scene.film.crop_width, 20);
+  EXPECT_EQ(scene.film.crop_height, 20);
+}
+
+TEST_F(PbrtView, WhatIsWrongIsSaidWithItsPlace) {
+  EXPECT_THAT(wrong(kTriangle, "Film \"rgb\" \"float exposuretime\" 0.5"),
+              HasSubstr("'exposuretime' of the film"));
+  EXPECT_THAT(wrong(kTriangle, "Camera \"perspective\" \"float shutterclose\" 0"),
+              HasSubstr("no light comes in"));
+  EXPECT_THAT(wrong(kTriangle, "Rotate 30 0 0 1\nScale 2 1 1\nRotate 30 0 0 1\nCamera \"perspective\""),
+              HasSubstr("shears the camera's film"));
+  EXPECT_THAT(wrong(kTriangle, "Film \"rgb\" \"float whitebalance\" 5"),
+              HasSubstr("whitebalance is 1000 to"));
+}
+
+TEST_F(PbrtView, WhiteBalanceMakesTheIlluminantWhite) {
+  // CIE 15:2004: D50 is (0.96422, 1, 0.82521) in XYZ, here to Rec. 709 by IEC 61966-2-1.
+  const glm::dvec3 d50(0.96422, 1.0, 0.82521);
+  const glm::dvec3 rgb(3.2406 * d50.x - 1.5372 * d50.y - 0.4986 * d50.z,
+                       -0.9689 * d50.x + 1.8758 * d50.y + 0.0415 * d50.z,
+                       0.0557 * d50.x - 0.2040 * d50.y + 1.0570 * d50.z);
+  const SceneDescription scene =
+      good_pbrt(std::string(kTriangle) + "LightSource \"point\" \"rgb I\" [" + std::to_string(rgb.x) + " " +
+                    std::to_string(rgb.y) + " " + std::to_string(rgb.z) + "]\n",
+                "Film \"rgb\" \"float whitebalance\" 5000");
+  expect_near(glm::dvec3(only<PointLight>(scene).intensity), glm::dvec3(1.0), 5e-3);
+}
+
+TEST_F(PbrtView, AmbientOcclusion) {
+  const SceneDescription scene = good_pbrt(
+      kTriangle, "Integrator \"ambientocclusion\" \"float maxdistance\" 2 \"bool cossample\" false");
+  const auto& occlusion = std::get<AmbientOcclusionIntegrator>(scene.integrator.method);
+  EXPECT_EQ(occlusion.ray_length, 2.0f);
+  EXPECT_EQ(occlusion.background, 0.0f);
+  EXPECT_EQ(occlusion.sampling, OcclusionSampling::kHemisphere);
+  EXPECT_EQ(occlusion.weighting, OcclusionWeighting::kCosine);
+}
+
+}  // namespace
+}  // namespace penumbra::pbrt_test
