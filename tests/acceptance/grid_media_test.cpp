@@ -37,10 +37,14 @@ float layer(int z, int channel) {
 constexpr int kLayers = 21;
 
 /// The mean of the layers over the depth, by the midpoint rule between all the centres, where it is exact.
-double mean_layer(bool nearest, int channel) {
+/// `fades`: towards layers of 0 outside.
+double mean_layer(bool nearest, int channel, bool fades = false) {
   double sum = 0;
   for (int z = 0; z < kLayers; ++z) {
-    const auto at = [&](int k) { return double(layer(std::clamp(k, 0, kLayers - 1), channel)); };
+    const auto at = [&](int k) {
+      const bool outside = k < 0 || k >= kLayers;
+      return fades && outside ? 0.0 : double(layer(std::clamp(k, 0, kLayers - 1), channel));
+    };
     // Half a cell before the centre and half a cell behind it, each linear.
     sum +=
         nearest ? at(z) : 0.5 * (0.75 * at(z) + 0.25 * at(z - 1)) + 0.5 * (0.75 * at(z) + 0.25 * at(z + 1));
@@ -73,6 +77,18 @@ TEST(GridMedia, LetThroughWhatTheIntegralOfTheirNumbersSays) {
       SCOPED_TRACE(::testing::Message() << nearest << " " << channels);
       expect_colour(scene, truth, 1e-5);
     }
+}
+
+TEST(GridMedia, MayFadeTowardsTheirFaces) {
+  SceneDescription scene = narrow_view(300'000);
+  const glm::dvec3 low(-1, -1, 1), high(1, 1, 2.3);
+  ParticipatingMedium fading = layers(low, high, false, 3, 0);
+  fading.density->fades = true;
+  bound(scene, box(low, high, add_null(scene)), add_medium(scene, fading));
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  glm::dvec3 truth;
+  for (int k = 0; k < 3; ++k) truth[k] = std::exp(-double(kExtinction[k]) * 1.3 * mean_layer(false, k, true));
+  expect_colour(scene, truth, 1e-5);
 }
 
 // Of a grid that is smaller than its boundary there is nothing outside.

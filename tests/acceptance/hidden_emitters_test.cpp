@@ -134,6 +134,31 @@ TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
   }
 }
 
+/// No ray meets an unseen light, neither the camera's nor those of surfaces, which find it by samples alone.
+TEST(UnseenEmitters, LightTheFloorByThemselves) {
+  for (const Method& method : methods()) {
+    if (method.name == "DirectBsdf" || method.name.starts_with("Polygon")) continue;
+    SCOPED_TRACE(method.name);
+    SceneDescription scene = floor_from_above(50'000);
+    scene.bsdfs.push_back({"nothing", NullBsdf{}});
+    const int nothing = int(scene.bsdfs.size()) - 1;
+    scene.shapes.push_back(area_light(kHeight, kHalf, nothing));
+    scene.shapes.back().back_bsdf = nothing;
+    scene.shapes.back().unseen_emission = true;
+    const double square = square_above(kHeight, kHalf);
+    expect_radiance(scene, method.integrator, kAlbedo * kRadiance * square);
+    // A sphere above: its sine squared.
+    scene.shapes.pop_back();
+    Shape sphere;
+    sphere.geometry = Sphere{{0, 5, 0}, 0.5};
+    sphere.front_bsdf = sphere.back_bsdf = nothing;
+    sphere.radiance = glm::vec3(kRadiance);
+    sphere.unseen_emission = true;
+    scene.shapes.push_back(sphere);
+    expect_radiance(scene, method.integrator, kAlbedo * kRadiance * 0.01);
+  }
+}
+
 TEST(HiddenEmitters, LayersAndClippingPlanesAreThoseOfWhatIsSeen) {
   SceneDescription scene = floor_from_above(4);
   scene.shapes.push_back(area_light(kHeight, kHalf, kBlackBsdf));
