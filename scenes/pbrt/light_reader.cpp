@@ -105,7 +105,8 @@ std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader
   AreaLight light;
   light.location = location;
   refuse_colour_of_image(context, parameters, "L");
-  light.radiance = emitted(context, parameters, "L", location);
+  light.radiance = parameters.has("filename") ? glm::vec3(float(emitted_scale(context, parameters, location)))
+                                              : emitted(context, parameters, "L", location);
   light.two_sided = parameters.boolean("twosided", false, report);
   if (parameters.has("power")) {
     const double power = parameters.number("power", -1.0, report);

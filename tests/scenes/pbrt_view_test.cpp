@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/image/bitmap_values.h"
 #include "scenes/scene_description.h"
 #include "tests/scenes/pbrt_text.h"
+#include "tests/support/tga_file.h"
 
 namespace penumbra::pbrt_test {
 namespace {
@@ -129,6 +131,16 @@ TEST_F(PbrtView, WhiteBalanceMakesTheIlluminantWhite) {
                     std::to_string(rgb.y) + " " + std::to_string(rgb.z) + "]\n",
                 "Film \"rgb\" \"float whitebalance\" 5000");
   expect_near(glm::dvec3(only<PointLight>(scene).intensity), glm::dvec3(1.0), 5e-3);
+  // The image of an area light is balanced, not its strength.
+  write("l.tga", tga_file(1, 1, 1, std::vector<std::uint8_t>{255}));
+  const SceneDescription image =
+      good_pbrt("AreaLightSource \"diffuse\" \"string filename\" \"l.tga\"\n" + std::string(kTriangle),
+                "Film \"rgb\" \"float whitebalance\" 5000");
+  EXPECT_EQ(image.shapes[0].radiance, glm::vec3(1.0f));
+  const auto& model =
+      std::get<BitmapTexture>(image.textures.at(std::size_t(image.shapes[0].radiance_texture)).model);
+  const Bitmap& bitmap = *image.bitmaps.at(std::size_t(model.bitmap));
+  EXPECT_GT(bitmap_value(bitmap, 2, 1.0f), bitmap_value(bitmap, 0, 1.0f)) << "white is bluer than D50";
 }
 
 TEST_F(PbrtView, AmbientOcclusion) {
