@@ -141,6 +141,9 @@ struct EnvironmentMapLight {
   float scale = 1.0f;
   /// Rows from the top; integer texels are sRGB-encoded; at least 2 x 2 texels.
   std::shared_ptr<const Bitmap> image;
+  /// Whether channels below 0 are meant, as those of colours outside the gamut are; else they become 0, as
+  /// resampling makes them beside bright texels. The sum of a texel's channels is at least 0.
+  bool has_wide_gamut = false;
 
   template <typename Row>
   static void parameters(const Row& row) {

@@ -128,6 +128,8 @@ glm::dvec3 integrate(std::span<const SpectrumSample> samples, bool under_d65) {
 
 constexpr SpectrumSample kFlat[] = {{kFirstWavelength, 1.0}, {kLastWavelength, 1.0}};
 
+}  // namespace
+
 double luminance_of_unit_power() {
   double sum = 0.0;
   for (std::size_t row = 0; row + 1 < std::size(kCie); ++row)
@@ -135,7 +137,10 @@ double luminance_of_unit_power() {
   return sum;
 }
 
-}  // namespace
+glm::dvec3 matching_rgb(double wavelength) {
+  const CieRow cie = cie_at(wavelength);
+  return xyz_to_rec709({cie.x, cie.y, cie.z});
+}
 
 glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples) {
   return glm::min(index_to_rgb(samples), 1.0f);

@@ -33,6 +33,13 @@ glm::vec3 blackbody_to_rgb(double temperature);
 /// An emission that is constant over wavelength.
 glm::vec3 emission_to_rgb(double constant);
 
+/// The colour of unit power at one wavelength (nm): the matching functions in Rec. 709, whose channels may be
+/// below 0. Its integral over the wavelength, divided by luminance_of_unit_power(), is emission_to_rgb(1).
+glm::dvec3 matching_rgb(double wavelength);
+
+/// The integral of the luminous efficiency function over the wavelength, in nm.
+double luminance_of_unit_power();
+
 /// Decodes an sRGB value (the inverse of the transfer function of IEC 61966-2-1).
 double srgb_to_linear(double encoded);
 

@@ -31,11 +31,12 @@ double append_sums(std::span<const vec3> row, float sine, float covered, std::ve
   return sum;
 }
 
-/// The radiance of a texel. Negative values, which resampling produces beside bright texels, become 0.
-vec3 radiance_of_texel(const BitmapValues& values, std::size_t channels, std::size_t index, float scale) {
+/// The radiance of a texel; `least` is that of a channel.
+vec3 radiance_of_texel(const BitmapValues& values, std::size_t channels, std::size_t index, float scale,
+                       float least) {
   const auto channel = [&](std::size_t c) {
     const float value = values[channels * index + std::min(c, channels - 1)] * scale;
-    return std::clamp(value, 0.0f, std::numeric_limits<float>::max());
+    return std::clamp(value, least, std::numeric_limits<float>::max());
   };
   return make_vec3(channel(0), channel(1), channel(2));
 }
@@ -64,8 +65,9 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   SceneRecords& records = place.records;
   records.envmap_texels.reserve(std::size_t(width) * std::size_t(height));
   const BitmapValues values(*image, kSrgb);
+  const float least = has_wide_gamut ? std::numeric_limits<float>::lowest() : 0.0f;
   for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height); ++i)
-    records.envmap_texels.push_back(radiance_of_texel(values, std::size_t(image->channels), i, scale));
+    records.envmap_texels.push_back(radiance_of_texel(values, std::size_t(image->channels), i, scale, least));
   EnvironmentMap map{width, height, 0.0f};
   const glm::dvec3 mean = mean_radiance(records.envmap_texels, map);
   if (place.balanced) map.covered = float(mean.x + mean.y + mean.z);

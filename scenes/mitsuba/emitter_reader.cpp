@@ -61,7 +61,6 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, Lights& lights) {
 template <typename Sky>
 void read_sky(PluginReader& plugin, Lights& lights) {
   const auto sky = read_emitter_parameters<Sky>(plugin);
-  plugin.accept({"extend", "complex_sun"});
   lights.sky.add(plugin, sky, Sky::kIs, lights.scene);
 }
 

@@ -19,7 +19,7 @@ void SkyReader::add(const PluginReader& plugin, const SkyParameters& sky, SkyPar
     const SkyParameters& above = is_sun ? first_->parameters : sky;
     const Expected<SkyParameters> both = above.with_sun(is_sun ? sky : first_->parameters);
     if (!both) return plugin.wrong(both.error().message);
-    Emitter made = both->emitter(SkyPart::kBoth);
+    Emitter made = std::move(both->emitters(SkyPart::kBoth).front());
     first_->is = SkyPart::kBoth;
     if (is_black(made)) return;
     if (first_->emitter)
@@ -28,10 +28,12 @@ void SkyReader::add(const PluginReader& plugin, const SkyParameters& sky, SkyPar
       scene.emitters.push_back(std::move(made));
     return;
   }
-  Emitter made = sky.emitter(part);
-  const bool black = is_black(made);
-  if (!has_no_disk) first_ = Part{sky, part, black ? std::nullopt : std::optional(scene.emitters.size())};
-  if (!black) scene.emitters.push_back(std::move(made));
+  if (!has_no_disk) first_ = Part{sky, part, std::nullopt};
+  for (Emitter& made : sky.emitters(part)) {
+    if (is_black(made)) continue;
+    if (is_sky(made)) first_->emitter = scene.emitters.size();
+    scene.emitters.push_back(std::move(made));
+  }
 }
 
 }  // namespace penumbra::mitsuba

@@ -20,7 +20,7 @@ class SkyReader {
   struct Part {
     SkyParameters parameters;
     SkyPart is;
-    std::optional<std::size_t> emitter;  ///< index in the scene; none: it is black
+    std::optional<std::size_t> emitter;  ///< of its environment map in the scene; none: it is black
   };
   std::optional<Part> first_;
 };

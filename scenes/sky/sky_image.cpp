@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "scenes/angles.h"
-#include "scenes/sky/preetham_sky.h"
-#include "scenes/sky/sky_level.h"
+#include "scenes/sky/hosek_wilkie_sky.h"
+#include "scenes/sky/hosek_wilkie_sun.h"
 
 namespace penumbra {
 namespace {
@@ -58,43 +58,66 @@ class Canvas {
   std::vector<glm::dvec3> texels_;
 };
 
+/// The fall of an extended sky's radiance below the horizon (Mitsuba 0.6), where `angle` is from the zenith.
+double fade(double angle) {
+  const double t = std::clamp(2 - angle / (kPi / 2), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 void draw_atmosphere(const SkyImage& sky, Canvas& canvas) {
-  const PreethamSky model(sky.to_sun, sky.turbidity);
-  const double elevation = std::asin(std::clamp(sky.to_sun.y, 0.0, 1.0)) / kDegree;
-  const glm::dvec3 level = sky.sky_scale * sky_level(sky.turbidity, elevation, sky.albedo);
+  const HosekWilkieSky model(sky.to_sun, sky.turbidity, sky.albedo);
+  const double end = sky.extend ? kPi : std::min(kPi / 2 * sky.stretch, kPi);
+  const double row = canvas.angle_of(1);
   for (int y = 0; y < canvas.height(); ++y) {
-    const double angle = canvas.angle_of(y) / sky.stretch;
-    if (angle > kPi / 2 * (1 + 1e-9)) break;
+    const double angle = canvas.angle_of(y);
+    const double top = std::max(angle - row / 2, 0.0), bottom = std::min(angle + row / 2, kPi);
+    const double share = std::min((end - top) / (bottom - top), 1.0);
+    if (!(share > 0)) break;
+    const double scale = sky.sky_scale * share * (sky.extend ? fade(angle) : 1.0);
+    const double model_angle = std::min(angle / sky.stretch, kPi / 2);
     for (int x = 0; x < canvas.width(); ++x) {
       const double phi = 2 * kPi * (x + 0.5) / canvas.width();
-      const glm::dvec3 w(std::sin(phi) * std::sin(angle), std::cos(angle), -std::cos(phi) * std::sin(angle));
-      canvas.at(x, y) = level * model.radiance(w);
+      const glm::dvec3 w(std::sin(phi) * std::sin(model_angle), std::cos(model_angle),
+                         -std::cos(phi) * std::sin(model_angle));
+      canvas.at(x, y) = scale * model.radiance(w);
     }
   }
 }
 
 void draw_sun(const SkyImage& sky, Canvas& canvas) {
-  const double versine = 2 * std::pow(std::sin(0.5 * kSunRadius * kDegree), 2);
-  const double drawn = 2 * std::pow(std::sin(0.5 * sky.sun_radius * kDegree), 2);
-  const glm::dvec3 power = sky.sun_scale * 2 * kPi * versine * sun_radiance(sky.to_sun.y, sky.turbidity);
-  const glm::dvec3 other = std::abs(sky.to_sun.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 s = glm::normalize(glm::cross(sky.to_sun, other)), t = glm::cross(sky.to_sun, s);
-  // Directions distributed evenly over the disk on a spiral, many per texel.
+  const HosekWilkieSun model(sky.turbidity);
+  const double radius = sky.sun_radius * kDegree, elevation = std::asin(std::clamp(sky.to_sun.y, 0.0, 1.0));
+  const glm::dvec3 plain = sky.complex_sun ? glm::dvec3(0) : model.plain_radiance(elevation);
+  const glm::dvec3 to_sun = stretched(sky.to_sun, sky.stretch);
+  const glm::dvec3 other = std::abs(to_sun.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 s = glm::normalize(glm::cross(to_sun, other)), t = glm::cross(to_sun, s);
+  const double solid_angle = disk_solid_angle(kSunRadius * kDegree);
+  // Many directions per texel.
   const double texel = 2 * kPi / canvas.width();
-  const int count = int(std::clamp(64 * 2 * kPi * drawn / (texel * texel), 1024.0, 4e6));
+  const int count = int(std::clamp(64 * disk_solid_angle(radius) / (texel * texel), 4096.0, 4e6));
   for (int k = 0; k < count; ++k) {
-    const double z = 1 - drawn * (k + 0.5) / count, r = std::sqrt(1 - z * z);
-    const double phi = kPi * (3 - std::sqrt(5.0)) * k;
-    canvas.add(z * sky.to_sun + r * std::cos(phi) * s + r * std::sin(phi) * t, power / double(count));
+    const glm::dvec3 d = disk_direction(k, count, radius), w = d.z * to_sun + d.x * s + d.y * t;
+    const double above = kPi / 2 - std::atan2(std::hypot(w.x, w.z), w.y) / sky.stretch;
+    if (above < 0) continue;
+    const glm::dvec3 radiance =
+        sky.complex_sun ? model.radiance(above, limb_cosine(std::hypot(d.x, d.y), radius)) : plain;
+    canvas.add(w, sky.sun_scale * solid_angle / count * radiance);
   }
 }
 
 }  // namespace
 
+glm::dvec3 stretched(const glm::dvec3& w, double factor) {
+  const double level = std::hypot(w.x, w.z), angle = factor * std::atan2(level, w.y);
+  if (level == 0) return {0, std::cos(angle), 0};
+  return {w.x / level * std::sin(angle), std::cos(angle), w.z / level * std::sin(angle)};
+}
+
 Bitmap draw_sky(const SkyImage& sky) {
   Canvas canvas(sky.width, sky.width / 2 + 1);
-  if (sky.sky_scale > 0) draw_atmosphere(sky, canvas);
-  if (sky.sun_scale > 0 && sky.sun_radius > 0 && sky.to_sun.y > 0) draw_sun(sky, canvas);
+  const bool is_day = sky.to_sun.y >= 0;
+  if (is_day && sky.sky_scale > 0) draw_atmosphere(sky, canvas);
+  if (is_day && sky.sun_scale > 0 && sky.sun_radius > 0) draw_sun(sky, canvas);
   return canvas.bitmap();
 }
 

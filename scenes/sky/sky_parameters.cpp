@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
-#include "scenes/sky/preetham_sky.h"
+#include "scenes/angles.h"
+#include "scenes/sky/hosek_wilkie_sun.h"
 #include "scenes/sky/sky_image.h"
 
 namespace penumbra {
@@ -14,8 +14,8 @@ namespace penumbra {
 /// Mitsuba 3's frame has x to the south, y to the west and z up; that of version 0.6 x to the east, y up and
 /// z to the south.
 glm::dmat3 SkyParameters::frame() const {
-  return is_z_up ? glm::dmat3(glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0))
-                 : glm::dmat3(1.0);
+  return is_version_3 ? glm::dmat3(glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0))
+                      : glm::dmat3(1.0);
 }
 
 void SkyParameters::check(Findings& findings, bool has_direction) {
@@ -39,17 +39,19 @@ void SkyParameters::check(Findings& findings, bool has_direction) {
     findings.push_back({"sun_direction", "the direction to the sun must have a length above 0"});
     return;
   }
-  to_sun_ =
-      has_direction
-          ? glm::transpose(frame()) * (sun_direction / length)
-          : penumbra::sun_direction({latitude, longitude, timezone, year, month, day, hour, minute, second});
+  if (has_direction) {
+    const glm::dvec3 local = glm::inverse(glm::dmat3(to_world)) * (sun_direction / length);
+    to_sun_ = glm::transpose(frame()) * glm::normalize(local);
+  } else {
+    to_sun_ =
+        penumbra::sun_direction({latitude, longitude, timezone, year, month, day, hour, minute, second});
+  }
   if (to_sun_.y < 0)
     findings.push_back(
         {"sun_direction",
-         fmt::format("the sun is {:.1f} degrees below the horizon: there is no sun, and the sky "
-                     "is that of a sun at the horizon",
-                     -std::asin(to_sun_.y) * 180 / std::numbers::pi),
-         true});
+         fmt::format("the sun is {:.1f} degrees below the horizon, and there is no night: all is black",
+                     -std::asin(to_sun_.y) / kDegree),
+         is_version_3});
 }
 
 Expected<SkyParameters> SkyParameters::with_sun(const SkyParameters& sun) const {
@@ -61,39 +63,44 @@ Expected<SkyParameters> SkyParameters::with_sun(const SkyParameters& sun) const 
   // Equal values may differ by rounding, in the file or in the computation.
   if (!(glm::length(to_sun_ - sun.to_sun_) < 1e-6)) return differ("sun_direction, or place and time");
   SkyParameters both = *this;
-  both.sky_scale = scale * sky_scale;
-  both.sun_scale = sun.scale * sun.sun_scale;
-  both.scale = 1.0f;
+  both.sun_scale = sun.sun_scale;
+  both.complex_sun = sun.complex_sun;
   both.sun_radius_scale = sun.sun_radius_scale;
   both.resolution = std::max(resolution, sun.resolution);
   return both;
 }
 
-Emitter SkyParameters::emitter(SkyPart part) const {
+std::vector<Emitter> SkyParameters::emitters(SkyPart part) const {
+  std::vector<Emitter> made;
   const glm::dmat4 placed = to_world * glm::dmat4(frame());
-  if (part == SkyPart::kSun && sun_radius_scale == 0.0f) {
-    DirectionalLight light;
-    const double angle = 0.5 * kSunRadius * std::numbers::pi / 180;
-    const double solid_angle = 4 * std::numbers::pi * std::sin(angle) * std::sin(angle);
-    light.irradiance =
-        glm::vec3(double(scale) * sun_scale * solid_angle * sun_radiance(to_sun_.y, turbidity));
-    light.direction = -glm::dvec3(placed * glm::dvec4(to_sun_, 0));
-    return light;
+  const bool has_disk = sun_radius_scale > 0.0f;
+  if (has_disk || part != SkyPart::kSun) {
+    SkyImage sky;
+    sky.width = int(resolution) / 2 * 2;
+    sky.turbidity = turbidity;
+    sky.albedo = glm::dvec3(albedo);
+    sky.to_sun = to_sun_;
+    sky.sky_scale = part == SkyPart::kSun ? 0.0 : double(sky_scale);
+    sky.sun_scale = part == SkyPart::kSky ? 0.0 : double(sun_scale);
+    sky.stretch = stretch;
+    sky.extend = extend;
+    sky.sun_radius = kSunRadius * double(sun_radius_scale);
+    sky.complex_sun = complex_sun;
+    EnvironmentMapLight light;
+    light.to_world = placed;
+    light.has_wide_gamut = is_version_3;  // version 0.6 clamps
+    light.image = std::make_shared<const Bitmap>(draw_sky(sky));
+    made.emplace_back(std::move(light));
   }
-  SkyImage sky;
-  sky.width = int(resolution) / 2 * 2;
-  sky.turbidity = turbidity;
-  sky.albedo = glm::dvec3(albedo);
-  sky.to_sun = to_sun_;
-  sky.sky_scale = part == SkyPart::kSun ? 0.0 : double(scale) * sky_scale;
-  sky.sun_scale = part == SkyPart::kSky ? 0.0 : double(scale) * sun_scale;
-  sky.stretch = stretch;
-  // A sun without a size beside a sky gets the size of a texel.
-  sky.sun_radius = kSunRadius * std::max(double(sun_radius_scale), 1e-3);
-  EnvironmentMapLight light;
-  light.to_world = placed;
-  light.image = std::make_shared<const Bitmap>(draw_sky(sky));
-  return light;
+  if (!has_disk && part != SkyPart::kSky) {
+    DirectionalLight light;
+    const double irradiance = double(sun_scale) * disk_solid_angle(kSunRadius * kDegree);
+    light.irradiance =
+        glm::max(irradiance * HosekWilkieSun(turbidity).mean_radiance(std::asin(to_sun_.y)), 0.0);
+    light.direction = -glm::dvec3(placed * glm::dvec4(stretched(to_sun_, stretch), 0));
+    made.emplace_back(light);
+  }
+  return made;
 }
 
 }  // namespace penumbra

@@ -3,9 +3,11 @@
 
 #include <glm/glm.hpp>
 #include <variant>
+#include <vector>
 
 #include "scenes/emitters.h"
 #include "scenes/plugin_values.h"
+#include "scenes/sky/hosek_wilkie_sun.h"
 #include "scenes/sky/sun_position.h"
 
 namespace penumbra {
@@ -13,23 +15,29 @@ namespace penumbra {
 enum class SkyPart { kSky, kSun, kBoth };
 
 struct SkyParameters {
-  /// To the sun, in the plugin's own frame; if not given, computed from place and time.
+  /// To the sun, in world space; if not given, computed from place and time in the plugin's own frame.
   glm::dvec3 sun_direction{0.0};
   float turbidity = 3.0f;
-  glm::vec3 albedo{0.15f};
+  glm::vec3 albedo{0.3f};
   float scale = 1.0f, sky_scale = 1.0f, sun_scale = 1.0f, sun_radius_scale = 1.0f, stretch = 1.0f;
-  std::int64_t resolution = 512;
+  std::int64_t resolution = 2048;
   double latitude = PlaceAndTime().latitude, longitude = PlaceAndTime().longitude;
   double timezone = PlaceAndTime().timezone, year = PlaceAndTime().year, month = PlaceAndTime().month;
   double day = PlaceAndTime().day, hour = PlaceAndTime().hour, minute = PlaceAndTime().minute;
   double second = PlaceAndTime().second;
   float sun_aperture = 0.5358f;  ///< degrees
+  bool complex_sun = false, extend = false;
   glm::dmat4 to_world{1.0};
-  bool is_z_up = true;
+  bool is_version_3 = true;
 
+  /// The defaults are those of version 3, which has no `resolution`: the sun's disk is as wide as three
+  /// texels. Version 0.6 has one kind of sun, and albedo as its code has it; its manual says 0.15.
   void written_for(int major_version) {
-    is_z_up = major_version >= 3;
-    if (is_z_up) albedo = glm::vec3(0.3f);
+    is_version_3 = major_version >= 3;
+    if (is_version_3) return;
+    albedo = glm::vec3(0.2f);
+    resolution = 512;
+    complex_sun = true;
   }
 
   template <typename Row>
@@ -40,7 +48,7 @@ struct SkyParameters {
         "how hazy the air is: 2 very clear, 6 hazy; beyond the model guesses");
     row("albedo", &P::albedo, ColourWithin{}, "of the ground, which brightens the sky");
     row("sun_direction", &P::sun_direction, AnyPoint{},
-        "to the sun; y is up, or z in files of version 3. Else by place and time:");
+        "to the sun, in world space. Else by place and time, where y is up, or z in files of version 3:");
     row("latitude", &P::latitude, AnyNumber{"number in [-90, 90]"}, "degrees to the north");
     row("longitude", &P::longitude, AnyNumber{"number in [-180, 180]"}, "degrees to the east");
     row("timezone", &P::timezone, AnyNumber{"number"}, "hours that clocks are ahead of Greenwich");
@@ -51,30 +59,39 @@ struct SkyParameters {
     row("minute", &P::minute, AnyNumber{"number"}, "0 to 60");
     row("second", &P::second, AnyNumber{"number"}, "0 to 60");
     row("scale", &P::scale, factor, "by which all of it is multiplied");
-    row("sky_scale", &P::sky_scale, factor, "... the sky");
-    row("sun_scale", &P::sun_scale, factor, "... the sun");
+    row("sky_scale", &P::sky_scale, factor, "... the sky, instead of scale");
+    row("sun_scale", &P::sun_scale, factor, "... the sun, instead of scale");
     row("sun_radius_scale", &P::sun_radius_scale, NumberWithin{LowEnd::kClosed, 0.0f, 100.0f},
-        "of the sun's disk, whose power stays; 0: a directional light, where no sky is beside it");
-    row("sun_aperture", &P::sun_aperture, NumberWithin{LowEnd::kOpen, 0.0f, 90.0f},
+        "of the sun's disk, whose power stays; 0: a directional light");
+    row("sun_aperture", &P::sun_aperture, NumberWithin{LowEnd::kOpen, 0.0f, 179.9f},
         "diameter of the sun's disk, degrees: another way to say its scale");
+    row("complex_sun", &P::complex_sun, TrueOrFalse{},
+        "whether the sun's disk is darker at its limb; else plain, as Mitsuba 3 has it");
     row("stretch", &P::stretch, NumberWithin{LowEnd::kClosed, 1.0f, 2.0f},
         "of the sky's angles from the zenith; 2 brings the horizon to the nadir");
+    row("extend", &P::extend, TrueOrFalse{}, "whether the horizon goes on below it, fading to the nadir");
     row("resolution", &P::resolution, WholeNumber{8, 1 << 14}, "of the image, texels over a whole turn");
     row("to_world", &P::to_world, AnyTransform{}, "turns it");
   }
   template <typename Given>
   void complete(Findings& findings, const Given& given) {
+    if (!given("sky_scale")) sky_scale = scale;
+    if (!given("sun_scale")) sun_scale = scale;
+    if (given("sun_aperture")) sun_radius_scale = float(sun_aperture / (2 * kSunRadius));
+    for (const char* name :
+         {"latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"})
+      if (given("sun_direction") && given(name))
+        findings.push_back({name, "either sun_direction or place and time, not both"});
     check(findings, given("sun_direction"));
-    if (given("sun_aperture")) sun_radius_scale = sun_aperture / 0.5358f;
   }
   void check(Findings& findings, bool has_direction);
 
   /// This sky combined with that sun, for `emitter` of both parts. Errors: they do not belong together.
   [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
 
-  /// The emitter of a part: an environment map, whose image may be black, or a directional light for a sun
-  /// without a disk.
-  [[nodiscard]] Emitter emitter(SkyPart part) const;
+  /// The emitters of a part: an environment map, whose image may be black, and for a sun without a disk a
+  /// directional light.
+  [[nodiscard]] std::vector<Emitter> emitters(SkyPart part) const;
 
  private:
   [[nodiscard]] glm::dmat3 frame() const;  ///< from y up to the plugin's own frame
@@ -89,7 +106,7 @@ struct SkyEmitter : SkyParameters {
   static constexpr const char* kPlugin = kPart == SkyPart::kSky   ? "sky"
                                          : kPart == SkyPart::kSun ? "sun"
                                                                   : "sunsky";
-  static constexpr const char* kText = kPart == SkyPart::kSky   ? "clear sky (Preetham et al. 1999)"
+  static constexpr const char* kText = kPart == SkyPart::kSky   ? "clear sky (Hosek and Wilkie 2012)"
                                        : kPart == SkyPart::kSun ? "sun without sky"
                                                                 : "clear sky and sun";
   template <typename Row>
