@@ -56,7 +56,8 @@ glm::dvec3 HosekWilkieSky::radiance(const glm::dvec3& w) const {
   const double up = std::max(w.y, 0.0), cosine = glm::dot(w, to_sun_);
   const double gamma = std::atan2(glm::length(glm::cross(w, to_sun_)), cosine);
   // The paper's extension of Perez's formula, and its term for the aureole.
-  const glm::dvec3 chi = (1 + cosine * cosine) / glm::pow(1.0 + h * h - 2.0 * cosine * h, glm::dvec3(1.5));
+  const glm::dvec3 square = 1.0 + h * h - 2.0 * cosine * h,
+                   chi = (1 + cosine * cosine) / (square * glm::sqrt(square));
   return mean_ * (1.0 + a * glm::exp(b / (up + 0.01))) *
          (c + d * glm::exp(e * gamma) + f * cosine * cosine + g * chi + i * std::sqrt(up));
 }

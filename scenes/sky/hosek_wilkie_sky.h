@@ -23,7 +23,7 @@ class HosekWilkieSky {
   HosekWilkieSky(const glm::dvec3& to_sun, double turbidity, const glm::dvec3& albedo);
 
   /// The radiance from direction w, a unit vector with y up. Directions below the horizon get the radiance of
-  /// the horizon. Colours of hazy air about a low sun may be outside the gamut, and so below 0.
+  /// the horizon. In hazy air about a low sun the model may be below 0.
   [[nodiscard]] glm::dvec3 radiance(const glm::dvec3& w) const;
 
  private:

@@ -97,7 +97,7 @@ glm::dvec3 HosekWilkieSun::mean_radiance(double elevation) const {
 
 glm::dvec3 HosekWilkieSun::plain_radiance(double elevation) const {
   constexpr int kNodes = 30;
-  constexpr double kFirst = 2 * kDegree, kStep = (88 - 2) * kDegree / (kNodes - 1);
+  constexpr double kFirst = 2 * kDegree, kStep = 3 * kDegree;
   const double at = std::clamp((elevation - kFirst) / kStep, 0.0, kNodes - 1.0);
   const int node = std::min(int(at), kNodes - 2);
   return glm::mix(mean_radiance(kFirst + node * kStep), mean_radiance(kFirst + (node + 1) * kStep),

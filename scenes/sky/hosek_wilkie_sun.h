@@ -25,7 +25,7 @@ class HosekWilkieSun {
   [[nodiscard]] glm::dvec3 mean_radiance(double elevation) const;
 
   /// The radiance of the plain disk that Mitsuba 3 draws unless `complex_sun` asks for the model: the mean
-  /// radiance at 30 elevations from 2° to 88°, linear between them and constant beyond. Where the radiance
+  /// radiance at 30 elevations from 2° to 89°, linear between them and constant beyond. Where the radiance
   /// rises steeply, below 10°, this is more than the model's.
   [[nodiscard]] glm::dvec3 plain_radiance(double elevation) const;
 

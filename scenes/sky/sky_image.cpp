@@ -39,8 +39,11 @@ class Canvas {
   [[nodiscard]] Bitmap bitmap() const {
     Bitmap image{"sky", width_, height_, 3, TexelType::kFloat, {}};
     image.words.reserve(3 * texels_.size());
-    for (const glm::dvec3& texel : texels_)
-      for (int c = 0; c < 3; ++c) image.words.push_back(std::bit_cast<std::uint32_t>(float(texel[c])));
+    for (const glm::dvec3& texel : texels_) {
+      const bool is_dark = texel.x + texel.y + texel.z < 0;
+      for (int c = 0; c < 3; ++c)
+        image.words.push_back(std::bit_cast<std::uint32_t>(is_dark ? 0.0f : float(texel[c])));
+    }
     return image;
   }
 

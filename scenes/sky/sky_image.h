@@ -26,7 +26,9 @@ struct SkyImage {
 
 /// Renders the image with the texels of kernels/light/envmap_grid.h. Rows about the end of the sky have the
 /// share of their texels that is above it. The sun's irradiance is that of its disk, whatever the size of
-/// texels. A sun below the horizon leaves all black, as the models have no night.
+/// texels. A sun below the horizon leaves all black, as the models have no night. Channels are below 0 where
+/// colours are outside the gamut; a texel whose channels' sum is below 0, at the horizon of hazy air, is
+/// black.
 Bitmap draw_sky(const SkyImage& sky);
 
 /// The direction at `factor` times the angle from the zenith, which is y.
