@@ -41,6 +41,11 @@ void SkyParameters::check(Findings& findings, bool has_direction) {
   }
   if (has_direction) {
     const glm::dvec3 local = glm::inverse(glm::dmat3(to_world)) * (sun_direction / length);
+    if (const double size = glm::length(local); !(size > 0.0 && size < 1e300)) {
+      findings.push_back(
+          {"to_world", "to_world must not flatten the sky, as sun_direction is in world space"});
+      return;
+    }
     to_sun_ = glm::transpose(frame()) * glm::normalize(local);
   } else {
     to_sun_ =
@@ -49,8 +54,8 @@ void SkyParameters::check(Findings& findings, bool has_direction) {
   if (to_sun_.y < 0)
     findings.push_back(
         {"sun_direction",
-         fmt::format("the sun is {:.1f} degrees below the horizon, and there is no night: all is black",
-                     -std::asin(to_sun_.y) / kDegree),
+         fmt::format("the sun is {:.1f} degrees below the horizon, and the models have no night{}",
+                     -std::asin(to_sun_.y) / kDegree, is_version_3 ? ": all is black" : ""),
          is_version_3});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -78,15 +79,17 @@ struct SkyParameters {
     if (!given("sky_scale")) sky_scale = scale;
     if (!given("sun_scale")) sun_scale = scale;
     if (given("sun_aperture")) sun_radius_scale = float(sun_aperture / (2 * kSunRadius));
-    for (const char* name :
-         {"latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"})
+    // Version 0.6 does not look at the others beside a direction.
+    constexpr const char* kPlaceAndTime[] = {"latitude", "longitude", "timezone", "day",   "year",
+                                             "month",    "hour",      "minute",   "second"};
+    for (const char* name : std::span(kPlaceAndTime).first(is_version_3 ? 9 : 4))
       if (given("sun_direction") && given(name))
         findings.push_back({name, "either sun_direction or place and time, not both"});
     check(findings, given("sun_direction"));
   }
   void check(Findings& findings, bool has_direction);
 
-  /// This sky combined with that sun, for `emitter` of both parts. Errors: they do not belong together.
+  /// This sky combined with that sun, for the emitters of both parts. Errors: they do not belong together.
   [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
 
   /// The emitters of a part: an environment map, whose image may be black, and for a sun without a disk a

@@ -160,9 +160,9 @@ double integral(const Bitmap& image, int c, const std::function<double(const dve
 
 TEST(SkyImage, SunsBringTheirIrradianceAtAnyResolution) {
   for (const bool complex : {false, true})
-    for (const int width : {64, 512})
+    for (const int width : {64, 256})
       for (const double size : {0.01, 1.0, 10.0})
-        for (const double elevation : {8.0, 45.0, 89.5}) {
+        for (const double elevation : {8.0, 89.5}) {
           SkyImage sky;
           sky.width = width;
           sky.to_sun = direction(elevation, 133);
@@ -203,11 +203,12 @@ TEST(SkyImage, HasNoDarkTexels) {
     }
 }
 
-/// The irradiance of a surface in each of three channels, by the midpoint rule in four parts of each cell.
+/// The irradiance of a surface in each of three channels, of the sky and half a row below it, by the midpoint
+/// rule in four parts of each cell.
 dvec3 irradiance(const Bitmap& image, const dvec3& normal) {
   dvec3 sum(0);
   const int w = image.width, h = image.height;
-  for (int y = 0; y + 1 < h; ++y)
+  for (int y = 0; y <= h / 2; ++y)
     for (int x = 0; x < w; ++x)
       for (int part = 0; part < 4; ++part) {
         const double s = part % 2 * 0.5 + 0.25, t = part / 2 * 0.5 + 0.25;
@@ -224,6 +225,8 @@ dvec3 irradiance(const Bitmap& image, const dvec3& normal) {
 }
 
 TEST(SkyImage, LightsSurfacesAsMitsubaDoes) {
+  Bitmap images[2];
+  const double* drawn = nullptr;
   for (const auto& row : kIrradianceRows) {
     SkyImage sky;
     sky.width = 512;
@@ -233,10 +236,13 @@ TEST(SkyImage, LightsSurfacesAsMitsubaDoes) {
     sky.sun_radius = kSunRadius;
     // Here up is y and the sun is at z; there z and x.
     const dvec3 normal(row[3], row[4], row[2]);
+    const bool is_drawn = drawn != nullptr && drawn[0] == row[0] && drawn[1] == row[1];
+    drawn = row;
     for (const bool is_sun : {false, true}) {
       sky.sky_scale = is_sun ? 0 : 1;
       sky.sun_scale = is_sun ? 1 : 0;
-      const dvec3 here = irradiance(draw_sky(sky), normal);
+      if (!is_drawn) images[is_sun ? 1 : 0] = draw_sky(sky);
+      const dvec3 here = irradiance(images[is_sun ? 1 : 0], normal);
       const double* mitsuba = row + (is_sun ? 8 : 5);
       // Texels spread the disk, so that surfaces along the sun's direction get more: at most by the mean of
       // max(0, x) over two hats that meet at 0, which is 13/48 of a texel.
@@ -490,7 +496,7 @@ TEST_F(SkyReader, SaysWhatIsWrong) {
   EXPECT_THAT(wrong("<integer name='resolution' value='2'/>"), HasSubstr("resolution must be"));
   EXPECT_THAT(error("<emitter type='sky'/><emitter type='sunsky'/>"), HasSubstr("a scene has one"));
   EXPECT_THAT(wrong("<float name='sun_aperture' value='0'/>"), HasSubstr("sun_aperture must be"));
-  EXPECT_THAT(wrong("<vector name='sunDirection' x='0' y='1' z='0'/><float name='hour' value='9'/>"),
+  EXPECT_THAT(wrong("<vector name='sunDirection' x='0' y='1' z='0'/><float name='day' value='9'/>"),
               HasSubstr("either sun_direction or place and time"));
   EXPECT_THAT(wrong("<float name='hour' value='2'/>"), HasSubstr("below the horizon"));
   const auto night = read("<emitter type='sunsky'><float name='hour' value='2'/></emitter>", "3.0.0");

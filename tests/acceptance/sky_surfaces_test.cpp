@@ -1,0 +1,70 @@
+// Surfaces under Mitsuba 3's sunsky, end to end, against what Mitsuba 3.9.1 has for them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <glm/glm.hpp>
+
+#include "tests/support/render_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+/// What texels cost: they spread the sun's disk and the sky's end.
+constexpr double kTolerance = 0.01;
+
+struct Case {
+  const char* what;
+  double turbidity, albedo;
+  dvec3 to_sun, normal;
+  bool with_sun;
+  dvec3 radiance;  ///< of Mitsuba 3.9.1, for a diffuse reflectance of 0.5
+};
+
+// The last one is by quadrature of its radiance: the sun's blue is below 0.
+const Case kCases[] = {
+    {"a wall under the sky", 3, 0.3, {0.5, 0.3, 0.81}, {0, 1, 0}, false, {0.0209, 0.0312, 0.0480}},
+    {"a wall in the sun", 3, 0.3, {0.5, 0.3, 0.81}, {0, 1, 0}, true, {0.0922, 0.0907, 0.0934}},
+    {"ground under the sky", 3, 0.3, {0.5, 0.3, 0.81}, {0, 0, 1}, false, {0.0263, 0.0417, 0.0720}},
+    {"ground in the sun", 3, 0.3, {0.5, 0.3, 0.81}, {0, 0, 1}, true, {0.2184, 0.2016, 0.1935}},
+    {"a wall at sunset",
+     1,
+     0,
+     {0.99996192, 0, 0.00872654},
+     {1, 0, 0},
+     true,
+     {0.0839020, 0.0278434, 0.0023581}}};
+
+TEST(SkySurfaces, AreAsBrightAsInMitsuba) {
+  const TemporaryFolder folder;
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(c.what);
+    const dvec3 n = c.normal;
+    const std::string up = n.z > 0.9 ? "1, 0, 0" : "0, 0, 1";
+    write_text(folder / "scene.xml",
+               fmt::format(R"(<scene version="3.0.0"><integrator type="path"/>
+      <sensor type="perspective"><float name="fov" value="1"/><transform name="to_world">
+        <lookat origin="{}, {}, {}" target="0, 0, 0" up="{}"/></transform>
+        <sampler type="independent"><integer name="sample_count" value="4096"/></sampler>
+        <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/>
+          <rfilter type="box"/></film></sensor>
+      <emitter type="sunsky"><float name="turbidity" value="{}"/><float name="albedo" value="{}"/>
+        <vector name="sun_direction" value="{}, {}, {}"/><float name="sun_scale" value="{}"/></emitter>
+      <shape type="rectangle"><transform name="to_world">
+        <lookat origin="0, 0, 0" target="{}, {}, {}" up="{}"/></transform>
+        <bsdf type="diffuse"><float name="reflectance" value="0.5"/></bsdf></shape></scene>)",
+                           2 * n.x, 2 * n.y, 2 * n.z, up, c.turbidity, c.albedo, c.to_sun.x, c.to_sun.y,
+                           c.to_sun.z, c.with_sun ? 1 : 0, n.x, n.y, n.z, up));
+    const FilmAccumulator film = render_or_throw(read_or_throw(folder / "scene.xml"));
+    for (int channel = 0; channel < 3; ++channel) {
+      const auto sample = film_sample(film, channel);
+      EXPECT_LT(sample.standard_error(), 0.004 * c.radiance[channel]) << channel;
+      EXPECT_NEAR(sample.mean() / c.radiance[channel], 1, kTolerance) << channel;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
