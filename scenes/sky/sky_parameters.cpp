@@ -41,11 +41,6 @@ void SkyParameters::check(Findings& findings, bool has_direction) {
   }
   if (has_direction) {
     const glm::dvec3 local = glm::inverse(glm::dmat3(to_world)) * (sun_direction / length);
-    if (const double size = glm::length(local); !(size > 0.0 && size < 1e300)) {
-      findings.push_back(
-          {"to_world", "to_world must not flatten the sky, as sun_direction is in world space"});
-      return;
-    }
     to_sun_ = glm::transpose(frame()) * glm::normalize(local);
   } else {
     to_sun_ =
