@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "kernels/scene_types.h"
+#include "scenes/diagnostic.h"
 #include "scenes/grid_volume.h"
 #include "scenes/plugin_values.h"
+#include "scenes/scattering.h"
 #include "scenes/volumes.h"
 
 namespace penumbra {
@@ -74,8 +76,8 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
       "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; the albedo may be a "
       "gridvolume; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
-  /// The file's version lets a medium without coefficients stand for a named material.
-  bool by_material = false;
+  std::string material;
+  bool by_material = false;  ///< of a file whose version knows named materials
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -83,18 +85,32 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
     row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
         "scattering coefficient, instead of sigma_t and albedo");
     row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
+    row("material", &HomogeneousMedium::material, AnyText{},
+        "measured coefficients in 1 / mm of a material such as skin1, instead; of version 0.x");
   }
-  /// In Mitsuba 0.x a medium without coefficients has those of skin, which are not supported.
   void written_for(std::int64_t version) { by_material = version < 2; }
   template <typename Given>
   void complete(Findings& findings, const Given& given) {
-    const bool parts = given("sigma_s") || given("sigma_a"), whole = given("sigma_t") || given("albedo");
-    if (parts && whole)
+    bool parts = given("sigma_s") || given("sigma_a");
+    const bool whole = given("sigma_t") || given("albedo");
+    if (given("material") && (parts || whole || !by_material))
+      findings.push_back({"material", by_material ? "either a material, or coefficients"
+                                                  : "only files of version 0.x name a medium's material"});
+    // Without any, Mitsuba 0.x takes this material.
+    if (by_material && !parts && !whole) {
+      const std::string name = given("material") ? material : "skin1";
+      const auto measured = jensen_scattering_of(name);
+      if (!measured)
+        findings.push_back(
+            {"material", fmt::format("the scattering of '{}' is not known{}", name,
+                                     known_names(name, jensen_scattering_names(), "It is of"))});
+      if (measured) sigma_s = measured->scattered;
+      if (measured) sigma_a = measured->absorbed;
+      parts = true;
+    } else if (parts && whole)
       findings.push_back({"", "either sigma_t and albedo, or sigma_s and sigma_a"});
     else if (parts && !(given("sigma_s") && given("sigma_a")))
       findings.push_back({"", "sigma_s and sigma_a go together"});
-    else if (!parts && !whole && by_material)
-      findings.push_back({"", "a medium needs sigma_t and albedo, or sigma_s and sigma_a"});
     if (parts) sigma_t = sigma_s + sigma_a;
     for (int i = 0; parts && i < 3; ++i) albedo.value[i] = sigma_t[i] > 0 ? sigma_s[i] / sigma_t[i] : 0.0f;
     check_extinction(findings);

@@ -110,12 +110,7 @@ std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context
     plugin.skip();
     return std::nullopt;
   }
-  if (homogeneous && plugin.has("material"))
-    plugin.wrong("material",
-                 "media are not known by the names of materials; give sigma_s and sigma_a, or sigma_t and "
-                 "albedo");
   ParticipatingMedium result = kind->read(plugin);
-  if (homogeneous) plugin.accept({"material"});
   // Parameters of sampling methods that are not used here.
   plugin.accept({"sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
                  "medium_sampling_mode", "majorant_resolution_factor", "majorant_factor"});

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "scenes/bsdfs/coating.h"
-#include "scenes/pbrt/scattering.h"
+#include "scenes/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/refractive_indices.h"
 
@@ -360,42 +360,20 @@ SurfaceMaterial MaterialReader::thin_dielectric(Parameters& parameters, SourceLo
   return surface_of("thindielectric", model);
 }
 
-/// A blend of a diffuse reflector and a sheet that scatters all light to the other side.
 SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, SourceLocation location) {
-  ReaderReport& report = context_.report;
-  TexturedColour reflected =
-      textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.25f));
-  TexturedColour passing =
+  DiffuseTransmitterBsdf sheet;
+  sheet.reflectance = textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.25f));
+  sheet.transmittance =
       textures_.colour(parameters, "transmittance", ColourOf::kReflectance, glm::vec3(0.25f));
-  const double scale = parameters.number("scale", 1.0, report);
-  if (!(scale >= 0.0 && scale < 1e30)) report.error(location, "a scale must be at least 0");
-  const bool plain = reflected.texture == kNoTexture && passing.texture == kNoTexture;
-  const float most_reflected = std::max({reflected.value.x, reflected.value.y, reflected.value.z}),
-              most_passing = std::max({passing.value.x, passing.value.y, passing.value.z});
-  BlendBsdf blend;
-  if (plain && most_reflected + most_passing > 0.0f)
-    blend.weight = most_passing / (most_reflected + most_passing);
-  // The blend's parts must not exceed 1 after division by their shares.
-  const auto share = [&](TexturedColour& colour, float of) {
-    if (of <= 0.0f) return;
-    const float factor = float(scale) / of;
-    if (colour.texture == kNoTexture)
-      colour.value = glm::min(colour.value * factor, glm::vec3(1.0f));
-    else if (factor != 1.0f)
-      colour.texture = textures_.scaled(colour.texture, glm::vec3(factor));
-  };
-  share(reflected, 1.0f - blend.weight.value);
-  share(passing, blend.weight.value);
-  DiffuseBsdf reflector;
-  reflector.reflectance = reflected;
-  PrincipledThinBsdf sheet;
-  sheet.base_color = passing;
-  sheet.diff_trans = 2.0f;
-  report.warn_counted(location,
-                      "diffusetransmission is approximated: what it lets through is scattered as by Disney's "
-                      "thin sheet, of a roughness of 0.5");
-  return blended("diffusetransmission", blend, both_sides("diffusetransmission", reflector),
-                 both_sides("diffusetransmission", sheet));
+  const double scale = parameters.number("scale", 1.0, context_.report);
+  if (!(scale >= 0.0 && scale < 1e30)) context_.report.error(location, "a scale must be at least 0");
+  for (TexturedColour* colour : {&sheet.reflectance, &sheet.transmittance}) {
+    if (colour->texture == kNoTexture)
+      colour->value = glm::min(colour->value * float(scale), glm::vec3(1.0f));
+    else if (scale != 1.0)
+      colour->texture = textures_.scaled(colour->texture, glm::vec3(float(scale)));
+  }
+  return surface_of("diffusetransmission", sheet);
 }
 
 /// Subsurface scattering is approximated by light that leaves where it entered.

@@ -8,7 +8,7 @@
 
 #include "scenes/pbrt/cloud_density.h"
 #include "scenes/pbrt/grid_refinement.h"
-#include "scenes/pbrt/scattering.h"
+#include "scenes/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"

@@ -92,7 +92,7 @@ TEST_F(MitsubaMedia, ErrorsSayWhatIsWrong) {
   EXPECT_THAT(wrong(number("sigma_t", "nan")), HasSubstr("scene.xml:2:"));
   EXPECT_THAT(wrong(number("sigma_s", "1") + number("sigma_t", "1")), HasSubstr("either sigma_t and albedo"));
   EXPECT_THAT(wrong(number("sigma_s", "1")), HasSubstr("sigma_s and sigma_a go together"));
-  EXPECT_THAT(wrong("<string name='material' value='milk'/>"), HasSubstr("names of materials"));
+  EXPECT_THAT(wrong("<string name='material' value='skin1'/>"), HasSubstr("only files of version 0.x"));
   EXPECT_THAT(wrong(number("density", "1")), HasSubstr("has no parameter 'density'"));
   EXPECT_THAT(wrong(hg("1")), HasSubstr("g must be a number in (-1, 1), not 1"));
   EXPECT_THAT(wrong(hg("0.99999999999")), HasSubstr("in (-1, 1)"));
@@ -148,9 +148,24 @@ TEST_F(MitsubaMedia, ABoundaryWithoutABsdfIsDiffuseOrInVersion0Nothing) {
     const BsdfModel& model = s->bsdfs.at(std::size_t(s->shapes[0].front_bsdf)).model;
     EXPECT_EQ(std::holds_alternative<NullBsdf>(model), version[0] == '0') << version;
   }
-  const std::string old = "<scene version='0.5.0'>" + kVolpath + in("shape", "sphere", medium("")) +
-                          "<sensor type='perspective'/></scene>";
-  EXPECT_THAT(error(old), HasSubstr("a medium needs sigma_t and albedo, or sigma_s and sigma_a"));
+}
+
+TEST_F(MitsubaMedia, OldFilesNameMaterials) {
+  const auto old = [&](const std::string& content) {
+    return "<scene version='0.5.0'>" + kVolpath + in("shape", "sphere", medium(content)) +
+           "<sensor type='perspective'/></scene>";
+  };
+  // The sums of Jensen's coefficients.
+  const auto extinction = [&](const std::string& content) {
+    return good_of(read(old(content))).media.at(0).extinction;
+  };
+  EXPECT_EQ(extinction(""), glm::vec3(0.74f + 0.032f, 0.88f + 0.17f, 1.01f + 0.48f));
+  const std::string milk = "<string name='material' value='wholeMilk'/>";
+  EXPECT_EQ(extinction(milk + number("scale", "2")),
+            2.0f * glm::vec3(2.55f + 0.0011f, 3.21f + 0.0024f, 3.77f + 0.014f));
+  EXPECT_THAT(error(old(milk + number("sigma_t", "1"))), HasSubstr("either a material, or coefficients"));
+  EXPECT_THAT(error(old("<string name='material' value='skin3'/>")),
+              AllOf(HasSubstr("the scattering of 'skin3' is not known"), HasSubstr("Skin1")));
 }
 
 TEST_F(MitsubaMedia, OtherIntegratorsPassThroughThem) {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace penumbra::pbrt {
+namespace penumbra {
 
 /// Coefficients in 1 / mm, linear Rec. 709. Scattering is the reduced coefficient.
 struct Scattering {
@@ -17,4 +17,9 @@ struct Scattering {
 std::optional<Scattering> scattering_of(std::string_view name);
 std::vector<std::string> scattering_names();
 
-}  // namespace penumbra::pbrt
+/// Those that Jensen et al. measured in 2001, which Mitsuba 0.6 knows by the same names in any case and
+/// scatters evenly.
+std::optional<Scattering> jensen_scattering_of(std::string_view name);
+std::vector<std::string> jensen_scattering_names();
+
+}  // namespace penumbra

@@ -1,6 +1,10 @@
-#include "scenes/pbrt/scattering.h"
+#include "scenes/scattering.h"
 
-namespace penumbra::pbrt {
+#include <span>
+
+#include "scenes/text.h"
+
+namespace penumbra {
 namespace {
 
 // Jensen, Marschner, Levoy and Hanrahan, A Practical Model for Subsurface Light Transport (2001), figure 5.
@@ -8,6 +12,7 @@ struct MeasuredMaterial {
   const char* name;
   Scattering scattering;
 };
+constexpr int kOfJensen = 12;
 constexpr MeasuredMaterial kMaterials[] = {
     {"Apple", {{2.29f, 2.39f, 1.97f}, {0.0030f, 0.0034f, 0.046f}}},
     {"Chicken1", {{0.15f, 0.21f, 0.38f}, {0.015f, 0.077f, 0.19f}}},
@@ -60,6 +65,12 @@ constexpr MeasuredMaterial kMaterials[] = {
     {"Pacific Ocean Surface Water",
      {{0.0001764f, 0.00032095f, 0.00019617f}, {0.031845f, 0.031324f, 0.030147f}}}};
 
+std::vector<std::string> names_of(std::span<const MeasuredMaterial> materials) {
+  std::vector<std::string> names;
+  for (const MeasuredMaterial& row : materials) names.emplace_back(row.name);
+  return names;
+}
+
 }  // namespace
 
 std::optional<Scattering> scattering_of(std::string_view name) {
@@ -68,10 +79,15 @@ std::optional<Scattering> scattering_of(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string> scattering_names() {
-  std::vector<std::string> names;
-  for (const MeasuredMaterial& row : kMaterials) names.emplace_back(row.name);
-  return names;
+std::optional<Scattering> jensen_scattering_of(std::string_view name) {
+  for (const MeasuredMaterial& row : std::span(kMaterials).first(kOfJensen))
+    if (to_lower_case(name) == to_lower_case(row.name)) return row.scattering;
+  return std::nullopt;
 }
 
-}  // namespace penumbra::pbrt
+std::vector<std::string> scattering_names() { return names_of(kMaterials); }
+std::vector<std::string> jensen_scattering_names() {
+  return names_of(std::span(kMaterials).first(kOfJensen));
+}
+
+}  // namespace penumbra
