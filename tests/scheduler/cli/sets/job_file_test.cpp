@@ -128,13 +128,19 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
 }
 
 TEST(SetTable, HasAColumnForEachParameterAndUniqueNames) {
-  SetEntry first{.name = "a, b", .scene = "a.xml", .choices = {{"seed", "3"}, {"state", "x"}}};
+  SetEntry first;
+  first.name = "a, b";
+  first.scene = "a.xml";
+  first.choices = {{"seed", "3"}, {"state", "x"}};
   first.state = SetState::kDone;
   first.samples = 16;
   first.seconds = 0.5;
   first.relative_error = 0.25;
   first.files = {"/out/a.exr", "/out/a.png"};
-  SetEntry second{.name = "c", .scene = "c.xml", .choices = {{"integrator", "path"}}};
+  SetEntry second;
+  second.name = "c";
+  second.scene = "c.xml";
+  second.choices = {{"integrator", "path"}};
   second.state = SetState::kFailed;
   second.error = "no such file\nmore";
   EXPECT_EQ(set_table({first, second}),
