@@ -239,7 +239,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
 void SceneSet::fail_member(std::size_t index, const Error& error) {
   const bool is_new = [&] {
     const std::lock_guard lock(mutex_);
-    return failures_.add(entries_[index].name, error.message);
+    return failures_.add(entries_[index].name, entries_[index].scene, error.message);
   }();
   if (is_new) print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
   end(index, SetState::kFailed, error.message, is_new);

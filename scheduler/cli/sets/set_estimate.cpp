@@ -92,7 +92,7 @@ class SetEstimator {
   }
 
   void fail_member(SetMemberEstimate& estimated, const Error& error, ExitCode code) {
-    if (failures_.add(estimated.name, error.message))
+    if (failures_.add(estimated.name, estimated.scene, error.message))
       print_error({fmt::format("{}: {}", estimated.name, error.message)});
     estimated.error = error.message;
     exit_code_ = std::max(exit_code_, code);

@@ -1,5 +1,6 @@
 // Tests how job files are read, and which errors are reported.
 #include "scheduler/cli/sets/job_file.h"
+#include "scheduler/cli/sets/failure_reasons.h"
 #include "scheduler/cli/sets/set_summary.h"
 
 #include <gmock/gmock.h>
@@ -148,6 +149,17 @@ TEST(SetTable, HasAColumnForEachParameterAndUniqueNames) {
             "error\r\n"
             "\"a, b\",a.xml,3,x,,done,16,0.5,0.25,/out/a.exr,\r\n"
             "c,c.xml,,,path,failed,,,,,no such file\r\n");
+}
+
+TEST(FailureReasons, AreToldOnceWhateverTheSceneIs) {
+  FailureReasons failures;
+  EXPECT_TRUE(failures.add("one", "a.1.xml", "there is no file 'a.1.xml'"));
+  EXPECT_FALSE(failures.add("two", "a.2.xml", "there is no file 'a.2.xml'"));
+  EXPECT_TRUE(failures.add("three", "a.3.xml", "a.3.xml:1:2: not XML\nmore"));
+  EXPECT_FALSE(failures.add("four", "a.4.xml", "there is no file 'a.4.xml'"));
+  EXPECT_THAT(
+      failures.repeated(),
+      ::testing::ElementsAre("2 more renders failed like one, from two to four: there is no file 'a.1.xml'"));
 }
 
 TEST_F(JobFileTest, AreToldFromScenes) {
