@@ -93,7 +93,7 @@ light = matte("CryptoObject", "light")  # the share of the samples that hit it, 
 assert (light > 0.25).sum() > 20
 assert (abs(mean[0] - 17 * light) < 1 + 5 * 17 * numpy.sqrt(light * (1 - light) / 128)).all()
 
-jobs = json.load(open("jobs.json"))["jobs"]
+jobs = json.load(open("albedos.jobs.json"))["jobs"]
 assert [(job["state"], job["options"]["albedo"]) for job in jobs] == [("done", a) for a in ("0.25", "0.5", "0.75")]
 )";
 
