@@ -193,11 +193,13 @@ bool is_colour_space(std::string_view name) {
 }
 
 std::optional<double> glass_index(std::string_view name) {
-  // n_d from the makers' data sheets; diamond: Phillip and Taft (1964).
+  // n_d from the makers' data sheets; diamond: Phillip and Taft (1964). pbrt's glass-F5, -F10 and -F11 are
+  // Schott's SF5, SF10 and SF11.
+  static constexpr double kSf5 = 1.6727, kSf10 = 1.7283, kSf11 = 1.7847;
   static constexpr std::pair<std::string_view, double> kGlasses[] = {
-      {"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-F11", 1.6206},
-      {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503}, {"glass-SF5", 1.6727},
-      {"glass-SF10", 1.7283},  {"glass-SF11", 1.7847},  {"diamond", 2.4176}};
+      {"glass-BK7", 1.5168}, {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503},
+      {"glass-F5", kSf5},    {"glass-F10", kSf10},    {"glass-F11", kSf11},    {"glass-SF5", kSf5},
+      {"glass-SF10", kSf10}, {"glass-SF11", kSf11},   {"diamond", 2.4176}};
   for (const auto& [glass, index] : kGlasses)
     if (glass == name) return index;
   return std::nullopt;
