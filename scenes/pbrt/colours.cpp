@@ -104,7 +104,7 @@ std::optional<glm::vec3> named(const Parameter& parameter, const std::string& na
     const auto conductor = conductor_names().parse(name.substr(6, end > 6 ? end - 6 : 0));
     if (conductor) {
       report.warn_counted(parameter.location, "spectra are read as the colours that they have");
-      const ComplexIndex index = conductor_index(*conductor);
+      const ComplexIndex index = metal_index(*conductor);
       return name.ends_with("-k") ? index.k : index.eta;
     }
   }
@@ -169,6 +169,14 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
 }
 
 double luminance(const glm::dvec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
+
+ComplexIndex metal_index(int metal) {
+  ComplexIndex index = conductor_index(metal);
+  const glm::vec3 constant = emission_to_rgb(1.0);
+  index.eta /= constant;
+  index.k /= constant;
+  return index;
+}
 
 glm::dmat3 white_balance(double kelvin) {
   // The second radiation constant was 1.4380e-2 m K when the illuminants were named by temperature.

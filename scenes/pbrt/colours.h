@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "scenes/pbrt/parameters.h"
+#include "scenes/refractive_indices.h"
 
 namespace penumbra::pbrt {
 
@@ -25,6 +26,10 @@ double luminance(const glm::dvec3& colour);
 /// daylight of it (CIE 15:2004; below 4000 K, a black body) lights becomes what D65 lights, by the Bradford
 /// transform of Lam (1985).
 glm::dmat3 white_balance(double kelvin);
+
+/// The complex index of a metal, by its number among conductor_names: like a reflectance, one that is the
+/// same at all wavelengths is grey, while Mitsuba's has the colour of a constant emission.
+ComplexIndex metal_index(int metal);
 
 bool is_colour_space(std::string_view name);
 

@@ -23,7 +23,7 @@ SurfaceMaterial both_sides(const char* name, BsdfModel model) {
 }
 
 void set_metal(ConductorSurface& surface, const char* name) {
-  const ComplexIndex index = conductor_index(*conductor_names().parse(name));
+  const ComplexIndex index = metal_index(*conductor_names().parse(name));
   surface.eta = TexturedColour(index.eta);
   surface.k = TexturedColour(index.k);
 }

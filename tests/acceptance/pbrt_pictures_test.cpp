@@ -31,10 +31,8 @@ constexpr PictureException kColourExceptions[] = {
     {"m_cond_au", "a metal's indices are spectra"},
     {"m_cond_def", "a metal's indices are spectra"},
     {"m_cond_noremap", "a metal's indices are spectra"},
-    {"m_cond_r", "the reflectance of a metal"},
     {"m_diel_bk7", "the glass disperses"},
     {"m_diff", "a red surface in coloured light"},
-    {"m_rtex", "a metal's indices are spectra"},
     {"m_spec_refl", "a reflectance given as a spectrum, in coloured light"},
 };
 

@@ -230,7 +230,9 @@ TEST_F(PbrtText, Materials) {
   const auto& silver = std::get<RoughConductorBsdf>(front(scene, 1));
   EXPECT_EQ(silver.alpha_u.value, 0.5f) << "the square root of the roughness";
   EXPECT_EQ(silver.distribution, DISTRIBUTION_GGX);
-  EXPECT_EQ(silver.eta.value, conductor_index(*conductor_names().parse("Ag")).eta);
+  // Mitsuba's indices have the colour of a constant emission, pbrt's are grey where they are constant.
+  const glm::dvec3 mitsuba(conductor_index(*conductor_names().parse("Ag")).eta);
+  expect_near(glm::dvec3(silver.eta.value), mitsuba / glm::dvec3(1.2048, 0.9483, 0.9089), 1e-4);
   // (eta, k) = (1, 2) reflect k² / (4 + k²) = 1/2 along the normal.
   EXPECT_NEAR(std::get<ConductorBsdf>(front(scene, 2)).k.value.x, 2.0f, 1e-6f);
   EXPECT_EQ(std::get<DielectricBsdf>(front(scene, 3)).int_ior, 1.4f);
