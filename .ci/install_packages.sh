@@ -27,7 +27,7 @@ declare -A lists=(
     libboost-dev ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
     libssl-dev libcpp-httplib-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
     zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev
-    libdraco-dev libmeshoptimizer-dev libstb-dev"
+    libdraco-dev libmeshoptimizer-dev"
   [window]="libglfw3-dev libepoxy-dev libimgui-dev libfreetype-dev fonts-dejavu-core"
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"

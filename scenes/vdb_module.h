@@ -3,20 +3,34 @@
 // was built.
 #pragma once
 
-#include <string>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
 
 #include "kernels/host/error.h"
-#include "scenes/volume_file.h"
 
 namespace penumbra {
 
+/// The most numbers of a box.
+constexpr std::uint64_t kMostVdbNumbers = std::uint64_t{1} << 28;
+
+/// A box of numbers and its position, before the numbers themselves.
+struct VdbHeader {
+  std::int32_t nx = 0, ny = 0, nz = 0, channels = 0;
+  std::array<double, 3> low{}, high{};
+};
+
 /// The interface that the module exports under the name penumbra_vdb_reader.
 struct VdbReader {
-  /// Reads the grid named "density", or else the file's only grid of floats or of vectors of three. Returns
-  /// the bounding box of its active voxels as a dense grid, and its position. Errors: no such grid, a level
-  /// set, a transform that rotates, shears or mirrors the box, more than 2^28 numbers in the box, a number
-  /// that is not finite, a damaged file.
-  Expected<VolumeFile> (*read)(const std::string& bytes);
+  /// Reads the grid named "density", or else the file's only grid of floats or of vectors of three. Writes
+  /// the bounding box of its active voxels as a dense grid: VdbHeader, then the numbers, x fastest. OpenVDB
+  /// trusts its input: of a damaged file it may write anywhere in memory, so this is called in a process of
+  /// its own. Errors: no such grid, a level set, a transform that rotates, shears or mirrors the box, more
+  /// than kMostVdbNumbers in the box, a number that is not finite, a damaged file or one that ends early.
+  Expected<void> (*read)(std::string_view bytes,
+                         const std::function<bool(std::span<const std::uint8_t>)>& write);
 };
 
 }  // namespace penumbra

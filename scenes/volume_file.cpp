@@ -7,7 +7,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
+#include <vector>
 
+#include "kernels/host/limited_child.h"
 #include "kernels/host/module.h"
 #include "scenes/vdb_module.h"
 
@@ -96,13 +99,52 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
 /// The first bytes of a .vdb file.
 constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
 
+/// What VdbReader writes. The process that wrote it may not have been sound.
+Expected<VolumeFile> take_vdb(const ChildInput& input) {
+  const auto damaged = [] { return fail("it cannot be read: it is damaged"); };
+  VdbHeader header;
+  if (!input({reinterpret_cast<std::uint8_t*>(&header), sizeof header})) return damaged();
+  const auto& [nx, ny, nz, channels, low, high] = header;
+  if (nx < 1 || ny < 1 || nz < 1 || (channels != 1 && channels != 3)) return damaged();
+  std::uint64_t count = std::uint64_t(channels);
+  for (const std::int32_t size : {nx, ny, nz}) {
+    if (count > kMostVdbNumbers / std::uint64_t(size)) return damaged();
+    count *= std::uint64_t(size);
+  }
+  VolumeFile file;
+  file.grid = {nx, ny, nz, channels, std::vector<float>(count)};
+  for (int axis = 0; axis < 3; ++axis) {
+    file.low[axis] = low[std::size_t(axis)];
+    file.high[axis] = high[std::size_t(axis)];
+  }
+  if (!input({reinterpret_cast<std::uint8_t*>(file.grid.values.data()), count * sizeof(float)}))
+    return damaged();
+  return file;
+}
+
+/// What a tree may take: of a small file as much as a picture of it should need, and of others far more than
+/// compressed numbers become. Reading takes less than a second a megabyte.
+ChildLimits limits_of(std::string_view bytes) {
+  return {.memory_bytes = (std::uint64_t{768} << 20) + 256 * bytes.size(),
+          .cpu_seconds = unsigned(4 + (bytes.size() >> 20))};
+}
+
 Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {
   static const Expected<const void*> module = load_module("libpenumbra_vdb_reader.so", "penumbra_vdb_reader");
   if (!module)
     return fail(
         fmt::format("{}: files of OpenVDB's need a part of the program that is built where OpenVDB is: {}",
                     name, module.error().message));
-  Expected<VolumeFile> file = static_cast<const VdbReader*>(*module)->read(std::string(bytes));
+  const auto* reader = static_cast<const VdbReader*>(*module);
+  Expected<VolumeFile> file = VolumeFile();
+  const Expected<void> done = run_limited(
+      limits_of(bytes), [&](const ChildOutput& output) { return reader->read(bytes, output); },
+      [&](const ChildInput& input) -> Expected<void> {
+        file = take_vdb(input);
+        if (!file) return std::unexpected(file.error());
+        return {};
+      });
+  if (!done) file = std::unexpected(done.error());
   if (!file) return fail(fmt::format("{}: {}", name, file.error().message));
   return file;
 }

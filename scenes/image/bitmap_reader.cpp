@@ -8,41 +8,43 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <vector>
 
+#include "kernels/host/limited_child.h"
 #include "kernels/host/module.h"
 #include "scenes/diagnostic.h"
+#include "scenes/image/colour_channels.h"
 #include "scenes/image/common_formats.h"
+#include "scenes/image/exr_file.h"
 #include "scenes/image/image_module.h"
+#include "scenes/image/image_room.h"
+#include "scenes/image/radiance_file.h"
 
 namespace penumbra {
 namespace {
 
 using Names = std::vector<std::string>;
 
-std::optional<std::size_t> index_of(const Names& names, std::string_view name) {
-  const auto found = std::ranges::find(names, name);
-  return found == names.end() ? std::nullopt : std::optional(std::size_t(found - names.begin()));
-}
-
 /// The image's channels that become the bitmap's. Empty if the image's channels are not those of a texture.
 std::vector<std::size_t> chosen(const Names& names, BitmapChannels channels) {
   if (channels != BitmapChannels::kAll) {
-    const char* const name = channels == BitmapChannels::kRed     ? "R"
-                             : channels == BitmapChannels::kGreen ? "G"
-                             : channels == BitmapChannels::kBlue  ? "B"
-                                                                  : "A";
-    const auto at = index_of(names, name);
+    const char name = channels == BitmapChannels::kRed     ? 'R'
+                      : channels == BitmapChannels::kGreen ? 'G'
+                      : channels == BitmapChannels::kBlue  ? 'B'
+                                                           : 'A';
+    const auto at = index_of_colour(names, name);
     // A grey channel is used as red, green and blue.
-    const auto grey = channels == BitmapChannels::kAlpha ? std::nullopt : index_of(names, "Y");
+    const auto grey = channels == BitmapChannels::kAlpha ? std::nullopt : index_of_colour(names, 'Y');
     if (!at && !grey) return {};
     return {at ? *at : *grey};
   }
   if (names.size() == 1) return {0};
   // Other layers are ignored.
-  const auto r = index_of(names, "R"), g = index_of(names, "G"), b = index_of(names, "B");
+  const auto r = index_of_colour(names, 'R'), g = index_of_colour(names, 'G'),
+             b = index_of_colour(names, 'B');
   if (r && g && b) return {*r, *g, *b};
-  if (const auto y = index_of(names, "Y")) return {*y};
+  if (const auto y = index_of_colour(names, 'Y')) return {*y};
   return {};
 }
 
@@ -95,7 +97,83 @@ void convert_primaries(const ColorMatrix& matrix, Bitmap& bitmap) {
   }
 }
 
+/// What precedes the texels when they come from another process.
+struct ImageHeader {
+  std::int32_t width = 0, height = 0, type = 0, has_chromaticities = 0;
+  Chromaticities chromaticities{};
+  std::uint64_t name_bytes = 0;  ///< of the names of the channels that follow, each with a line end
+};
+
+Expected<void> write_image(const ImageContents& image, const ChildOutput& output) {
+  ImageHeader header{image.width, image.height, int(image.type), image.chromaticities ? 1 : 0};
+  header.chromaticities = image.chromaticities.value_or(Chromaticities());
+  std::string names;
+  for (const std::string& channel : image.channels) names += channel + '\n';
+  header.name_bytes = names.size();
+  const auto write = [&](const void* bytes, std::size_t size) {
+    return output({static_cast<const std::uint8_t*>(bytes), size});
+  };
+  if (!write(&header, sizeof header) || !write(names.data(), names.size()) ||
+      !write(image.bytes.data(), image.bytes.size()))
+    return fail("nobody reads it");
+  return {};
+}
+
+/// What write_image wrote. The process that did may not have been sound.
+Expected<ImageContents> take_image(const ChildInput& input) {
+  constexpr std::uint64_t kMostNames = 1 << 20;
+  const auto damaged = [] { return fail("cannot be read as an image: it is damaged"); };
+  const auto read = [&](void* bytes, std::size_t size) {
+    return input({static_cast<std::uint8_t*>(bytes), size});
+  };
+  ImageHeader header;
+  if (!read(&header, sizeof header) || header.width < 1 || header.height < 1 || header.type < 0 ||
+      header.type > int(TexelType::kFloat) || header.name_bytes > kMostNames)
+    return damaged();
+  std::string names(header.name_bytes, ' ');
+  if (!read(names.data(), names.size())) return damaged();
+  ImageContents image;
+  image.width = header.width;
+  image.height = header.height;
+  image.type = TexelType(header.type);
+  if (header.has_chromaticities != 0) image.chromaticities = header.chromaticities;
+  std::istringstream lines(names);
+  for (std::string name; std::getline(lines, name);) image.channels.push_back(name);
+  if (image.channels.empty()) return damaged();
+  if (auto room = make_room(image, kMaxBitmapBytes); !room) return std::unexpected(room.error());
+  if (!read(image.bytes.data(), image.bytes.size())) return damaged();
+  return image;
+}
+
+/// What reading may take: the texels, what libraries need beside them, and a time that only what never ends
+/// exceeds.
+ChildLimits limits_of(std::string_view contents) {
+  return {.memory_bytes = 2 * kMaxBitmapBytes + 4 * contents.size(),
+          .cpu_seconds = unsigned(10 + 4 * (contents.size() >> 20))};
+}
+
+/// In a process of its own: some of OpenImageIO's formats crash on damaged files, or never end.
+Expected<ImageContents> read_by_module(const TexelReader& reader, const std::string& name,
+                                       std::string_view contents) {
+  Expected<ImageContents> image = ImageContents();
+  const Expected<void> done = run_limited(
+      limits_of(contents),
+      [&](const ChildOutput& output) -> Expected<void> {
+        const auto read = reader.read(name, contents, kMaxBitmapBytes);
+        return read ? write_image(*read, output) : std::unexpected(read.error());
+      },
+      [&](const ChildInput& input) -> Expected<void> {
+        image = take_image(input);
+        if (!image) return std::unexpected(image.error());
+        return {};
+      });
+  if (!done) return std::unexpected(done.error());
+  return image;
+}
+
 Expected<ImageContents> contents_of(const std::string& name, std::string_view contents) {
+  if (is_exr(contents)) return read_exr(contents, kMaxBitmapBytes);
+  if (is_radiance(contents)) return read_radiance(contents, kMaxBitmapBytes);
   if (std::optional<ImageContents> common = read_common_image(contents, kMaxBitmapBytes))
     return std::move(*common);
   static const Expected<const void*> reader =
@@ -103,7 +181,7 @@ Expected<ImageContents> contents_of(const std::string& name, std::string_view co
   if (!reader)
     return fail(
         fmt::format("cannot be read, because what reads images does not load: {}", reader.error().message));
-  return static_cast<const TexelReader*>(*reader)->read(name, contents, kMaxBitmapBytes);
+  return read_by_module(*static_cast<const TexelReader*>(*reader), name, contents);
 }
 
 }  // namespace
@@ -132,10 +210,10 @@ Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents,
   if (!image) return fail(fmt::format("'{}' {}", name, image.error().message));
   const std::vector<std::size_t> from = chosen(image->channels, channels);
   if (from.empty()) {
-    return fail(fmt::format(
-        "'{}' has {} channels ({}); {}", name, image->channels.size(), list_names(image->channels),
-        channels == BitmapChannels::kAll ? "a texture has Y, or R, G and B, each with A or without"
-                                         : "the one that is asked for is not there"));
+    if (channels == BitmapChannels::kAll)
+      return fail(fmt::format("'{}' {}", name, no_colours_text(image->channels)));
+    return fail(fmt::format("'{}' has {} channels ({}); the one that is asked for is not there", name,
+                            image->channels.size(), list_names(image->channels)));
   }
   const std::optional<ColorMatrix> matrix =
       image->chromaticities ? rec709_from_rgb(*image->chromaticities) : std::nullopt;

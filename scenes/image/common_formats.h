@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-/// An image of a usual JPEG, PNG, OpenEXR or Radiance file, with the same contents as from TexelReader.
+/// An image of a usual JPEG or PNG file, with the same contents as from TexelReader.
 /// Loading OpenImageIO with its 250 libraries takes half a second, which is more than reading most scenes.
 /// Nothing: another format or variant, a damaged file, or an image larger than `most_bytes`. TexelReader
 /// reads those, or says what is wrong with them.

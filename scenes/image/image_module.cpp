@@ -5,20 +5,13 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <new>
+
+#include "scenes/image/image_room.h"
 
 namespace penumbra {
 namespace {
-
-/// OpenImageIO's message in one line.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (c == '\n' || c == '\r') c = ' ';
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text.empty() ? "unknown error" : text;
-}
 
 /// Texels keep their type; types without a counterpart become float.
 TexelType type_of(const OIIO::ImageSpec& spec) {
@@ -50,16 +43,31 @@ OIIO::TypeDesc format_of(TexelType type) {
 
 /// The chromaticities of an image of linear light, if they are others than Rec. 709's.
 std::optional<Chromaticities> other_primaries(const OIIO::ImageSpec& spec) {
-  constexpr float kSame = 1e-4f;  // files have four decimals
   const TexelType type = type_of(spec);
   Chromaticities said{};
   if ((type != TexelType::kHalf && type != TexelType::kFloat) ||
       !spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(said.size())),
                          said.data()))
     return std::nullopt;
-  const bool same =
-      std::ranges::equal(said, kRec709, [](float a, float b) { return std::abs(a - b) <= kSame; });
-  return same ? std::nullopt : std::optional(said);
+  return are_rec709(said) ? std::nullopt : std::optional(said);
+}
+
+/// Whether the first directory of a TIFF file has no BitsPerSample. That means 1 (TIFF 6.0, p. 29), but
+/// OpenImageIO 2.4 takes it for 8 and the packed bits for values.
+bool is_tiff_without_bits(std::string_view file) {
+  const bool is_big_endian = file.starts_with(std::string_view("MM\0*", 4));
+  if (!is_big_endian && !file.starts_with(std::string_view("II*\0", 4))) return false;
+  constexpr std::size_t kEntry = 12, kBitsPerSample = 258;
+  const auto number = [&](std::size_t at, std::size_t size) {
+    std::size_t value = 0;
+    for (std::size_t i = 0; i < size && at + i < file.size(); ++i)
+      value |= std::size_t(std::uint8_t(file[at + i])) << 8 * (is_big_endian ? size - 1 - i : i);
+    return value;
+  };
+  const std::size_t directory = number(4, 4), entries = number(directory, 2);
+  for (std::size_t i = 0; i < entries; ++i)
+    if (number(directory + 2 + kEntry * i, 2) == kBitsPerSample) return false;
+  return entries > 0;
 }
 
 Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_bytes) {
@@ -74,15 +82,7 @@ Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_by
   image.type = type_of(spec);
   image.chromaticities = other_primaries(spec);
   if (image.chromaticities) image.type = TexelType::kFloat;
-  const double bytes = double(spec.width) * spec.height * spec.nchannels * double(size_of(image.type));
-  if (bytes > double(most_bytes)) {
-    return fail(
-        fmt::format("has {} x {} texels of {} channels, {:.1f} GiB; {:.0f} GiB are the most that a "
-                    "texture may take: scale it down",
-                    spec.width, spec.height, spec.nchannels, bytes / double(1 << 30),
-                    double(most_bytes) / double(1 << 30)));
-  }
-  image.bytes.resize(std::size_t(bytes));
+  if (auto room = make_room(image, most_bytes); !room) return std::unexpected(room.error());
   const bool done = input.read_image(0, 0, 0, spec.nchannels, format_of(image.type), image.bytes.data());
   // For truncated files the readers of JPEG and TIFF fill in the rest and report an error.
   const std::string problem = input.geterror();
@@ -93,6 +93,8 @@ Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_by
 
 Expected<ImageContents> read_file(const std::string& name, std::string_view contents,
                                   std::size_t most_bytes) {
+  if (is_tiff_without_bits(contents))
+    return fail("states no bits per sample, and black and white by one bit are not read; write 8 bits");
   OIIO::Filesystem::IOMemReader memory(contents.data(), contents.size());
   OIIO::ImageSpec wishes;
   wishes["oiio:UnassociatedAlpha"] = 1;  // colours as stored in the file

@@ -122,6 +122,41 @@ TEST_F(MitsubaTextures, OneChannelMayBeChosen) {
               HasSubstr("'rgb.png' has 3 channels (R, G, B); the one that is asked for is not there"));
 }
 
+TEST_F(MitsubaTextures, BlackAndWhiteTiffsAreWhatTheyAreOrRefused) {
+  // One row of eight texels of one bit, with BitsPerSample (tag 258) and without, which means 1, too.
+  const auto tiff = [](bool says_bits) {
+    struct Entry {
+      std::uint16_t tag, type;
+      std::uint32_t count, value;
+    };
+    static_assert(sizeof(Entry) == 12);
+    std::vector<Entry> entries = {{256, 4, 1, 8}, {257, 4, 1, 1}, {259, 3, 1, 1}, {262, 3, 1, 1},
+                                  {273, 4, 1, 0}, {278, 4, 1, 1}, {279, 4, 1, 1}};
+    if (says_bits) entries.insert(entries.begin() + 2, {258, 3, 1, 1});
+    const auto count = std::uint16_t(entries.size());
+    const std::uint32_t data = 8 + 2 + count * 12u + 4;
+    for (Entry& entry : entries)
+      if (entry.tag == 273) entry.value = data;
+    std::string file("II*\0\x08\0\0\0", 8);
+    file.append(reinterpret_cast<const char*>(&count), 2);
+    file.append(reinterpret_cast<const char*>(entries.data()), entries.size() * 12);
+    return file + std::string(4, '\0') + '\xb1';
+  };
+  write("bits.tif", tiff(true));
+  EXPECT_THAT(bytes_of(*good(shape(bitmap("bits.tif"))).bitmaps.at(0)),
+              ElementsAre(255, 0, 255, 255, 0, 0, 0, 255));
+  write("none.tif", tiff(false));
+  EXPECT_THAT(error(scene(shape(bitmap("none.tif")))), HasSubstr("states no bits per sample"));
+}
+
+TEST_F(MitsubaTextures, WhatCrashesALibraryIsAnError) {
+  // An icon of 0 bits a texel: OpenImageIO 2.4 divides by them.
+  const std::string header("\0\0\1\0\1\0\x05\x06\0\0\1\0\0\0\x28\0\0\0\x16\0\0\0", 22);
+  const std::string picture("\x28\0\0\0\x05\0\0\0\x0c\0\0\0\1\0\0\0", 16);
+  write("a.ico", header + picture + std::string(200, '\0'));
+  EXPECT_THAT(error(scene(shape(bitmap("a.ico")))), HasSubstr("'a.ico' cannot be read"));
+}
+
 TEST_F(MitsubaTextures, WiderFormatsStayToo) {
   const std::vector<std::uint16_t> shorts{0, 1, 65535, 1000, 2000, 3000};
   write_image("a.png", 2, 1, kRgb, OIIO::TypeDesc::UINT16, shorts);
@@ -215,10 +250,10 @@ TEST_F(MitsubaTextures, OtherChannelsThanATexturesAreAnError) {
   EXPECT_THAT(
       error(scene(shape(bitmap("five.exr")))),
       AllOf(HasSubstr("scene.xml:2:"),
-            HasSubstr("'five.exr' has 5 channels (R, G, X, Z, A); a texture has Y, or R, G and B, each "
+            HasSubstr("'five.exr' has 5 channels (A, G, R, X, Z); a texture has Y, or R, G and B, each "
                       "with A or without")));
   write_image("layers.exr", 1, 1, {"a.R", "a.G", "a.B"}, OIIO::TypeDesc::FLOAT, std::vector<float>(3, 0.5f));
-  EXPECT_THAT(error(scene(shape(bitmap("layers.exr")))), HasSubstr("has 3 channels (a.R, a.G, a.B)"));
+  EXPECT_THAT(error(scene(shape(bitmap("layers.exr")))), HasSubstr("has 3 channels (a.B, a.G, a.R)"));
 }
 
 TEST_F(MitsubaTextures, MissingAndBrokenFilesAreErrorsWithTheirPlace) {

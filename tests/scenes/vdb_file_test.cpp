@@ -4,10 +4,14 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <chrono>
+#include <cstring>
 #include <limits>
+#include <random>
 #include <sstream>
 
 #include "scenes/volume_file.h"
+#include "tests/support/temporary_folder.h"
 
 // OpenVDB 10 does not free what it has read of a file that ends too soon.
 extern "C" const char* __lsan_default_suppressions();
@@ -110,14 +114,86 @@ TEST(VdbFiles, SayWhatIsWrongWithThem) {
   EXPECT_THAT(wrong_vdb({odd}), HasSubstr("at voxel 0, 0, 6 is inf, not finite"));
 }
 
-TEST(VdbFiles, ThatAreCutOffAreErrors) {
-  const std::string whole = vdb_of({density()});
-  for (const std::size_t size : {std::size_t{8}, std::size_t{20}, whole.size() / 2, whole.size() * 3 / 4}) {
-    const auto read = read_volume_file("smoke.vdb", whole.substr(0, size));
-    ASSERT_FALSE(read) << size;
-    EXPECT_THAT(read.error().message, ::testing::StartsWith("smoke.vdb: "));
+TEST(VdbFiles, OfOtherCompressionsAndSharedTreesAreRead) {
+  const openvdb::FloatGrid::Ptr grid = density();
+  const auto shared = openvdb::gridPtrCast<openvdb::FloatGrid>(grid->copyGrid());
+  shared->setName("other");
+  const auto expected = read_volume_file("a.vdb", vdb_of({grid}));
+  ASSERT_TRUE(expected);
+  const TemporaryFolder folder;
+  for (const std::uint32_t compression :
+       {std::uint32_t(openvdb::io::COMPRESS_NONE), std::uint32_t(openvdb::io::COMPRESS_ZIP),
+        std::uint32_t(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)}) {
+    openvdb::io::File file((folder / "a.vdb").string());
+    file.setCompression(compression);
+    file.write(openvdb::GridPtrVec{shared, grid});
+    file.close();
+    const auto read = read_volume_file("a.vdb", file_contents(folder / "a.vdb"));
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->grid.values, expected->grid.values) << compression;
+    EXPECT_EQ(read->high, expected->high);
   }
 }
+
+/// Some of its lengths, counts and numbers are in every part of the file.
+std::string to_be_damaged() {
+  openvdb::Vec3SGrid::Ptr other = openvdb::Vec3SGrid::create();
+  other->setName("velocity");
+  other->tree().setValue({0, 0, 0}, {1, 2, 3});
+  const openvdb::FloatGrid::Ptr grid = density();
+  grid->insertMeta("author", openvdb::StringMetadata("nobody"));
+  return vdb_of({other, grid});
+}
+
+constexpr std::chrono::seconds kLongest(5);  // for an error, on a busy machine
+
+void expect_error(const std::string& bytes, const std::string& what) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto read = read_volume_file("smoke.vdb", bytes);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kLongest) << what;
+  ASSERT_FALSE(read) << what;
+  EXPECT_THAT(read.error().message, ::testing::StartsWith("smoke.vdb: ")) << what;
+}
+
+void expect_errors_of_truncations(std::size_t first, std::size_t step) {
+  const std::string whole = to_be_damaged();
+  for (std::size_t size = first; size < whole.size(); size += step)
+    expect_error(whole.substr(0, size), "cut at " + std::to_string(size));
+}
+
+TEST(VdbFiles, ThatAreCutOffAreErrors) {
+  const std::size_t size = to_be_damaged().size();
+  expect_errors_of_truncations(0, size / 40);
+  expect_errors_of_truncations(8, size / 7);
+}
+TEST(VdbFiles, CutOffAnywhereAreErrors) { expect_errors_of_truncations(0, 17); }
+
+/// Four bytes of a damaged file are often a length that is too large.
+void expect_mutations_survived(std::uint32_t seed, int count) {
+  const std::string whole = to_be_damaged();
+  std::mt19937 random(seed);
+  for (int i = 0; i < count; ++i) {
+    std::string bytes = whole;
+    for (std::uint32_t times = 1 + random() % 3; times > 0; --times) {
+      // Half of them in what precedes the trees, where most lengths are.
+      const std::size_t at = random() % (random() % 2 == 0 ? 600 : bytes.size() - 4);
+      static constexpr std::uint32_t kNumbers[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 1'000'000};
+      const std::uint32_t number =
+          random() % 2 == 0 ? kNumbers[random() % std::size(kNumbers)] : std::uint32_t(random());
+      std::memcpy(bytes.data() + at, &number, 1 + random() % sizeof number);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const auto read = read_volume_file("smoke.vdb", bytes);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, kLongest) << i;
+    if (!read) continue;
+    const VolumeGrid& grid = read->grid;
+    EXPECT_EQ(grid.values.size(), std::size_t(grid.nx) * std::size_t(grid.ny) * std::size_t(grid.nz) *
+                                      std::size_t(grid.channels));
+  }
+}
+
+TEST(VdbFiles, DamagedOnesAreReadOrErrors) { expect_mutations_survived(1, 100); }
+TEST(VdbFiles, ManyDamagedOnesAreReadOrErrors) { expect_mutations_survived(2, 2000); }
 
 }  // namespace
 }  // namespace penumbra
