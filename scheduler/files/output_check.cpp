@@ -1,7 +1,6 @@
 #include "scheduler/files/output_check.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <system_error>
 #include <vector>
@@ -14,14 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Equal for two paths of the same file. For a file that does not exist yet it is the normalised path.
-struct FileIdentity {
-  dev_t device = 0;
-  ino_t number = 0;
-  fs::path path;
-  bool operator==(const FileIdentity&) const = default;
-};
-
 FileIdentity identity_of(const fs::path& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, {}};
@@ -31,6 +22,13 @@ FileIdentity identity_of(const fs::path& path) {
 }
 
 }  // namespace
+
+FileIdentity identity_of_output(const fs::path& output) {
+  const auto target = find_target(output);
+  if (target && target->kind == FileTarget::Kind::kFile) return identity_of(target->path);
+  std::error_code error;
+  return {0, 0, fs::absolute(output, error).lexically_normal()};
+}
 
 Expected<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
   std::vector<FileIdentity> read, written;

@@ -1,12 +1,27 @@
 // Checks a command's outputs against its inputs.
 #pragma once
 
+#include <sys/stat.h>
+
+#include <compare>
 #include <filesystem>
 #include <span>
 
 #include "kernels/host/error.h"
 
 namespace penumbra {
+
+/// Equal for two paths of the same file. For a file that does not exist yet it is the normalised path.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t number = 0;
+  std::filesystem::path path;
+  auto operator<=>(const FileIdentity&) const = default;
+};
+
+/// Of the file that is written if an output has this path: symbolic links are followed, except to devices and
+/// pipes, to which several outputs may go.
+FileIdentity identity_of_output(const std::filesystem::path& output);
 
 /// Checks that every output can be written (see check_writable), that none is an input, and that no two are
 /// the same file; existing files are compared by identity, not by name. Call it before the work, and

@@ -8,9 +8,12 @@
 #include <map>
 #include <numeric>
 
+#include "scenes/names.h"
+#include "scenes/settings.h"
 #include "scheduler/cli/sets/job_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/files/output_check.h"
 #include "scheduler/files/quoting.h"
 
 namespace penumbra {
@@ -55,6 +58,21 @@ fs::path common_folder(const fs::path& a, const fs::path& b) {
   const auto differ = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   for (auto part = a.begin(); part != differ.first; ++part) common /= *part;
   return common;
+}
+
+/// Whether the options say that there is a denoised image beside the image. No scene file says so.
+bool asks_for_denoising(const SceneOptions& options) {
+  RenderSettings settings;
+  const auto apply = [&](std::string_view value) {
+    (void)apply_setting(settings, "film.denoise", value);  // errors are those of reading the scene
+  };
+  for (const std::string& assignment : options.settings) {
+    const std::size_t equals = std::min(assignment.find('='), assignment.size());
+    if (to_snake_case(assignment.substr(0, equals)) == "film.denoise")
+      apply(std::string_view(assignment).substr(std::min(equals + 1, assignment.size())));
+  }
+  if (!options.denoise.empty()) apply(options.denoise);
+  return is_denoised(settings.film);
 }
 
 class SetPlanner {
@@ -196,15 +214,17 @@ class SetPlanner {
   }
 
   Expected<void> take_file(const fs::path& file, const char* what) {
-    const auto [taken, is_new] = taken_by_.emplace(fs::absolute(file).lexically_normal(), what);
+    const auto [taken, is_new] = taken_by_.emplace(identity_of_output(file), what);
     if (is_new) return {};
     return fail(fmt::format("{} is a file of {} and {}", file.string(), taken->second, what));
   }
 
   /// Error if two renders write the same file.
   Expected<void> take_files(const SetMember& member) {
-    for (const fs::path& file : member.files.all()) {
-      const auto [taken, is_new] = taken_by_.emplace(fs::absolute(file).lexically_normal(), member.name);
+    OutputFiles files = member.files;
+    if (asks_for_denoising(member.options.scene)) add_denoised_files(files);
+    for (const fs::path& file : files.all()) {
+      const auto [taken, is_new] = taken_by_.emplace(identity_of_output(file), member.name);
       if (!is_new)
         return fail(
             fmt::format("{} and {} would both be written to {}; tell them apart with fields of the name, "
@@ -225,7 +245,7 @@ class SetPlanner {
   std::vector<Unordered> members_;
   std::map<std::pair<std::size_t, std::string>, std::vector<std::size_t>> names_;  // members of a file's name
   SetPlan plan_;
-  std::map<fs::path, std::string> taken_by_;
+  std::map<FileIdentity, std::string> taken_by_;
 };
 
 }  // namespace

@@ -229,6 +229,40 @@ TEST_F(RenderSet, NamesHaveFieldsAndCollisionsAreSaidBeforeAnythingStarts) {
   EXPECT_THAT(states("all.json"), ElementsAre("done", "done"));
 }
 
+TEST_F(RenderSet, OneFileByTwoNamesIsSaidBeforeAnythingStarts) {
+  namespace fs = std::filesystem;
+  fs::create_directory(folder_ / "out");
+  fs::create_directory(folder_ / "real");
+  fs::create_directory_symlink(folder_ / "real", folder_ / "link");
+  fs::create_symlink(folder_ / "out/second.exr", folder_ / "out/by-link.exr");  // to a file that is to come
+  write_text(folder_ / "out/hard.exr", "before");
+  fs::create_hard_link(folder_ / "out/hard.exr", folder_ / "out/same.exr");
+  const auto of_two = [&](const std::string& first, const std::string& second, const std::string& more = "") {
+    write_text(folder_ / "j.toml", fmt::format("[[render]]\nscene = \"a.xml\"\nout = \"{}\"\n{}\n"
+                                               "[[render]]\nscene = \"b.xml\"\nout = \"{}\"\n",
+                                               first, more, second));
+    return run({"j.toml", "-q"});
+  };
+  const std::array<std::string, 3> cases[] = {
+      {"out/a.exr", "out/a-denoised.exr", "denoise = \"nlmeans\""},
+      {"out/a.exr", "out/a-denoised.exr", "set.film.denoise = \"nlmeans\""},
+      {"out/x.exr", "./out/../out/x.exr", ""},
+      {"real/x.exr", "link/x.exr", ""},
+      {"out/second.exr", "out/by-link.exr", ""},
+      {"out/hard.exr", "out/same.exr", ""},
+  };
+  for (const auto& [first, second, more] : cases) {
+    const ProgramResult result = of_two(first, second, more);
+    EXPECT_EQ(result.exit_code, 2) << second << result.err;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("a.xml and b.xml would both be written to"))) << second;
+    EXPECT_FALSE(fs::exists(folder_ / "out/a.exr") || fs::exists(folder_ / "jobs.json")) << second;
+  }
+  EXPECT_EQ(file_contents(folder_ / "out/hard.exr"), "before");
+  // Without a denoised image there is no other file of this name.
+  const ProgramResult apart = of_two("out/a.exr", "out/a-denoised.exr", "denoise = \"layers\"");
+  EXPECT_EQ(apart.exit_code, 0) << apart.err;
+}
+
 TEST_F(RenderSet, OptionsThatMeanOneImageAreRefused) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"-o", "one.exr"}, "of several images it is a folder"},
