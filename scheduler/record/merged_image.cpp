@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "kernels/host/sample_buffer.h"
+#include "kernels/host/text.h"
 #include "scenes/number.h"
 #include "scheduler/record/cryptomatte.h"
 #include "scheduler/record/film_image.h"
@@ -120,13 +122,14 @@ Expected<void> ImageMerge::add(const MergeSource& source, const Image& image) {
     return fail(fmt::format("{} has changed while it was read", source.file.string()));
   std::vector<std::size_t> from;
   for (const Channel& channel : channels_) from.push_back(*image.channel(channel.name));
+  if (auto checked = check_values(source.file.string(), image, from); !checked) return checked;
   const std::size_t samples = *image.channel("samples.Y");
   const std::uint32_t per_map = samples_per_map(source);
   std::vector<float> values(channels_.size());
   for (std::size_t at = 0; at < pixels_.size(); ++at) {
     const float* pixel = &image.values[at * image.channels.size()];
     const double n = pixel[samples];
-    if (!(n >= 1) || !std::isfinite(n)) continue;
+    if (n < 1) continue;
     for (std::size_t c = 0; c < channels_.size(); ++c) values[c] = pixel[from[c]];
     const double share_of_a =
         source.renders.size() > 1 ? 0.5 : samples_of_half_a(std::uint64_t(n), per_map) / n;
@@ -134,6 +137,35 @@ Expected<void> ImageMerge::add(const MergeSource& source, const Image& image) {
     pixels_[at].samples += n;
   }
   return {};
+}
+
+Expected<void> ImageMerge::check_values(const std::string& name, const Image& image,
+                                        std::span<const std::size_t> from) const {
+  const std::size_t stored = channels_.size() - mattes_;
+  // IDs, of shapes and in the first of each two channels of Cryptomatte, are no numbers.
+  const auto is_right = [&](std::size_t c, float value) {
+    const Kind kind = channels_[c].kind;
+    if (kind == Kind::kFirst || (kind == Kind::kMatte && (c - stored) % 2 == 0)) return true;
+    return std::isfinite(value) && (value >= 0 || (kind != Kind::kVariance && kind != Kind::kSamples));
+  };
+  std::uint64_t pixels = 0;
+  std::string first;
+  for (std::size_t at = 0; at < pixels_.size(); ++at) {
+    const float* pixel = &image.values[at * image.channels.size()];
+    for (std::size_t c = 0; c < from.size(); ++c) {
+      if (is_right(c, pixel[from[c]])) continue;
+      if (pixels++ == 0)
+        first =
+            fmt::format("{} is {} at pixel {}, {}", channels_[c].name, pixel[from[c]],
+                        image.data.x + int(at) % image.data.width, image.data.y + int(at) / image.data.width);
+      break;
+    }
+  }
+  if (pixels == 0) return {};
+  return fail(
+      fmt::format("{} has {} with values that no render has (NaN, infinite, negative variance); the "
+                  "first: {}",
+                  name, counted(pixels, "pixel"), first));
 }
 
 void ImageMerge::add_pixel(std::size_t at, std::span<const float> values, double weight, double share_of_a) {
@@ -219,7 +251,7 @@ float ImageMerge::value_of(std::size_t at, std::size_t channel) const {
   return pixel.weight > 0 ? float(value / (pixel.weight * pixel.weight)) : 0.0f;
 }
 
-Image ImageMerge::image() const {
+Expected<Image> ImageMerge::image() const {
   const Image& first = sources_.front().header;
   Image image;
   image.data = first.data;
@@ -240,6 +272,10 @@ Image ImageMerge::image() const {
     for (std::size_t c = 0; c < channels_.size() - mattes_; ++c) image.values.push_back(value_of(at, c));
     if (mattes_ > 0) append_mattes(at, image.values);
   }
+  std::vector<std::size_t> same(channels_.size());
+  std::iota(same.begin(), same.end(), 0);
+  if (auto checked = check_values("the merged image", image, same); !checked)
+    return std::unexpected(checked.error());
   return image;
 }
 

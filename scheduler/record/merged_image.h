@@ -34,12 +34,14 @@ class ImageMerge {
   /// Checked sources. Channels that not all of them have, or that cannot be merged, are left out.
   explicit ImageMerge(const std::vector<MergeSource>& sources);
 
-  /// Adds the image of `source`, read again. The result depends on the order in its last bits. Error: its
-  /// size or channels are not those of the source.
+  /// Adds the image of `source`, read again. The result depends on the order in its last bits. Errors: its
+  /// size or channels are not those of the source; values that no render has, with their number and the
+  /// first: NaN, infinite, a negative variance or number of samples.
   Expected<void> add(const MergeSource& source, const Image& image);
 
-  /// The merged image with all metadata.
-  [[nodiscard]] Image image() const;
+  /// The merged image with all metadata. Error: values beyond the range of a file's floats, such as the
+  /// variance of 0 and 1e38.
+  [[nodiscard]] Expected<Image> image() const;
   /// What is left out or approximate, for users.
   [[nodiscard]] std::vector<std::string> remarks() const;
 
@@ -56,6 +58,9 @@ class ImageMerge {
   using Coverage = std::map<std::uint32_t, double>;  // sums of weight times coverage, by ID
 
   void choose_channels();
+  /// `from`: the indices of the merged channels in the image.
+  [[nodiscard]] Expected<void> check_values(const std::string& name, const Image& image,
+                                            std::span<const std::size_t> from) const;
   void add_pixel(std::size_t at, std::span<const float> values, double weight, double share_of_a);
   void add_mattes(std::size_t at, std::span<const float> values, double weight);
   void append_mattes(std::size_t at, std::vector<float>& values) const;

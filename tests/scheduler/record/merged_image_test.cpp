@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "scheduler/record/cryptomatte.h"
@@ -67,7 +68,9 @@ Merged merged_of(const std::vector<Image>& images) {
   ImageMerge merge(sources);
   for (const MergeSource& source : sources)
     EXPECT_TRUE(merge.add(source, images[std::size_t(std::stoi(source.file.string()))]));
-  return {merge.image(), merge.remarks()};
+  Expected<Image> image = merge.image();
+  if (!image) return ADD_FAILURE() << image.error().message, Merged();
+  return {*std::move(image), merge.remarks()};
 }
 
 float at(const Image& image, int x, const std::string& channel) {
@@ -173,6 +176,38 @@ TEST(MergedImage, CryptomatteHasTheSixLargestIds) {
 }
 
 /// The first image with samples of the pixel decides, in the order of seeds.
+TEST(MergedImage, ValuesThatNoRenderHasAreCountedAndRefused) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
+  const auto index = [](const char* channel) {
+    return std::size_t(std::ranges::find(kChannels, channel) - kChannels.begin());
+  };
+  const auto error_of = [&](const char* channel, float value) -> std::string {
+    std::vector<Image> images = {random_image(1, {4, 4, 4}), random_image(2, {4, 4, 4})};
+    images[1].data.x = images[0].data.x = 10;
+    for (const std::size_t pixel : {1u, 2u})
+      images[1].values[pixel * kChannels.size() + index(channel)] = value;
+    std::vector<MergeSource> sources;
+    for (int i : {0, 1})
+      sources.push_back(merge_source(i == 0 ? "a.exr" : "b.exr", images[std::size_t(i)]).value());
+    ImageMerge merge(sources);
+    EXPECT_TRUE(merge.add(sources[0], images[0]));
+    if (const auto added = merge.add(sources[1], images[1]); !added) return added.error().message;
+    const auto image = merge.image();
+    return image ? "" : image.error().message;
+  };
+  EXPECT_THAT(error_of("G", kNan), HasSubstr("b.exr has 2 pixels with values that no render has"));
+  EXPECT_THAT(error_of("G", kNan), HasSubstr("G is nan at pixel 11, 0"));
+  EXPECT_THAT(error_of("depth.Z", -kInfinity), HasSubstr("depth.Z is -inf"));
+  EXPECT_THAT(error_of("variance.R", kNan), HasSubstr("variance.R is nan"));
+  EXPECT_THAT(error_of("variance.B", -1), HasSubstr("variance.B is -1"));
+  EXPECT_THAT(error_of("half_b.R", kInfinity), HasSubstr("half_b.R is inf"));
+  EXPECT_THAT(error_of("samples.Y", kNan), HasSubstr("samples.Y is nan"));
+  EXPECT_THAT(error_of("samples.Y", -4), HasSubstr("samples.Y is -4"));
+  EXPECT_THAT(error_of("R", 1e38f), HasSubstr("the merged image has 2 pixels"));
+  EXPECT_EQ(error_of("R", 1e15f), "") << "whose square is in range";
+}
+
 TEST(MergedImage, KeepsShapesOfTheFirstSeed) {
   const std::vector<std::string> channels{"R",          "G",          "B",         "variance.R",
                                           "variance.G", "variance.B", "samples.Y", "shape.ID"};
