@@ -31,6 +31,8 @@ std::string error_text(const fs::path& path) {
   return fmt::format("cannot write {}: {}", path.string(), std::strerror(errno));
 }
 
+bool is_writable_by_others(mode_t mode) { return (mode & (S_IWGRP | S_IWOTH)) != 0; }
+
 }  // namespace
 
 CacheFile::CacheFile(const fs::path& path, int flags)
@@ -42,6 +44,12 @@ Expected<std::uint64_t> CacheFile::size() const {
   struct stat status {};
   if (fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) return fail("is no file");
   return std::uint64_t(status.st_size);
+}
+
+bool CacheFile::is_own() const {
+  struct stat status {};
+  return fstat(descriptor_, &status) == 0 && status.st_uid == geteuid() &&
+         !is_writable_by_others(status.st_mode);
 }
 
 std::size_t CacheFile::read(void* to, std::size_t bytes) {
@@ -67,7 +75,7 @@ Expected<void> CacheFolder::write(std::string_view name,
                                   std::span<const std::span<const std::uint8_t>> parts) const {
   if (!enabled()) return {};
   std::error_code error;
-  fs::create_directories(folder_, error);
+  if (fs::create_directories(folder_, error)) fs::permissions(folder_, fs::perms::owner_all, error);
   if (error) return fail(fmt::format("cannot make the folder {}: {}", folder_.string(), error.message()));
   static std::atomic<unsigned> count{0};
   const fs::path path = file_of(name),
@@ -123,6 +131,16 @@ void CacheFolder::remove_oldest(std::uint64_t room) const {
     --left;
     bytes -= size;
   }
+}
+
+Expected<void> check_cache_folder(const fs::path& folder) {
+  struct stat status {};
+  if (folder.empty() || stat(folder.c_str(), &status) != 0) return {};
+  const char* why = status.st_uid != geteuid()              ? "another user owns it"
+                    : is_writable_by_others(status.st_mode) ? "others may write to it (chmod go-w)"
+                                                            : nullptr;
+  if (why == nullptr) return {};
+  return fail(fmt::format("the cache {} is not used: {}", folder.string(), why));
 }
 
 fs::path cache_folder(const char* variable, std::string_view name) {

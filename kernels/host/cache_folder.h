@@ -29,6 +29,8 @@ class CacheFile {
   bool close();
   /// The size of a regular file. Errors: anything else, since reading it might never end.
   [[nodiscard]] Expected<std::uint64_t> size() const;
+  /// Whether this user alone can have written it; see check_cache_folder.
+  [[nodiscard]] bool is_own() const;
   /// Reads at most `bytes` bytes; returns how many were read.
   std::size_t read(void* to, std::size_t bytes);
   bool write(const void* from, std::size_t bytes);
@@ -69,6 +71,11 @@ class CacheFolder {
   std::string suffix_;
   CacheLimits limits_;
 };
+
+/// What is in a folder that others can write to may be anything with a right checksum, so only a folder of
+/// this user, to which neither group nor others can write, is used. Error, for users: why it is not. A folder
+/// that is not there yet is right.
+Expected<void> check_cache_folder(const std::filesystem::path& folder);
 
 /// The folder that the environment variable names, else penumbra/`name` below XDG_CACHE_HOME, else below
 /// ~/.cache. Empty (no cache) if the variable is "off", or if none of them is set.

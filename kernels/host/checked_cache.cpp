@@ -37,6 +37,7 @@ static_assert(sizeof(Header) == 96);
 Expected<std::vector<std::uint8_t>> read_content(CacheFile& file, std::string_view key) {
   const auto size = file.size();
   if (!size) return std::unexpected(size.error());
+  if (!file.is_own()) return fail("may be another user's");
   Header header;
   if (file.read(&header, sizeof header) != sizeof header) return fail("is cut short");
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) return fail("is no file of a cache");
@@ -70,6 +71,7 @@ std::string CheckedCache::key_of(std::span<const std::string> parts) {
 
 CheckedCache::Found CheckedCache::find(std::string_view key) const {
   if (!enabled()) return {};
+  if (const auto checked = check_cache_folder(files_.path()); !checked) return {{}, checked.error().message};
   const fs::path path = file_of(key);
   CacheFile file(path, O_RDONLY | O_NONBLOCK);
   if (!file.is_open()) return {};
@@ -84,6 +86,7 @@ CheckedCache::Found CheckedCache::find(std::string_view key) const {
 
 Expected<void> CheckedCache::keep(std::string_view key, std::span<const Bytes> parts) const {
   if (!enabled()) return {};
+  if (auto checked = check_cache_folder(files_.path()); !checked) return checked;
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.version = kVersion;

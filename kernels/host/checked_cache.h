@@ -1,5 +1,6 @@
 // A cache on disk of what is computed from some input. Files are named after the hash of the input, and a
-// file that is incomplete, damaged or another one than its name says is never returned.
+// file that is incomplete, damaged, another one than its name says or perhaps another user's is never
+// returned.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,8 @@ class CheckedCache {
   [[nodiscard]] Found find(std::string_view key) const;
 
   /// Stores the parts, one after the other, and removes the least recently used files. Errors, for a log: the
-  /// folder cannot be created or written; the caller can go on without the cache.
+  /// folder cannot be created or written, or is not this user's alone; the caller can go on without the
+  /// cache.
   Expected<void> keep(std::string_view key, std::span<const std::span<const std::uint8_t>> parts) const;
   Expected<void> keep(std::string_view key, std::span<const std::uint8_t> bytes) const;
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 
+#include "kernels/host/console.h"
 #include "kernels/host/process.h"
 #include "scenes/device/hierarchy/hierarchy_cache.h"
 #include "scenes/device/media_book.h"
@@ -63,6 +65,16 @@ bool replace_independent_sampler(const SceneOptions& options, SceneDescription& 
   return true;
 }
 
+/// The cache of hierarchies, unless it is not this user's alone. That is said once.
+std::filesystem::path own_hierarchy_cache() {
+  std::filesystem::path folder = default_hierarchy_cache();
+  const auto checked = check_cache_folder(folder);
+  if (checked) return folder;
+  static std::atomic_flag is_said;
+  if (!is_said.test_and_set()) print_warning(checked.error().message);
+  return {};
+}
+
 }  // namespace
 
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
@@ -113,7 +125,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
-  device_options.hierarchy_cache = default_hierarchy_cache();
+  device_options.hierarchy_cache = own_hierarchy_cache();
   MatteNames mattes;
   if (options.cryptomatte) device_options.mattes = &mattes;
   auto device = build_device_scene(*description, device_options);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -103,6 +104,35 @@ TEST(CheckedCache, EveryDamageIsNoticedAndRemoved) {
   // Whole again, it is found again.
   write_text(file, whole);
   EXPECT_EQ(cache.find(key("a")).bytes, bytes);
+}
+
+TEST(CheckedCache, WhatOthersCanWriteIsNotUsed) {
+  const TemporaryFolder folder;
+  const fs::path shared = folder / "shared";
+  const CheckedCache cache = cache_in(shared);
+  const Bytes bytes = some_bytes(30, 1);
+  ASSERT_TRUE(cache.keep(key("a"), bytes));
+  EXPECT_EQ(fs::status(shared).permissions(), fs::perms::owner_all) << "whatever the umask";
+  for (const fs::perms others : {fs::perms::group_write, fs::perms::others_write}) {
+    fs::permissions(shared, others, fs::perm_options::add);
+    const auto found = cache.find(key("a"));
+    EXPECT_FALSE(found.bytes);
+    EXPECT_THAT(found.note, HasSubstr(shared.string() + " is not used: others may write to it"));
+    EXPECT_FALSE(cache.keep(key("b"), bytes));
+    fs::permissions(shared, others, fs::perm_options::remove);
+    EXPECT_TRUE(cache.find(key("a")).bytes);
+    // The same of a file, which somebody may have left there while the folder was open to all.
+    fs::permissions(cache.file_of(key("a")), others, fs::perm_options::add);
+    EXPECT_THAT(cache.find(key("a")).note, HasSubstr("may be another user's and was removed"));
+    ASSERT_TRUE(cache.keep(key("a"), bytes));
+  }
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a folder to another user";
+  ASSERT_EQ(chown(shared.c_str(), 1, 1), 0);
+  EXPECT_FALSE(cache.find(key("a")).bytes);
+  EXPECT_THAT(cache.find(key("a")).note, HasSubstr("another user owns it"));
+  ASSERT_EQ(chown(shared.c_str(), 0, 0), 0);
+  ASSERT_EQ(chown(cache.file_of(key("a")).c_str(), 1, 1), 0);
+  EXPECT_FALSE(cache.find(key("a")).bytes);
 }
 
 TEST(CheckedCache, AFolderInTheWayIsNoFile) {
