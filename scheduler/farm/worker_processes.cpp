@@ -18,6 +18,9 @@ constexpr int kStartsInARow = 3;
 // The number of deaths without a finished unit in between. A unit that kills its workers is found out after
 // at most four deaths per worker.
 constexpr int deaths_allowed(int workers) { return 4 * workers + 4; }
+// The number of workers in a row that somebody killed before they were ready: no unit is to blame, and with
+// the pauses below all of them take some twenty seconds.
+constexpr int kills_allowed(int workers) { return 10 * workers + 4; }
 // Whatever kills workers before they are ready may go on for a moment.
 Seconds pause_after(int deaths) { return std::min(2.0, 0.1 * std::exp2(deaths)); }
 // A launcher ends with its workers, which were dismissed. When it is asked to end, it passes that on to them.
@@ -60,7 +63,7 @@ void WorkerProcesses::start_missing(Seconds now) {
 
 bool WorkerProcesses::will_start() const {
   return int(running()) < wanted_ && failed_starts_ < kStartsInARow &&
-         deaths_without_result_ < deaths_allowed(wanted_);
+         killed_starts_ < kills_allowed(wanted_) && deaths_without_result_ < deaths_allowed(wanted_);
 }
 
 void WorkerProcesses::is_heard_of(int pid, Seconds now) {
@@ -99,8 +102,11 @@ std::vector<ChildExit> WorkerProcesses::look_after(Seconds now) {
     const bool was_starting = start != starting_.end();
     const bool was_killed = was_starting && !start->second.is_ended && is_from_outside(exit);
     if (was_starting) starting_.erase(start);
-    if (was_killed) next_start_ = now + pause_after(deaths_without_result_);
-    ++((was_starting && !was_killed) || launches() ? failed_starts_ : deaths_without_result_);
+    if (was_killed) {
+      next_start_ = now + pause_after(killed_starts_++);
+      continue;
+    }
+    ++(was_starting || launches() ? failed_starts_ : deaths_without_result_);
   }
   return ends;
 }

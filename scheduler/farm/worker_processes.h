@@ -41,7 +41,7 @@ class WorkerProcesses {
   /// The worker has reported that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
   /// A unit has been finished, so the counts of failures begin again at 0.
-  void has_worked() { failed_starts_ = deaths_without_result_ = 0; }
+  void has_worked() { failed_starts_ = killed_starts_ = deaths_without_result_ = 0; }
   void kill(int pid) { children_.kill(pid); }
   void stop_all();
   [[nodiscard]] std::size_t running() const { return children_.running().size(); }
@@ -67,7 +67,7 @@ class WorkerProcesses {
   };
   std::map<int, Start> starting_;    // processes that are not ready yet, by pid
   std::map<std::string, int> keys_;  // keys that have not been claimed yet, and the pids of their processes
-  int failed_starts_ = 0, deaths_without_result_ = 0;
+  int failed_starts_ = 0, killed_starts_ = 0, deaths_without_result_ = 0;
   Seconds next_start_ = 0;
   std::vector<std::string> problems_, notices_;
 };

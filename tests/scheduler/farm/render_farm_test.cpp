@@ -293,6 +293,13 @@ TEST_F(RenderFarmTest, WorkersThatAreKilledBeforeTheyConnectAreStartedAgain) {
   expect_film(1, 1);
 }
 
+TEST_F(RenderFarmTest, EvenMoreOftenThanAUnitMayKillThem) {
+  options_.worker_executable = killed_at_first(directory_, 15);
+  source_.jobs = {job(1)};
+  ASSERT_TRUE(run());
+  expect_film(1, 1);
+}
+
 TEST_F(RenderFarmTest, ButNotForEver) {
   options_.workers = 1;
   options_.worker_executable = killed_at_first(directory_, 1000);
