@@ -12,6 +12,9 @@ namespace penumbra::gltf {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{4} << 30;
+// A byte becomes so many at most: in the version 1 of attributes, of up to 256 equal elements four bytes each
+// take one of control (meshoptimizer's vertexcodec.cpp). A damaged count would make room for nothing.
+constexpr std::size_t kMostExpansion = 1024;
 
 Expected<void> unfilter(const MeshoptPacking& packing, char* elements) {
   const auto [count, stride, mode, filter] = packing;
@@ -35,6 +38,9 @@ Expected<std::string> read(std::string_view bytes, const MeshoptPacking& packing
   const auto& [count, stride, mode, filter] = packing;
   if (stride == 0 || stride > 256 || count > kMostBytes / stride)
     return fail(fmt::format("meshopt: {} elements of {} bytes", count, stride));
+  if (count * stride > kMostExpansion * bytes.size())
+    return fail(fmt::format("meshopt: {} elements of {} bytes are more than {} compressed bytes can be",
+                            count, stride, bytes.size()));
   try {
     if (mode == "ATTRIBUTES" && stride % 4 == 0 && is_attributes_1(bytes)) {
       auto elements = read_attributes_1(bytes, count, stride);
