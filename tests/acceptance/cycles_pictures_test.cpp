@@ -19,6 +19,9 @@ constexpr const char* kBeforeFiltering =
     "Cycles interpolates sRGB values; glTF 2.0, 3.9.2: they 'MUST be decoded to real linear values before "
     "they "
     "are used for any computations'";
+constexpr const char* kLeaningNormals =
+    "1.1 % brighter where normals lean, by an unknown part of Cycles; appendix B has the BSDF of the bent "
+    "normal";
 constexpr PictureException kExceptions[] = {
     {"alphatex", kBeforeFiltering},
     {"texmap", kBeforeFiltering},
@@ -26,6 +29,9 @@ constexpr PictureException kExceptions[] = {
     {"glass",
      "without KHR_materials_volume a transmitting surface is infinitely thin; Blender's sphere is solid"},
     {"ior", "the refractive index is not in the file: Blender writes KHR_materials_ior for glass alone"},
+    {"nmap", kLeaningNormals},
+    {"nmapmirror", kLeaningNormals},
+    {"nmapuvm_tan", kLeaningNormals},
     {"nmapstr",
      "Blender's strength interpolates normals; glTF 2.0, 3.9.3: scaledNormal = normalize((value * 2.0 - 1.0) "
      "* "
