@@ -9,7 +9,7 @@
 #include "tests/acceptance/picture_oracle.h"
 #include "tests/support/oracles.h"
 
-namespace penumbra {
+namespace penumbra::cycles_pictures_test {
 namespace {
 
 constexpr std::uint32_t kCyclesSamples = 256, kSamples = 1024;
@@ -67,4 +67,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CyclesPictures, testing::ValuesIn(names()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::cycles_pictures_test

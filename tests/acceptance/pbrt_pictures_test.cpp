@@ -8,7 +8,7 @@
 #include "tests/acceptance/picture_oracle.h"
 #include "tests/support/oracles.h"
 
-namespace penumbra {
+namespace penumbra::pbrt_pictures_test {
 namespace {
 
 constexpr const char* kFolder = "pbrt";
@@ -66,4 +66,4 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PbrtPictures);
 TEST(PbrtPicturesFolder, IsThere) { PENUMBRA_NEED_ORACLE(kFolder); }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::pbrt_pictures_test
