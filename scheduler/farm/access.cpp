@@ -118,12 +118,13 @@ std::string reachable_address(const std::string& address, const Keys* keys) {
   if (keys != nullptr && !is_certificate_for(keys->certificate, usual)) {
     std::vector<std::string> promised = certificate_names(keys->certificate);
     std::erase_if(promised, [](const std::string& name) { return name.starts_with("*."); });
-    // Names of the loopback interface first where it listens there, else last.
-    std::ranges::stable_partition(promised, [&, loopback = loopback_names()](const std::string& name) {
-      return (std::ranges::find(loopback, name) != loopback.end()) == is_loopback(host);
-    });
     std::vector<std::string> names = is_everywhere ? host_names() : std::vector<std::string>();
-    std::ranges::copy(promised, std::back_inserter(names));
+    // Names of the loopback interface first where it listens there, else last.
+    const std::vector<std::string> loopback = loopback_names();
+    for (const bool is_local : {is_loopback(host), !is_loopback(host)})
+      std::ranges::copy_if(promised, std::back_inserter(names), [&](const std::string& name) {
+        return (std::ranges::find(loopback, name) != loopback.end()) == is_local;
+      });
     const auto found = std::ranges::find_if(
         names, [&](const std::string& name) { return is_certificate_for(keys->certificate, name); });
     if (found != names.end()) reached = *found;
