@@ -85,7 +85,7 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
     row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
         "scattering coefficient, instead of sigma_t and albedo");
     row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
-    row("material", &HomogeneousMedium::material, AnyText{},
+    row("material", &HomogeneousMedium::material, AnyText{"name of a material"},
         "measured coefficients in 1 / mm of a material such as skin1, instead; of version 0.x");
   }
   void written_for(std::int64_t version) { by_material = version < 2; }

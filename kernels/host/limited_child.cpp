@@ -15,8 +15,9 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "kernels/host/owned_descriptor.h"
 #include "kernels/host/plain_file.h"
@@ -35,9 +36,9 @@ namespace {
   #define PENUMBRA_HAS_SHADOW 1
 #endif
 #ifdef PENUMBRA_HAS_SHADOW
-constexpr bool kLimitsMemory = false;
+constexpr bool kHasShadow = true;
 #else
-constexpr bool kLimitsMemory = true;
+constexpr bool kHasShadow = false;
 #endif
 // A child that writes nothing for its time of the processor and this long waits for something that will not
 // come, or shares the machine with very many others.
@@ -87,10 +88,14 @@ class SharedText {
 
 [[noreturn]] void run_child(const ChildLimits& limits, std::uint64_t memory_before, pid_t parent, int pipe,
                             const std::function<Expected<void>(const ChildOutput&)>& work,
-                            SharedText& error) {
+                            SharedText& error) noexcept {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
+  // Else it would keep what other threads have open: pipes of their children, locks and connections.
+  close_range(STDERR_FILENO + 1, unsigned(pipe) - 1, 0);
+  close_range(unsigned(pipe) + 1, ~0u, 0);
   restore_default_signals();
+  signal(SIGPIPE, SIG_IGN);  // writing fails once the parent reads no more
   // Handlers of this process would write its messages.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
     signal(number, SIG_DFL);
@@ -98,13 +103,15 @@ class SharedText {
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nothing, standard);
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_CPU, limits.cpu_seconds);
-  if (kLimitsMemory && memory_before > 0) set_limit(RLIMIT_AS, memory_before + limits.memory_bytes);
+  if (limits_child_memory() && memory_before > 0) set_limit(RLIMIT_AS, memory_before + limits.memory_bytes);
   try {
     const auto done = work([&](std::span<const std::uint8_t> bytes) { return write_whole(pipe, bytes); });
     if (done) _exit(0);
     error.set(done.error().message);
   } catch (const std::exception& problem) {  // usually out of memory
     error.set(problem.what());
+  } catch (...) {
+    error.set("cannot be read: what reads it threw something that is no exception");
   }
   _exit(kFailed);
 }
@@ -147,7 +154,33 @@ class PipeInput {
   bool is_silent_ = false;
 };
 
+/// The child. It does not outlive this.
+class ChildProcess {
+ public:
+  explicit ChildProcess(pid_t pid) : pid_(pid) {}
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  ~ChildProcess() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    static_cast<void>(wait());
+  }
+  /// Waits for its end. Nothing if that cannot be known.
+  std::optional<int> wait() {
+    int status = 0;
+    const pid_t pid = std::exchange(pid_, 0);
+    while (waitpid(pid, &status, 0) < 0)
+      if (errno != EINTR) return std::nullopt;
+    return status;
+  }
+
+ private:
+  pid_t pid_;
+};
+
 }  // namespace
+
+bool limits_child_memory() { return !kHasShadow; }
 
 Expected<void> run_limited(const ChildLimits& limits,
                            const std::function<Expected<void>(const ChildOutput&)>& work,
@@ -162,18 +195,19 @@ Expected<void> run_limited(const ChildLimits& limits,
   const pid_t child = fork();
   if (child == 0) run_child(limits, memory_before, parent, to.get(), work, error);
   if (child < 0) return fail(fmt::format("no process: {}", std::strerror(errno)));
+  ChildProcess process(child);
   to = OwnedDescriptor();
   PipeInput input(from.get(), int(limits.cpu_seconds) + kPatienceSeconds);
   bool is_whole = true;  // the child wrote all that was asked for
   Expected<void> taken = take([&](std::span<std::uint8_t> bytes) { return is_whole = input.fill(bytes); });
-  if ((!taken && is_whole) || input.is_silent()) kill(child, SIGKILL);
-  from = OwnedDescriptor();
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
   if (!taken && is_whole) return taken;
+  std::uint8_t more = 0;
+  const bool goes_on = is_whole && input.fill({&more, 1});  // else it has ended, or is silent
   if (input.is_silent()) return fail("cannot be read: what reads it did nothing for too long");
-  if (const std::string why = end_of(status, limits, error); !why.empty()) return fail(why);
+  if (goes_on) return fail("cannot be read: what reads it wrote more than was asked for");
+  const std::optional<int> status = process.wait();
+  if (!status) return fail("cannot be read: the end of what reads it is not known");
+  if (const std::string why = end_of(*status, limits, error); !why.empty()) return fail(why);
   return taken;
 }
 

@@ -19,7 +19,7 @@ Expected<std::string> read_plain_file(const std::filesystem::path& file, std::ui
 /// nearest name in its folder, or empty.
 std::string file_suggestion(const std::filesystem::path& file);
 
-/// Writes all bytes to an open regular file. Returns false, with errno set, on failure.
+/// Writes all bytes to an open file or pipe. Returns false, with errno set, on failure.
 bool write_whole(int descriptor, std::span<const std::uint8_t> bytes);
 
 }  // namespace penumbra

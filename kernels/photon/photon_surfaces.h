@@ -11,10 +11,11 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// Whether the closure has a diffuse part, or is a phase function.
 FN bool has_diffuse_part(Closure c) {
-  const uint diffuse = USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | ONLY(METALROUGH));
+  const uint diffuse = USERS_diffuse;
   const bool metal = is_among(c, USERS_metallic) & (c.metallic >= 1.0f);
   const bool glass = is_among(c, USERS_spec_trans) & (c.spec_trans >= 1.0f);
-  const bool coloured = (max_component(c.diffuse) > 0.0f) & !metal & !glass;
+  const float through = is_among(c, ONLY(DIFFTRANS)) ? max_component(c.transmitted) : 0.0f;
+  const bool coloured = (max_f(max_component(c.diffuse), through) > 0.0f) & !metal & !glass;
   return (is_among(c, diffuse) & coloured) | is_among(c, ONLY(PHASE));
 }
 

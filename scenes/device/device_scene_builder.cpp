@@ -26,11 +26,11 @@
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
-#include "scenes/scene_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/scene_bounds.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
 

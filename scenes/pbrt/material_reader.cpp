@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "scenes/bsdfs/coating.h"
-#include "scenes/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/refractive_indices.h"
+#include "scenes/scattering.h"
 
 namespace penumbra::pbrt {
 namespace {

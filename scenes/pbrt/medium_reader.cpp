@@ -8,8 +8,8 @@
 
 #include "scenes/pbrt/cloud_density.h"
 #include "scenes/pbrt/grid_refinement.h"
-#include "scenes/scattering.h"
 #include "scenes/pbrt/type_rows.h"
+#include "scenes/scattering.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"
 

@@ -22,6 +22,7 @@ namespace {
 constexpr std::size_t kMatteLayers = 2, kValuesOfMatteLayer = 2 * kCryptomatteRanks;
 // Coverage is stored as float: what it lacks to 1, or to a whole number of samples, is rounding below this.
 constexpr double kCoverageRounding = 1e-4;
+constexpr double kMostSamples = 0x1p53;  // up to here all whole numbers are numbers
 
 /// The name of the mean of which the channel is the variance; empty: it is no variance.
 std::string mean_of_variance(const std::string& channel) {
@@ -146,7 +147,8 @@ Expected<void> ImageMerge::check_values(const std::string& name, const Image& im
   const auto is_right = [&](std::size_t c, float value) {
     const Kind kind = channels_[c].kind;
     if (kind == Kind::kFirst || (kind == Kind::kMatte && (c - stored) % 2 == 0)) return true;
-    return std::isfinite(value) && (value >= 0 || (kind != Kind::kVariance && kind != Kind::kSamples));
+    if (kind == Kind::kSamples) return value >= 0 && value <= kMostSamples;
+    return std::isfinite(value) && (value >= 0 || kind != Kind::kVariance);
   };
   std::uint64_t pixels = 0;
   std::string first;

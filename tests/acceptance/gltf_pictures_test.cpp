@@ -32,7 +32,6 @@ TEST(GltfPictures, AWhiteDielectricInAWhiteFurnaceIsWhite) {
   const statistics::Image image = picture("white-furnace");
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(channel_mean(image, c), 1.0, 1e-3);
-    for (int y = 0; y < kSide; ++y) EXPECT_LE(mean_of(image, 0, kSide, c), 1.001);
   }
 }
 

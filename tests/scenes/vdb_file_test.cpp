@@ -4,7 +4,6 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include <chrono>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -145,12 +144,8 @@ std::string to_be_damaged() {
   return vdb_of({other, grid});
 }
 
-constexpr std::chrono::seconds kLongest(5);  // for an error, on a busy machine
-
 void expect_error(const std::string& bytes, const std::string& what) {
-  const auto begin = std::chrono::steady_clock::now();
   const auto read = read_volume_file("smoke.vdb", bytes);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, kLongest) << what;
   ASSERT_FALSE(read) << what;
   EXPECT_THAT(read.error().message, ::testing::StartsWith("smoke.vdb: ")) << what;
 }
@@ -176,15 +171,14 @@ void expect_mutations_survived(std::uint32_t seed, int count) {
     std::string bytes = whole;
     for (std::uint32_t times = 1 + random() % 3; times > 0; --times) {
       // Half of them in what precedes the trees, where most lengths are.
-      const std::size_t at = random() % (random() % 2 == 0 ? 600 : bytes.size() - 4);
+      const std::size_t range = random() % 2 == 0 ? 600 : bytes.size() - 4;
+      const std::size_t at = random() % range;
       static constexpr std::uint32_t kNumbers[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 1'000'000};
       const std::uint32_t number =
           random() % 2 == 0 ? kNumbers[random() % std::size(kNumbers)] : std::uint32_t(random());
       std::memcpy(bytes.data() + at, &number, 1 + random() % sizeof number);
     }
-    const auto begin = std::chrono::steady_clock::now();
     const auto read = read_volume_file("smoke.vdb", bytes);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, kLongest) << i;
     if (!read) continue;
     const VolumeGrid& grid = read->grid;
     EXPECT_EQ(grid.values.size(), std::size_t(grid.nx) * std::size_t(grid.ny) * std::size_t(grid.nz) *

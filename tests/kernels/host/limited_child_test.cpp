@@ -73,11 +73,7 @@ TEST(LimitedChild, WhatNeverEndsIsEnded) {
 }
 
 TEST(LimitedChild, MemoryIsLimited) {
-#if defined(__has_feature)
-  #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-  GTEST_SKIP() << "not under a sanitizer";
-  #endif
-#endif
+  if (!limits_child_memory()) GTEST_SKIP() << "not under a sanitizer";
   const auto take = [](std::size_t bytes) {
     return result_of([=](const ChildOutput& output) -> Expected<void> {
       std::vector<char> much(bytes, 'x');
@@ -89,6 +85,24 @@ TEST(LimitedChild, MemoryIsLimited) {
   EXPECT_EQ(take(300u << 20), "error: std::bad_alloc");
 }
 
+TEST(LimitedChild, WhatWritesMoreThanIsAskedForIsEnded) {
+  const auto done = run_limited(
+      kLimits,
+      [](const ChildOutput& output) -> Expected<void> {
+        while (write_text(output, std::string(1 << 20, 'x'))) {
+        }
+        return {};
+      },
+      [](const ChildInput& input) -> Expected<void> {
+        std::uint8_t byte = 0;
+        input({&byte, 1});
+        return {};
+      });
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().message, HasSubstr("more than was asked for"));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "none is left";
+}
+
 TEST(LimitedChild, AnErrorOfTheParentEndsIt) {
   const auto done = run_limited(
       kLimits,
@@ -98,6 +112,11 @@ TEST(LimitedChild, AnErrorOfTheParentEndsIt) {
       [](const ChildInput&) { return fail("enough"); });
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().message, "enough");
+  const auto throws = [](const ChildInput&) -> Expected<void> { throw std::bad_alloc(); };
+  EXPECT_THROW(static_cast<void>(run_limited(
+                   kLimits, [](const ChildOutput&) -> Expected<void> { return {}; }, throws)),
+               std::bad_alloc);
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "none is left";
 }
 
 }  // namespace

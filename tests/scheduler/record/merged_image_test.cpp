@@ -175,7 +175,6 @@ TEST(MergedImage, CryptomatteHasTheSixLargestIds) {
               ElementsAre(HasSubstr("Cryptomatte is approximate: 1 pixels")));
 }
 
-/// The first image with samples of the pixel decides, in the order of seeds.
 TEST(MergedImage, ValuesThatNoRenderHasAreCountedAndRefused) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
                   kInfinity = std::numeric_limits<float>::infinity();
@@ -204,10 +203,12 @@ TEST(MergedImage, ValuesThatNoRenderHasAreCountedAndRefused) {
   EXPECT_THAT(error_of("half_b.R", kInfinity), HasSubstr("half_b.R is inf"));
   EXPECT_THAT(error_of("samples.Y", kNan), HasSubstr("samples.Y is nan"));
   EXPECT_THAT(error_of("samples.Y", -4), HasSubstr("samples.Y is -4"));
+  EXPECT_THAT(error_of("samples.Y", 1e30f), HasSubstr("samples.Y is 1e+30"));
   EXPECT_THAT(error_of("R", 1e38f), HasSubstr("the merged image has 2 pixels"));
   EXPECT_EQ(error_of("R", 1e15f), "") << "whose square is in range";
 }
 
+/// The first image with samples of the pixel decides, in the order of seeds.
 TEST(MergedImage, KeepsShapesOfTheFirstSeed) {
   const std::vector<std::string> channels{"R",          "G",          "B",         "variance.R",
                                           "variance.G", "variance.B", "samples.Y", "shape.ID"};
