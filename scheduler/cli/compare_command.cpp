@@ -50,17 +50,13 @@ std::optional<MapRange> parse_range(const std::string& text) {
 
 bool is_png(const std::filesystem::path& path) { return path.extension() == ".png"; }
 
-std::vector<std::filesystem::path> input_files(const CompareCommandOptions& options) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& file : {options.image, options.reference, options.second_reference, options.variance,
-                           options.reference_variance}) {
-    if (!file.empty()) files.push_back(file);
-  }
-  return files;
-}
-
-/// Checks before the work that all outputs can be written and overwrite no input.
-Expected<void> check_files(const CompareCommandOptions& options) {
+/// Checks before the work that all outputs can be written and overwrite no input: none of the images and none
+/// of the options' other files.
+Expected<void> check_files(const CompareCommandOptions& options, const std::vector<std::string>& images) {
+  std::vector<std::filesystem::path> inputs(images.begin(), images.end());
+  for (const auto& file :
+       {options.reference, options.second_reference, options.variance, options.reference_variance})
+    if (!file.empty()) inputs.emplace_back(file);
   std::vector<std::filesystem::path> outputs;
   if (!options.heatmap.empty()) {
     if (!is_png(options.heatmap) && std::filesystem::path(options.heatmap).extension() != ".exr") {
@@ -73,7 +69,7 @@ Expected<void> check_files(const CompareCommandOptions& options) {
         fmt::format("--log-colors needs a range above 0, and --range begins at {:g}", options.range->low));
   }
   if (!options.json.empty() && options.json != "-") outputs.push_back(options.json);
-  return check_outputs(outputs, input_files(options));
+  return check_outputs(outputs, inputs);
 }
 
 /// The images of the command line, in memory.
@@ -235,7 +231,6 @@ struct Compared {
 /// Compares one image, and prints the table unless JSON goes to stdout.
 Compared compare_one(const CompareCommandOptions& options) {
   const auto bad_input = [](const Error& error) { return print_error(error), Compared{kBadInput}; };
-  if (const auto writable = check_files(options); !writable) return bad_input(writable.error());
   const auto comparison = run_comparison(options);
   if (!comparison) return bad_input(comparison.error());
   const auto limits = check_limits(options, *comparison);
@@ -278,6 +273,7 @@ ExitCode compare(CompareCommandOptions options) {
        {std::pair("--heatmap", &options.heatmap), {"--variance", &options.variance}})
     if (several && !value->empty())
       return bad_input({fmt::format("{} is of one image, and here are {}", name, images.size())});
+  if (const auto checked = check_files(options, images); !checked) return bad_input(checked.error());
   ExitCode code = kAllDone;
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& image : images) {

@@ -229,6 +229,16 @@ TEST_F(CompareCommand, SeveralImagesAreComparedWithTheLast) {
   EXPECT_EQ(compare({"more.exr", "missing.exr", "one.exr"}).exit_code, 2);
   EXPECT_THAT(compare({"more.exr", "one.exr", "one.exr", "--heatmap", "h.png"}).err,
               HasSubstr("--heatmap is of one image"));
+  for (const char* image : {"more.exr", "other.exr", "one.exr"}) {
+    std::filesystem::copy_file(folder_ / "more.exr", folder_ / "other.exr",
+                               std::filesystem::copy_options::overwrite_existing);
+    const std::string before = file_contents(folder_ / image);
+    const ProgramResult refused = compare({"more.exr", "other.exr", "one.exr", "--json", image});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(refused.out, "");
+    EXPECT_THAT(refused.err, HasSubstr("is an input of this command"));
+    EXPECT_EQ(file_contents(folder_ / image), before);
+  }
 }
 
 TEST_F(CompareCommand, ASecondReferenceRemovesNoise) {
