@@ -23,11 +23,12 @@ FileIdentity identity_of(const fs::path& path) {
 
 }  // namespace
 
-FileIdentity identity_of_output(const fs::path& output) {
+std::optional<FileIdentity> identity_of_output(const fs::path& output) {
   const auto target = find_target(output);
-  if (target && target->kind == FileTarget::Kind::kFile) return identity_of(target->path);
+  if (target && target->kind != FileTarget::Kind::kFile) return std::nullopt;
+  if (target) return identity_of(target->path);
   std::error_code error;
-  return {0, 0, fs::absolute(output, error).lexically_normal()};
+  return FileIdentity{0, 0, fs::absolute(output, error).lexically_normal()};
 }
 
 Expected<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {

@@ -5,6 +5,7 @@
 
 #include <compare>
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "kernels/host/error.h"
@@ -19,9 +20,9 @@ struct FileIdentity {
   auto operator<=>(const FileIdentity&) const = default;
 };
 
-/// Of the file that is written if an output has this path: symbolic links are followed, except to devices and
-/// pipes, to which several outputs may go.
-FileIdentity identity_of_output(const std::filesystem::path& output);
+/// Of the file that is written if an output has this path: symbolic links are followed. Nothing for a device or
+/// a pipe, to which several outputs may go.
+std::optional<FileIdentity> identity_of_output(const std::filesystem::path& output);
 
 /// Checks that every output can be written (see check_writable), that none is an input, and that no two are
 /// the same file; existing files are compared by identity, not by name. Call it before the work, and

@@ -1,6 +1,7 @@
 #include "scheduler/cli/sets/render_set.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +13,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include "kernels/host/console.h"
@@ -30,6 +32,7 @@
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/files/output_check.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
 
@@ -140,7 +143,8 @@ class SceneSet final : public JobSource {
   [[nodiscard]] std::size_t ended();
   /// Of all renders: " (0:41:10 left)"; empty while none has been rendered.
   [[nodiscard]] std::string time_left_text(double share_of_present);
-  ExitCode print_end();
+  /// `written`: the files about the whole set.
+  ExitCode print_end(const std::vector<std::string>& written);
 
   SetPlan plan_;
   const RenderOptions& options_;
@@ -403,20 +407,25 @@ ExitCode SceneSet::run() {
       else
         end(i, SetState::kFailed, "no worker was left");
     }
-  if (const auto written = write_summary(); !written) return print_error(written.error()), kIncomplete;
+  std::vector<std::string> written;
+  ExitCode code = kAllDone;
+  const auto add_written = [&](const std::string& file, const Expected<void>& is_written) {
+    if (is_written) return written.push_back(file);
+    print_error(is_written.error());
+    code = kIncomplete;
+  };
+  add_written(plan_.summary.string(), write_summary());
   if (!options_.table.empty())
-    if (const auto written = write_output(options_.table, bytes_of(set_table(entries_))); !written)
-      return print_error(written.error()), kIncomplete;
+    add_written(options_.table, write_output(options_.table, bytes_of(set_table(entries_))));
   page_.close();
-  return print_end();
+  return std::max(code, print_end(written));
 }
 
-ExitCode SceneSet::print_end() {
+ExitCode SceneSet::print_end(const std::vector<std::string>& written) {
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
   if (!options_.quiet)
     print_remark(set_totals(entries_, seconds) +
-                 fmt::format("wrote {}{}\n", plan_.summary.string(),
-                             options_.table.empty() ? "" : ", " + options_.table));
+                 (written.empty() ? "" : fmt::format("wrote {}\n", fmt::join(written, ", "))));
   if (!options_.quiet && sampler_replaced_) print_sampler_note();
   for (const std::string& line : failures_.repeated()) print_error({line});
   const auto not_begun = std::ranges::count(entries_, SetState::kNotBegun, &SetEntry::state);
@@ -432,6 +441,15 @@ ExitCode SceneSet::print_end() {
   return failed > 0 || not_begun > 0 ? kIncomplete : kAllDone;
 }
 
+/// Checks that summary and table can be written and replace no job file and no scene.
+Expected<void> check_set_files(const SetPlan& plan, const RenderOptions& options) {
+  std::vector<std::filesystem::path> outputs{plan.summary};
+  if (!options.table.empty()) outputs.emplace_back(options.table);
+  std::set<std::filesystem::path> inputs(options.scenes.begin(), options.scenes.end());
+  for (const SetMember& member : plan.members) inputs.emplace(member.options.scene.scene);
+  return check_outputs(outputs, std::vector(inputs.begin(), inputs.end()));
+}
+
 }  // namespace
 
 ExitCode render_set(const RenderOptions& options, const CommandLine& command,
@@ -439,9 +457,8 @@ ExitCode render_set(const RenderOptions& options, const CommandLine& command,
   const std::atomic<bool>& stop = install_stop_signal();
   auto plan = plan_set(options, command);
   if (!plan) return print_error(plan.error()), kBadInput;
-  for (const std::filesystem::path& file : {plan->summary, std::filesystem::path(options.table)})
-    if (!file.empty())
-      if (auto writable = check_writable(file); !writable) return print_error(writable.error()), kBadInput;
+  if (const auto checked = check_set_files(*plan, options); !checked)
+    return print_error(checked.error()), kBadInput;
   return SceneSet(std::move(*plan), options, command_line, stop).run();
 }
 

@@ -214,7 +214,9 @@ class SetPlanner {
   }
 
   Expected<void> take_file(const fs::path& file, const char* what) {
-    const auto [taken, is_new] = taken_by_.emplace(identity_of_output(file), what);
+    const auto identity = identity_of_output(file);
+    if (!identity) return {};
+    const auto [taken, is_new] = taken_by_.emplace(*identity, what);
     if (is_new) return {};
     return fail(fmt::format("{} is a file of {} and {}", file.string(), taken->second, what));
   }
@@ -224,7 +226,9 @@ class SetPlanner {
     OutputFiles files = member.files;
     if (asks_for_denoising(member.options.scene)) add_denoised_files(files);
     for (const fs::path& file : files.all()) {
-      const auto [taken, is_new] = taken_by_.emplace(identity_of_output(file), member.name);
+      const auto identity = identity_of_output(file);
+      if (!identity) continue;
+      const auto [taken, is_new] = taken_by_.emplace(*identity, member.name);
       if (!is_new)
         return fail(
             fmt::format("{} and {} would both be written to {}; tell them apart with fields of the name, "

@@ -37,6 +37,8 @@ TEST(OutputCheck, TwoOutputsAreNotOneFile) {
   EXPECT_THAT(complaint({folder / "a/b", folder / "a/../a/b"}, {}), HasSubstr("two outputs in one file"));
   EXPECT_EQ(complaint({folder / "a", folder / "b"}, {}), "");
   EXPECT_EQ(complaint({"/dev/null", "/dev/null"}, {}), "");
+  EXPECT_FALSE(identity_of_output("/dev/null"));
+  EXPECT_EQ(identity_of_output(folder / "old"), identity_of_output(folder / "hard"));
 }
 
 }  // namespace

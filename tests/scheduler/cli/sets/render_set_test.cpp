@@ -116,6 +116,29 @@ TEST_F(RenderSet, AJobFileHasASummaryOfItsOwnAndATable) {
   EXPECT_THAT(same.err, HasSubstr("out/a.exr is a file of a.xml and --table"));
 }
 
+TEST_F(RenderSet, SummaryAndTableReplaceNoInput) {
+  write_text(folder_ / "jobs.toml", "[[render]]\nscene = 'a.xml'\nseed = [1, 2]\n");
+  for (const char* option : {"--table", "--summary"})
+    for (const char* input : {"jobs.toml", "a.xml", "b.xml"}) {
+      const std::string before = file_contents(folder_ / input);
+      const ProgramResult refused = run({"jobs.toml", "b.xml", "-o", "none/", option, input});
+      EXPECT_EQ(refused.exit_code, 2) << option << " " << input;
+      EXPECT_THAT(refused.err, HasSubstr("is an input of this command"));
+      EXPECT_EQ(file_contents(folder_ / input), before);
+    }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
+  const ProgramResult both =
+      run({"a.xml", "b.xml", "-o", "out/", "--summary", "/dev/null", "--table", "/dev/null"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+}
+
+TEST_F(RenderSet, ATableThatCannotBeWrittenHidesNoEnd) {
+  const ProgramResult set = run({"a.xml", "b.xml", "-o", "out/", "--table", "/dev/full"});
+  EXPECT_EQ(set.exit_code, 1);
+  EXPECT_THAT(set.err, HasSubstr("/dev/full"));
+  EXPECT_THAT(set.out, HasSubstr("wrote out/jobs.json\n"));
+}
+
 TEST_F(RenderSet, WhatIsThereUnchangedIsLeftAsItIs) {
   ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
   const std::string before = file_contents(folder_ / "out/a.json");
