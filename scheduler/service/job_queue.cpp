@@ -98,6 +98,18 @@ JobExpected<std::vector<JobQueue::Entry*>> JobQueue::find(JobId number) {
   return jobs;
 }
 
+JobExpected<std::vector<JobQueue::Entry*>> JobQueue::find_own(JobId number, const std::string& owner) {
+  auto found = find(number);
+  if (!found || !own_jobs_) return found;
+  for (const Entry* entry : *found)
+    if (owner.empty() || !are_equal_secrets(owner, entry->job.submission().owner()))
+      return job_error(
+          JobErrorKind::kNotYours,
+          fmt::format("job {} is {}'s, and this service lets only who submitted a job change it (--own-jobs)",
+                      entry->number(), entry->job.status().submitter()));
+  return found;
+}
+
 bool JobQueue::has_scene(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   if (!spool_.has_scene(hash)) return false;
@@ -110,7 +122,10 @@ void JobQueue::scene_came(const std::string& hash) {
   scenes_that_came_[hash] = std::chrono::steady_clock::now();
 }
 
-JobExpected<void> JobQueue::check(const wire::Submission& message) const {
+JobExpected<void> JobQueue::check(const wire::Submission& message) {
+  if (own_jobs_ && message.owner().empty())
+    return job_error(JobErrorKind::kNotYours,
+                     "a job without the secret of its submitter, which alone could change it (--own-jobs)");
   if (!spool_.has_scene(message.scene()))
     return job_error(JobErrorKind::kNotNow,
                      fmt::format("the scene {} is not here (any more): send it first", message.scene()));
@@ -124,6 +139,7 @@ JobExpected<void> JobQueue::check(const wire::Submission& message) const {
     if (found->second.stored.whole())
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("group {} takes no more jobs: all have come, or it was cancelled", group));
+    if (const auto own = find_own(group, message.owner()); !own) return std::unexpected(own.error());
   }
   for (const JobId before : message.after()) {
     if (!entries_.contains(before) && !groups_.contains(before))
@@ -236,9 +252,9 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& number
 
 /// Of a group, jobs whose state does not allow it are passed over.
 template <typename Change>
-JobExpected<void> JobQueue::change(JobId number, const Change& change) {
+JobExpected<void> JobQueue::change(JobId number, const std::string& owner, const Change& change) {
   const std::lock_guard lock(mutex_);
-  const auto found = find(number);
+  const auto found = find_own(number, owner);
   if (!found) return std::unexpected(found.error());
   bool changed = false;
   std::optional<JobError> refused;
@@ -256,29 +272,10 @@ JobExpected<void> JobQueue::change(JobId number, const Change& change) {
   return {};
 }
 
-JobExpected<void> JobQueue::check_owner(JobId number, const std::string& owner) {
-  if (!own_jobs_) return {};
-  const std::lock_guard lock(mutex_);
-  const auto found = find(number);
-  if (!found) return std::unexpected(found.error());
-  for (const Entry* entry : *found)
-    if (owner.empty() || !are_equal_secrets(owner, entry->job.submission().owner()))
-      return job_error(
-          JobErrorKind::kNotYours,
-          fmt::format("job {} is {}'s, and this service lets only who submitted a job change it (--own-jobs)",
-                      entry->number(), entry->job.status().submitter()));
-  return {};
-}
-
-JobExpected<void> JobQueue::cancel(JobId number) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto group = groups_.find(number); group != groups_.end()) {
-      group->second.stored.set_whole(true);  // whoever is submitting it is refused
-      keep(group->second);
-    }
-  }
-  return change(number, [this](Entry& entry) -> JobExpected<void> {
+JobExpected<void> JobQueue::cancel(JobId number, const std::string& owner) {
+  return change(number, owner, [this, number](Entry& entry) -> JobExpected<void> {
+    if (const auto group = groups_.find(number); group != groups_.end() && !group->second.stored.whole())
+      make_whole(group->second);  // whoever is submitting it is refused
     if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting)
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("job {} is {}", entry.number(),
@@ -295,8 +292,8 @@ JobExpected<void> JobQueue::cancel(JobId number) {
   });
 }
 
-JobExpected<void> JobQueue::set_priority(JobId number, int priority) {
-  return change(number, [this, priority](Entry& entry) -> JobExpected<void> {
+JobExpected<void> JobQueue::set_priority(JobId number, int priority, const std::string& owner) {
+  return change(number, owner, [this, priority](Entry& entry) -> JobExpected<void> {
     if (entry.stage == Stage::kOver)
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("job {} is {}", entry.number(), state_words(entry.job.status().state())));
@@ -308,8 +305,8 @@ JobExpected<void> JobQueue::set_priority(JobId number, int priority) {
   });
 }
 
-JobExpected<void> JobQueue::retry(JobId number) {
-  return change(number, [this](Entry& entry) -> JobExpected<void> {
+JobExpected<void> JobQueue::retry(JobId number, const std::string& owner) {
+  return change(number, owner, [this](Entry& entry) -> JobExpected<void> {
     const wire::JobState state = entry.job.status().state();
     if (entry.stage != Stage::kOver || state == wire::JOB_DONE)
       return job_error(JobErrorKind::kNotNow,
@@ -349,8 +346,8 @@ void JobQueue::queue_again(Entry& first) {
   }
 }
 
-JobExpected<void> JobQueue::remove(JobId number) {
-  return change(number, [this](Entry& entry) -> JobExpected<void> {
+JobExpected<void> JobQueue::remove(JobId number, const std::string& owner) {
+  return change(number, owner, [this](Entry& entry) -> JobExpected<void> {
     if (entry.stage != Stage::kOver)
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("job {} is not over; cancel it first", entry.number()));
@@ -372,13 +369,18 @@ void JobQueue::forget(JobId job) {
   groups_.erase(group);
 }
 
-JobExpected<void> JobQueue::close_group(JobId number) {
+void JobQueue::make_whole(Group& group) {
+  group.stored.set_whole(true);
+  keep(group);
+}
+
+JobExpected<void> JobQueue::close_group(JobId number, const std::string& owner) {
   const std::lock_guard lock(mutex_);
   const auto group = groups_.find(number);
   if (group == groups_.end())
     return job_error(JobErrorKind::kNotFound, fmt::format("there is no group {}", number));
-  group->second.stored.set_whole(true);
-  keep(group->second);
+  if (const auto own = find_own(number, owner); !own) return std::unexpected(own.error());
+  make_whole(group->second);
   changed_.notify_all();
   return {};
 }

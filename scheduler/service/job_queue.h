@@ -48,25 +48,25 @@ class JobQueue {
   struct Submitted {
     JobId job = 0, group = 0;  ///< group 0: none
   };
-  /// Errors: an invalid submission, a scene that is not stored, an unknown or cancelled group, an unknown job
-  /// or group to come after, too many jobs, a full disk.
+  /// Errors: an invalid submission, a scene that is not stored, an unknown, cancelled or foreign group, an
+  /// unknown job or group to come after, too many jobs, a full disk, no owner (see own_jobs).
   JobExpected<Submitted> submit(const wire::Submission& message);
   /// The status of these jobs, or of all if the list is empty. Error: there is no such job.
   JobExpected<wire::StatusReply> status(const std::vector<JobId>& numbers);
-  // Of a group, these change the jobs that can be changed. Error: none can be.
-  JobExpected<void> cancel(JobId number);
-  JobExpected<void> set_priority(JobId number, int priority);
+  // Of a group, these change the jobs that can be changed. `owner`: the secret of who asks. Errors: none can be
+  // changed; it is not the owner's (see own_jobs).
+  JobExpected<void> cancel(JobId number, const std::string& owner = {});
+  JobExpected<void> set_priority(JobId number, int priority, const std::string& owner = {});
   /// Queues jobs again that are over but not done, and those that failed because they come after them. They
   /// continue from their checkpoints.
-  JobExpected<void> retry(JobId number);
+  JobExpected<void> retry(JobId number, const std::string& owner = {});
   /// Removes jobs that are over, and their files.
-  JobExpected<void> remove(JobId number);
+  JobExpected<void> remove(JobId number, const std::string& owner = {});
   /// All jobs of the group have been submitted.
-  JobExpected<void> close_group(JobId group);
-  /// From now on jobs are changed only by who shows the secret that they were submitted with.
+  JobExpected<void> close_group(JobId group, const std::string& owner = {});
+  /// From now on jobs are changed, and groups get more jobs, only by who shows the secret that they, or all jobs
+  /// of the group, were submitted with; and jobs without a secret are refused.
   void own_jobs() { own_jobs_ = true; }
-  /// Error: that is so, and this is another secret than that of the job, or of one of the group.
-  JobExpected<void> check_owner(JobId number, const std::string& owner);
   /// The path of a job's file.
   JobExpected<std::filesystem::path> file(JobId job, const std::string& name);
 
@@ -131,9 +131,11 @@ class JobQueue {
   enum class Readiness { kReady, kWaits, kNever };
 
   [[nodiscard]] JobExpected<std::vector<Entry*>> find(JobId number);
+  /// Error also if they are not this owner's and must be.
+  [[nodiscard]] JobExpected<std::vector<Entry*>> find_own(JobId number, const std::string& owner);
   template <typename Change>
-  JobExpected<void> change(JobId number, const Change& change);
-  [[nodiscard]] JobExpected<void> check(const wire::Submission& message) const;
+  JobExpected<void> change(JobId number, const std::string& owner, const Change& change);
+  [[nodiscard]] JobExpected<void> check(const wire::Submission& message);
   void add(const std::vector<Entry*>& entries, wire::StatusReply& reply) const;
   [[nodiscard]] static bool is_whole(const Group& group);
   [[nodiscard]] bool is_over(const Group& group) const;
@@ -150,6 +152,7 @@ class JobQueue {
   [[nodiscard]] bool may_begin(const Entry& entry, int at_once, int at_most) const;
   void keep(const Entry& entry);
   void keep(const Group& group);
+  void make_whole(Group& group);
   void end(Entry& entry, wire::JobState state, const std::string& error);
   void remove_scenes();
   void tell(std::string message);

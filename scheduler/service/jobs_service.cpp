@@ -111,23 +111,22 @@ grpc::Status JobsService::Change(grpc::ServerContext* context, const wire::Chang
                                  wire::ChangeReply*) {
   if (grpc::Status begun = begin(*context, *request); !begun.ok()) return begun;
   for (const JobId job : request->jobs()) {
-    JobExpected<void> changed = queue_.check_owner(job, request->owner());
-    if (!changed) return status_of(changed.error());
+    JobExpected<void> changed;
     switch (request->change_case()) {
       case wire::ChangeRequest::kCancel:
-        changed = queue_.cancel(job);
+        changed = queue_.cancel(job, request->owner());
         break;
       case wire::ChangeRequest::kPriority:
-        changed = queue_.set_priority(job, request->priority());
+        changed = queue_.set_priority(job, request->priority(), request->owner());
         break;
       case wire::ChangeRequest::kRemove:
-        changed = queue_.remove(job);
+        changed = queue_.remove(job, request->owner());
         break;
       case wire::ChangeRequest::kRetry:
-        changed = queue_.retry(job);
+        changed = queue_.retry(job, request->owner());
         break;
       case wire::ChangeRequest::kWhole:
-        changed = queue_.close_group(job);
+        changed = queue_.close_group(job, request->owner());
         break;
       case wire::ChangeRequest::CHANGE_NOT_SET:
         return {grpc::StatusCode::INVALID_ARGUMENT, "a change that this service does not know"};

@@ -106,6 +106,42 @@ TEST_F(JobGroupTest, OneThatIsWholeOrCancelledTakesNoMore) {
   }
 }
 
+TEST_F(JobGroupTest, ForeignGroupsAreNeitherChangedNorAddedTo) {
+  queue_->own_jobs();
+  const auto submit_as = [&](const std::string& owner, JobId group) {
+    Submission submission = small_submission(scene_);
+    submission.group = {group, "jobs.toml", 3};
+    wire::Submission message = encode(submission);
+    message.set_owner(owner);
+    return queue_->submit(message);
+  };
+  const auto first = submit_as("one", 0);
+  ASSERT_TRUE(first) << first.error().message;
+  const JobId group = first->group;
+  for (const char* other : {"two", "", "on", "one1"}) {
+    const auto added = submit_as(other, group);
+    ASSERT_FALSE(added) << other;
+    EXPECT_EQ(added.error().kind, JobErrorKind::kNotYours);
+    for (const JobId number : {group, first->job})
+      for (const auto& changed :
+           {queue_->cancel(number, other), queue_->set_priority(number, 5, other),
+            queue_->retry(number, other), queue_->remove(number, other)}) {
+        ASSERT_FALSE(changed) << other;
+        EXPECT_EQ(changed.error().kind, JobErrorKind::kNotYours);
+      }
+    EXPECT_EQ(queue_->close_group(group, other).error().kind, JobErrorKind::kNotYours);
+  }
+  EXPECT_EQ(submit_as("", 0).error().kind, JobErrorKind::kNotYours);
+  EXPECT_EQ(status(first->job).priority(), 0);
+  const auto second = submit_as("one", group);  // nobody has closed it
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_TRUE(queue_->close_group(group, "one"));
+  EXPECT_TRUE(queue_->cancel(group, "one"));
+  EXPECT_FALSE(queue_->remove(group, "two"));
+  EXPECT_EQ(queue_->status({})->jobs_size(), 2);
+  EXPECT_TRUE(queue_->remove(group, "one"));
+}
+
 TEST_F(JobGroupTest, JobsComeAfterThoseThatMustBeDone) {
   const JobId first = submit(-5), group = submit_group(2);
   const JobId last = submit_with([&](Submission& s) {
