@@ -53,8 +53,8 @@ class JobQueue {
   JobExpected<Submitted> submit(const wire::Submission& message);
   /// The status of these jobs, or of all if the list is empty. Error: there is no such job.
   JobExpected<wire::StatusReply> status(const std::vector<JobId>& numbers);
-  // Of a group, these change the jobs that can be changed. `owner`: the secret of who asks. Errors: none can be
-  // changed; it is not the owner's (see own_jobs).
+  // Of a group, these change the jobs that can be changed. `owner`: the secret of who asks. Errors: none can
+  // be changed; it is not the owner's (see own_jobs).
   JobExpected<void> cancel(JobId number, const std::string& owner = {});
   JobExpected<void> set_priority(JobId number, int priority, const std::string& owner = {});
   /// Queues jobs again that are over but not done, and those that failed because they come after them. They
@@ -64,8 +64,8 @@ class JobQueue {
   JobExpected<void> remove(JobId number, const std::string& owner = {});
   /// All jobs of the group have been submitted.
   JobExpected<void> close_group(JobId group, const std::string& owner = {});
-  /// From now on jobs are changed, and groups get more jobs, only by who shows the secret that they, or all jobs
-  /// of the group, were submitted with; and jobs without a secret are refused.
+  /// From now on jobs are changed, and groups get more jobs, only by who shows the secret that they, or all
+  /// jobs of the group, were submitted with; and jobs without a secret are refused.
   void own_jobs() { own_jobs_ = true; }
   /// The path of a job's file.
   JobExpected<std::filesystem::path> file(JobId job, const std::string& name);

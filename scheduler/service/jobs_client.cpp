@@ -79,7 +79,16 @@ std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
   std::string text = fmt::format("{}: {}", address_, status_text(status));
   if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && access_.token.empty())
     text += fmt::format("; give it in the environment variable {}", kTokenVariable);
+  if (status.error_code() == grpc::StatusCode::PERMISSION_DENIED && !why_no_secret_.empty())
+    text += "; " + why_no_secret_;
   return fail(text);
+}
+
+std::string JobsClient::owner() {
+  auto secret = submitter_secret();
+  if (secret) return std::move(*secret);
+  why_no_secret_ = secret.error().message;
+  return {};
 }
 
 Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene& scene) {
@@ -117,7 +126,7 @@ Expected<wire::SubmitReply> JobsClient::submit(const Submission& submission, con
   prepare(context, access_.token, kPatience);
   auto asked = request<wire::SubmitRequest>();
   *asked.mutable_submission() = encode(submission);
-  asked.mutable_submission()->set_owner(submitter_secret());
+  asked.mutable_submission()->set_owner(owner());
   wire::SubmitReply reply;
   if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok())
     return failed(status);
@@ -143,7 +152,7 @@ Expected<void> JobsClient::change(JobId number, wire::ChangeRequest request) {
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
   request.add_jobs(number);
-  request.set_owner(submitter_secret());
+  request.set_owner(owner());
   wire::ChangeReply reply;
   if (const grpc::Status status = connection_->stub->Change(&context, request, &reply); !status.ok())
     return failed(status);

@@ -52,6 +52,9 @@ class JobsClient {
  private:
   Expected<void> send_scene(const std::string& hash, const DeviceScene& scene);
   Expected<void> change(JobId number, wire::ChangeRequest request);
+  /// The user's secret, or nothing: only some services ask for it, and the errors of those say why there is
+  /// none.
+  [[nodiscard]] std::string owner();
   [[nodiscard]] std::unexpected<Error> failed(const grpc::Status& status);
   template <typename Request>
   Request request() const;
@@ -61,6 +64,7 @@ class JobsClient {
   struct Connection;
   const std::unique_ptr<const Connection> connection_;
   bool is_away_ = false;
+  std::string why_no_secret_;
 };
 
 }  // namespace penumbra

@@ -30,7 +30,7 @@ bool is_refused(const Option& option) {
   if (option.long_names().empty()) return false;
   const std::string& name = option.long_names().front();
   if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys" ||
-      name == "help" || name == "help-all")
+      name == "help")
     return false;
   return name == "resume" || is_shared_option(name);
 }
@@ -58,8 +58,11 @@ class Submitter {
       group_ = {0, plan.name, std::uint32_t(plan.members.size())};
   }
 
-  /// Returns how many were submitted.
-  std::size_t submit_all(const std::atomic<bool>& stop);
+  struct Submitted {
+    std::size_t renders = 0;
+    bool is_closed = true;  ///< the service knows that no more come
+  };
+  Submitted submit_all(const std::atomic<bool>& stop);
 
  private:
   Expected<void> submit(std::size_t index);
@@ -105,7 +108,7 @@ Expected<void> Submitter::submit(std::size_t index) {
   return {};
 }
 
-std::size_t Submitter::submit_all(const std::atomic<bool>& stop) {
+Submitter::Submitted Submitter::submit_all(const std::atomic<bool>& stop) {
   for (std::size_t i = 0; i < plan_.members.size() && !stop; ++i) {
     const auto submitted = submit(i);
     if (submitted) continue;
@@ -113,8 +116,9 @@ std::size_t Submitter::submit_all(const std::atomic<bool>& stop) {
     if (service_.is_away()) break;
   }
   if (group_ && group_->number > 0)
-    if (const auto closed = service_.close_group(group_->number); !closed) print_error(closed.error());
-  return jobs_.size();
+    if (const auto closed = service_.close_group(group_->number); !closed)
+      return print_error(closed.error()), Submitted{jobs_.size(), false};
+  return {jobs_.size()};
 }
 
 ExitCode submit(const SubmitOptions& options, const CommandLine& command,
@@ -127,8 +131,8 @@ ExitCode submit(const SubmitOptions& options, const CommandLine& command,
   if (!plan) return print_error(plan.error()), kBadInput;
   const auto connected = connect_to_service({options.service.to, options.render.keys});
   if (!connected) return print_error(connected.error()), kBadInput;
-  const std::size_t submitted = Submitter(options, *plan, **connected, command_line).submit_all(stop);
-  if (submitted == plan->members.size()) return kAllDone;
+  const auto [submitted, is_closed] = Submitter(options, *plan, **connected, command_line).submit_all(stop);
+  if (submitted == plan->members.size()) return is_closed ? kAllDone : kIncomplete;
   print_error({fmt::format("{} of {} not submitted", plan->members.size() - submitted,
                            counted(plan->members.size(), "render"))});
   return kIncomplete;

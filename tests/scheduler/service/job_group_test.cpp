@@ -123,9 +123,8 @@ TEST_F(JobGroupTest, ForeignGroupsAreNeitherChangedNorAddedTo) {
     ASSERT_FALSE(added) << other;
     EXPECT_EQ(added.error().kind, JobErrorKind::kNotYours);
     for (const JobId number : {group, first->job})
-      for (const auto& changed :
-           {queue_->cancel(number, other), queue_->set_priority(number, 5, other),
-            queue_->retry(number, other), queue_->remove(number, other)}) {
+      for (const auto& changed : {queue_->cancel(number, other), queue_->set_priority(number, 5, other),
+                                  queue_->retry(number, other), queue_->remove(number, other)}) {
         ASSERT_FALSE(changed) << other;
         EXPECT_EQ(changed.error().kind, JobErrorKind::kNotYours);
       }

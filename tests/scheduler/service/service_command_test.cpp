@@ -420,12 +420,12 @@ TEST_F(Service, TheLossOfAnotherWorkerIsTold) {
   for (int i = 0; i < 1000 && !renders(); ++i) std::this_thread::sleep_for(10ms);
   joined.send(SIGKILL);
   joined.wait();
-  EXPECT_TRUE(service_says("was lost at the tile")) << contents("service.log");
-  EXPECT_THAT(status()["messages"].dump(), HasSubstr("was lost at the tile"));
-  EXPECT_THAT(run({"status"}).out, HasSubstr("was lost at the tile"));
+  EXPECT_TRUE(service_says("was lost")) << contents("service.log");
+  EXPECT_THAT(status()["messages"].dump(), HasSubstr("was lost"));
+  EXPECT_THAT(run({"status"}).out, HasSubstr("was lost"));
   EXPECT_EQ(run({"cancel", number}).exit_code, 0);
   EXPECT_TRUE(comes(number, "cancelled"));
-  EXPECT_THAT(job(number)["problems"].dump(), HasSubstr("was lost at the tile"));
+  EXPECT_THAT(job(number)["problems"].dump(), HasSubstr("was lost"));
 }
 
 TEST_F(Service, OwnJobsAreChangedByTheirSubmitterAlone) {
@@ -451,6 +451,26 @@ TEST_F(Service, OwnJobsAreChangedByTheirSubmitterAlone) {
   const std::string secret = contents("one/penumbra/submitter");
   EXPECT_EQ(secret.size(), 33u);
   EXPECT_THAT(run({"status", "--json"}).out, Not(HasSubstr(secret.substr(0, 32))));
+}
+
+// Nobody could change such jobs later.
+TEST_F(Service, OwnJobsHaveAnOwner) {
+  serve({"--workers", "0", "--own-jobs"});
+  std::filesystem::create_directories(folder_ / "short/penumbra");
+  write_text(folder_ / "short/penumbra/submitter", "");
+  const auto submit_in = [&](const std::string& state) {
+    return run_shell(folder_.path(),
+                     "XDG_STATE_HOME=" + state + " penumbra submit s.xml --spp 4 --to " + address_);
+  };
+  for (const auto& [state, why] : {std::pair("/proc", "cannot make /proc/penumbra/submitter: "),
+                                   {"\"$PWD/short\"", "remove it, and a new one is made"}}) {
+    const ProgramResult refused = submit_in(state);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("without the secret of its submitter"), HasSubstr(why)));
+  }
+  EXPECT_TRUE(status()["jobs"].empty());
+  std::filesystem::remove(folder_ / "short/penumbra/submitter");
+  EXPECT_EQ(submit_in("\"$PWD/short\"").exit_code, 0);
 }
 
 TEST_F(Service, AFolderThatCannotBeWrittenIsNoHindrance) {
