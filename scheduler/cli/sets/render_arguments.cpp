@@ -13,11 +13,10 @@ namespace penumbra {
 namespace {
 
 /// Options of the whole command, not of single renders.
-constexpr std::array<std::string_view, 20> kShared{
-    "workers", "keys",         "launch", "estimate", "json",
-    "listen",  "address-file", "tev",    "web",      "quiet",
-    "force",   "summary",      "table",  "pixel",    "statistics",
-    "out",     "help",         "resume", "restart",  "checkpoint-interval"};
+constexpr std::array<std::string_view, 21> kShared{
+    "workers",    "keys", "launch", "estimate", "json",    "listen",  "address-file",
+    "tev",        "web",  "quiet",  "force",    "summary", "table",   "pixel",
+    "statistics", "out",  "help",   "help-all", "resume",  "restart", "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const Option& option) {

@@ -184,9 +184,9 @@ void print_what_to_do(const SlurmJob& job, bool submitted) {
 ExitCode sbatch(const SbatchOptions& options, const CommandLine& command) {
   const auto job = job_of(options, command);
   if (!job) return print_error(job.error()), kBadInput;
-  for (const Expected<void>& made :
-       {check_writable(job->folder / slurm_files::kSubmit), make_folders(job->folder / slurm_files::kSubmit)})
-    if (!made) return print_error({fmt::format("--folder: {}", made.error().message)}), kBadInput;
+  auto made = check_writable(job->folder / slurm_files::kSubmit);
+  if (made) made = make_folders(job->folder / slurm_files::kSubmit);
+  if (!made) return print_error({fmt::format("--folder: {}", made.error().message)}), kBadInput;
   if (const auto keys = provide_keys(job->keys, job->partition); !keys)
     return print_error(keys.error()), kBadInput;
   if (const auto written = write_scripts(*job); !written) return print_error(written.error()), kBadInput;
