@@ -20,8 +20,8 @@ struct FileIdentity {
   auto operator<=>(const FileIdentity&) const = default;
 };
 
-/// Of the file that is written if an output has this path: symbolic links are followed. Nothing for a device or
-/// a pipe, to which several outputs may go.
+/// Of the file that is written if an output has this path: symbolic links are followed. Nothing for a device
+/// or a pipe, to which several outputs may go.
 std::optional<FileIdentity> identity_of_output(const std::filesystem::path& output);
 
 /// Checks that every output can be written (see check_writable), that none is an input, and that no two are
