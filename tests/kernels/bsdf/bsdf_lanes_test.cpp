@@ -31,6 +31,7 @@ SceneTables all_materials() {
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));
   tables.materials.push_back(material_of(BlinnPhongBsdf{}));
+  tables.materials.push_back(material_of(RoughDiffuseBsdf{}));
   tables.materials.push_back(material_of(MicrofacetDiffuseBsdf{}));
   tables.materials.push_back(material_of_family(FAMILY_PHASE));
   tables.phase_lobes = {
