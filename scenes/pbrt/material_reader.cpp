@@ -291,9 +291,22 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
   // The refractive index is reported by plastic_with.
   const Parameter* eta = parameters.find("eta");
   const double ior = eta != nullptr && eta->numbers.size() == 1 ? eta->numbers[0] : 1.5;
-  if (colour.texture == kNoTexture && depth >= 1 && ior >= 1.0 && ior <= double(kMostIndexRatio))
-    for (int c = 0; c < 3; ++c)
-      colour.value[c] = float(cut_interreflection(double(colour.value[c]), ior, int(depth)));
+  if (depth >= 1 && ior >= 1.0 && ior <= double(kMostIndexRatio)) {
+    const auto cut = [&](glm::dvec3 reflectance) {
+      for (int c = 0; c < 3; ++c)
+        reflectance[c] = cut_interreflection(std::clamp(reflectance[c], 0.0, 1.0), ior, int(depth));
+      return reflectance;
+    };
+    if (colour.texture == kNoTexture)
+      colour.value = glm::vec3(cut(glm::dvec3(colour.value)));
+    else if (const auto [known, is_new] = cut_.try_emplace({colour.texture, ior, depth});
+             is_new ? (known->second = textures_.of_texels(colour.texture, cut)) : known->second)
+      colour.texture = *known->second;
+    else
+      report.warn_counted(parameters.location("reflectance", location),
+                          "under a coateddiffuse whose reflectance is a texture that is no image, light "
+                          "goes to and fro for ever");
+  }
   return plastic_with(parameters, colour, 1.5, "coateddiffuse", location);
 }
 

@@ -1,9 +1,12 @@
 // Reads the materials of pbrt.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "scenes/pbrt/texture_reader.h"
@@ -69,6 +72,8 @@ class MaterialReader {
   TextureReader& textures_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::map<std::string, int> named_;
+  /// Textures of reflectances under a coating by the texture, the index and the depth at which light ends.
+  std::map<std::tuple<int, double, std::int64_t>, std::optional<int>> cut_;
 };
 
 }  // namespace penumbra::pbrt

@@ -156,14 +156,20 @@ std::optional<int> TextureReader::mean_of(int bitmap, float gamma) {
   return known->second;
 }
 
+std::optional<int> TextureReader::of_texels(int texture,
+                                            const std::function<glm::dvec3(const glm::dvec3&)>& of) {
+  name_ = context_.scene.textures[std::size_t(texture)].name;
+  of_ = Of::kColours;
+  const auto made = combined({TextureValue{glm::vec3(1.0f), texture}},
+                             [&](std::span<const glm::dvec3> v) { return of(v[0]); });
+  return made ? std::optional(made->texture) : std::nullopt;
+}
+
 int TextureReader::balanced(int light_image) {
   if (context_.balance == glm::dmat3(1.0)) return light_image;
-  name_ = context_.scene.textures[std::size_t(light_image)].name;
-  of_ = Of::kColours;
-  const auto made =
-      combined({TextureValue{glm::vec3(1.0f), light_image}},
-               [&](std::span<const glm::dvec3> v) { return penumbra::pbrt::balanced(context_, v[0]); });
-  return made ? made->texture : light_image;
+  return of_texels(light_image,
+                   [&](const glm::dvec3& texel) { return penumbra::pbrt::balanced(context_, texel); })
+      .value_or(light_image);
 }
 
 std::optional<int> TextureReader::product(int light_image, int alpha) {

@@ -34,6 +34,8 @@ class TextureReader {
   /// checkerboards, possibly scaled.
   std::optional<int> square_root(int texture);
   int scaled(int texture, const glm::vec3& factor);
+  /// An image of colours, possibly scaled, by a function of its texels. Nothing for other textures.
+  std::optional<int> of_texels(int texture, const std::function<glm::dvec3(const glm::dvec3&)>& of);
   /// A light's image by the film's white balance.
   int balanced(int light_image);
   /// A light's image, or kNoTexture, times an alpha. Nothing if they are not two images that are mapped

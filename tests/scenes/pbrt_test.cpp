@@ -12,6 +12,7 @@
 #include "tests/scenes/gzip_writer.h"
 #include "tests/scenes/pbrt_text.h"
 #include "tests/scenes/ply_writer.h"
+#include "tests/scenes/png_writer.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::pbrt_test {
@@ -373,15 +374,15 @@ TEST_F(PbrtText, ColourSpaces) {
 
 TEST_F(PbrtText, TexturesMadeOfImages) {
   const std::vector<std::uint8_t> a = {255, 51}, b = {51, 255};
-  write("a.tga", tga_file(1, 2, 1, a));
-  write("b.tga", tga_file(1, 2, 1, b));
+  write("a.png", png_file(1, 2, 1, a));
+  write("b.png", png_file(1, 2, 1, b));
   const SceneDescription scene = good_pbrt(
-      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" \"linear\"\n"
-      "Texture \"b\" \"spectrum\" \"imagemap\" \"string filename\" \"b.tga\" \"string encoding\" \"linear\"\n"
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"linear\"\n"
+      "Texture \"b\" \"spectrum\" \"imagemap\" \"string filename\" \"b.png\" \"string encoding\" \"linear\"\n"
       "Texture \"product\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"texture scale\" \"b\"\n"
       "Texture \"mixture\" \"spectrum\" \"mix\" \"texture tex1\" \"a\" \"rgb tex2\" [0 0 0] \"float amount\" "
       "0.25\n"
-      "Texture \"rough\" \"float\" \"imagemap\" \"string filename\" \"b.tga\" \"string encoding\" \"linear\" "
+      "Texture \"rough\" \"float\" \"imagemap\" \"string filename\" \"b.png\" \"string encoding\" \"linear\" "
       "\"bool invert\" true\n"
       "Material \"diffuse\" \"texture reflectance\" \"product\"\n" +
       std::string(kTriangle) + "Material \"diffuse\" \"texture reflectance\" \"mixture\"\n" + kTriangle +
@@ -400,13 +401,42 @@ TEST_F(PbrtText, TexturesMadeOfImages) {
   EXPECT_TRUE(near(texels(metal.alpha_u.texture), {std::sqrt(0.8), 0})) << "alpha is the square root";
 }
 
-TEST_F(PbrtText, AnImageOfNumbersIsItsAlpha) {
-  write("leaf.tga", tga_file(1, 2, 4, std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 51}));
-  write("opaque.tga", tga_file(1, 2, 4, std::vector<std::uint8_t>{51, 51, 51, 255, 51, 51, 51, 255}));
+/// The series by which `maxdepth` ends light between the surfaces of a coateddiffuse, with a coating that
+/// reflects `inside` of the light from below. Over the light that enters, that which reaches the coating.
+double cut_series(double reflectance, double inside, int terms) {
+  double sum = 0;
+  for (int i = 0; i < terms; ++i) sum += reflectance * std::pow(reflectance * inside, i);
+  return sum;
+}
+
+TEST_F(PbrtText, TexelsUnderACoatingAreCutAsConstantsAre) {
+  write("t.png", png_file(1, 2, 1, std::vector<std::uint8_t>{230, 51}));
   const SceneDescription scene = good_pbrt(
-      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"leaf.tga\" \"string encoding\" \"linear\"\n"
-      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"leaf.tga\"\n"
-      "Texture \"b\" \"float\" \"imagemap\" \"string filename\" \"opaque.tga\" \"string encoding\" "
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" \"string encoding\" \"linear\"\n"
+      "Texture \"c\" \"spectrum\" \"checkerboard\"\n"
+      "Material \"coateddiffuse\" \"texture reflectance\" \"t\" \"integer maxdepth\" 3\n" +
+      std::string(kTriangle) +
+      "Material \"coateddiffuse\" \"texture reflectance\" \"c\" \"float roughness\" 0\n" + kTriangle);
+  const auto& model = std::get<BitmapTexture>(
+      scene.textures.at(std::size_t(std::get<PlasticBsdf>(front(scene)).diffuse.texture)).model);
+  const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(model.bitmap));
+  // Of diffuse light below a boundary of index 1.5 (Duntley 1942).
+  constexpr double kInside = 0.5963;
+  for (const std::size_t i : {0, 1}) {
+    const double r = (i == 0 ? 230 : 51) / 255.0;
+    const double ours = double(bitmap_value(bitmap, 3 * i, model.gamma));
+    EXPECT_NEAR(ours / (1 - ours * kInside), cut_series(r, kInside, 2), 2e-3) << r;
+  }
+  EXPECT_THAT(warnings(scene), HasSubstr("a texture that is no image"));
+}
+
+TEST_F(PbrtText, AnImageOfNumbersIsItsAlpha) {
+  write("leaf.png", png_file(1, 2, 4, std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 51}));
+  write("opaque.png", png_file(1, 2, 4, std::vector<std::uint8_t>{51, 51, 51, 255, 51, 51, 51, 255}));
+  const SceneDescription scene = good_pbrt(
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"leaf.png\" \"string encoding\" \"linear\"\n"
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"leaf.png\"\n"
+      "Texture \"b\" \"float\" \"imagemap\" \"string filename\" \"opaque.png\" \"string encoding\" "
       "\"linear\" "
       "\"float scale\" -2\n"
       "Material \"diffuse\" \"texture reflectance\" \"a\" \"texture displacement\" \"b\"\n"
@@ -466,9 +496,9 @@ TEST_F(PbrtText, PackedFilesAreUnpacked) {
 
 TEST_F(PbrtText, TexturesCountVFromTheBottom) {
   const std::vector<std::uint8_t> texels = {255, 0};
-  write("t.tga", tga_file(1, 2, 1, texels));
+  write("t.png", png_file(1, 2, 1, texels));
   const SceneDescription scene = good_pbrt(
-      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.tga\" \"float uscale\" 2 \"float "
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" \"float uscale\" 2 \"float "
       "vdelta\" 0.25 "
       "\"string encoding\" \"linear\"\nTexture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"t\" \"float "
       "scale\" 0.5\n"
