@@ -130,6 +130,8 @@ std::optional<int> TextureReader::bitmap(const std::string& file, SourceLocation
 }
 
 std::optional<int> TextureReader::alpha_of(const std::string& file) {
+  // pbrt drops the alpha of other files.
+  if (const std::string kind = extension_of(file); kind != ".png" && kind != ".exr") return std::nullopt;
   const std::array<std::filesystem::path, 1> folders = {context_.folder};
   const auto path = context_.files.find(file, folders);
   if (!path) return std::nullopt;
@@ -201,9 +203,16 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
     report.unsupported(parameters.location("wrap", location),
                        fmt::format("'{}' is no wrap that is read", wrap), "it is repeated");
   model.wrap_u = model.wrap_v = model.wrap;
-  // In pbrt only PNG files have sRGB values unless the directive says so.
-  const std::string encoding =
-      parameters.text("encoding", extension_of(model.filename) == ".png" ? "sRGB" : "linear", report);
+  // In pbrt the directive's encoding is that of PNG files alone. Other files of bytes have sRGB values.
+  const std::string extension = extension_of(model.filename);
+  const bool has_floats = extension == ".exr" || extension == ".pfm" || extension == ".hdr";
+  const SourceLocation encoding_at = parameters.location("encoding", location);
+  const bool is_ignored = parameters.has("encoding") && extension != ".png";
+  const std::string given = parameters.text("encoding", "sRGB", report);
+  const std::string own = has_floats ? "linear" : "sRGB", encoding = extension == ".png" ? given : own;
+  if (is_ignored && given != own)
+    report.warn(encoding_at, fmt::format("the encoding '{}' is ignored, as in pbrt: that of {} files is {}",
+                                         given, extension, own));
   if (encoding == "linear") {
     model.gamma = 1.0f;
     model.raw = true;
@@ -212,10 +221,9 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
     if (gamma && *gamma > 0.0 && *gamma < 100.0)
       model.gamma = float(*gamma);
     else
-      report.error(parameters.location("encoding", location), fmt::format("'{}' is no gamma", encoding));
+      report.error(encoding_at, fmt::format("'{}' is no gamma", encoding));
   } else if (encoding != "sRGB") {
-    report.error(parameters.location("encoding", location),
-                 fmt::format("the encoding '{}' is none of sRGB, linear, gamma x", encoding));
+    report.error(encoding_at, fmt::format("the encoding '{}' is none of sRGB, linear, gamma x", encoding));
   }
   if (parameters.text("filter", "bilinear", report) == "point") model.filter = BitmapFilter::kNearest;
   parameters.accept({"maxanisotropy"});

@@ -6,6 +6,7 @@
 #include "scenes/image/bitmap_values.h"
 #include "scenes/pbrt/mesh_faces.h"
 #include "tests/scenes/pbrt_text.h"
+#include "tests/scenes/png_writer.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::pbrt_test {
@@ -29,8 +30,9 @@ TEST_F(PbrtLights, AlphaCutsEmission) {
   const SceneDescription unseen = good_pbrt(kLit + triangle_with("\"float alpha\" 0"));
   EXPECT_EQ(unseen.shapes[0].radiance, glm::vec3(4.0f)) << "a light that no ray meets";
   EXPECT_TRUE(unseen.shapes[0].unseen_emission);
-  write("a.tga", tga_file(2, 1, 1, std::vector<std::uint8_t>{255, 51}));
-  const std::string alpha = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.tga\"\n";
+  write("a.png", png_file(2, 1, 1, std::vector<std::uint8_t>{255, 51}));
+  const std::string alpha =
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"linear\"\n";
   const SceneDescription cut = good_pbrt(alpha + kLit + triangle_with("\"texture alpha\" \"a\""));
   EXPECT_EQ(cut.shapes[0].radiance_texture, std::get<MaskBsdf>(front(cut)).opacity.texture);
   write("l.tga", tga_file(2, 1, 1, std::vector<std::uint8_t>{255, 255}));
@@ -92,15 +94,25 @@ TEST_F(PbrtLights, SpheresCountVFromBelow) {
 }
 
 TEST_F(PbrtLights, FloatTexturesAreMeansOfColours) {
-  // TGA's order is blue, green, red; only PNG files are sRGB by themselves.
-  write("c.tga", tga_file(1, 1, 3, std::vector<std::uint8_t>{0, 51, 255}));
-  const SceneDescription scene =
-      good_pbrt("Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"c.tga\"\n" +
-                triangle_with("\"texture alpha\" \"t\""));
-  const auto& model = std::get<BitmapTexture>(
-      scene.textures.at(std::size_t(std::get<MaskBsdf>(front(scene)).opacity.texture)).model);
-  EXPECT_NEAR(bitmap_value(*scene.bitmaps.at(std::size_t(model.bitmap)), 0, 1.0f), (1.0 + 0.2) / 3, 1e-6);
-  EXPECT_EQ(model.gamma, 1.0f);
+  const std::vector<std::uint8_t> colour = {0, 51, 255};
+  write("c.png", png_file(1, 1, 3, colour));
+  write("c.tga", tga_file(1, 1, 3, colour));
+  const auto value = [&](const std::string& parameters, const std::string& warning) {
+    const SceneDescription scene = good_pbrt("Texture \"t\" \"float\" \"imagemap\" \"string filename\" " +
+                                             parameters + "\n" + triangle_with("\"texture alpha\" \"t\""));
+    EXPECT_THAT(warnings(scene), HasSubstr(warning));
+    const auto& model = std::get<BitmapTexture>(
+        scene.textures.at(std::size_t(std::get<MaskBsdf>(front(scene)).opacity.texture)).model);
+    EXPECT_EQ(model.gamma, 1.0f);
+    return double(bitmap_value(*scene.bitmaps.at(std::size_t(model.bitmap)), 0, 1.0f));
+  };
+  // By the curve of IEC 61966-2-1.
+  const double linear = (1.0 + 0.2) / 3, srgb = (1.0 + std::pow((0.2 + 0.055) / 1.055, 2.4)) / 3;
+  EXPECT_NEAR(value("\"c.png\"", ""), srgb, 1e-6);
+  EXPECT_NEAR(value("\"c.png\" \"string encoding\" \"linear\"", ""), linear, 1e-6);
+  EXPECT_NEAR(value("\"c.tga\"", ""), srgb, 1e-6);
+  EXPECT_NEAR(value("\"c.tga\" \"string encoding\" \"linear\"", "the encoding 'linear' is ignored"), srgb,
+              1e-6);
 }
 
 TEST_F(PbrtLights, GoniometricLightsHaveTheirPolesAlongY) {
