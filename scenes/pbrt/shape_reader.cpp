@@ -360,7 +360,7 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
   if (state.area_light != nullptr && state.area_light->two_sided && use.faces == Faces::kWhole &&
       !std::holds_alternative<Mesh>(shape.geometry))
     shape.geometry = mesh_of(shape.geometry);
-  if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
+  if (!place(shape, use, state.ctm, type == "loopsubdiv")) return;
   if (state.area_light != nullptr)
     add_lights(std::move(shape), use, *state.area_light);
   else
@@ -368,6 +368,8 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
 }
 
 void ShapeReader::add_part(Shape shape, Use use) {
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  if (mesh == nullptr || !mesh->texcoords.empty()) use.origins = {};
   shapes().push_back(std::move(shape));
   uses().push_back(std::move(use));
 }
@@ -381,12 +383,15 @@ void ShapeReader::add_lights(Shape shape, const Use& use, const AreaLight& light
     make_emit(shape, light, area);
     return add_part(std::move(shape), use);
   }
-  std::vector<FacesOfArea> parts = split_by_face_area(*mesh, use.faces == Faces::kPatches ? 2 : 1);
+  std::vector<FacesOfArea> parts =
+      split_by_face_area(*mesh, use.origins, use.faces == Faces::kPatches ? 2 : 1);
   for (FacesOfArea& part : parts) {
     Shape of_area = shape;
     of_area.geometry = std::move(part.mesh);
     make_emit(of_area, light, part.face_area);
-    add_part(std::move(of_area), use);
+    Use of_part = use;
+    of_part.origins = std::move(part.origins);
+    add_part(std::move(of_area), std::move(of_part));
   }
 }
 
@@ -521,8 +526,8 @@ void ShapeReader::set_coordinates(Shape& shape, const Use& use) {
     return;
   }
   auto* mesh = std::get_if<Mesh>(&shape.geometry);
-  if (mesh != nullptr && mesh->texcoords.empty())
-    set_default_coordinates(*mesh, use.faces == Faces::kPatches);
+  if (mesh != nullptr && mesh->texcoords.empty() && use.faces != Faces::kWhole)
+    set_default_coordinates(*mesh, use.origins, use.faces == Faces::kPatches);
 }
 
 /// Computes texture coordinates from vertex positions if the shape's textures use a mapping.
@@ -551,7 +556,8 @@ void ShapeReader::map_textures(Shape& shape, const Use& use) {
 
 /// Transforms the shape to world space, or to the space of its object. A mesh without normals becomes
 /// `smooth` or faceted. Returns whether it can be rendered.
-bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
+bool ShapeReader::place(Shape& shape, Use& use, const glm::dmat4& to_world, bool smooth) {
+  const SourceLocation location = use.location;
   ReaderReport& report = context_.report;
   const auto wrong = [&](std::string_view message) {
     report.error(location, message);
@@ -564,9 +570,12 @@ bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, S
   const auto [x_axis, y_axis] = frame_axes(to_world);
   if (auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     const bool faceted = mesh->normals.empty() && !smooth;
+    const bool has_faces = use.faces != Faces::kWhole;
+    const std::vector<glm::uvec3> before = has_faces ? mesh->triangles : std::vector<glm::uvec3>();
     if (mesh->normals.empty() && is_mirror(to_world))
       for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
     if (!report.place(*mesh, to_world, faceted, shape.name, location)) return false;
+    if (has_faces) use.origins = origins_of(before, mesh->triangles);
     triangles_ += mesh->triangles.size();
     return true;
   }

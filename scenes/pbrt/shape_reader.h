@@ -11,6 +11,7 @@
 #include "scenes/pbrt/bspline_curves.h"
 #include "scenes/pbrt/material_reader.h"
 #include "scenes/pbrt/medium_reader.h"
+#include "scenes/pbrt/mesh_faces.h"
 
 namespace penumbra::pbrt {
 
@@ -57,6 +58,7 @@ class ShapeReader {
     std::optional<Parameters> alpha = std::nullopt;  ///< the directive's parameter `alpha`
     MediumNames media;
     SourceLocation location;
+    std::vector<TriangleOrigin> origins = {};  ///< of a mesh without texture coordinates
   };
   /// Consecutive curves with the same graphics state. They become one mesh when another shape follows.
   struct Curves {
@@ -68,7 +70,7 @@ class ShapeReader {
   void add_lights(Shape shape, const Use& use, const AreaLight& light);
   void add_part(Shape shape, Use use);
   void finish_curves();
-  bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
+  bool place(Shape& shape, Use& use, const glm::dmat4& to_world, bool smooth);
   void make_emit(Shape& shape, const AreaLight& light, double area);
   void cut_emission(Shape& shape, const Use& use, const TexturedNumber& alpha);
   void set_coordinates(Shape& shape, const Use& use);

@@ -1,7 +1,9 @@
 // Area lights and image lights of pbrt-v4, and the faces of meshes.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <numbers>
+#include <span>
 
 #include "scenes/image/bitmap_values.h"
 #include "scenes/pbrt/mesh_faces.h"
@@ -86,6 +88,46 @@ TEST_F(PbrtLights, MeshesWithoutCoordinatesHavePbrts) {
   for (std::size_t i = 0; i < patch.positions.size(); ++i)
     EXPECT_EQ(patch.texcoords[i], vec2(patch.positions[i].x, patch.positions[i].y));
   EXPECT_EQ(mesh(good_pbrt(kTriangle)).texcoords.size(), 0u) << "nothing needs them";
+}
+
+TEST_F(PbrtLights, CoordinatesAreThoseOfTheFilesTriangles) {
+  write("t.tga", tga_file(1, 1, 1, std::vector<std::uint8_t>{255}));
+  const std::string material =
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.tga\"\n"
+      "Material \"diffuse\" \"texture reflectance\" \"t\"\n";
+  using glm::vec2;
+  // The first patch is a pole: its corners (0, 0) and (1, 0) are one point, so that of its two triangles the
+  // second alone is left. The second patch is the unit square moved by 5 along x.
+  const std::string patches =
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 0 0 0 0 1 0 1 1 0 5 0 0 6 0 0 5 1 0 6 1 0] "
+      "\"integer indices\" [0 1 2 3 4 5 6 7]\n";
+  const SceneDescription scene = good_pbrt(material + patches);
+  const Mesh& pole = mesh(scene);
+  ASSERT_EQ(pole.triangles.size(), 3u);
+  EXPECT_THAT(std::span(pole.texcoords).first(3), ElementsAre(vec2(0, 0), vec2(1, 1), vec2(0, 1)));
+  for (std::size_t i = 3; i < 9; ++i)
+    EXPECT_EQ(pole.texcoords[i], vec2(pole.positions[i].x - 5, pole.positions[i].y)) << i;
+  // Of which each has its own power: areas of 1/2 and 1.
+  const SceneDescription lit =
+      good_pbrt(material + "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float power\" 6\n" + patches);
+  ASSERT_EQ(lit.shapes.size(), 2u);
+  EXPECT_EQ(mesh(lit, 0).triangles.size(), 1u);
+  EXPECT_EQ(mesh(lit, 1).triangles.size(), 2u);
+  EXPECT_NEAR(lit.shapes[0].radiance->x, 6 / (std::numbers::pi * 0.5), 1e-5);
+  EXPECT_NEAR(lit.shapes[1].radiance->x, 6 / std::numbers::pi, 1e-6);
+  EXPECT_THAT(mesh(lit, 0).texcoords, ElementsAre(vec2(0, 0), vec2(1, 1), vec2(0, 1)));
+  // Normals against the winding, and mirrors, turn triangles; each vertex keeps its coordinates.
+  const std::string triangle =
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0] \"integer indices\" [0 1 2]";
+  for (const std::string& turned :
+       {triangle + " \"normal N\" [0 0 -1 0 0 -1 0 0 -1]\n", "Scale 1 1 -1\n" + triangle + "\n"}) {
+    const SceneDescription against = good_pbrt(material + turned);
+    EXPECT_LT(front_normal(against).z, 0.0);
+    const Mesh& m = mesh(against);
+    ASSERT_EQ(m.texcoords.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(m.texcoords[i], vec2(m.positions[i].x, m.positions[i].y)) << turned;
+  }
 }
 
 TEST_F(PbrtLights, SpheresCountVFromBelow) {
