@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "scenes/image/bitmap_values.h"
+#include "scenes/mitsuba/scene_writer.h"
 #include "scenes/scene_description.h"
 #include "tests/scenes/pbrt_text.h"
 #include "tests/support/tga_file.h"
@@ -61,6 +62,19 @@ TEST_F(PbrtView, WindowsMayBeAnywhereAndOfAnyShape) {
                   std::string("Camera \"orthographic\" \"float screenwindow\" [-2 1 -1 3]\n") + kFilm),
         point, on_film(glm::dvec2(point), {-2, 1, -1, 3}));
   }
+}
+
+TEST_F(PbrtView, PixelsThatAreNotSquareAreWrittenAndRefusedByMitsuba3) {
+  const SceneDescription scene =
+      good_pbrt(kTriangle, std::string("Camera \"perspective\" \"float frameaspectratio\" 0.5\n") + kFilm);
+  EXPECT_NE(scene.camera.pixel_aspect, 1.0);
+  std::vector<std::string> refused;
+  const auto files = mitsuba::scene_files(scene, folder_ / "written.xml", &refused);
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_THAT(refused, ::testing::ElementsAre("Mitsuba 3's sensor 'perspective' has no 'pixel_aspect'"));
+  for (const auto& file : *files) write(file.path.filename().string(), file.contents);
+  const SceneDescription again = good_of(read_scene(folder_ / "written.xml", {}));
+  EXPECT_EQ(again.camera.pixel_aspect, scene.camera.pixel_aspect);
 }
 
 TEST_F(PbrtView, TransformsScaleAndTiltCameras) {
