@@ -95,6 +95,12 @@ glm::dvec3 HosekWilkieSun::mean_radiance(double elevation) const {
   return seen == 0 ? sum : sum / double(seen);
 }
 
+double HosekWilkieSun::visible_share(double elevation) {
+  // The area of a circle's segment.
+  const double x = std::clamp(elevation / (kSunRadius * kDegree), -1.0, 1.0);
+  return 0.5 + (std::asin(x) + x * std::sqrt(1 - x * x)) / kPi;
+}
+
 glm::dvec3 HosekWilkieSun::plain_radiance(double elevation) const {
   constexpr int kNodes = 30;
   constexpr double kFirst = 2 * kDegree, kStep = 3 * kDegree;

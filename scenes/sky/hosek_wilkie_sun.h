@@ -24,6 +24,10 @@ class HosekWilkieSun {
   /// disk's middle's, in radians.
   [[nodiscard]] glm::dvec3 mean_radiance(double elevation) const;
 
+  /// The share of the disk that is above the horizon, in [0, 1]. `elevation` is the middle's, in radians. The
+  /// disk is so small that it is a circle in a plane.
+  [[nodiscard]] static double visible_share(double elevation);
+
   /// The radiance of the plain disk that Mitsuba 3 draws unless `complex_sun` asks for the model: the mean
   /// radiance at 30 elevations from 2° to 89°, linear between them and constant beyond. Where the radiance
   /// rises steeply, below 10°, this is more than the model's.

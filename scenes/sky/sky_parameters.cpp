@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -92,11 +93,12 @@ std::vector<Emitter> SkyParameters::emitters(SkyPart part) const {
     light.image = std::make_shared<const Bitmap>(draw_sky(sky));
     made.emplace_back(std::move(light));
   }
-  if (!has_disk && part != SkyPart::kSky) {
+  if (!has_disk && part != SkyPart::kSky && to_sun_.y >= 0.0) {
     DirectionalLight light;
-    const double irradiance = double(sun_scale) * disk_solid_angle(kSunRadius * kDegree);
-    light.irradiance =
-        glm::max(irradiance * HosekWilkieSun(turbidity).mean_radiance(std::asin(to_sun_.y)), 0.0);
+    const double elevation = std::asin(std::min(to_sun_.y, 1.0));
+    const double irradiance =
+        double(sun_scale) * disk_solid_angle(kSunRadius * kDegree) * HosekWilkieSun::visible_share(elevation);
+    light.irradiance = glm::max(irradiance * HosekWilkieSun(turbidity).mean_radiance(elevation), 0.0);
     light.direction = -glm::dvec3(placed * glm::dvec4(stretched(to_sun_, stretch), 0));
     made.emplace_back(light);
   }

@@ -92,8 +92,8 @@ struct SkyParameters {
   /// This sky combined with that sun, for the emitters of both parts. Errors: they do not belong together.
   [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
 
-  /// The emitters of a part: an environment map, whose image may be black, and for a sun without a disk a
-  /// directional light.
+  /// The emitters of a part: an environment map, whose image may be black, and for a sun without a disk,
+  /// if it is up, a directional light.
   [[nodiscard]] std::vector<Emitter> emitters(SkyPart part) const;
 
  private:

@@ -122,6 +122,20 @@ TEST(HosekWilkieSun, MeanIsTheIntegralOverTheDisk) {
   EXPECT_EQ(sun.mean_radiance(-1 * kDegree), dvec3(0));
 }
 
+TEST(HosekWilkieSun, IsSeenByItsShareAboveTheHorizon) {
+  // By counting points of the disk.
+  for (const double radii : {-1.5, -1.0, -0.5, 0.0, 0.25, 0.9, 1.0, 3.0}) {
+    const double elevation = radii * kSunRadius * kDegree;
+    constexpr int kCount = 100000;
+    int seen = 0;
+    for (int k = 0; k < kCount; ++k) {
+      const dvec3 w = disk_direction(k, kCount, kSunRadius * kDegree);
+      seen += w.z * std::sin(elevation) + w.y * std::cos(elevation) >= 0 ? 1 : 0;
+    }
+    EXPECT_NEAR(HosekWilkieSun::visible_share(elevation), double(seen) / kCount, 1e-3) << radii;
+  }
+}
+
 TEST(HosekWilkieSun, FallsReddensAndIsDarkerAtItsLimb) {
   const HosekWilkieSun sun(3);
   const dvec3 high = sun.radiance(kPi / 2, 1), low = sun.radiance(5 * kDegree, 1),
@@ -447,6 +461,28 @@ TEST_F(SkyReader, ASunWithoutADiskIsDirectional) {
         double(sun.irradiance.y) / (2 * solid_angle * HosekWilkieSun(3).mean_radiance(std::asin(0.6)).y), 1,
         1e-5);
   }
+}
+
+TEST_F(SkyReader, ASunWithoutADiskSets) {
+  const auto sun_at = [&](const std::string& direction, const char* version) {
+    return read("<emitter type='sun'><vector name='sun_direction' " + direction +
+                    "/><float name='sun_radius_scale' value='0'/></emitter>",
+                version);
+  };
+  const double solid_angle = 2 * kPi * (1 - std::cos(kSunRadius * kDegree));
+  for (const auto& [direction, version] :
+       {std::pair("x='1' y='0' z='1'", "0.6.0"), std::pair("x='1' y='1' z='0'", "3.0.0")}) {
+    const auto setting = sun_at(direction, version);
+    ASSERT_TRUE(setting) << setting.error().message;
+    ASSERT_EQ(setting->emitters.size(), 1u);
+    EXPECT_NEAR(double(std::get<DirectionalLight>(setting->emitters[0]).irradiance.x) /
+                    (0.5 * solid_angle * HosekWilkieSun(3).mean_radiance(0).x),
+                1, 1e-5)
+        << "half of the disk is above the horizon";
+  }
+  const auto night = sun_at("x='1' y='0' z='-0.001'", "3.0.0");
+  ASSERT_TRUE(night) << night.error().message;
+  EXPECT_TRUE(night->emitters.empty());
 }
 
 TEST_F(SkyReader, ScalesOfPartsReplaceThatOfAll) {
