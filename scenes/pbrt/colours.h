@@ -21,7 +21,6 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
 /// The luminance of a linear Rec. 709 colour.
 double luminance(const glm::dvec3& colour);
 
-/// Whether pbrt has a colour space of this name.
 /// The matrix, for linear Rec. 709, of a film whose white balance is that temperature, in kelvins: what a
 /// daylight of it (CIE 15:2004; below 4000 K, a black body) lights becomes what D65 lights, by the Bradford
 /// transform of Lam (1985).
@@ -31,6 +30,7 @@ glm::dmat3 white_balance(double kelvin);
 /// same at all wavelengths is grey, while Mitsuba's has the colour of a constant emission.
 ComplexIndex metal_index(int metal);
 
+/// Whether pbrt has a colour space of this name.
 bool is_colour_space(std::string_view name);
 
 /// The refractive index at 589 nm of a named glass, "glass-BK7" for example.

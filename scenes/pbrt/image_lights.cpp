@@ -11,7 +11,6 @@
 #include "scenes/names.h"
 #include "scenes/pbrt/light_strength.h"
 #include "scenes/punctual_lights.h"
-
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {

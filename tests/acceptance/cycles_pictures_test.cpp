@@ -17,8 +17,7 @@ constexpr std::uint32_t kCyclesSamples = 256, kSamples = 1024;
 /// What glTF, or Blender's exporter, does not carry, or carries as something else.
 constexpr const char* kBeforeFiltering =
     "Cycles interpolates sRGB values; glTF 2.0, 3.9.2: they 'MUST be decoded to real linear values before "
-    "they "
-    "are used for any computations'";
+    "they are used for any computations'";
 constexpr const char* kLeaningNormals =
     "1.1 % brighter where normals lean, by an unknown part of Cycles; appendix B has the BSDF of the bent "
     "normal";
@@ -34,8 +33,7 @@ constexpr PictureException kExceptions[] = {
     {"nmapuvm_tan", kLeaningNormals},
     {"nmapstr",
      "Blender's strength interpolates normals; glTF 2.0, 3.9.3: scaledNormal = normalize((value * 2.0 - 1.0) "
-     "* "
-     "vec3(scale, scale, 1.0))"},
+     "* vec3(scale, scale, 1.0))"},
     {"spot",
      "the falloff between the cones is the squared linear one that KHR_lights_punctual recommends, not "
      "Blender's"},

@@ -17,8 +17,7 @@ constexpr std::uint32_t kReferenceSamples = 1024, kSamples = 256;
 constexpr PictureException kExceptions[] = {
     {"m_cdiff",
      "light that goes to and fro is no linear function of the reflectance, so that spectra are darker in red "
-     "by a "
-     "tenth, as between Mitsuba 3's spectral and RGB variants of its plastic"},
+     "by a tenth, as between Mitsuba 3's spectral and RGB variants of its plastic"},
     {"med_cam", "pbrt's picture has fireflies, beside a point light in a medium"},
     {"med_le", "media that emit light are not read, and an error says so"},
 };

@@ -19,8 +19,7 @@ bool PictureAgreement::passed() const {
 std::string PictureAgreement::summary() const {
   return fmt::format(
       "means {:.4f} (tolerance {:.4f}); {:.2f} % of the blocks agree (at least {:.0f} %); the worst is "
-      "{:.2f} "
-      "times its limit, at ({}, {}), channel {}",
+      "{:.2f} times its limit, at ({}, {}), channel {}",
       mean, mean_tolerance, 100 * accepted, 100 * kPictureAccepted, worst, worst_x, worst_y, worst_channel);
 }
 
