@@ -4,6 +4,7 @@
 #include <set>
 
 #include "scenes/bsdfs/blinnphong.h"
+#include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
