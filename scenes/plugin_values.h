@@ -55,6 +55,7 @@ struct AnyNumber {
   [[nodiscard]] std::string values() const { return words; }
 };
 struct AnyText {
+  constexpr explicit AnyText(const char* what) : words(what) {}
   const char* words;
   [[nodiscard]] std::string values() const { return words; }
 };
