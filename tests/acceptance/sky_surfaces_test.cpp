@@ -12,8 +12,13 @@ namespace {
 
 using glm::dvec3;
 
-/// What texels cost: they spread the sun's disk and the sky's end.
-constexpr double kTolerance = 0.01;
+/// What the image costs: SkyImage.LightsSurfacesAsMitsubaDoes allows as much of one with a quarter of the
+/// columns. The sun is nowhere at the horizon of a surface, so that to spread its disk costs nothing more.
+constexpr double kOfImage = 4e-3;
+/// The standard error that is asked for, and how often it fits: all 15 means are within that with a
+/// probability of 1 - 1e-4.
+constexpr double kNoise = 1.3e-3, kDeviates = 4.5;
+constexpr double kTolerance = kOfImage + kDeviates * kNoise;
 
 struct Case {
   const char* what;
@@ -21,9 +26,11 @@ struct Case {
   dvec3 to_sun, normal;
   bool with_sun;
   dvec3 radiance;  ///< of Mitsuba 3.9.1, for a diffuse reflectance of 0.5
+  int samples = 8192;
 };
 
-// By quadrature of its radiance, as tests/scenes/mitsuba_skies.py does. At sunset the sun's blue is below 0.
+// By quadrature of its radiance, as tests/scenes/mitsuba_skies.py does. At sunset the sun's blue is below 0,
+// and so that of the wall has more noise.
 const Case kCases[] = {
     {"a wall under the sky", 3, 0.3, {0.5, 0.3, 0.81}, {0, 1, 0}, false, {0.021073, 0.031462, 0.048487}},
     {"a wall in the sun", 3, 0.3, {0.5, 0.3, 0.81}, {0, 1, 0}, true, {0.092448, 0.090886, 0.093643}},
@@ -35,7 +42,8 @@ const Case kCases[] = {
      {0.99996192, 0, 0.00872654},
      {1, 0, 0},
      true,
-     {0.0839020, 0.0278434, 0.0023581}}};
+     {0.0839020, 0.0278434, 0.0023581},
+     32768}};
 
 TEST(SkySurfaces, AreAsBrightAsInMitsuba) {
   const TemporaryFolder folder;
@@ -47,7 +55,7 @@ TEST(SkySurfaces, AreAsBrightAsInMitsuba) {
                fmt::format(R"(<scene version="3.0.0"><integrator type="path"/>
       <sensor type="perspective"><float name="fov" value="1"/><transform name="to_world">
         <lookat origin="{}, {}, {}" target="0, 0, 0" up="{}"/></transform>
-        <sampler type="independent"><integer name="sample_count" value="4096"/></sampler>
+        <sampler type="independent"><integer name="sample_count" value="{}"/></sampler>
         <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/>
           <rfilter type="box"/></film></sensor>
       <emitter type="sunsky"><float name="turbidity" value="{}"/><float name="albedo" value="{}"/>
@@ -55,12 +63,12 @@ TEST(SkySurfaces, AreAsBrightAsInMitsuba) {
       <shape type="rectangle"><transform name="to_world">
         <lookat origin="0, 0, 0" target="{}, {}, {}" up="{}"/></transform>
         <bsdf type="diffuse"><float name="reflectance" value="0.5"/></bsdf></shape></scene>)",
-                           2 * n.x, 2 * n.y, 2 * n.z, up, c.turbidity, c.albedo, c.to_sun.x, c.to_sun.y,
-                           c.to_sun.z, c.with_sun ? 1 : 0, n.x, n.y, n.z, up));
+                           2 * n.x, 2 * n.y, 2 * n.z, up, c.samples, c.turbidity, c.albedo, c.to_sun.x,
+                           c.to_sun.y, c.to_sun.z, c.with_sun ? 1 : 0, n.x, n.y, n.z, up));
     const FilmAccumulator film = render_or_throw(read_or_throw(folder / "scene.xml"));
     for (int channel = 0; channel < 3; ++channel) {
       const auto sample = film_sample(film, channel);
-      EXPECT_LT(sample.standard_error(), 0.004 * c.radiance[channel]) << channel;
+      EXPECT_LT(sample.standard_error(), kNoise * c.radiance[channel]) << channel;
       EXPECT_NEAR(sample.mean() / c.radiance[channel], 1, kTolerance) << channel;
     }
   }
