@@ -32,6 +32,7 @@ constexpr PictureException kColourExceptions[] = {
     {"m_cond_noremap", "a metal's indices are spectra"},
     {"m_diel_bk7", "the glass disperses"},
     {"m_diff", "a red surface in coloured light"},
+    {"m_dtrans", "a coloured sheet in coloured light"},
     {"m_spec_refl", "a reflectance given as a spectrum, in coloured light"},
 };
 
