@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "scenes/traceable.h"
@@ -160,6 +161,30 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
     add_smooth_normals(mesh);
   }
   return cleaning;
+}
+
+std::uint32_t copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh& to) {
+  to.positions.push_back(from.positions[vertex]);
+  if (!from.normals.empty()) to.normals.push_back(from.normals[vertex]);
+  if (!from.texcoords.empty()) to.texcoords.push_back(from.texcoords[vertex]);
+  if (!from.colours.empty()) to.colours.push_back(from.colours[vertex]);
+  return std::uint32_t(to.positions.size() - 1);
+}
+
+Mesh part_of(const Mesh& mesh, std::span<const std::size_t> triangles) {
+  Mesh part;
+  std::map<std::uint32_t, std::uint32_t> copied;
+  for (const std::size_t index : triangles) {
+    glm::uvec3 t = mesh.triangles[index];
+    for (int i = 0; i < 3; ++i) {
+      const auto [known, is_new] = copied.try_emplace(t[i]);
+      if (is_new) known->second = copy_vertex(mesh, t[i], part);
+      t[i] = known->second;
+    }
+    part.triangles.push_back(t);
+    if (!mesh.face_colours.empty()) part.face_colours.push_back(mesh.face_colours[index]);
+  }
+  return part;
 }
 
 glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {

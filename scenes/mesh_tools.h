@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,12 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
 /// the first of the remaining faces starts the next group, and so on. Vertices are split where necessary. A
 /// mesh without a smooth vertex stays faceted. All triangles must have area.
 void smooth_up_to(Mesh& mesh, double degrees);
+
+/// Appends a vertex of `from`, with all that belongs to it. Returns its index.
+std::uint32_t copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh& to);
+
+/// These triangles of the mesh, and the vertices that they have.
+Mesh part_of(const Mesh& mesh, std::span<const std::size_t> triangles);
 
 /// The cross product of the triangle's edges: along its normal, of twice its area.
 glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& triangle);

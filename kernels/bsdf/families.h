@@ -111,8 +111,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define CURVE_ROWS 32                   // curves of a material with textured roughness, see roughplastic.h
 #define CURVE_STRIDE (CURVE_KNOTS + 1)  // offset from curve to curve
 #define REFLECTION_ROWS 64              // twice as many curves of albedo, see metalrough.h
-#define LEAST_REFLECTION_ALPHA 1e-3f    // roughness of the first row ...
-#define FIRST_REFLECTION_PLACE 0.177827941f  // ... and its fourth root
+#define FIRST_REFLECTION_PLACE 0.177827941f  // fourth root of the roughness of the first row, 0.001
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1

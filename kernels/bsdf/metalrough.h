@@ -23,7 +23,7 @@ typedef struct {
 } ReflectionAlbedo;
 
 /// Interpolates rows of curves, as many for `plain` as for `schlick`. Rows are equidistant in the fourth root
-/// of the roughness alpha from LEAST_REFLECTION_ALPHA to 1, knots in that of the cosine. The error is below
+/// of the roughness alpha from 0.001 to 1, knots in that of the cosine. The error is below
 /// 0.001 from a cosine of 0.01 on.
 FN ReflectionAlbedo reflection_albedo(const PRIVATE Scene* scene, Closure c, float alpha, float cosine) {
   const int rows = c.curve_rows / 2, last = max_i(rows - 1, 0);  // lanes of other families may have no rows

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "scenes/gltf/asset.h"
 #include "scenes/gltf/extensions.h"
@@ -13,6 +15,7 @@
 #include "scenes/gltf/primitive.h"
 #include "scenes/gltf/tangents.h"
 #include "scenes/gltf/view_reader.h"
+#include "scenes/mesh_tools.h"
 #include "scenes/reading.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
@@ -257,9 +260,10 @@ class SceneBuilder {
         add_mesh(std::move(*posed), other, placed, location, name, shapes);
         continue;
       }
-      add_mesh(part_of(*posed, *reversed), other, placed, location, name, shapes);
-      reversed->flip();
-      add_mesh(part_of(*posed, *reversed), surface, placed, location, name, shapes);
+      std::array<std::vector<std::size_t>, 2> parts;
+      for (std::size_t t = 0; t < reversed->size(); ++t) parts[(*reversed)[t] ? 1 : 0].push_back(t);
+      add_mesh(part_of(*posed, parts[1]), other, placed, location, name, shapes);
+      add_mesh(part_of(*posed, parts[0]), surface, placed, location, name, shapes);
     }
   }
 

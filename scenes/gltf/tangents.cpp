@@ -1,7 +1,6 @@
 #include "scenes/gltf/tangents.h"
 
-#include <cstdint>
-#include <limits>
+#include <cstddef>
 
 namespace penumbra::gltf {
 namespace {
@@ -43,33 +42,6 @@ bool has_other_tangents(const Mesh& mesh, const AccessorValues& tangents) {
     }
   }
   return false;
-}
-
-Mesh part_of(const Mesh& mesh, const std::vector<bool>& wanted) {
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> places(mesh.positions.size(), kNone);
-  Mesh part;
-  const auto copy = [](const auto& from, std::size_t i, auto& to) {
-    if (!from.empty()) to.push_back(from[i]);
-  };
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (!wanted[i]) continue;
-    glm::uvec3 t = mesh.triangles[i];
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::uint32_t v = t[corner];
-      if (places[v] == kNone) {
-        places[v] = std::uint32_t(part.positions.size());
-        part.positions.push_back(mesh.positions[v]);
-        copy(mesh.normals, v, part.normals);
-        copy(mesh.texcoords, v, part.texcoords);
-        copy(mesh.colours, v, part.colours);
-      }
-      t[corner] = places[v];
-    }
-    part.triangles.push_back(t);
-    copy(mesh.face_colours, i, part.face_colours);
-  }
-  return part;
 }
 
 }  // namespace penumbra::gltf

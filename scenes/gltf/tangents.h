@@ -18,7 +18,4 @@ std::vector<bool> mirrored_triangles(const Mesh& mesh, const std::optional<Acces
 /// coordinate grows on one of its triangles.
 bool has_other_tangents(const Mesh& mesh, const AccessorValues& tangents);
 
-/// The triangles that `wanted` names, with their vertices.
-Mesh part_of(const Mesh& mesh, const std::vector<bool>& wanted);
-
 }  // namespace penumbra::gltf

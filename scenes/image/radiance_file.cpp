@@ -64,7 +64,8 @@ std::optional<Resolution> resolution_of(std::string_view line) {
 }
 
 /// Runs of whole texels: 1, 1, 1, n repeats the last texel n times, and a further one in a row n * 256 times.
-bool read_old_scanline(std::string_view& left, std::vector<Rgbe>& line, std::size_t at) {
+bool read_old_scanline(std::string_view& left, std::vector<Rgbe>& line) {
+  std::size_t at = 0;
   int shift = 0;
   while (at < line.size()) {
     Rgbe texel;
@@ -106,7 +107,7 @@ bool read_scanline(std::string_view& left, std::vector<Rgbe>& line) {
   constexpr std::size_t kLeast = 8, kMost = 0x7fff;  // lengths that the newer code is for
   if (line.size() < kLeast || line.size() > kMost || left.size() < 4 || left[0] != 2 || left[1] != 2 ||
       (std::uint8_t(left[2]) & 0x80) != 0)
-    return read_old_scanline(left, line, 0);
+    return read_old_scanline(left, line);
   if (std::size_t(std::uint8_t(left[2])) * 256 + std::uint8_t(left[3]) != line.size()) return false;
   left.remove_prefix(4);
   return read_components(left, line);

@@ -1,41 +1,12 @@
 #include "scenes/pbrt/mesh_faces.h"
 
 #include <algorithm>
-#include <map>
 #include <span>
 #include <utility>
 
 #include "scenes/mesh_tools.h"
 
 namespace penumbra::pbrt {
-namespace {
-
-/// Appends a vertex of `from`, with all that belongs to it.
-std::uint32_t copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh& to) {
-  to.positions.push_back(from.positions[vertex]);
-  if (!from.normals.empty()) to.normals.push_back(from.normals[vertex]);
-  if (!from.texcoords.empty()) to.texcoords.push_back(from.texcoords[vertex]);
-  if (!from.colours.empty()) to.colours.push_back(from.colours[vertex]);
-  return std::uint32_t(to.positions.size() - 1);
-}
-
-Mesh part_of(const Mesh& mesh, std::span<const std::size_t> triangles) {
-  Mesh part;
-  std::map<std::uint32_t, std::uint32_t> copied;
-  for (const std::size_t index : triangles) {
-    glm::uvec3 t = mesh.triangles[index];
-    for (int i = 0; i < 3; ++i) {
-      const auto [known, is_new] = copied.try_emplace(t[i]);
-      if (is_new) known->second = copy_vertex(mesh, t[i], part);
-      t[i] = known->second;
-    }
-    part.triangles.push_back(t);
-    if (!mesh.face_colours.empty()) part.face_colours.push_back(mesh.face_colours[index]);
-  }
-  return part;
-}
-
-}  // namespace
 
 std::vector<TriangleOrigin> origins_of(std::span<const glm::uvec3> before,
                                        std::span<const glm::uvec3> after) {
