@@ -360,7 +360,13 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
   if (state.area_light != nullptr && state.area_light->two_sided && use.faces == Faces::kWhole &&
       !std::holds_alternative<Mesh>(shape.geometry))
     shape.geometry = mesh_of(shape.geometry);
-  if (!place(shape, use, state.ctm, type == "loopsubdiv")) return;
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  const bool has_faces =
+      mesh != nullptr && use.faces != Faces::kWhole &&
+      (mesh->texcoords.empty() || (state.area_light != nullptr && state.area_light->power));
+  const std::vector<glm::uvec3> before = has_faces ? mesh->triangles : std::vector<glm::uvec3>();
+  if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
+  if (has_faces) use.origins = origins_of(before, mesh->triangles);
   if (state.area_light != nullptr)
     add_lights(std::move(shape), use, *state.area_light);
   else
@@ -556,8 +562,7 @@ void ShapeReader::map_textures(Shape& shape, const Use& use) {
 
 /// Transforms the shape to world space, or to the space of its object. A mesh without normals becomes
 /// `smooth` or faceted. Returns whether it can be rendered.
-bool ShapeReader::place(Shape& shape, Use& use, const glm::dmat4& to_world, bool smooth) {
-  const SourceLocation location = use.location;
+bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto wrong = [&](std::string_view message) {
     report.error(location, message);
@@ -570,12 +575,9 @@ bool ShapeReader::place(Shape& shape, Use& use, const glm::dmat4& to_world, bool
   const auto [x_axis, y_axis] = frame_axes(to_world);
   if (auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     const bool faceted = mesh->normals.empty() && !smooth;
-    const bool has_faces = use.faces != Faces::kWhole;
-    const std::vector<glm::uvec3> before = has_faces ? mesh->triangles : std::vector<glm::uvec3>();
     if (mesh->normals.empty() && is_mirror(to_world))
       for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
     if (!report.place(*mesh, to_world, faceted, shape.name, location)) return false;
-    if (has_faces) use.origins = origins_of(before, mesh->triangles);
     triangles_ += mesh->triangles.size();
     return true;
   }

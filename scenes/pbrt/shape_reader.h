@@ -70,7 +70,7 @@ class ShapeReader {
   void add_lights(Shape shape, const Use& use, const AreaLight& light);
   void add_part(Shape shape, Use use);
   void finish_curves();
-  bool place(Shape& shape, Use& use, const glm::dmat4& to_world, bool smooth);
+  bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
   void make_emit(Shape& shape, const AreaLight& light, double area);
   void cut_emission(Shape& shape, const Use& use, const TexturedNumber& alpha);
   void set_coordinates(Shape& shape, const Use& use);
