@@ -131,8 +131,8 @@ TEST_F(PbrtLights, CoordinatesAreThoseOfTheFilesTriangles) {
 }
 
 TEST_F(PbrtLights, SpheresCountVFromBelow) {
-  const auto& sphere = std::get<Sphere>(good_pbrt("Shape \"sphere\"").shapes[0].geometry);
-  expect_near(sphere.z_axis, {0, 0, -1});
+  const SceneDescription scene = good_pbrt("Shape \"sphere\"");
+  expect_near(std::get<Sphere>(scene.shapes.at(0).geometry).z_axis, {0, 0, -1});
 }
 
 TEST_F(PbrtLights, FloatTexturesAreMeansOfColours) {
