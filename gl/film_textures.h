@@ -7,7 +7,7 @@
 
 #include "gl/gl_objects.h"
 #include "kernels/host/error.h"
-#include "scheduler/watch/tile_snapshot.h"
+#include "scheduler/plan/tile_snapshot.h"
 
 namespace penumbra {
 

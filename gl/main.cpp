@@ -12,17 +12,17 @@
 #include "kernels/host/console.h"
 #include "kernels/host/plain_file.h"
 #include "scenes/scene_reader.h"
-#include "scheduler/cli/command_line.h"
-#include "scheduler/cli/command_reference.h"
-#include "scheduler/cli/exit_code.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/picture.h"
-#include "scheduler/protocol/grpc_log.h"
-#include "scheduler/protocol/message_memory.h"
 #include "scheduler/record/version.h"
+#include "worker/cli/command_line.h"
+#include "worker/cli/command_reference.h"
+#include "worker/cli/exit_code.h"
+#include "worker/cli/help_text.h"
+#include "worker/protocol/grpc_log.h"
+#include "worker/protocol/message_memory.h"
 
 namespace penumbra {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <span>
 
+#include "kernels/host/atomic_file.h"
 #include "scenes/names.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/image/image_files.h"
 
 namespace penumbra {

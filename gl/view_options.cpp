@@ -5,9 +5,9 @@
 #include <limits>
 #include <string_view>
 
-#include "scheduler/cli/access_options.h"
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/keys/tcp_address.h"
+#include "worker/cli/access_options.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
-#include "scheduler/plan/work_unit.h"
+#include "worker/cli/command_line.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -12,7 +12,7 @@
 #include "gl/picture_files.h"
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
-#include "scheduler/cli/exit_code.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 namespace {

@@ -21,8 +21,8 @@
 #include "gl/picture_layers.h"
 #include "gl/view_model.h"
 #include "gl/window.h"
-#include "scheduler/keys/client_access.h"
 #include "scheduler/watch/watch_client.h"
+#include "worker/keys/client_access.h"
 
 namespace penumbra {
 

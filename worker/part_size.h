@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "scheduler/protocol/unit_result.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kernels/host/cache_folder.h"
-#include "scheduler/protocol/scene_fetch.h"
+#include "worker/protocol/scene_fetch.h"
 
 namespace penumbra {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/keys/key_folder.h"
 #include "worker/device.h"
+#include "worker/keys/key_folder.h"
 #include "worker/piece_cache.h"
 
 namespace penumbra {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/plain_file.h"
 #include "kernels/host/process.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/plan/adaptive_tile.h"
 
 namespace penumbra {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "kernels/host/console.h"
-#include "scheduler/cli/command_line.h"
-#include "scheduler/cli/exit_code.h"
+#include "worker/cli/command_line.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

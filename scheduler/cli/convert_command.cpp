@@ -14,13 +14,13 @@
 #include "scenes/names.h"
 #include "scenes/scene_reader.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/picture.h"
+#include "worker/cli/help_text.h"
 
 namespace penumbra {
 namespace {

@@ -11,7 +11,6 @@
 #include "kernels/host/process.h"
 #include "scenes/names.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
@@ -20,6 +19,7 @@
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
+#include "worker/cli/help_text.h"
 
 namespace penumbra {
 namespace {

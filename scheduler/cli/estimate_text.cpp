@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/progress.h"
-#include "scheduler/cli/text_layout.h"
 #include "scheduler/files/json_number.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 

@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/scene_contents.h"
 #include "scheduler/cli/scene_costs.h"
-#include "scheduler/cli/text_layout.h"
 #include "scheduler/record/inventory.h"
 #include "scheduler/record/render_statistics.h"
+#include "worker/cli/help_text.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

@@ -7,9 +7,9 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/quoting.h"
-#include "scheduler/keys/host_names.h"
-#include "scheduler/keys/key_folder.h"
-#include "scheduler/keys/make_keys.h"
+#include "worker/keys/host_names.h"
+#include "worker/keys/key_folder.h"
+#include "worker/keys/make_keys.h"
 
 namespace penumbra {
 namespace {

@@ -10,11 +10,11 @@
 #include "kernels/host/text.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/build_info.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_hints.h"
-#include "scheduler/protocol/grpc_log.h"
-#include "scheduler/protocol/message_memory.h"
+#include "worker/cli/command_line.h"
+#include "worker/protocol/grpc_log.h"
+#include "worker/protocol/message_memory.h"
 
 namespace penumbra {
 namespace {

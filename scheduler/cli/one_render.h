@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_page.h"
 #include "scheduler/cli/render_preparation.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

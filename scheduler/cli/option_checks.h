@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "scheduler/cli/command_line.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

@@ -9,9 +9,9 @@
 
 #include "scenes/names.h"
 #include "scenes/settings.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/image/picture.h"
+#include "worker/cli/help_text.h"
 
 namespace penumbra {
 namespace {

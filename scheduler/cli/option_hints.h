@@ -5,7 +5,7 @@
 #include <string>
 
 #include "kernels/host/error.h"
-#include "scheduler/cli/command_line.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "kernels/host/atomic_file.h"
 #include "scenes/names.h"
-#include "scheduler/files/atomic_file.h"
 
 namespace penumbra {
 namespace {

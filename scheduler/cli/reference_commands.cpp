@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "scenes/settings.h"
-#include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/commands.h"
+#include "worker/cli/command_reference.h"
 
 namespace penumbra {
 namespace {

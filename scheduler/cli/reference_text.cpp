@@ -10,7 +10,7 @@
 #include "scenes/names.h"
 #include "scenes/plugin_reference.h"
 #include "scenes/settings.h"
-#include "scheduler/cli/text_layout.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

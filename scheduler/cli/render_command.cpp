@@ -18,8 +18,8 @@
 #include "scheduler/cli/sets/render_set.h"
 #include "scheduler/cli/sets/set_estimate.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/keys/address_file.h"
 #include "scheduler/record/film_image.h"
+#include "worker/keys/address_file.h"
 
 namespace penumbra {
 namespace {

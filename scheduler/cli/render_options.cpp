@@ -1,5 +1,5 @@
 #include "scheduler/cli/render_options.h"
-#include "scheduler/cli/access_options.h"
+#include "worker/cli/access_options.h"
 
 #include <charconv>
 #include <span>
@@ -9,12 +9,12 @@
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
 #include "scheduler/cli/film_scale.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/web_page.h"
-#include "scheduler/plan/work_unit.h"
+#include "worker/cli/help_text.h"
 #include "worker/device.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 namespace {

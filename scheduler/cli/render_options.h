@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "scenes/integrators.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/plan/plan_options.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

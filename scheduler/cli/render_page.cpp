@@ -7,11 +7,11 @@
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
 #include "scheduler/cli/service/status_text.h"
-#include "scheduler/keys/secrets.h"
-#include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/status_wire.h"
+#include "worker/keys/secrets.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

@@ -4,13 +4,13 @@
 #include <memory>
 
 #include "scheduler/checkpoint/checkpoint_file.h"
-#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/sets/shared_scenes.h"
 #include "scheduler/farm/render_farm.h"
 #include "scheduler/record/render_record.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/parallel.h"
 #include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
@@ -16,7 +17,6 @@
 #include "scheduler/cli/report_options.h"
 #include "scheduler/cli/report_plan.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/record/render_record.h"
 #include "scheduler/record/version.h"
 #include "scheduler/report/gnuplot.h"

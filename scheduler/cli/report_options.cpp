@@ -7,8 +7,8 @@
 #include "scenes/diagnostic.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
+#include "worker/cli/help_text.h"
 #include "worker/device.h"
 
 namespace penumbra {

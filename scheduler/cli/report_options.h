@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/report/crop_choice.h"
 #include "scheduler/report/method.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

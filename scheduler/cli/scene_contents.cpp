@@ -9,7 +9,7 @@
 
 #include "scenes/cameras.h"
 #include "scenes/instances.h"
-#include "scheduler/cli/text_layout.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

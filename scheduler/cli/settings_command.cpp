@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/reference_text.h"
-#include "scheduler/cli/text_layout.h"
+#include "worker/cli/help_text.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

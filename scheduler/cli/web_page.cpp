@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/web/web_access.h"
+#include "worker/cli/help_text.h"
 
 namespace penumbra {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "jobs.pb.h"
-#include "scheduler/cli/command_line.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/web/web_server.h"
+#include "worker/cli/command_line.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 

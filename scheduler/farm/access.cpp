@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "kernels/host/process.h"
-#include "scheduler/keys/host_names.h"
-#include "scheduler/protocol/token.h"
+#include "worker/keys/host_names.h"
+#include "worker/protocol/token.h"
 
 namespace penumbra {
 namespace {

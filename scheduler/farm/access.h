@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "kernels/host/error.h"
-#include "scheduler/keys/key_folder.h"
-#include "scheduler/keys/secrets.h"
-#include "scheduler/keys/tcp_address.h"
+#include "worker/keys/key_folder.h"
+#include "worker/keys/secrets.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra {
 

@@ -9,10 +9,10 @@
 
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
+#include "worker/protocol/asset_manifest.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

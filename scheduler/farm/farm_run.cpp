@@ -8,9 +8,9 @@
 
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/quoting.h"
-#include "scheduler/keys/address_file.h"
-#include "scheduler/keys/client_access.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/keys/address_file.h"
+#include "worker/keys/client_access.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

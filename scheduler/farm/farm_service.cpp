@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "scheduler/protocol/text.h"
 #include "scheduler/watch/watch_wire.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

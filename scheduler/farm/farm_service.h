@@ -18,8 +18,8 @@
 #include "scheduler/farm/offered_asset.h"
 #include "scheduler/farm/result_room.h"
 #include "scheduler/farm/worker_connection.h"
-#include "scheduler/protocol/mailbox.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/mailbox.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 

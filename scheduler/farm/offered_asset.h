@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "scheduler/protocol/asset_manifest.h"
+#include "worker/protocol/asset_manifest.h"
 
 namespace penumbra {
 

@@ -8,7 +8,7 @@
 
 #include "scheduler/farm/farm_run.h"
 #include "scheduler/farm/render_job_check.h"
-#include "scheduler/protocol/grpc_log.h"
+#include "worker/protocol/grpc_log.h"
 
 namespace penumbra {
 namespace {

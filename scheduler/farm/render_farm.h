@@ -13,8 +13,8 @@
 #include "scheduler/farm/job_signal.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/service_maker.h"
-#include "scheduler/keys/key_folder.h"
 #include "scheduler/plan/plan.h"
+#include "worker/keys/key_folder.h"
 
 namespace penumbra {
 

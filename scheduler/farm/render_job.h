@@ -12,9 +12,9 @@
 #include "scheduler/plan/plan_messages.h"
 #include "scheduler/plan/plan_options.h"
 #include "scheduler/plan/tile_grid.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
+#include "worker/protocol/asset_manifest.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -8,7 +8,7 @@
 
 #include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/render_memory.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "scheduler/farm/farm_service.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

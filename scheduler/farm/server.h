@@ -15,9 +15,9 @@
 #include "scheduler/farm/arrivals.h"
 #include "scheduler/farm/offered_asset.h"
 #include "scheduler/farm/service_maker.h"
-#include "scheduler/plan/work_unit.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

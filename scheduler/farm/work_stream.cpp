@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "scheduler/protocol/text.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

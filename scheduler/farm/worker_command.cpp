@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "scheduler/farm/render_farm.h"
-#include "scheduler/keys/client_access.h"
-#include "scheduler/keys/tcp_address.h"
+#include "worker/keys/client_access.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra {
 

@@ -15,7 +15,7 @@
 
 #include "scheduler/farm/arrivals.h"
 #include "scheduler/farm/result_room.h"
-#include "scheduler/protocol/unit_result.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 

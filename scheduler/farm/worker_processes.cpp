@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "scheduler/farm/access.h"
-#include "scheduler/protocol/token.h"
+#include "worker/protocol/token.h"
 
 namespace penumbra {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/error.h"
-#include "scheduler/files/atomic_file.h"
-#include "scheduler/files/file_target.h"
+#include "kernels/host/file_target.h"
 
 namespace penumbra {
 

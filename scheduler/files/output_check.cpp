@@ -5,8 +5,8 @@
 #include <system_error>
 #include <vector>
 
-#include "scheduler/files/atomic_file.h"
-#include "scheduler/files/file_target.h"
+#include "kernels/host/atomic_file.h"
+#include "kernels/host/file_target.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "scheduler/plan/work_unit.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "scheduler/plan/film_accumulator.h"
-#include "scheduler/watch/tile_snapshot.h"
+#include "scheduler/plan/tile_snapshot.h"
 
 namespace penumbra {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/plain_file.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/record/render_record.h"
 

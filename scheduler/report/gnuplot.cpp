@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/plain_file.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/files/run_program.h"
 #include "scheduler/report/plot_svg.h"

@@ -9,10 +9,10 @@
 
 #include "kernels/host/process.h"
 #include "kernels/host/text.h"
-#include "scheduler/keys/secrets.h"
-#include "scheduler/protocol/text.h"
 #include "scheduler/record/version.h"
 #include "scheduler/service/status_wire.h"
+#include "worker/keys/secrets.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

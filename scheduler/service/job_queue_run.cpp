@@ -5,9 +5,9 @@
 #include <tuple>
 
 #include "kernels/host/process.h"
-#include "scheduler/protocol/text.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/status_wire.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

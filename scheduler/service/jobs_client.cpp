@@ -7,11 +7,11 @@
 #include <span>
 
 #include "jobs.grpc.pb.h"
-#include "scheduler/files/atomic_file.h"
-#include "scheduler/keys/submitter_secret.h"
-#include "scheduler/keys/unreachable.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
+#include "kernels/host/atomic_file.h"
+#include "worker/keys/submitter_secret.h"
+#include "worker/keys/unreachable.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -10,9 +10,9 @@
 #include "jobs.pb.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
-#include "scheduler/keys/client_access.h"
-#include "scheduler/plan/work_unit.h"
 #include "scheduler/service/submission.h"
+#include "worker/keys/client_access.h"
+#include "worker/work_unit.h"
 
 namespace grpc {
 class Status;

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "jobs.grpc.pb.h"
-#include "scheduler/files/atomic_file.h"
-#include "scheduler/protocol/wire.h"
+#include "kernels/host/atomic_file.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

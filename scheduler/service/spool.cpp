@@ -12,12 +12,12 @@
 #include <fstream>
 #include <optional>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/content_hash.h"
+#include "kernels/host/file_target.h"
 #include "kernels/host/owned_descriptor.h"
 #include "kernels/host/plain_file.h"
-#include "scheduler/files/atomic_file.h"
-#include "scheduler/files/file_target.h"
-#include "scheduler/keys/secrets.h"
+#include "worker/keys/secrets.h"
 
 namespace penumbra {
 namespace {

@@ -12,9 +12,9 @@
 #include "jobs.pb.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/asset_manifest.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/asset_manifest.h"
+#include "worker/protocol/wire.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

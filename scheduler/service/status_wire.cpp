@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "kernels/host/process.h"
-#include "scheduler/protocol/text.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/text.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "scenes/settings.h"
-#include "scheduler/protocol/text.h"
+#include "worker/protocol/text.h"
 
 namespace penumbra {
 namespace {

@@ -13,10 +13,10 @@
 #include "jobs.pb.h"
 #include "kernels/host/error.h"
 #include "scenes/matte_names.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/record/render_record.h"
 #include "worker/device.h"
+#include "worker/protocol/wire.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

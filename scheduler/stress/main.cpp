@@ -7,22 +7,22 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/console.h"
 #include "kernels/host/parallel.h"
 #include "kernels/host/process.h"
 #include "scenes/diagnostic.h"
-#include "scheduler/cli/command_line.h"
-#include "scheduler/cli/command_reference.h"
-#include "scheduler/cli/exit_code.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/record/version.h"
 #include "scheduler/stress/backend.h"
 #include "scheduler/stress/run.h"
 #include "scheduler/stress/selection.h"
 #include "scheduler/stress/table.h"
+#include "worker/cli/command_line.h"
+#include "worker/cli/command_reference.h"
+#include "worker/cli/exit_code.h"
+#include "worker/cli/help_text.h"
 #include "worker/device.h"
 
 namespace penumbra::stress {

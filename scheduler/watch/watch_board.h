@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "kernels/host/view.h"
-#include "scheduler/watch/tile_snapshot.h"
+#include "scheduler/plan/tile_snapshot.h"
 
 namespace penumbra {
 

@@ -5,12 +5,12 @@
 #include <chrono>
 #include <utility>
 
-#include "scheduler/keys/tcp_address.h"
-#include "scheduler/keys/unreachable.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/text.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
+#include "worker/keys/tcp_address.h"
+#include "worker/keys/unreachable.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/text.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

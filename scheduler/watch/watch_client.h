@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "kernels/host/device_scene.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/scene_fetch.h"
 #include "scheduler/watch/watch_board.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/scene_fetch.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "kernels/host/text.h"
-#include "scheduler/protocol/text.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/text.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

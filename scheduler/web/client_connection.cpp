@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "scheduler/keys/openssl_object.h"
+#include "worker/keys/openssl_object.h"
 
 namespace penumbra {
 

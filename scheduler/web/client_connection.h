@@ -12,7 +12,7 @@
 
 #include "kernels/host/error.h"
 #include "kernels/host/owned_descriptor.h"
-#include "scheduler/keys/key_folder.h"
+#include "worker/keys/key_folder.h"
 
 namespace penumbra {
 

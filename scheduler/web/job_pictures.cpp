@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "scheduler/keys/secrets.h"
 #include "scheduler/web/film_picture.h"
+#include "worker/keys/secrets.h"
 
 namespace penumbra {
 namespace {

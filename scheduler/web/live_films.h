@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "scheduler/plan/work_unit.h"
 #include "scheduler/watch/watch_board.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -9,10 +9,10 @@
 
 #include "scenes/names.h"
 #include "scheduler/farm/access.h"
-#include "scheduler/keys/certificate.h"
-#include "scheduler/keys/host_names.h"
-#include "scheduler/keys/secrets.h"
-#include "scheduler/keys/tcp_address.h"
+#include "worker/keys/certificate.h"
+#include "worker/keys/host_names.h"
+#include "worker/keys/secrets.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra {
 namespace {

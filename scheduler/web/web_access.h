@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "scheduler/keys/key_folder.h"
 #include "scheduler/web/http.h"
+#include "worker/keys/key_folder.h"
 
 namespace penumbra {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/plan/work_unit.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/keys/key_folder.h"
 #include "scheduler/web/web_content.h"
+#include "worker/keys/key_folder.h"
 
 namespace penumbra {
 

@@ -14,7 +14,7 @@
 
 #include "gl/composite_pass.h"
 #include "gl/overlay_text.h"
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/image.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/metrics/color_space.h"

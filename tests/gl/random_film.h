@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gl/gl_objects.h"
-#include "scheduler/watch/tile_snapshot.h"
+#include "scheduler/plan/tile_snapshot.h"
 
 namespace penumbra {
 

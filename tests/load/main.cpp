@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "kernels/film_layers.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/farm/acceptor.h"
-#include "scheduler/protocol/token.h"
 #include "tests/load/load_farm.h"
 #include "tests/load/simulated_crew.h"
+#include "worker/cli/command_line.h"
+#include "worker/protocol/token.h"
 
 namespace penumbra {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "penumbra.grpc.pb.h"
-#include "scheduler/protocol/unit_result.h"
 #include "tests/load/load_board.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 

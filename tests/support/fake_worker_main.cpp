@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "scheduler/keys/client_access.h"
 #include "tests/support/fake_device.h"
+#include "worker/keys/client_access.h"
 #include "worker/worker_client.h"
 
 int main(int argc, char** argv) {

@@ -1,6 +1,6 @@
 // Fetching a scene from a real server: only pieces that the worker does not have are sent, and damaged pieces
 // are refused.
-#include "scheduler/protocol/scene_fetch.h"
+#include "worker/protocol/scene_fetch.h"
 
 #include <gmock/gmock.h>
 
@@ -12,11 +12,11 @@
 #include "kernels/host/device_scene_tables.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/xxh3_twins.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 #include "worker/worker_pieces.h"
 
 namespace penumbra {

@@ -10,13 +10,13 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
-#include "scheduler/keys/address_file.h"
-#include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
 #include "tests/support/temporary_folder.h"
 #include "worker/back_off.h"
+#include "worker/keys/address_file.h"
 #include "worker/part_size.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/command_line.h"
 #include "scheduler/service/jobs_client.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

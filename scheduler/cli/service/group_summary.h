@@ -9,7 +9,7 @@
 
 #include "jobs.pb.h"
 #include "scheduler/farm/render_job.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 

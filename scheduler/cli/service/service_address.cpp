@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "kernels/host/console.h"
-#include "scheduler/cli/access_options.h"
-#include "scheduler/cli/help_text.h"
 #include "scheduler/cli/option_checks.h"
+#include "worker/cli/access_options.h"
+#include "worker/cli/help_text.h"
 
 namespace penumbra {
 

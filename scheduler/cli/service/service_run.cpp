@@ -24,10 +24,10 @@
 #include "scheduler/cli/web_page.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/job_run.h"
-#include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/jobs_service.h"
+#include "worker/protocol/mailbox.h"
 
 namespace penumbra {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/cli/exit_code.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

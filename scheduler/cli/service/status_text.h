@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "jobs.pb.h"
-#include "scheduler/plan/work_unit.h"
-#include "scheduler/protocol/wire.h"
+#include "worker/protocol/wire.h"
+#include "worker/work_unit.h"
 
 namespace penumbra {
 

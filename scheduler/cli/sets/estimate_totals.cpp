@@ -10,8 +10,8 @@
 #include "kernels/host/text.h"
 #include "scheduler/cli/estimate_text.h"
 #include "scheduler/cli/progress.h"
-#include "scheduler/cli/text_layout.h"
 #include "scheduler/files/json_number.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scheduler/cli/render_estimate.h"
-#include "scheduler/protocol/asset_manifest.h"
+#include "worker/protocol/asset_manifest.h"
 
 namespace penumbra {
 

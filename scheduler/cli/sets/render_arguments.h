@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/sets/render_axes.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

@@ -16,6 +16,7 @@
 #include <set>
 #include <thread>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/console.h"
 #include "kernels/host/content_hash.h"
 #include "kernels/host/text.h"
@@ -31,10 +32,9 @@
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
-#include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
+#include "worker/protocol/mailbox.h"
 
 namespace penumbra {
 namespace {

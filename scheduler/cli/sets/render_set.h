@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/command_line.h"
-#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/render_options.h"
+#include "worker/cli/command_line.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

@@ -1,9 +1,9 @@
 // `penumbra render --estimate` with several scenes, or with job files.
 #pragma once
 
-#include "scheduler/cli/command_line.h"
-#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/render_options.h"
+#include "worker/cli/command_line.h"
+#include "worker/cli/exit_code.h"
 
 namespace penumbra {
 

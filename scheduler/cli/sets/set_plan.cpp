@@ -8,11 +8,11 @@
 #include <map>
 #include <numeric>
 
+#include "kernels/host/atomic_file.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
 #include "scheduler/cli/sets/job_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/quoting.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/progress.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/files/quoting.h"
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "kernels/host/atomic_file.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
@@ -17,14 +18,13 @@
 #include "scheduler/cli/sets/render_arguments.h"
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/slurm/slurm_scripts.h"
-#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/files/run_program.h"
-#include "scheduler/keys/certificate.h"
-#include "scheduler/keys/host_names.h"
-#include "scheduler/keys/key_folder.h"
-#include "scheduler/keys/make_keys.h"
 #include "worker/device.h"
+#include "worker/keys/certificate.h"
+#include "worker/keys/host_names.h"
+#include "worker/keys/key_folder.h"
+#include "worker/keys/make_keys.h"
 
 namespace penumbra {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/command_line.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 

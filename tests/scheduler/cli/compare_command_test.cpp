@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/tone_map.h"
 #include "tests/support/program.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <memory>
 
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/compare.h"
 #include "scheduler/image/image_files.h"
 #include "tests/support/program.h"

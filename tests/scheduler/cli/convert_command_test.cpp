@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/picture.h"
 #include "tests/support/program.h"

@@ -6,10 +6,10 @@
 #include <regex>
 #include <sstream>
 
-#include "scheduler/cli/text_layout.h"
 #include "tests/scheduler/cli/small_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

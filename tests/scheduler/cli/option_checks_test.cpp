@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "scenes/settings.h"
-#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/report_options.h"
+#include "worker/cli/command_line.h"
 
 namespace penumbra {
 namespace {

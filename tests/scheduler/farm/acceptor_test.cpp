@@ -16,8 +16,8 @@
 #include <future>
 
 #include "scheduler/farm/access.h"
-#include "scheduler/protocol/mailbox.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/protocol/mailbox.h"
 
 namespace penumbra {
 namespace {

@@ -10,9 +10,9 @@
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -11,11 +11,11 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/worker_processes.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 #include "worker/worker_client.h"
 
 namespace penumbra {

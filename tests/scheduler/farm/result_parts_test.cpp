@@ -9,8 +9,8 @@
 #include "scheduler/farm/farm_service.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_samples.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra::result_parts_test {
 namespace {

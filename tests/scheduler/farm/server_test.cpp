@@ -11,9 +11,9 @@
 #include "kernels/host/content_hash.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
-#include "scheduler/protocol/text.h"
-#include "scheduler/protocol/unit_result.h"
 #include "tests/support/fake_samples.h"
+#include "worker/protocol/text.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 namespace {

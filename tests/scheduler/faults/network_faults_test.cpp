@@ -9,7 +9,6 @@
 #include <regex>
 #include <thread>
 
-#include "scheduler/keys/client_access.h"
 #include "tests/scheduler/faults/tcp_relay.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
@@ -18,6 +17,7 @@
 #include "tests/support/local_render.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/keys/client_access.h"
 
 namespace penumbra::network_faults_test {
 namespace {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <utility>
 
-#include "scheduler/protocol/client.h"
 #include "tests/support/fake_samples.h"
+#include "worker/protocol/client.h"
 
 namespace penumbra {
 namespace {

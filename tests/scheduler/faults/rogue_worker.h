@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "penumbra.grpc.pb.h"
-#include "scheduler/protocol/unit_result.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 

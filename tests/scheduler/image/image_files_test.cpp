@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/tone_map.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scheduler/files/atomic_file.h"
+#include "kernels/host/atomic_file.h"
 #include "scheduler/image/image_files.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/keys/key_folder.h"
-#include "scheduler/keys/secrets.h"
+#include "worker/keys/key_folder.h"
+#include "worker/keys/secrets.h"
 
 namespace penumbra {
 

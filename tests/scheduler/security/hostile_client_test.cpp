@@ -16,12 +16,12 @@
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/unit_result.h"
 #include "scheduler/watch/watch_client.h"
 #include "tests/scheduler/security/mutation.h"
 #include "tests/scheduler/security/preview_process.h"
 #include "tests/support/fake_samples.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra::hostile_client_test {
 namespace {

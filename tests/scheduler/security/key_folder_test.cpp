@@ -1,13 +1,13 @@
 // Tests the files that `penumbra keys` writes, and how they are read.
-#include "scheduler/keys/key_folder.h"
+#include "worker/keys/key_folder.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include "scheduler/keys/client_access.h"
-#include "scheduler/keys/make_keys.h"
 #include "tests/scheduler/security/farm_keys.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/keys/client_access.h"
+#include "worker/keys/make_keys.h"
 
 namespace penumbra {
 namespace {

@@ -7,12 +7,12 @@
 #include <random>
 
 #include "scheduler/farm/worker_connection.h"
-#include "scheduler/protocol/grpc_log.h"
-#include "scheduler/protocol/text.h"
-#include "scheduler/protocol/unit_result.h"
 #include "scheduler/watch/watch_wire.h"
 #include "tests/scheduler/security/mutation.h"
 #include "tests/support/fake_samples.h"
+#include "worker/protocol/grpc_log.h"
+#include "worker/protocol/text.h"
+#include "worker/protocol/unit_result.h"
 
 namespace penumbra {
 namespace {

@@ -8,12 +8,12 @@
 #include <regex>
 #include <string>
 
-#include "scheduler/keys/key_folder.h"
-#include "scheduler/keys/make_keys.h"
 #include "tests/scheduler/cli/small_scene.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/keys/key_folder.h"
+#include "worker/keys/make_keys.h"
 
 namespace penumbra {
 

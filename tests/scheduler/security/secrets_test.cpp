@@ -8,8 +8,8 @@
 
 #include <sstream>
 
-#include "scheduler/keys/secrets.h"
 #include "tests/scheduler/security/preview_process.h"
+#include "worker/keys/secrets.h"
 
 namespace penumbra {
 namespace {

@@ -8,11 +8,11 @@
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/keys/unreachable.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_client.h"
 #include "tests/scheduler/security/farm_keys.h"
+#include "worker/keys/unreachable.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 #include "worker/worker_client.h"
 
 namespace penumbra {

@@ -1,5 +1,5 @@
 // What users read where no scheduler answers.
-#include "scheduler/keys/unreachable.h"
+#include "worker/keys/unreachable.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>

@@ -6,12 +6,12 @@
 #include <random>
 
 #include "jobs.grpc.pb.h"
-#include "scheduler/protocol/client.h"
 #include "scheduler/service/jobs_client.h"
 #include "scheduler/service/jobs_service.h"
 #include "tests/scheduler/service/small_submission.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/xxh3_twins.h"
+#include "worker/protocol/client.h"
 
 namespace penumbra {
 namespace {

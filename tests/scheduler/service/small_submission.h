@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/service/spool.h"
 #include "scheduler/service/submission.h"
 #include "tests/support/fake_device.h"
+#include "worker/protocol/asset_manifest.h"
 
 namespace penumbra {
 

@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include "penumbra.grpc.pb.h"
-#include "scheduler/protocol/client.h"
-#include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"
 #include "tests/support/fake_processes.h"
+#include "worker/protocol/client.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "penumbra.grpc.pb.h"
 #include "scheduler/farm/server.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
 #include "tests/scheduler/watch/watched_run.h"
+#include "worker/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "kernels/host/owned_descriptor.h"
-#include "scheduler/keys/tcp_address.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra {
 

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
-#include "scheduler/keys/tcp_address.h"
 #include "scheduler/web/web_access.h"
 #include "scheduler/web/web_server.h"
 #include "tests/scheduler/security/farm_keys.h"
 #include "tests/scheduler/web/http_client.h"
 #include "tests/scheduler/web/some_content.h"
+#include "worker/keys/tcp_address.h"
 
 namespace penumbra::web_tls_test {
 namespace {

@@ -1,0 +1,19 @@
+// Subcommands of every program that describe its command line: `PROGRAM complete WORD…` for shell completion,
+// and `PROGRAM man` for manual pages.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/cli/command_line.h"
+#include "worker/cli/completion.h"
+#include "worker/cli/exit_code.h"
+
+namespace penumbra {
+
+/// Answers such a command of the program named by `app`. Nothing if the arguments ask for something else.
+std::optional<ExitCode> answer_about(const CommandLine& app, const std::vector<std::string>& arguments,
+                                     const ValuesOf& values = {});
+
+}  // namespace penumbra
