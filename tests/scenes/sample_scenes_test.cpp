@@ -1,4 +1,4 @@
-// The project's sample scenes: each is read without a warning, and matches its README.
+// The sample scenes: each is read without a warning, and is what scenes/README.md says.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
