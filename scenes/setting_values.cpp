@@ -31,7 +31,8 @@ std::string WholeNumber::print(std::int64_t value) { return fmt::to_string(value
 template <typename T>
 std::string Number<T>::values() const {
   // Nor is the limit of float.
-  return high >= std::numeric_limits<float>::max() ? fmt::format("above {}", low) : range_text(*this);
+  if (high < std::numeric_limits<float>::max()) return range_text(*this);
+  return end == LowEnd::kOpen ? fmt::format("above {}", low) : fmt::format("{} or more", low);
 }
 
 template <typename T>

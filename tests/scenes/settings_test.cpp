@@ -351,5 +351,14 @@ TEST(Settings, KeysAreUnique) {
   for (const Setting& each : all_settings()) EXPECT_TRUE(keys.insert(each.key).second) << each.key;
 }
 
+TEST(Settings, TheirTextsSayWhichLimitsAreAllowed) {
+  const auto setting = [](std::string_view key) {
+    return *std::ranges::find(all_settings(), key, &Setting::key);
+  };
+  EXPECT_EQ(setting("camera.aperture_radius").values, "0 or more");
+  EXPECT_EQ(setting("camera.focus_distance").values, "above 0");
+  EXPECT_EQ(setting("camera.fov").values, "above 0 and below 180");
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -25,7 +25,9 @@ std::string names_text(const Option& option) {
   return option.takes_value() && !value.empty() ? names + " " + value : names;
 }
 
-std::string list_of(const std::vector<std::string>& names) {
+/// Hidden options have no name.
+std::string list_of(std::vector<std::string> names) {
+  std::erase(names, "");
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
