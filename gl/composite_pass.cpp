@@ -272,7 +272,7 @@ std::optional<std::array<float, 3>> CompositePass::read_pixel(int x, int y) cons
 }
 
 Difference CompositePass::compare(const PictureLayer& reference, const PixelRectangle& area,
-                                  Comparison comparison) {
+                                  ShownComparison comparison) {
   std::vector<float> values = read_linear();
   if (values.empty() || !is_on_film(area)) return {};
   std::vector<float> shown;
@@ -295,11 +295,11 @@ Difference CompositePass::compare(const PictureLayer& reference, const PixelRect
     }
     const float relative = std::sqrt(squares / 3) / (std::sqrt(reference_squares / 3) + 0.01f);
     for (std::size_t c = 0; c < 3; ++c)
-      shown.push_back(comparison == Comparison::kRelativeError ? relative
-                      : comparison == Comparison::kDifference  ? less[c]
-                                                               : reference.values[i + c]);
+      shown.push_back(comparison == ShownComparison::kRelativeError ? relative
+                      : comparison == ShownComparison::kDifference  ? less[c]
+                                                                    : reference.values[i + c]);
   }
-  if (comparison != Comparison::kNone) {
+  if (comparison != ShownComparison::kNone) {
     replace_values(area, shown);
     clear_lights();  // they are not the reference's
   }

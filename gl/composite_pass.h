@@ -63,7 +63,7 @@ class CompositePass {
   /// Replaces the composed values by what `comparison` shows of them and a reference of that area of the
   /// film. kRelativeError: the root mean square of the channels' difference over that of the reference plus
   /// 0.01. Pixels without a value, or outside of the area, keep what they have.
-  Difference compare(const PictureLayer& reference, const PixelRectangle& area, Comparison comparison);
+  Difference compare(const PictureLayer& reference, const PixelRectangle& area, ShownComparison comparison);
 
   /// Replaces the composed values of a rectangle of the film: red, green and blue, row by row from the top.
   void replace_values(const PixelRectangle& area, std::span<const float> values);

@@ -144,11 +144,11 @@ void draw_comparison(DisplaySettings& settings, const ViewStatus& status, Overla
                    Action::kKeepReference));
   if (status.reference.empty()) return;
   wrapped(overlay_color::kDim, status.reference);
-  static constexpr std::array<std::pair<Comparison, const char*>, 4> kChoices{
-      {{Comparison::kNone, "picture"},
-       {Comparison::kReference, "reference"},
-       {Comparison::kDifference, "difference"},
-       {Comparison::kRelativeError, "relative error"}}};
+  static constexpr std::array<std::pair<ShownComparison, const char*>, 4> kChoices{
+      {{ShownComparison::kNone, "picture"},
+       {ShownComparison::kReference, "reference"},
+       {ShownComparison::kDifference, "difference"},
+       {ShownComparison::kRelativeError, "relative error"}}};
   for (std::size_t i = 0; i < kChoices.size(); ++i) {
     if (i % 2 == 1) ImGui::SameLine(second_column());
     if (ImGui::RadioButton(kChoices[i].second, settings.comparison == kChoices[i].first))

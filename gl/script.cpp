@@ -219,11 +219,11 @@ class ScriptParser {
   }
 
   bool compare() {
-    static constexpr std::array<std::pair<const char*, Comparison>, 4> kNames{
-        {{"none", Comparison::kNone},
-         {"reference", Comparison::kReference},
-         {"difference", Comparison::kDifference},
-         {"relative", Comparison::kRelativeError}}};
+    static constexpr std::array<std::pair<const char*, ShownComparison>, 4> kNames{
+        {{"none", ShownComparison::kNone},
+         {"reference", ShownComparison::kReference},
+         {"difference", ShownComparison::kDifference},
+         {"relative", ShownComparison::kRelativeError}}};
     const Word* what = take("none, reference, difference or relative");
     if (!what) return false;
     for (const auto& [name, comparison] : kNames)

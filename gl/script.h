@@ -87,7 +87,7 @@ struct ReferenceCommand {
 /// `compare none | reference | difference | relative`
 struct CompareCommand {
   int line = 0;
-  Comparison comparison = Comparison::kNone;
+  ShownComparison comparison = ShownComparison::kNone;
 };
 
 /// `zoom fit`, or `zoom FACTOR [X Y]`: screen pixels per film pixel, with that film pixel in the middle

@@ -26,8 +26,8 @@ ShownAs shown_quantity(const PictureLayer& layer) {
 
 ShownAs shown_as(const DisplaySettings& settings, const PictureLayer* named) {
   const float white = -settings.exposure * kLog10Of2;
-  if (settings.comparison == Comparison::kDifference) return {.display = Display::kSigned};
-  if (settings.comparison == Comparison::kRelativeError)
+  if (settings.comparison == ShownComparison::kDifference) return {.display = Display::kSigned};
+  if (settings.comparison == ShownComparison::kRelativeError)
     return {.display = Display::kHeat, .is_share = true, .log10_low = -3, .log10_high = 0};
   if (settings.layer == Layer::kDifference) return {.display = Display::kSigned};
   if (settings.layer == Layer::kError && settings.relative_error)

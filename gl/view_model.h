@@ -20,12 +20,12 @@ enum class Layer { kComposite, kAnalytic, kDifference, kError, kNamed };
 
 /// What is shown of a layer and its reference: the layer, the reference, the layer minus the reference, or
 /// the relative error.
-enum class Comparison { kNone, kReference, kDifference, kRelativeError };
+enum class ShownComparison { kNone, kReference, kDifference, kRelativeError };
 
 struct DisplaySettings {
   Layer layer = Layer::kComposite;
   std::string named = {};  ///< kNamed: the layer
-  Comparison comparison = Comparison::kNone;
+  ShownComparison comparison = ShownComparison::kNone;
   ToneOperator tone_map = ToneOperator::kClamp;
   bool false_color = false;    ///< colours show the luminance of an image, not its tone map
   float exposure = 0;          ///< stops: radiance is multiplied by 2^exposure

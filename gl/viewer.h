@@ -55,7 +55,7 @@ class Viewer {
   void set_exposure(float stops) { settings_.exposure = stops; }
   void set_view(const ImageView& view) { settings_.view = view; }
   void set_panel(bool panel) { settings_.panel = panel; }
-  void compare(Comparison comparison);
+  void compare(ShownComparison comparison);
   /// "image", "closed_form", "difference", "standard_error", or a named layer. Errors: there is no such
   /// layer.
   Expected<void> show_layer(const std::string& name);

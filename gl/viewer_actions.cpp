@@ -243,8 +243,8 @@ void Viewer::act(Action action) {
     case Action::kKeepReference:
       return keep_reference();
     case Action::kToggleReference:
-      return compare(settings_.comparison == Comparison::kReference ? Comparison::kNone
-                                                                    : Comparison::kReference);
+      return compare(settings_.comparison == ShownComparison::kReference ? ShownComparison::kNone
+                                                                         : ShownComparison::kReference);
     case Action::kNextComparison:
       return next_comparison();
     case Action::kClose:
@@ -367,8 +367,8 @@ void Viewer::zoom(double factor, double x, double y) {
 void Viewer::close_what_is_open() {
   if (settings_.help)
     settings_.help = false;
-  else if (settings_.comparison != Comparison::kNone)
-    settings_.comparison = Comparison::kNone;
+  else if (settings_.comparison != ShownComparison::kNone)
+    settings_.comparison = ShownComparison::kNone;
   else
     settings_.view = {};
 }

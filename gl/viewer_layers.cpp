@@ -207,7 +207,7 @@ void Viewer::keep_reference() {
       .height = film_->height(),
       .area = {0, 0, film_->width(), film_->height()},
       .layers = {}};
-  const Comparison comparison = std::exchange(settings_.comparison, Comparison::kNone);
+  const ShownComparison comparison = std::exchange(settings_.comparison, ShownComparison::kNone);
   if (compose_shown()) {
     kept.layers.push_back(make_layer(shown_layer_name(), LayerKind::kColor, composite_.read_linear(), 3));
     status_.reference = kept.name;
@@ -217,9 +217,9 @@ void Viewer::keep_reference() {
   settings_.comparison = comparison;
 }
 
-void Viewer::compare(Comparison comparison) {
+void Viewer::compare(ShownComparison comparison) {
   if (!reference_) {
-    if (comparison != Comparison::kNone)
+    if (comparison != ShownComparison::kNone)
       say(fmt::format(
           "warning: there is no reference yet: '{}' keeps the picture as one, --reference opens a file",
           info_of(Action::kKeepReference).key));
@@ -231,12 +231,12 @@ void Viewer::compare(Comparison comparison) {
 
 void Viewer::next_comparison() {
   switch (settings_.comparison) {
-    case Comparison::kDifference:
-      return compare(Comparison::kRelativeError);
-    case Comparison::kRelativeError:
-      return compare(Comparison::kNone);
+    case ShownComparison::kDifference:
+      return compare(ShownComparison::kRelativeError);
+    case ShownComparison::kRelativeError:
+      return compare(ShownComparison::kNone);
     default:
-      return compare(Comparison::kDifference);
+      return compare(ShownComparison::kDifference);
   }
 }
 
@@ -249,10 +249,10 @@ std::string Viewer::shown_layer_name() const {
 
 void Viewer::compare_composed() {
   status_.difference.reset();
-  if (!reference_ || settings_.comparison == Comparison::kNone) return;
+  if (!reference_ || settings_.comparison == ShownComparison::kNone) return;
   const auto give_up = [this](std::string why) {
     say("warning: no comparison: " + why);
-    settings_.comparison = Comparison::kNone;
+    settings_.comparison = ShownComparison::kNone;
   };
   if (reference_->width != film_->width() || reference_->height != film_->height())
     return give_up(fmt::format("the reference has {} × {} pixels, the picture {} × {}", reference_->width,
@@ -266,13 +266,13 @@ void Viewer::compare_composed() {
 
 std::string Viewer::name_of_shown_values() {
   switch (settings_.comparison) {
-    case Comparison::kReference:
+    case ShownComparison::kReference:
       return "reference";
-    case Comparison::kDifference:
+    case ShownComparison::kDifference:
       return "difference";
-    case Comparison::kRelativeError:
+    case ShownComparison::kRelativeError:
       return "relative error";
-    case Comparison::kNone:
+    case ShownComparison::kNone:
       break;
   }
   return denoised_values().empty() ? "" : "denoised";

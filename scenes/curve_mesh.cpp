@@ -117,7 +117,7 @@ class Builder {
 };
 
 /// Evaluates a segment of a uniform cubic B-spline, given by four points, at t in [0, 1].
-Sample bspline_at(const CurvePoint* points, double t) {
+Sample bspline_at(const ControlPoint* points, double t) {
   const double s = 1 - t;
   const std::array<double, 4> w = {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
                                    (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
@@ -142,7 +142,7 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 
 /// The number of pieces for which the chords are near enough to the curve, also on the outside of bends,
 /// where a turn by an angle moves them by the square of the angle over 8.
-int pieces_of(const CurvePoint* points, const Fineness& fineness) {
+int pieces_of(const ControlPoint* points, const Fineness& fineness) {
   const Sample begin = bspline_at(points, 0), middle = bspline_at(points, 0.5), end = bspline_at(points, 1);
   // The second derivative is linear, so it is largest at an end. A chord over h deviates by |C''| h^2 / 8.
   const double bend = std::max(glm::length(begin.second), glm::length(end.second));
@@ -164,7 +164,7 @@ Expected<void> check_triangles(std::size_t rings, int sides) {
 }
 
 /// Adds a sphere as rings from pole to pole.
-void add_sphere(Builder& builder, const CurvePoint& point, const glm::dvec3& axis, double v) {
+void add_sphere(Builder& builder, const ControlPoint& point, const glm::dvec3& axis, double v) {
   const int rings = builder.sides() / 2;
   for (int i = 0; i <= rings; ++i) {
     const double angle = kPi * i / rings, along = -std::cos(angle),
@@ -252,7 +252,7 @@ Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
       const double cosine = std::sqrt(1 - sine * sine);
       const auto normal = [&](const glm::dvec3& side) { return cosine * side + sine * axis; };
       for (const std::size_t end : {i, i + 1}) {
-        const CurvePoint& point = curve[end];
+        const ControlPoint& point = curve[end];
         builder.ring(point.position + axis * (point.radius * sine), axis, point.radius * cosine,
                      double(before + end) / double(segments), normal);
       }

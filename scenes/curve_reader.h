@@ -9,11 +9,11 @@
 
 namespace penumbra {
 
-struct CurvePoint {
+struct ControlPoint {
   glm::dvec3 position;
   double radius;
 };
-using Curve = std::vector<CurvePoint>;
+using Curve = std::vector<ControlPoint>;
 
 /// Reads curves of at least `least` points each. All numbers are finite, and no radius is negative. Errors,
 /// with the line: anything else in the file; a file without curves.

@@ -22,7 +22,7 @@ double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 /// Determines the successor of each edge at its end. If several edges meet there, an edge is followed by the
 /// one that bounds the same wedge of the inside, which is the next one clockwise. So loops may touch there
 /// but never cross.
-std::vector<int> successors(const std::vector<OutlineEdge>& edges, const Plane& plane) {
+std::vector<int> successors(const std::vector<OutlineEdge>& edges, const OutlinePlane& plane) {
   std::vector<int> in(edges.size()), out(edges.size()), next(edges.size());
   std::iota(in.begin(), in.end(), 0);
   std::iota(out.begin(), out.end(), 0);
@@ -73,7 +73,7 @@ std::vector<int> successors(const std::vector<OutlineEdge>& edges, const Plane& 
   return next;
 }
 
-double signed_area(const Loop& loop, const Plane& plane) {
+double signed_area(const Loop& loop, const OutlinePlane& plane) {
   double twice = 0;
   for (std::size_t i = 0; i < loop.size(); ++i)
     twice += cross(plane.at(loop[i]), plane.at(loop[(i + 1) % loop.size()]));
@@ -83,7 +83,7 @@ double signed_area(const Loop& loop, const Plane& plane) {
 /// Removes corners that are within `tolerance` of the straight line between the remaining ones. Sklansky and
 /// Gonzalez 1980, Fast Polygonal Approximation of Digitized Curves: keep the wedge of directions in which a
 /// line from the last corner passes close enough to all corners removed since.
-Loop straighten(Loop loop, const Plane& plane, double tolerance) {
+Loop straighten(Loop loop, const OutlinePlane& plane, double tolerance) {
   // Start at the corner farthest from some point; such a corner is never in the middle of a side.
   const dvec2 start = plane.at(loop[0]);
   const auto farther = [&](int a, int b) {
@@ -127,7 +127,7 @@ Loop straighten(Loop loop, const Plane& plane, double tolerance) {
 
 }  // namespace
 
-Plane::Plane(const std::vector<dvec3>& vertices, const dvec3& origin, const dvec3& normal)
+OutlinePlane::OutlinePlane(const std::vector<dvec3>& vertices, const dvec3& origin, const dvec3& normal)
     : vertices_(vertices), origin_(origin) {
   const dvec3 a = glm::abs(normal);
   const dvec3 axis = a.x <= a.y && a.x <= a.z ? dvec3(1, 0, 0) : a.y <= a.z ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
@@ -135,7 +135,7 @@ Plane::Plane(const std::vector<dvec3>& vertices, const dvec3& origin, const dvec
   y_ = glm::cross(normal, x_);
 }
 
-std::vector<Loop> chain_edges(const std::vector<OutlineEdge>& edges, const Plane& plane) {
+std::vector<Loop> chain_edges(const std::vector<OutlineEdge>& edges, const OutlinePlane& plane) {
   std::vector<int> next = successors(edges, plane);
   std::vector<Loop> loops;
   std::unordered_map<int, std::size_t> place;  // in `path`
@@ -159,7 +159,8 @@ std::vector<Loop> chain_edges(const std::vector<OutlineEdge>& edges, const Plane
   return loops;
 }
 
-std::vector<Loop> simplify_loops(const std::vector<Loop>& loops, const Plane& plane, double tolerance) {
+std::vector<Loop> simplify_loops(const std::vector<Loop>& loops, const OutlinePlane& plane,
+                                 double tolerance) {
   std::vector<Loop> simple;
   double before = 0, after = 0;
   for (const Loop& loop : loops) {

@@ -242,7 +242,7 @@ Outline outline_of(Patch patch, const Indexed& mesh, std::span<const LightTriang
     return outline;
   }
   std::sort(outline.triangles.begin(), outline.triangles.end());
-  const Plane plane(mesh.vertices, 0.5 * (patch.box.low + patch.box.high), patch.normal());
+  const OutlinePlane plane(mesh.vertices, 0.5 * (patch.box.low + patch.box.high), patch.normal());
   const double tolerance =
       kRounding * glm::length(glm::max(glm::abs(patch.box.low), glm::abs(patch.box.high)));
   std::vector<Loop> loops =

@@ -19,7 +19,7 @@ Expected<TessellatedShape> curves(const PluginReader& plugin, const glm::dmat4& 
   auto curves = read_curves(file, least);
   if (!curves) return std::unexpected(curves.error());
   for (Curve& curve : *curves)
-    for (CurvePoint& point : curve) {
+    for (ControlPoint& point : curve) {
       point.position = transform_point(to_world, point.position);
       const glm::dvec3 far = glm::abs(point.position);
       if (!(far.x + far.y + far.z + point.radius < kFarthest))

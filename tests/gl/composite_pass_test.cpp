@@ -426,17 +426,17 @@ TEST_F(CompositePassTest, NamedLayersAreShownByTheirKind) {
 TEST_F(CompositePassTest, AComparisonIsOfTheLayerAndItsReference) {
   fill_film(2, 1, [](int x, int) { return Color{1.0 + x, 1.0 + x, 1.0 + x}; });
   const PictureLayer reference = make_layer("image", LayerKind::kColor, {0.5f, 0.5f, 0.5f, 4, 4, 4}, 3);
-  const auto compared = [&](Comparison comparison) {
+  const auto compared = [&](ShownComparison comparison) {
     EXPECT_TRUE(pass_->compose(*film_, {}, {.comparison = comparison}).has_value());
     const Difference difference = pass_->compare(reference, {0, 0, 2, 1}, comparison);
     EXPECT_NEAR(difference.mean, (0.5 - 2) / 2, 1e-12);
     EXPECT_NEAR(difference.relmse, (0.25 / 0.26 + 4 / 16.01) / 2, 1e-7);
     return pass_->read_linear();
   };
-  EXPECT_EQ(compared(Comparison::kNone), (std::vector<float>{1, 1, 1, 2, 2, 2}));
-  EXPECT_EQ(compared(Comparison::kReference), reference.values);
-  EXPECT_EQ(compared(Comparison::kDifference), (std::vector<float>{0.5f, 0.5f, 0.5f, -2, -2, -2}));
-  const auto relative = compared(Comparison::kRelativeError);
+  EXPECT_EQ(compared(ShownComparison::kNone), (std::vector<float>{1, 1, 1, 2, 2, 2}));
+  EXPECT_EQ(compared(ShownComparison::kReference), reference.values);
+  EXPECT_EQ(compared(ShownComparison::kDifference), (std::vector<float>{0.5f, 0.5f, 0.5f, -2, -2, -2}));
+  const auto relative = compared(ShownComparison::kRelativeError);
   EXPECT_NEAR(relative[0], 0.5 / 0.51, 1e-6);
   EXPECT_NEAR(relative[5], 2 / 4.01, 1e-6);
   EXPECT_EQ(pass_->shown().display, Display::kHeat);

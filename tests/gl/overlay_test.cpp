@@ -125,7 +125,7 @@ std::vector<Case> cases() {
   file.difference = Difference{0.01, 2e-3};
   file.pixel = PixelValue{12, 30, {0.1f, 0.2f, 0.3f}, "", 64, 0.01f};
   all.push_back(
-      {"file", file, {.layer = Layer::kNamed, .named = "depth", .comparison = Comparison::kDifference}});
+      {"file", file, {.layer = Layer::kNamed, .named = "depth", .comparison = ShownComparison::kDifference}});
 
   all.push_back({"help", connected, {.help = true}});
   all.push_back({"no panel", lost, {.panel = false}});
@@ -321,7 +321,7 @@ TEST_F(OverlayClicks, ReachEverythingInAPreview) {
   EXPECT_THAT(layers_, ElementsAre(Layer::kComposite, Layer::kAnalytic, Layer::kDifference, Layer::kError));
   EXPECT_TRUE(alpha_changed_ && helped_ && hid_ && refined_);
   EXPECT_NE(settings_.exposure, 0.0f);
-  EXPECT_NE(settings_.comparison, Comparison::kNone);
+  EXPECT_NE(settings_.comparison, ShownComparison::kNone);
 }
 
 TEST_F(OverlayClicks, DoNothingThatABatchRenderDoesNotHave) {

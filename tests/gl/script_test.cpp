@@ -210,7 +210,7 @@ TEST(Script, AQuoteOfTheNextLineClosesNothing) {
 TEST(Script, CommandsAboutThePicture) {
   EXPECT_EQ(one<LayerCommand>("layer CryptoObject00").name, "CryptoObject00");
   EXPECT_EQ(one<ReferenceCommand>("reference \"a b.exr\"").path, "a b.exr");
-  EXPECT_EQ(one<CompareCommand>("compare relative").comparison, Comparison::kRelativeError);
+  EXPECT_EQ(one<CompareCommand>("compare relative").comparison, ShownComparison::kRelativeError);
   EXPECT_EQ(one<ZoomCommand>("zoom fit").factor, 0);
   EXPECT_EQ(one<ZoomCommand>("zoom 2.5").middle, std::nullopt);
   EXPECT_EQ(one<ZoomCommand>("zoom 4 30 20").middle, (std::array<double, 2>{30, 20}));

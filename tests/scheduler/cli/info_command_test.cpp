@@ -42,6 +42,18 @@ TEST(InfoCommand, CountsWhatTheSceneHolds) {
   EXPECT_FALSE(json["left_out"].empty());
 }
 
+TEST(InfoCommand, ReadsCurves) {
+  const TemporaryFolder folder;
+  write_text(folder / "c.txt", "-1 0 0 .2\n0 0 0 .2\n1 0 0 .2\n2 0 0 .2\n");
+  write_text(folder / "s.xml", R"(<scene version="3.0.0"><sensor type="perspective"/>
+  <shape type="bsplinecurve"><string name="filename" value="c.txt"/></shape><emitter type="constant"/>
+</scene>)");
+  const ProgramResult result = run_penumbra(folder.path(), {"info", "s.xml", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  // Two rings of 32 sides.
+  EXPECT_EQ(nlohmann::json::parse(result.out)["triangles"], 64);
+}
+
 TEST(InfoCommand, SaysWhatTheFilesHold) {
   const TemporaryFolder folder;
   write_text(folder / "q.ply",
