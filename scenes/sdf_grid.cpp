@@ -78,6 +78,7 @@ class Mesher {
       for (int y = 0; y + 1 < grid_.size[1]; ++y)
         for (int x = 0; x + 1 < grid_.size[0]; ++x)
           if (field_.crosses(x, y, z)) add_cell({x, y, z});
+    mesh_.texcoords.assign(mesh_.positions.size(), glm::vec2(0));
     return std::move(mesh_);
   }
 

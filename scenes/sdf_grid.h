@@ -21,7 +21,8 @@ Expected<SdfGrid> read_sdf_grid(const SourceFile& file);
 
 /// The zero level set of the trilinear interpolation, as triangles whose corners lie on it. The mesh has four
 /// divisions per cell along each axis; two or one in grids of more than 64 or 256 points along an axis.
-/// Normals are gradients, by differences over one cell.
+/// Normals are gradients, by differences over one cell. Texture coordinates are 0 everywhere, as in Mitsuba
+/// 3, so a texture shows one value.
 Mesh sdf_mesh(const SdfGrid& grid);
 
 }  // namespace penumbra

@@ -62,6 +62,7 @@ TEST_F(SdfGrids, APlaneIsExact) {
   for (std::size_t i = 0; i < m.positions.size(); ++i) {
     EXPECT_NEAR(m.positions[i].x, 0.3, 1e-7);
     EXPECT_NEAR(m.normals[i].x, 1, 1e-6);
+    EXPECT_EQ(m.texcoords.at(i), glm::vec2(0)) << "Mitsuba 3: 'does not emit UV coordinates'; they are 0";
   }
   double area = 0;
   for (const glm::uvec3& t : m.triangles)
