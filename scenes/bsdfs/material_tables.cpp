@@ -1,11 +1,19 @@
 #include "scenes/bsdfs/material_tables.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "kernels/host/parallel.h"
-#include "scenes/bsdfs/reflection_albedo.h"
 
 namespace penumbra {
+namespace {
+
+constexpr float kReflectionAlbedo[] = {
+#include "reflection_albedo.inc"  // by write_reflection_albedo.cpp
+};
+static_assert(std::size(kReflectionAlbedo) == 2 * REFLECTION_ROWS * CURVE_STRIDE);
+
+}  // namespace
 
 int MaterialTables::boundary(RoughBoundary boundary, int rows) {
   if (rows > 1) boundary.alpha = 0;
@@ -21,9 +29,8 @@ int MaterialTables::boundary(RoughBoundary boundary, int rows) {
 
 int MaterialTables::reflection() {
   if (reflection_ < 0) {
-    static const std::vector<float> albedo = reflection_albedo_curves();
     reflection_ = int(curves_.size());
-    curves_.insert(curves_.end(), albedo.begin(), albedo.end());
+    curves_.insert(curves_.end(), std::begin(kReflectionAlbedo), std::end(kReflectionAlbedo));
   }
   return reflection_;
 }

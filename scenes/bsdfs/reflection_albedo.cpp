@@ -6,7 +6,6 @@
 #include <cstddef>
 
 #include "kernels/bsdf/families.h"
-#include "kernels/host/parallel.h"
 #include "scenes/angles.h"
 
 namespace penumbra {
@@ -58,7 +57,7 @@ MicrofacetAlbedo microfacet_albedo(double alpha, double cosine) {
 std::vector<float> reflection_albedo_curves() {
   std::vector<float> curves(std::size_t(2 * REFLECTION_ROWS) * CURVE_STRIDE);
   const double first = FIRST_REFLECTION_PLACE;
-  in_parallel(REFLECTION_ROWS, core_count(), [&](std::size_t row) {
+  for (std::size_t row = 0; row < REFLECTION_ROWS; ++row) {
     const double alpha = std::pow(first + (1 - first) * double(row) / (REFLECTION_ROWS - 1), 4);
     for (std::size_t knot = 0; knot < CURVE_KNOTS; ++knot) {
       const double cosine = std::max(1e-8, std::pow(double(knot) / (CURVE_KNOTS - 1), 4));
@@ -66,7 +65,7 @@ std::vector<float> reflection_albedo_curves() {
       curves[row * CURVE_STRIDE + knot] = float(albedo.plain);
       curves[(REFLECTION_ROWS + row) * CURVE_STRIDE + knot] = float(albedo.schlick);
     }
-  });
+  }
   return curves;
 }
 
