@@ -65,7 +65,7 @@ TEST(LimitedChild, ACrashIsTheChildsAlone) {
 TEST(LimitedChild, WhatNeverEndsIsEnded) {
   EXPECT_THAT(result_of(
                   [](const ChildOutput&) -> Expected<void> {
-                    for (volatile int i = 0;; i = i + 1) {
+                    for (volatile unsigned i = 0;; i = i + 1) {
                     }
                   },
                   {.memory_bytes = kLimits.memory_bytes, .cpu_seconds = 1}),
