@@ -147,6 +147,35 @@ TEST_P(SeeThrough, ABlendIsTheWeighedSumOfBoth) {
 INSTANTIATE_TEST_SUITE_P(Strategies, SeeThrough, testing::ValuesIn(strategies()),
                          strategy_name<testing::TestParamInfo<Strategy>>);
 
+TEST(SeeThroughTest, BlendsChooseByTheWeightOfTheFace) {
+  // Each sample sees one of the two: its variance is that of the choice. Mitsuba 3 sees both at once, so that
+  // the variances of its reference images are too small for blends (mesh_attributes_1_face).
+  constexpr double kDark = 0.1, kBright = 0.9, kIntensity = 2;
+  SceneDescription scene = empty_scene(1, 1, 40'000, 1);
+  scene.textures.push_back({"weights", MeshAttributeTexture{MeshAttribute::kFaceColour}});
+  BlendBsdf blend;
+  blend.weight.texture = 0;
+  blend.first = add_diffuse(scene, float(kDark)), blend.second = add_diffuse(scene, float(kBright));
+  Shape floor = parallelogram({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, add(scene, blend));
+  Mesh& mesh = std::get<Mesh>(floor.geometry);
+  mesh.face_colours = {glm::vec3(0.2f), glm::vec3(0.7f)};
+  scene.shapes.push_back(floor);
+  for (std::size_t face = 0; face < 2; ++face) {
+    const glm::uvec3& t = mesh.triangles.at(face);
+    const dvec3 middle = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+    scene.camera = look_at(middle + dvec3(0, 2, 0), middle, dvec3(0, 0, 1), 1e-5);
+    scene.emitters = {PointLight{middle + dvec3(0, 1, 0), glm::vec3(kIntensity)}};
+    const statistics::Sample sample = pixel_sample(render_or_throw(scene), 0, 0, 0);
+    const double w = double(mesh.face_colours[face].x), choice = w * (1 - w),
+                 step = kIntensity / std::numbers::pi * (kBright - kDark), n = double(sample.count());
+    EXPECT_NEAR(sample.mean(), kIntensity / std::numbers::pi * kDark + w * step,
+                4 * std::sqrt(choice / n) * step);
+    // The fourth moment of a choice is w (1 - w) (1 - 3 w (1 - w)).
+    EXPECT_NEAR(sample.variance() / (step * step), choice,
+                4 * std::sqrt(choice * (1 - 4 * choice) / n) + kRounding);
+  }
+}
+
 TEST(SeeThroughTest, NothingIsLostAmongWhiteMasks) {
   // Balls of half a white surface around the camera, in a sky of radiance 1: that is seen everywhere.
   SceneDescription scene = empty_scene(1, 1, 20'000, 3);
