@@ -242,8 +242,10 @@ Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
       const double v = double(before + i) / double(segments);
       const bool last = i + 1 == curve.size();
       const glm::dvec3 step = last ? glm::dvec3(0) : curve[i + 1].position - curve[i].position;
-      axis = direction(step, axis);
-      if (curve[i].radius > 0) add_sphere(builder, curve[i], axis, v);
+      const glm::dvec3 along = direction(step, axis);
+      // As in Embree, a sphere has the frame of the segment that ends there; the first, of that which begins.
+      if (curve[i].radius > 0) add_sphere(builder, curve[i], i == 0 ? along : axis, v);
+      axis = along;
       if (last) continue;
       // The cone's circles are tilted towards the smaller sphere. There is no cone if one sphere contains the
       // other.

@@ -167,6 +167,22 @@ TEST_F(Curves, ALinearOneIsOfConesAndSpheres) {
   }
 }
 
+TEST_F(Curves, TheBallOfABendTurnsAsTheSegmentBeforeIt) {
+  // As in Mitsuba 3, where a segment and the ball at its end are one.
+  const auto made = linear_curve_mesh(std::vector<Curve>{{{{0, 0, 0}, 1}, {{4, 0, 0}, 1}, {{4, 4, 0}, 1}}});
+  ASSERT_TRUE(made);
+  int outside = 0;
+  for (std::size_t i = 0; i < made->mesh.positions.size(); ++i) {
+    const glm::dvec3 p = made->mesh.positions[i];
+    if (p.x < 4.1 || p.y > -0.1) continue;
+    ++outside;
+    const double u = std::atan2(p.z, p.y) / (2 * std::numbers::pi);
+    EXPECT_NEAR(std::remainder(double(made->mesh.texcoords[i].x) - u, 1.0), 0, 1e-6);
+    EXPECT_EQ(made->mesh.texcoords[i].y, 0.5f);
+  }
+  EXPECT_GT(outside, 50);
+}
+
 TEST_F(Curves, SeveralShareTheCoordinateAlong) {
   const auto made = bspline_curve_mesh(
       std::vector<Curve>{{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{2, 0, 0}, 1}, {{3, 0, 0}, 1}, {{4, 0, 0}, 1}},
