@@ -1,5 +1,5 @@
-// Directional albedos of GGX microfacets, for the curves of the metallic-roughness BSDF. They are computed when
-// the program is built: see write_reflection_albedo.cpp.
+// Directional albedos of GGX microfacets, for the curves of the metallic-roughness BSDF. They are computed
+// when the program is built: see write_reflection_albedo.cpp.
 #pragma once
 
 #include <vector>

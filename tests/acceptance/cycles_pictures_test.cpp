@@ -78,9 +78,9 @@ double bump_shadowing(double cosine_of_normal, double cosine_of_light) {
   return 2 / (1 + std::sqrt(1 + alpha2 * tangent2(cosine_of_light)));
 }
 
-/// On a floor whose normals lean by up to 49 degrees, lit by a sun. The term does not darken microfacets, which
-/// have a few per cent of the light. From 45 degrees on the viewer's mirror direction is below the floor, and
-/// Cycles turns their normals.
+/// On a floor whose normals lean by up to 49 degrees, lit by a sun. The term does not darken microfacets,
+/// which have a few per cent of the light. From 45 degrees on the viewer's mirror direction is below the
+/// floor, and Cycles turns their normals.
 TEST(CyclesPicturesOfLeaningNormals, AreDarkerByTheShadowingTerm) {
   PENUMBRA_NEED_ORACLE("cycles");
   constexpr double kError = 2e-3;          // the microfacets' part of the term's 1 %, and noise
