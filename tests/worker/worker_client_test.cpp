@@ -32,7 +32,9 @@ class ScriptedScheduler final : public wire::Farm::Service {
  public:
   using Script = std::function<void(Stream&)>;
 
-  ScriptedScheduler(const std::string& address, Script script) : script_(std::move(script)) {
+  /// `status`: what a stream ends with after the script.
+  ScriptedScheduler(const std::string& address, Script script, grpc::Status status = grpc::Status::OK)
+      : script_(std::move(script)), status_(std::move(status)) {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address, grpc::InsecureServerCredentials());
     builder.RegisterService(this);
@@ -42,7 +44,7 @@ class ScriptedScheduler final : public wire::Farm::Service {
 
   grpc::Status Work(grpc::ServerContext*, Stream* stream) override {
     script_(*stream);
-    return status;
+    return status_;
   }
   grpc::Status Manifest(grpc::ServerContext*, const wire::AssetRequest* request,
                         wire::AssetManifest* reply) override {
@@ -61,12 +63,12 @@ class ScriptedScheduler final : public wire::Farm::Service {
     return grpc::Status::OK;
   }
 
-  grpc::Status status;  // at the end of the script
   std::vector<std::uint8_t> asset = fake_scene(100, 80, false).serialize();
   AssetManifest manifest = in_one_piece(asset);
 
  private:
   Script script_;
+  grpc::Status status_;
   std::unique_ptr<grpc::Server> server_;
 };
 
@@ -427,8 +429,8 @@ TEST_F(WorkerClientTest, AStatusThatWillNotChangeIsARefusal) {
   options_.reconnects = true;
   options_.retry_for = 1e9;
   for (const auto code : {grpc::StatusCode::UNAUTHENTICATED, grpc::StatusCode::PERMISSION_DENIED}) {
-    ScriptedScheduler scheduler(socket_.address(), [](Stream&) {});
-    scheduler.status = {code, "this token is for watching"};
+    const ScriptedScheduler scheduler(socket_.address(), [](Stream&) {},
+                                      {code, "this token is for watching"});
     EXPECT_THAT(error_of(run_worker(options_)),
                 testing::AllOf(HasSubstr("refuses this worker"), HasSubstr("this token is for watching")));
   }
