@@ -55,7 +55,7 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
 /// Checks, before anything is started, that the scene exists and no input would be overwritten.
 Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
   std::vector<std::filesystem::path> inputs, outputs;
-  if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
+  if (const std::string& scene = options.preview.scene.file; !scene.empty()) {
     if (auto found = check_scene_file(scene, {}); !found && !is_image_name(scene)) return found;
     inputs.emplace_back(scene);
   }
@@ -98,12 +98,12 @@ ExitCode view(const ViewOptions& options, const CommandLine& app) {
 
   const auto access = client_access(options.connect, options.preview.keys, KeyRole::kViewer);
   if (!access) return print_error(access.error()), kBadInput;
-  const bool shows_file = is_image_name(options.preview.scene.scene);
+  const bool shows_file = is_image_name(options.preview.scene.file);
   std::vector<std::string> unused = preview_arguments(app);
-  std::erase(unused, options.preview.scene.scene);
+  std::erase(unused, options.preview.scene.file);
   if (shows_file && !unused.empty())
     return print_error({fmt::format("{}: an image is shown as it is; options of renders do not apply: {}",
-                                    options.preview.scene.scene, fmt::join(unused, " "))}),
+                                    options.preview.scene.file, fmt::join(unused, " "))}),
            kBadInput;
   std::unique_ptr<LocalScheduler> local;
   std::string address = options.connect;
@@ -115,7 +115,7 @@ ExitCode view(const ViewOptions& options, const CommandLine& app) {
     local = std::move(*started);
     address = local->address();
   }
-  const std::string name = options.connect.empty() ? options.preview.scene.scene : options.connect;
+  const std::string name = options.connect.empty() ? options.preview.scene.file : options.connect;
   auto window = Window::create({.title = fmt::format("Penumbra: {}", name),
                                 .width = options.width,
                                 .height = options.height,
@@ -123,7 +123,7 @@ ExitCode view(const ViewOptions& options, const CommandLine& app) {
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
   if (!window) return print_error(window.error()), kIncomplete;
-  auto viewer = shows_file ? Viewer::show_file(*window, options.preview.scene.scene)
+  auto viewer = shows_file ? Viewer::show_file(*window, options.preview.scene.file)
                            : Viewer::create(*window, address, *access, options.job, local.get());
   if (!viewer) return print_error(viewer.error()), shows_file ? kBadInput : kIncomplete;
   if (!options.reference.empty())
@@ -162,7 +162,7 @@ ExitCode run(int argc, char** argv) {
       "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   if (const auto ended = app.parse(argc, argv)) return *ended;
-  if (options.preview.scene.scene.empty() && options.connect.empty())
+  if (options.preview.scene.file.empty() && options.connect.empty())
     return app.refuse("SCENE or --connect is required");
   return view(options, app);
 }

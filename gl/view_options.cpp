@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/cli/access_options.h"
 #include "worker/keys/tcp_address.h"
 

@@ -15,11 +15,11 @@
 #include "scenes/scene_reader.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/loaded_scene.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/picture.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {
@@ -30,7 +30,7 @@ constexpr const char* kOtherNameOfClamp = "srgb";
 constexpr const char* kImageOptions = "Images";
 
 struct ConvertOptions {
-  SceneOptions scene;  ///< the input, which may be an image
+  RenderRequest render;  ///< the input, which may be an image
   std::string output;
   PictureOptions picture;
 };
@@ -48,7 +48,7 @@ std::vector<std::string> out_of_place(const CommandLine& command, bool of_images
 
 /// Why the output is not what the input can be converted to; empty: it is.
 std::string wrong_output(const ConvertOptions& options) {
-  const std::string &input = options.scene.scene, &output = options.output;
+  const std::string &input = options.render.scene.file, &output = options.output;
   const std::string extension = extension_of(output);
   if (is_image_name(input))
     return extension == ".png" || extension == ".exr" ? ""
@@ -79,7 +79,7 @@ ExitCode write_image(const std::string& output, const Expected<std::vector<std::
 }
 
 ExitCode convert_image(const ConvertOptions& options, const CommandLine& command) {
-  const std::string& input = options.scene.scene;
+  const std::string& input = options.render.scene.file;
   if (const auto names = out_of_place(command, false); !names.empty())
     return bad_usage(fmt::format("{}: for scenes, and '{}' is an image", fmt::join(names, ", "), input));
   const bool to_exr = extension_of(options.output) == ".exr";
@@ -108,13 +108,13 @@ ExitCode convert_image(const ConvertOptions& options, const CommandLine& command
 
 ExitCode convert_scene(const ConvertOptions& options, const CommandLine& command) {
   if (const auto names = out_of_place(command, true); !names.empty())
-    return bad_usage(
-        fmt::format("{}: for images, and '{}' is a scene", fmt::join(names, ", "), options.scene.scene));
+    return bad_usage(fmt::format("{}: for images, and '{}' is a scene", fmt::join(names, ", "),
+                                 options.render.scene.file));
   // Known before a long scene is read.
-  const std::filesystem::path input = options.scene.scene, output = options.output;
+  const std::filesystem::path input = options.render.scene.file, output = options.output;
   if (const auto checked = check_outputs(std::span(&output, 1), std::span(&input, 1)); !checked)
     return print_error(checked.error()), kBadInput;
-  const auto scene = read_scene_with_options(options.scene);
+  const auto scene = read_scene_with_options(options.render.scene);
   if (!scene) return print_error(scene.error()), kBadInput;
   for (const std::string& warning : scene->warnings) print_warning(warning);
   std::vector<std::string> refused;
@@ -139,8 +139,8 @@ ExitCode convert_scene(const ConvertOptions& options, const CommandLine& command
 
 ExitCode convert(const ConvertOptions& options, const CommandLine& command) {
   if (const std::string wrong = wrong_output(options); !wrong.empty()) return bad_usage(wrong);
-  return is_image_name(options.scene.scene) ? convert_image(options, command)
-                                            : convert_scene(options, command);
+  return is_image_name(options.render.scene.file) ? convert_image(options, command)
+                                                   : convert_scene(options, command);
 }
 
 void add_image_options(CommandLine& command, PictureOptions& options) {
@@ -182,12 +182,12 @@ void add_convert_command(CommandLine& app, Command& chosen) {
       app.add_command("convert", "Write a scene as a Mitsuba 3 file, or an image as PNG or EXR");
   const auto options = std::make_shared<ConvertOptions>();
   command
-      ->add_option("INPUT", options->scene.scene,
+      ->add_option("INPUT", options->render.scene.file,
                    "Scene file: " + list_names(scene_formats()) +
                        "; or an image: .exr, .hdr, .pfm, .png and others, told by its ending")
       ->required()
       ->group(group::kInput);
-  add_scene_overrides(*command, options->scene);
+  add_scene_overrides(*command, options->render);
   command
       ->add_option("OUTPUT", options->output,
                    "Of a scene .xml, with its meshes beside it; of an image .png or .exr")

@@ -11,7 +11,6 @@
 #include "kernels/host/process.h"
 #include "scenes/names.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/render_preparation.h"
@@ -19,6 +18,7 @@
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {
@@ -27,7 +27,7 @@ namespace {
 struct DenoiseCommandOptions {
   std::string image, out;
   DenoiseOptions denoise;
-  RenderOptions device;  ///< only the options of the device
+  RenderRequest device;  ///< only the options of the device
 };
 
 Expected<OutputFiles> files_of(const DenoiseCommandOptions& options) {
@@ -42,9 +42,9 @@ ExitCode denoise(DenoiseCommandOptions options) {
   const std::vector<std::filesystem::path> outputs = files->all();
   if (const auto checked = check_outputs(outputs, std::array{std::filesystem::path(options.image)}); !checked)
     return print_error(checked.error()), kBadInput;
-  const auto device = denoise_device_options(options.device);
-  if (!device) return print_error(device.error()), kBadInput;
-  options.denoise.device = *device;
+  if (const auto checked = check_device_options(options.device); !checked)
+    return print_error(checked.error()), kBadInput;
+  options.denoise.device = device_of(options.device);
   constexpr std::array<std::string_view, 3> kRadianceFormats{".exr", ".hdr", ".pfm"};
   if (std::ranges::find(kRadianceFormats, extension_of(options.image)) == kRadianceFormats.end())
     return print_error(
@@ -116,7 +116,7 @@ void add_denoise_command(CommandLine& app, Command& chosen) {
       ->default_str("0.45")
       ->type_name("N")
       ->group(kNlMeans);
-  add_denoise_device_options(*command, options->device);
+  add_device_options(*command, options->device);
   command->footer(
       "`penumbra render --denoise` renders and denoises; with --denoise=layers it writes what this command "
       "needs best: two halves of the samples, and the variances of all layers. Without them, and for images "

@@ -18,7 +18,7 @@ namespace penumbra {
 namespace {
 
 struct InfoOptions {
-  SceneOptions scene;
+  RenderRequest render;
   bool json = false, verbose = false;
   bool compile = false;
   std::string opencl_device;
@@ -39,11 +39,9 @@ std::size_t device_bytes(const DeviceScene& scene) {
 RenderRecord record_of(const SceneOptions& options, const LoadedScene& scene) {
   RenderRecord record;
   static_cast<RenderSettings&>(record) = scene.description;
-  record.scene = options.scene;
+  record.scene = options;
   record.scene_hash = scene.description.contents_hash;
-  record.defines = options.defines;
-  record.settings = options.settings;
-  record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
+  record.scene.intersector = scene.device.header.intersector == INTERSECTOR_EMBREE ? "embree" : "portable";
   return record;
 }
 
@@ -76,21 +74,22 @@ std::string section_text(const Section& section, int columns) {
 
 std::string info_text(const InfoOptions& options, const LoadedScene& scene, const SceneFacts& facts) {
   const int columns = text_columns();
-  std::string text = fmt::format("{}, read and built in {:.3f} s\n", options.scene.scene, scene.seconds);
+  std::string text =
+      fmt::format("{}, read and built in {:.3f} s\n", options.render.scene.file, scene.seconds);
   if (!scene.description.dialect.empty()) text += fmt::format("Dialect: {}\n", scene.description.dialect);
   for (const Section& section : contents_text(facts.contents)) text += section_text(section, columns);
   const auto& [needs, left_out] = std::tie(scene.summary.needs, scene.summary.left_out);
   text += section_text({"Device scene", options.verbose ? needs : without_features(needs)}, columns);
   text += section_text({"Left out", options.verbose ? left_out : without_features(left_out)}, columns);
   if (options.verbose || options.compile) text += "\n" + inventory_text(facts.inventory);
-  return text + section_text({"Settings", settings_of(options.scene, scene)}, columns);
+  return text + section_text({"Settings", settings_of(options.render.scene, scene)}, columns);
 }
 
 std::string info_json(const SceneOptions& options, const LoadedScene& scene, const SceneFacts& facts) {
   const SceneHeader& header = scene.device.header;  // the first material is black, for shapes without a BSDF
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
-      {"scene", options.scene},
+      {"scene", options.file},
       {"shapes", scene.description.shapes.size()},
       {"triangles", header.tables.triangles.count},
       {"quadrics", header.tables.quadrics.count},
@@ -114,7 +113,7 @@ std::string info_json(const SceneOptions& options, const LoadedScene& scene, con
 }
 
 ExitCode info(const InfoOptions& options) {
-  const auto scene = load_scene(options.scene);
+  const auto scene = load_scene(options.render.scene);
   if (!scene) return print_error(scene.error()), kBadInput;
   auto contents = contents_of(scene->description);
   if (!contents) return print_error(contents.error()), kBadInput;
@@ -126,7 +125,7 @@ ExitCode info(const InfoOptions& options) {
     facts.inventory.opencl = *times;
   }
   if (options.json) {
-    print_answer(info_json(options.scene, *scene, facts));
+    print_answer(info_json(options.render.scene, *scene, facts));
   } else {
     print_answer(info_text(options, *scene, facts));
     for (const std::string& warning : scene->description.warnings) print_warning(warning);
@@ -140,7 +139,7 @@ void add_info_command(CommandLine& app, Command& chosen) {
   CommandLine* command =
       app.add_command("info", "Show what a scene holds: size, geometry, textures, lights, files, settings");
   const auto options = std::make_shared<InfoOptions>();
-  add_scene_options(*command, options->scene);
+  add_scene_options(*command, options->render);
   command->default_group(group::kOutput);
   command->add_flag("--json", options->json, "Print JSON, with all that --verbose shows");
   command->add_flag("-v,--verbose", options->verbose,

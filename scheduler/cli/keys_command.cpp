@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/keys/host_names.h"
 #include "worker/keys/key_folder.h"
 #include "worker/keys/make_keys.h"

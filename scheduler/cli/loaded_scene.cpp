@@ -15,7 +15,7 @@
 #include "scenes/scene_reader.h"
 #include "scenes/setting_rows.h"
 #include "scenes/settings.h"
-#include "scheduler/cli/film_scale.h"
+#include "scheduler/render/film_scale.h"
 
 namespace penumbra {
 namespace {
@@ -103,7 +103,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   }
   for (const auto& [key, value] : overrides)
     if (value) read.settings.emplace_back(key, *value);
-  auto scene = read_scene(options.scene, read);
+  auto scene = read_scene(options.file, read);
   if (scene && options.scale) {
     scene->film = scaled_film(scene->film, *options.scale);
     const Film& film = scene->film;

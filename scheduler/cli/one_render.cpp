@@ -32,7 +32,7 @@ std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& pr
   } else {
     prepare_by(prepare);
     if (!*prepared_) return std::unexpected(prepared_->error());
-    page_.add(options_.scene.scene);
+    page_.add(options_.scene.file);
     if (const auto opened = page_.open(options_); !opened) return opened;
     render((*prepared_)->farm);
   }

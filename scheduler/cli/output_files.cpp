@@ -28,7 +28,7 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   if (!options.statistics.empty()) files.statistics = options.statistics;
   if (options.pixel && options.out.empty()) return files;
 
-  const fs::path named_after_scene = fs::path(options.scene.scene).stem().string() + ".exr";
+  const fs::path named_after_scene = fs::path(options.scene.file).stem().string() + ".exr";
   fs::path out = options.out.empty() ? named_after_scene : fs::path(options.out);
   std::error_code ignored;
   if (!out.has_filename() || fs::is_directory(out, ignored)) out /= named_after_scene;

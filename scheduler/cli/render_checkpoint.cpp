@@ -16,7 +16,7 @@ namespace {
 RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std::string& worker) {
   RenderIdentity identity = identity_of(prepared, worker);
   const RenderJob& job = prepared.job;
-  identity.settings.emplace_back("tile", fmt::to_string(job.plan.tile));
+  identity.settings.emplace_back("tile", fmt::to_string(job.request.plan.tile));
   identity.settings.emplace_back(
       "crop", fmt::format("{},{},{},{}", job.x, job.y, job.x + job.width, job.y + job.height));
   return identity;
@@ -24,8 +24,8 @@ RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std:
 
 std::string what_is_there(const std::filesystem::path& path, const ResumedState& before,
                           const RenderJob& job) {
-  const double all =
-      job.plan.adaptive ? double(before.merge.samples_expected()) : double(job.spp) * job.width * job.height;
+  const double all = job.request.plan.adaptive ? double(before.merge.samples_expected())
+                                               : double(job.spp) * job.width * job.height;
   return fmt::format("going on with {}: {:.1f}% of the samples are there, of {:.1f} s", path.string(),
                      100 * double(before.merge.samples()) / all, before.rendered);
 }
@@ -44,7 +44,7 @@ Expected<void> read_checkpoint(PreparedRender& prepared) {
 
 RenderIdentity identity_of(const PreparedRender& prepared, const std::string& worker) {
   RenderRecord record = prepared.record;
-  record.scene = std::filesystem::path(record.scene).filename().string();
+  record.scene.file = std::filesystem::path(record.scene.file).filename().string();
   RenderIdentity identity{.version = std::string(kVersion),
                           .worker = worker,
                           .scene = prepared.job.manifest->hash,

@@ -31,7 +31,7 @@ ExitCode estimate(const RenderOptions& options) {
   const auto estimate = measure_estimate(options, *prepared, kEstimateSeconds, stop);
   if (!estimate) return print_error(estimate.error()), kIncomplete;
   if (options.json) {
-    nlohmann::ordered_json json = {{"scene", prepared->record.scene}};
+    nlohmann::ordered_json json = {{"scene", prepared->record.scene.file}};
     json.update(estimate_json(*estimate));
     print_answer(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   } else {
@@ -78,7 +78,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (show) print_summary(*outcome, prepared);
   if (show && prepared.scene.sampler_replaced) print_sampler_note();
   print_problems(*outcome, stop);
-  const bool is_wrong = print_flagged(prepared, outcome->film, options.strict_numerics);
+  const bool is_wrong = print_flagged(prepared, outcome->film);
   return outcome->complete && !is_wrong ? kAllDone : kIncomplete;
 }
 
@@ -129,7 +129,7 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"
       "  penumbra render scene.xml --pixel 200,100 --spp 64");
   command->callback([options, command, &command_line, &chosen] {
-    options->scene.scene = options->scenes.front();
+    options->scene.file = options->scenes.front();
     chosen = [options, command, &command_line] {
       if (const auto checked = check_no_value_is_a_scene(*command, options->scenes); !checked)
         return print_error(checked.error()), kBadInput;

@@ -29,7 +29,7 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
                                const std::atomic<bool>& stop) {
   RenderJob& job = prepared.job;
   job.spp = spp;
-  job.verify = 0;
+  job.request.verify = 0;
   std::atomic<bool> enough = false;
   std::optional<double>
       begun;  // when a worker was ready; large scenes take a while to be fetched and indexed
@@ -69,8 +69,8 @@ void make_local(PreparedRender& prepared) {
   prepared.farm.tells_how_to_watch = false;
   RenderJob& job = prepared.job;
   job.tev.clear();
-  job.plan = {.samples_per_pass = job.plan.samples_per_pass, .tile = job.plan.tile};
-  job.time_budget.reset();
+  job.request.plan = {.samples_per_pass = job.request.plan.samples_per_pass, .tile = job.request.plan.tile};
+  job.request.time_budget.reset();
 }
 
 /// Measures the same render with a smaller film.
@@ -93,7 +93,7 @@ PlannedWork planned_work(const RenderJob& job) {
   plan.samples = grid.samples(grid.passes());
   plan.tiles = grid.tiles();
   plan.passes = grid.passes();
-  if (job.plan.adaptive) {
+  if (job.request.plan.adaptive) {
     plan.samples += SampleAllocation::kPilotSpp * pixels_of(job);
     plan.passes += SampleAllocation::kPilotPasses;
   }
@@ -142,8 +142,8 @@ Expected<RenderEstimate> measure_estimate(const RenderOptions& options, Prepared
   RenderJob& job = prepared.job;
   PlannedWork plan = planned_work(job);
   if (!prepared.files.exr) plan.image_bytes = 0;
-  const double target_error = job.plan.target_error.value_or(0);
-  const std::uint32_t all = job.spp, samples_per_pass = job.plan.samples_per_pass;
+  const double target_error = job.request.plan.target_error.value_or(0);
+  const std::uint32_t all = job.spp, samples_per_pass = job.request.plan.samples_per_pass;
   make_local(prepared);
   Expected<MeasuredWork> measured = measure(prepared, 1, seconds * (1 - kShareOfSecond), stop);
   if (!measured) return std::unexpected(measured.error());

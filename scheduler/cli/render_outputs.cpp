@@ -93,7 +93,7 @@ std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples&
 }  // namespace
 
 bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job) {
-  return outcome.complete && job.time_budget && !outcome.ended_by_tile &&
+  return outcome.complete && job.request.time_budget && !outcome.ended_by_tile &&
          sample_range(outcome.film).least < std::uint64_t(job.spp);
 }
 
@@ -117,7 +117,8 @@ constexpr double kContradictionsByRounding = 1e-4;
 // With more non-finite samples than this, the image is considered incomplete.
 constexpr double kMostNonFinite = 0.01;
 
-bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict) {
+bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film) {
+  const bool strict = prepared.job.request.strict_numerics;
   const FlaggedByKind flagged = film.flagged();
   const auto samples_in_all = double(sample_range(film).total);
   const double rounded = kContradictionsByRounding * samples_in_all;
@@ -175,7 +176,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     auto hash = std::async([&] { return outcome.film.hash(); });
-    const MatteNames* mattes = statistics.record.cryptomatte ? &prepared.scene.mattes : nullptr;
+    const MatteNames* mattes = statistics.record.scene.cryptomatte ? &prepared.scene.mattes : nullptr;
     image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height, mattes);
     image.metadata = record_metadata(statistics.record, hash.get(), rendered);
     if (mattes != nullptr)
@@ -212,7 +213,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
 }
 
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
-                        const std::vector<std::string>& command_line, const std::string& name, bool strict,
+                        const std::vector<std::string>& command_line, const std::string& name,
                         StoppedBy stopped) {
   Expected<void> written =
       sample_range(outcome.film).total == 0 ? fail("nothing was rendered") : make_folders(prepared.files);
@@ -223,7 +224,7 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
     for (const std::string& problem : outcome.problems) print_warning(problem);
   else
     print_problems(outcome, stopped == StoppedBy::kSignal);
-  const bool is_wrong = print_flagged(prepared, outcome.film, strict);
+  const bool is_wrong = print_flagged(prepared, outcome.film);
   if (!written) return {RenderEndKind::kFailed, written.error().message};
   if (!outcome.complete)
     return {RenderEndKind::kIncomplete,

@@ -35,10 +35,9 @@ struct RenderEnd {
   std::string error = {};  ///< why it is not complete
 };
 /// For one of several renders: creates its folders, writes its files, and prints messages that begin with
-/// `name`. The checkpoint is kept until the caller has recorded the end. `strict`: non-finite samples make
-/// the render incomplete.
+/// `name`. The checkpoint is kept until the caller has recorded the end.
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
-                        const std::vector<std::string>& command_line, const std::string& name, bool strict,
+                        const std::vector<std::string>& command_line, const std::string& name,
                         StoppedBy stopped);
 
 /// Prints files, size, samples and time, and whether a time budget has ended the render.
@@ -50,9 +49,9 @@ void print_sampler_note();
 /// Whether the time budget ended the render before its last sample.
 bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job);
 
-/// Prints invalid samples, and variances that no file can hold, as warnings. They are errors with `strict`,
-/// or if more than 1 % of the samples are not finite. Returns whether there are errors.
-bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict);
+/// Prints invalid samples, and variances that no file can hold, as warnings. They are errors with
+/// --strict-numerics, or if more than 1 % of the samples are not finite. Returns whether there are errors.
+bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film);
 
 /// The error for a render without any samples, with the reason.
 Error nothing_to_write(bool stopped);

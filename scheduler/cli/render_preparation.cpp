@@ -11,13 +11,13 @@
 #include "kernels/host/parallel.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/device/scene_inventory.h"
-#include "scheduler/cli/film_scale.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/files/output_check.h"
+#include "scheduler/render/film_scale.h"
 #include "scheduler/watch/tev.h"
 #include "worker/opencl_devices.h"
 
@@ -44,47 +44,35 @@ Expected<Film> cropped_film(const RenderOptions& options, Film film) {
   return film;
 }
 
-Expected<Isa> choose_isa(const std::optional<std::string>& name) {
-  return name ? usable_isa(*name) : best_isa();
-}
-
 Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {
-  auto checked = denoise_device_options(options);
-  if (!checked) return checked;
-  DeviceOptions device = std::move(*checked);
+  if (const auto checked = check_device_options(options); !checked) return std::unexpected(checked.error());
+  DeviceOptions device = device_of(options);
   if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
     return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
   }
   const int cores = int(core_count());
-  device.threads = options.threads > 0 ? options.threads : std::max(1, cores / options.workers);
+  if (device.threads == 0) device.threads = std::max(1, cores / options.workers);
+  // A single pixel is rendered as simply as possible: one thread, one path at a time.
+  if (options.pixel) {
+    device.threads = 1;
+    device.block_of_one = device.backend == Backend::kNative;
+  }
   return device;
 }
 
-/// A single pixel is rendered as simply as possible: one thread, one path at a time.
-void simplify_for_a_pixel(RenderJob& job) {
-  job.device.threads = 1;
-  job.device.block_of_one = job.device.backend == Backend::kNative;
-}
-
+/// The request with what the scene and the device decide.
 RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene, const Film& film,
                          const DeviceOptions& device) {
   RenderRecord record;
   static_cast<RenderSettings&>(record) = scene.description;
-  record.scene = options.scene.scene;
+  static_cast<RenderRequest&>(record) = options;
   record.scene_hash = scene.description.contents_hash;
-  record.defines = options.scene.defines;
-  record.settings = options.scene.settings;
-  record.scale = options.scene.scale;
-  record.lenient = options.scene.lenient;
-  record.dialect = options.scene.dialect;
   record.film = film;
   record.plan = plan_of(options, scene.description.integrator);
   if (record.plan.stop_after == record.sampler.spp) record.plan.stop_after.reset();
-  record.feature_layers = !options.scene.no_features;
-  record.cryptomatte = options.scene.cryptomatte;
-  record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
-  record.backend = device.backend;
-  if (record.embree) record.isa = isa_name(device.isa);
+  record.scene.intersector = scene.device.header.intersector == INTERSECTOR_EMBREE ? "embree" : "portable";
+  record.isa = isa_name(device.isa);
+  record.threads = device.threads;
   return record;
 }
 
@@ -95,28 +83,26 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
     integrator.samples_per_map = int(record.plan.samples_per_pass);
   AssetManifest manifest = manifest_of(scene);
   RenderJob job = job_of_record(record, device, std::move(scene), std::move(manifest));
-  job.time_budget = options.time_budget;
-  job.verify = options.verify;
   job.tev = options.tev;
   job.interactive = options.interactive;
-  if (options.pixel) simplify_for_a_pixel(job);
   return job;
 }
 
 }  // namespace
 
-Expected<DeviceOptions> denoise_device_options(const RenderOptions& options) {
-  DeviceOptions device;
-  device.backend = backend_from_name(options.backend);
-  const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device,
-                                          options.isa.value_or(""));
-  if (!used) return std::unexpected(used.error());
-  device.threads = options.threads;
-  device.opencl_device = options.opencl_device;
-  const auto isa = choose_isa(options.isa);
-  if (!isa) return std::unexpected(isa.error());
-  device.isa = *isa;
-  return device;
+DeviceOptions device_of(const RenderRequest& request) {
+  return {.backend = request.backend,
+          .threads = request.threads,
+          .isa = request.isa.empty() ? best_isa() : *isa_from_name(request.isa),
+          .opencl_device = request.opencl_device};
+}
+
+Expected<void> check_device_options(const RenderRequest& request) {
+  if (const auto used = check_backend_options(backends_in_use(backend_name(request.backend)),
+                                              request.opencl_device, request.isa);
+      !used)
+    return used;
+  return request.isa.empty() ? Expected<void>() : check_isa(device_of(request).isa);
 }
 
 FarmOptions farm_of(const RenderOptions& options) {
@@ -147,12 +133,12 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.width = film.crop_width;
   job.height = film.crop_height;
   job.spp = record.plan.stop_after.value_or(record.sampler.spp);
-  job.plan = record.plan;
+  job.request = record;
   job.device = device;
   RenderRecord of_a_part = record;
   of_a_part.plan.adaptive = false;  // a single tile or pixel has no samples to distribute
   job.reproduce_command = repeat_command(of_a_part, false);
-  job.title = record.scene;
+  job.title = record.scene.file;
   job.integrator = integrator_name(record.integrator);
   return job;
 }
@@ -186,7 +172,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   const auto check_files = [&](std::span<const std::filesystem::path> inputs) {
     return options.writes_here && !options.estimate ? check_outputs(files->all(), inputs) : Expected<void>();
   };
-  if (auto checked = check_files(std::array{std::filesystem::path(options.scene.scene)}); !checked)
+  if (auto checked = check_files(std::array{std::filesystem::path(options.scene.file)}); !checked)
     return std::unexpected(checked.error());
   const auto keys = listening_keys(options.listen, options.keys);
   if (!keys) return std::unexpected(keys.error());

@@ -39,8 +39,11 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 /// that the requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
-/// Checks the options of add_denoise_device_options.
-Expected<DeviceOptions> denoise_device_options(const RenderOptions& options);
+/// The device that a request asks for, the widest instruction set of this machine unless it names one.
+DeviceOptions device_of(const RenderRequest& request);
+
+/// Checks that this machine has the instruction set, and that the backend has a use for the options.
+Expected<void> check_device_options(const RenderRequest& request);
 
 /// The farm's options for the render, except keys and the worker's executable.
 FarmOptions farm_of(const RenderOptions& options);

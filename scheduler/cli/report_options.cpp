@@ -7,7 +7,8 @@
 #include "scenes/diagnostic.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
+#include "scheduler/render/render_option.h"
 #include "worker/cli/help_text.h"
 #include "worker/device.h"
 
@@ -164,56 +165,18 @@ void add_presentation_options(CommandLine& command, ReportOptions& options) {
 
 void add_cell_options(CommandLine& command, RenderOptions& render) {
   constexpr const char* kGroup = "Rendering";
-  SceneOptions& scene = render.scene;
-  command.add_option("-D", scene.defines, "Fill $NAME of the scene files; repeatable")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false)
-      ->check(assignment())
-      ->group(kGroup);
-  command
-      .add_option("--set", scene.settings,
-                  "Override a parameter, for references too, as in --set film.width=256; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->check(assignment())
-      ->group(kGroup);
-  command
-      .add_flag("--lenient", scene.lenient,
-                "Warn of what is unknown, missing or out of range, and render the rest")
-      ->group(kGroup);
-  command
-      .add_option("--dialect", scene.dialect,
-                  "Of Nori scenes: nori or nori-eth (default: told from the file)")
-      ->type_name("NAME")
-      ->check(one_of({"nori", "nori-eth"}).hidden())
-      ->group(kGroup);
-  command.add_option("--seed", scene.seed, "Seed from which all others are made (default: 0)")
-      ->type_name("S")
-      ->check(whole_number(0, kMaxSeed).hidden())
-      ->group(kGroup);
-  command.add_option("--intersector", scene.intersector, "auto, portable, embree")
-      ->type_name("NAME")
-      ->check(one_of({"auto", "portable", "embree"}).hidden())
-      ->capture_default_str()
-      ->group(kGroup);
+  for (const char* name : {"D", "set", "lenient", "dialect", "seed", "intersector"})
+    add_render_option(command, render, name)->group(kGroup);
+  command.option("--set")->description(
+      "Override a parameter, for references too, as in --set film.width=256; repeatable");
+  command.option("--seed")->description("Seed from which all others are made (default: 0)");
   command.add_option("--workers", render.workers, "Worker processes")
       ->type_name("N")
       ->check(whole_number(1, kMaxWorkers).hidden())
       ->capture_default_str()
       ->group(kGroup);
-  command.add_option("--threads", render.threads, "Threads of each worker (default: cores / workers)")
-      ->type_name("N")
-      ->check(whole_number(1, kMaxThreads).hidden())
-      ->group(kGroup);
-  command.add_option("--isa", render.isa, "Instruction set of the native backend (default: the widest)")
-      ->type_name("NAME")
-      ->check(one_of({"sse2", "avx2", "avx512"}).hidden())
-      ->group(kGroup);
-  command
-      .add_option("--opencl-device", render.opencl_device,
-                  "OpenCL device: its number, or part of its name or its platform's")
-      ->type_name("NAME")
-      ->group(kGroup);
+  for (const char* name : {"threads", "isa", "opencl-device"})
+    add_render_option(command, render, name)->group(kGroup);
 }
 
 }  // namespace

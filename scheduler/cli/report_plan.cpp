@@ -30,7 +30,7 @@ bool has_setting(const std::string& integrator, const std::string& assignment) {
 RenderOptions cell_options(const ReportOptions& report, const std::string& scene, const Method& method,
                            const std::string& sampler, const std::string& backend, std::uint32_t spp) {
   RenderOptions options = report.render;
-  options.scene.scene = scene;
+  options.scene.file = scene;
   options.scene.no_features = true;  // other renderers do not compute these layers either
   if (!method.integrator.empty()) {
     options.scene.integrator = method.integrator;
@@ -42,10 +42,10 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
   if (!sampler.empty()) options.scene.sampler = sampler;
   options.scene.spp = spp;
   options.scene.seed = 0;
-  options.backend = backend;
+  options.backend = backend_from_name(backend);
   const BackendsInUse in_use = backends_in_use(backend);
   if (!in_use.opencl) options.opencl_device.clear();
-  if (!in_use.native) options.isa.reset();
+  if (!in_use.native) options.isa.clear();
   options.no_statistics = true;
   return options;
 }
@@ -75,7 +75,7 @@ Expected<MethodScene> prepare_method(const RenderOptions& options, const std::st
   auto prepared = prepare_render(unnamed);
   if (!prepared)
     return fail(
-        fmt::format("{}\n(scene {}, method '{}')", prepared.error().message, options.scene.scene, label));
+        fmt::format("{}\n(scene {}, method '{}')", prepared.error().message, options.scene.file, label));
   std::string hash = prepared->job.manifest->hash;
   return MethodScene{std::move(*prepared), std::move(hash)};
 }
@@ -84,13 +84,13 @@ Json cell_settings(const ReportOptions& report, const MethodScene& method, std::
                    std::uint32_t seed, const std::string& worker_hash) {
   const RenderJob& job = method.prepared.job;
   const bool native = job.device.backend == Backend::kNative;
-  return {{"scene", method.prepared.record.scene},
+  return {{"scene", method.prepared.record.scene.file},
           {"device_scene", method.device_hash},
           {"window", {job.x, job.y, job.width, job.height}},
           {"spp", spp},
           {"seed", seed},
-          {"samples_per_pass", job.plan.samples_per_pass},
-          {"tile", job.plan.tile},
+          {"samples_per_pass", job.request.plan.samples_per_pass},
+          {"tile", job.request.plan.tile},
           {"workers", method.prepared.farm.workers},
           {"threads", job.device.threads},
           {"backend", native ? "native" : "opencl"},
@@ -332,8 +332,7 @@ Expected<std::vector<ScenePlan>> plan_report(const ReportOptions& options, const
     in_use.native = in_use.native || backends_in_use(backend).native;
     in_use.opencl = in_use.opencl || backends_in_use(backend).opencl;
   }
-  if (const auto used =
-          check_backend_options(in_use, options.render.opencl_device, options.render.isa.value_or(""));
+  if (const auto used = check_backend_options(in_use, options.render.opencl_device, options.render.isa);
       !used)
     return std::unexpected(used.error());
   const std::vector<std::string> names = scene_names(options.scenes);

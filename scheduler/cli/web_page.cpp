@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/status_text.h"
+#include "scheduler/render/option_checks.h"
 #include "scheduler/web/web_access.h"
 #include "worker/cli/help_text.h"
 

@@ -192,7 +192,8 @@ void FarmRun::take_jobs() {
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
     source_.shown(id, taken.board());
-    tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify, taken.job().submitter});
+    tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().request.verify,
+                       taken.job().submitter});
     for (const PassesOfTile& passes : taken.passes_of_tiles()) tell_plan(passes);
   }
 }
@@ -384,7 +385,7 @@ void FarmRun::tell_if_workers_wait() {
   waiting_was_told_ = true;
   // With photon maps, the samples of a pass share one, so fewer passes are another image.
   const RenderJob& settings = of->job();
-  const std::uint32_t pass = settings.plan.samples_per_pass;
+  const std::uint32_t pass = settings.request.plan.samples_per_pass;
   const bool has_maps = settings.scene.header.integrator.photons == PHOTONS_PROGRESSIVE;
   const std::uint32_t more = has_maps ? 0 : std::min({4 * pass, settings.spp, kMaxSamplesPerUnit});
   notice(waiting_text(*measured, pass, more));

@@ -35,7 +35,7 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
 Merge merge_of_job(const RenderJob& job) {
   const SceneHeader& h = job.scene.header;
   return Merge(FilmAccumulator(job.x, job.y, job.width, job.height, FilmLayers(h.features, h.matte_count)),
-               tile_grid(job), job.plan);
+               tile_grid(job), job.request.plan);
 }
 
 void JobRun::open(Server& server) {
@@ -85,7 +85,7 @@ std::vector<PhaseUnits> JobRun::phases() const {
   return {{.tiles = grid_.tiles(),
            .passes = job_->interactive ? 0 : merge_.most_passes(),
            .passes_at_first = is_adaptive() ? merge_.passes_at_first() : kAllPasses,
-           .units_at_most = job_->plan.stop_after_units,
+           .units_at_most = job_->request.plan.stop_after_units,
            .merged = merge_.merged_passes(),
            .passes_at_once = passes_at_once(*job_)}};
 }
@@ -103,13 +103,14 @@ std::vector<PassesOfTile> JobRun::passes_of_tiles() const {
 
 std::vector<PassesOfTile> JobRun::passes_after(std::uint32_t tile) {
   if (merge_.take_allocation()) return passes_of_tiles();
-  if (!job_->plan.target_error) return {};
+  if (!job_->request.plan.target_error) return {};
   return {{id_, tile, merge_.passes_wanted(tile)}};
 }
 
 std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
   const std::uint64_t possible = std::min(spp, job_->spp);
-  return std::uint32_t((possible + job_->plan.samples_per_pass - 1) / job_->plan.samples_per_pass);
+  return std::uint32_t((possible + job_->request.plan.samples_per_pass - 1) /
+                       job_->request.plan.samples_per_pass);
 }
 
 std::uint64_t JobRun::samples_wanted(const Plan& plan) const {
@@ -129,7 +130,7 @@ std::uint32_t JobRun::least_passes(const Plan& plan) const {
 }
 
 bool JobRun::budget_is_spent() {
-  const bool is_over = job_->time_budget && first_given_ && rendered() > *job_->time_budget;
+  const bool is_over = job_->request.time_budget && first_given_ && rendered() > *job_->request.time_budget;
   return is_over && !std::exchange(budget_spent_, true);
 }
 
@@ -241,17 +242,17 @@ void JobRun::show_progress(const Plan& plan, const std::vector<WatchedWorker>& w
 }
 
 void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended) {
-  WatchProgress progress{
-      .view = view_.number,
-      .samples_done = samples_done_,
-      .samples_wanted = samples_wanted(plan),
-      .spp_done = std::uint32_t(merge_.spp_finished()),
-      .spp_wanted = job_->plan.adaptive ? std::uint32_t(merge_.spp_wanted()) : spp_of(least_passes(plan)),
-      .elapsed_seconds = active_,
-      .relative_error = relative_error_,
-      .finished = plan.finished(id_),
-      .ended = ended,
-      .workers = workers};
+  WatchProgress progress{.view = view_.number,
+                         .samples_done = samples_done_,
+                         .samples_wanted = samples_wanted(plan),
+                         .spp_done = std::uint32_t(merge_.spp_finished()),
+                         .spp_wanted = job_->request.plan.adaptive ? std::uint32_t(merge_.spp_wanted())
+                                                                   : spp_of(least_passes(plan)),
+                         .elapsed_seconds = active_,
+                         .relative_error = relative_error_,
+                         .finished = plan.finished(id_),
+                         .ended = ended,
+                         .workers = workers};
   for (WatchedWorker& worker : progress.workers) {
     if (worker.job != id_) worker.x = worker.y = worker.width = worker.height = 0;
     if (const auto found = shares_.find(worker.number); found != shares_.end()) {
@@ -278,10 +279,10 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_not_verified = counts.not_verified;
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
-  outcome.passes_total = job_->plan.adaptive ? merge_.least_passes_wanted() : grid_.passes();
+  outcome.passes_total = job_->request.plan.adaptive ? merge_.least_passes_wanted() : grid_.passes();
   outcome.units_in_order = merge_.units_in_order();
   outcome.ended_by_tile = is_adaptive() && merge_.is_done();
-  outcome.shares_missing = job_->plan.adaptive && !(merge_.is_done() && merge_.is_undisturbed());
+  outcome.shares_missing = job_->request.plan.adaptive && !(merge_.is_done() && merge_.is_undisturbed());
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;

@@ -51,7 +51,9 @@ class JobRun {
   /// The number of passes that give `spp` samples per pixel, at most that of the job.
   [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
   /// Whether each tile has its own number of passes, of which the plan must be told.
-  [[nodiscard]] bool is_adaptive() const { return job_->plan.target_error || job_->plan.adaptive; }
+  [[nodiscard]] bool is_adaptive() const {
+    return job_->request.plan.target_error || job_->request.plan.adaptive;
+  }
   /// The current numbers of passes of all tiles.
   [[nodiscard]] std::vector<PassesOfTile> passes_of_tiles() const;
   /// The numbers of passes that a result of this tile may have changed.
@@ -105,7 +107,7 @@ class JobRun {
   [[nodiscard]] std::uint32_t least_passes(const Plan& plan) const;
   /// Whether tiles may end with different numbers of passes although neither a target error nor adaptive
   /// sampling was asked for.
-  [[nodiscard]] bool ends_amid_a_pass() const { return budget_spent_ || job_->plan.stop_after_units; }
+  [[nodiscard]] bool ends_amid_a_pass() const { return budget_spent_ || job_->request.plan.stop_after_units; }
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const {
     return std::uint32_t(grid_.samples_of_pixel(passes));
   }

@@ -10,8 +10,8 @@
 #include "kernels/host/device_scene.h"
 #include "scheduler/plan/film_accumulator.h"
 #include "scheduler/plan/plan_messages.h"
-#include "scheduler/plan/plan_options.h"
 #include "scheduler/plan/tile_grid.h"
+#include "scheduler/render/render_request.h"
 #include "worker/device.h"
 #include "worker/protocol/asset_manifest.h"
 #include "worker/work_unit.h"
@@ -29,17 +29,13 @@ struct RenderJob {
   int x = 0, y = 0, width = 0, height = 0;             ///< film rectangle to render
   /// Of each pixel; with a target error the limit, with adaptive sampling the mean. At most plan.stop_after.
   std::uint32_t spp = 16;
-  PlanOptions plan;
-  int priority = 0;            ///< among jobs with work the highest goes first
+  RenderRequest request{.plan = {}};  ///< of which nothing is open any more
+  int priority = 0;                   ///< among jobs with work the highest goes first
   std::string submitter = {};  ///< among jobs of equal priority, submitters have equal shares of the workers
-  DeviceOptions device;
+  DeviceOptions device;        ///< by the request and this machine
   /// The `penumbra render` command without a crop, quoted for a shell; the message about a failed unit adds
   /// `--crop x0,y0,x1,y1`.
   std::string reproduce_command;
-  /// Seconds of rendering, including an earlier process, after which no further unit is started. The first
-  /// pass is always rendered, and the image then counts as complete.
-  std::optional<double> time_budget;
-  double verify = 0;  ///< the fraction of units that a second worker renders too, to compare the results
   std::shared_ptr<ResumedState> before = {};  ///< the state from which to resume; consumed by the render
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: no checkpoints
 
@@ -55,7 +51,8 @@ struct RenderJob {
 };
 
 inline TileGrid tile_grid(const RenderJob& job) {
-  return {job.x, job.y, job.width, job.height, job.plan.tile, job.spp, job.plan.samples_per_pass};
+  return {
+      job.x, job.y, job.width, job.height, job.request.plan.tile, job.spp, job.request.plan.samples_per_pass};
 }
 
 struct WorkerShare {

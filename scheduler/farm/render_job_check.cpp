@@ -17,7 +17,8 @@ constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 constexpr std::uint64_t kMostPassesAtOnce = 64;
 
 std::uint64_t bytes_per_pixel(const RenderJob& job) {
-  const int films_beside = (job.checkpoints ? 1 : 0) + (job.plan.target_error ? AdaptiveTile::kMostFilms : 0);
+  const int films_beside =
+      (job.checkpoints ? 1 : 0) + (job.request.plan.target_error ? AdaptiveTile::kMostFilms : 0);
   return pixel_memory(FilmLayers(job.scene.header.features, job.scene.header.matte_count))
       .peak(!job.interactive, films_beside);
 }
@@ -51,14 +52,16 @@ Expected<void> check_render_job(const RenderJob& job) {
         "the rectangle of {} x {} pixels at ({}, {}) is empty or not inside the film of {} x {}", job.width,
         job.height, job.x, job.y, job.scene.header.film.width, job.scene.header.film.height));
   }
-  if (job.plan.tile < 1 || job.plan.tile > kMaxTile) {
-    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.plan.tile, kMaxTile));
+  if (job.request.plan.tile < 1 || job.request.plan.tile > kMaxTile) {
+    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.request.plan.tile, kMaxTile));
   }
-  const auto across = [&](int size) { return (std::uint64_t(size) + job.plan.tile - 1) / job.plan.tile; };
+  const auto across = [&](int size) {
+    return (std::uint64_t(size) + job.request.plan.tile - 1) / job.request.plan.tile;
+  };
   if (across(job.width) * across(job.height) > kMostTiles) {
     return fail(
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
-                    job.plan.tile, job.width, job.height, kMostTiles));
+                    job.request.plan.tile, job.width, job.height, kMostTiles));
   }
   // In double, so that nothing overflows.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel(job));
@@ -70,21 +73,21 @@ Expected<void> check_render_job(const RenderJob& job) {
                     "(--no-features)",
                     job.width, job.height, bytes * 1e-9, bytes_per_pixel(job), double(memory) * 1e-9));
   }
-  if (!(job.verify >= 0 && job.verify <= 1))
-    return fail(fmt::format("--verify is {}; it must be between 0 and 1", job.verify));
+  if (!(job.request.verify >= 0 && job.request.verify <= 1))
+    return fail(fmt::format("--verify is {}; it must be between 0 and 1", job.request.verify));
   if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
-  if (job.plan.samples_per_pass < 1 || job.plan.samples_per_pass > kMaxSamplesPerUnit) {
-    return fail(fmt::format("passes of {} samples; 1 to {} are possible", job.plan.samples_per_pass,
+  if (job.request.plan.samples_per_pass < 1 || job.request.plan.samples_per_pass > kMaxSamplesPerUnit) {
+    return fail(fmt::format("passes of {} samples; 1 to {} are possible", job.request.plan.samples_per_pass,
                             kMaxSamplesPerUnit));
   }
   const IntegratorParameters& integrator = job.scene.header.integrator;
   if (integrator.photons == PHOTONS_PROGRESSIVE &&
-      std::uint32_t(integrator.samples_per_map) != job.plan.samples_per_pass)
+      std::uint32_t(integrator.samples_per_map) != job.request.plan.samples_per_pass)
     return fail(
         fmt::format("passes of {} samples in a scene with a photon map for every {}; the samples of "
                     "a pass must share a map",
-                    job.plan.samples_per_pass, integrator.samples_per_map));
-  if (integrator.photons != PHOTONS_NONE && job.plan.adaptive)
+                    job.request.plan.samples_per_pass, integrator.samples_per_map));
+  if (integrator.photons != PHOTONS_NONE && job.request.plan.adaptive)
     return fail(
         "--adaptive: it distributes samples by their noise, which is not the error of photon mapping; leave "
         "it out, or take another integrator");

@@ -25,16 +25,4 @@ struct PlanOptions {
   [[nodiscard]] bool depends_on_tiles() const { return target_error || adaptive || stop_after_units; }
 };
 
-/// Calls visit(name, option, value) for each option that is set and on which the image depends: its name in
-/// records, and that on the command line.
-template <typename Visit>
-void visit_options(const PlanOptions& plan, Visit visit) {
-  if (plan.stop_after) visit("stop_after", "--stop-after", *plan.stop_after);
-  visit("samples_per_pass", "--pass", plan.samples_per_pass);
-  if (plan.target_error) visit("target_error", "--target-error", *plan.target_error);
-  if (plan.adaptive) visit("adaptive", "--adaptive", true);
-  if (plan.stop_after_units) visit("stop_after_units", "--stop-after-units", *plan.stop_after_units);
-  if (plan.depends_on_tiles()) visit("tile", "--tile", plan.tile);
-}
-
 }  // namespace penumbra

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <climits>
 #include <map>
 #include <set>
@@ -13,6 +12,7 @@
 #include "scenes/names.h"
 #include "scenes/number.h"
 #include "scenes/settings.h"
+#include "scheduler/render/render_option.h"
 
 namespace penumbra {
 namespace {
@@ -20,34 +20,30 @@ namespace {
 constexpr std::string_view kPrefix = "penumbra:";
 constexpr const char *kSeeds = "penumbra:seeds", *kMerged = "penumbra:merged";
 
-/// Metadata in which images of one scene and settings may differ.
-constexpr std::array<std::string_view, 27> kOfOneRender = {"seed",
-                                                           "film.layers",
-                                                           "seeds",
-                                                           "merged",
-                                                           "spp",
-                                                           "command",
-                                                           "nearest_command",
-                                                           "film_hash",
-                                                           "samples_per_pixel",
-                                                           "samples_per_pass",
-                                                           "incomplete",
-                                                           "stop_after",
-                                                           "stop_after_units",
-                                                           "target_error",
-                                                           "adaptive",
-                                                           "tile",
-                                                           "backend",
-                                                           "rendered_by",
-                                                           "isa",
-                                                           "intersector",
-                                                           "film.compression",
-                                                           "film.component_format",
-                                                           "film.denoise",
-                                                           "scene",
-                                                           "scene_warnings",
-                                                           "scale",
-                                                           "set"};
+/// Metadata in which images of one scene and settings may differ, beside the options of a render.
+constexpr std::string_view kOfOneRender[] = {"seed",
+                                             "film.layers",
+                                             "seeds",
+                                             "merged",
+                                             "spp",
+                                             "command",
+                                             "nearest_command",
+                                             "film_hash",
+                                             "samples_per_pixel",
+                                             "incomplete",
+                                             "rendered_by",
+                                             "film.compression",
+                                             "film.component_format",
+                                             "film.denoise",
+                                             "scene",
+                                             "scene_warnings"};
+
+bool may_differ(std::string_view key) {
+  return std::ranges::find(kOfOneRender, key) != std::end(kOfOneRender) ||
+         (key != "defines" && std::ranges::any_of(all_render_options(), [key](const RenderOption& option) {
+            return option.effect == OptionEffect::kPixels && option.record_name() == key;
+          }));
+}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -83,8 +79,8 @@ std::map<std::string, std::string> settings_of(const Image& image) {
   for (const auto& [name, value] : image.metadata) {
     if (!name.starts_with(kPrefix)) continue;
     const std::string key = name.substr(kPrefix.size());
-    const bool may_differ = std::ranges::find(kOfOneRender, key) != kOfOneRender.end();
-    if (!may_differ || (has_maps && key == "samples_per_pass")) settings[key] = metadata_text(image, name);
+    if (!may_differ(key) || (has_maps && key == "samples_per_pass"))
+      settings[key] = metadata_text(image, name);
   }
   if (const auto set = unrecorded_settings(image); !set.empty())
     settings["set"] = fmt::format("{}", fmt::join(set, " "));

@@ -14,11 +14,6 @@
 namespace penumbra {
 namespace {
 
-bool has_crop(const Film& film) {
-  return film.crop_x != 0 || film.crop_y != 0 || film.crop_width != film.width ||
-         film.crop_height != film.height;
-}
-
 /// The format's int if the value fits, else a double, which represents unsigned 32-bit values exactly.
 MetadataValue integer_value(std::int64_t value) {
   if (value >= INT_MIN && value <= INT_MAX) return int(value);
@@ -40,67 +35,43 @@ MetadataValue recorded_value(const Setting& setting, const RenderRecord& record)
   return text;
 }
 
+MetadataValue recorded_value(const RenderOption& option, const std::vector<std::string>& values) {
+  if (option.kind == OptionKind::kInteger) return integer_value(*parse_integer(values.front()));
+  if (option.kind == OptionKind::kNumber) return *parse_number(values.front());
+  return fmt::format("{}", fmt::join(values, "\n"));
+}
+
 }  // namespace
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string repeat_command(const RenderRecord& record, bool with_crop) {
-  std::string command = "penumbra render " + shell_quoted_file(record.scene);
-  const auto add = [&](const std::string& option, const std::string& value) {
-    command += " " + option + " " + shell_quoted(value);
-  };
-  for (const std::string& define : record.defines) add("-D", define);
-  for (const std::string& setting : record.settings) add("--set", setting);
-  if (record.scale) add("--scale", fmt::to_string(*record.scale));
-  if (record.lenient) command += " --lenient";
-  if (!record.dialect.empty()) add("--dialect", record.dialect);
-  for (const Setting& setting : all_settings()) {
-    if (setting.option.empty()) continue;
-    add("--" + setting.option, setting.print(record));
-  }
-  visit_options(record.plan, [&](const char*, const std::string& option, auto value) {
-    command += " " + option + (std::is_same_v<decltype(value), bool> ? "" : " " + fmt::to_string(value));
-  });
-  add("--intersector", record.embree ? "embree" : "portable");
-  if (!record.isa.empty()) add("--isa", record.isa);
-  if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
-  if (!record.feature_layers) command += " --no-features";
-  if (record.cryptomatte) command += " --cryptomatte";
-  if (record.film.denoise != Denoise::kOff) command += " --denoise=" + print_setting(record, "film.denoise");
-  if (!record.film.layers.empty()) add("--layers", print_setting(record, "film.layers"));
-  const Film& film = record.film;
-  if (with_crop && has_crop(film)) {
-    add("--crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y, film.crop_x + film.crop_width,
-                              film.crop_y + film.crop_height));
+  std::string command = "penumbra render " + shell_quoted_file(record.scene.file);
+  for (const RenderOption& option : all_render_options()) {
+    if (option.effect == OptionEffect::kNone || !option.counts_for(record)) continue;
+    if (!with_crop && option.name() == "crop") continue;
+    for (const std::string& value : option.setting ? option.setting(record) : given_values(option, record)) {
+      command += " " + option.word();
+      if (option.kind != OptionKind::kFlag) command += (option.is_flag() ? "=" : " ") + shell_quoted(value);
+    }
   }
   return command;
 }
 
 std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record) {
   std::vector<std::pair<std::string, MetadataValue>> entries;
-  const auto text = [&](const char* name, std::string_view value) {
-    entries.emplace_back(name, std::string(value));
-  };
-  text("scene", record.scene);
-  text("scene_hash", hash_text(record.scene_hash));
+  entries.emplace_back("scene", record.scene.file);
+  entries.emplace_back("scene_hash", hash_text(record.scene_hash));
   for (const Setting& setting : all_settings()) {
     if (!setting.recorded || !setting.belongs_to(record) || (setting.matters && !setting.matters(record)))
       continue;
     entries.emplace_back(setting.option.empty() ? setting.key : setting.option,
                          recorded_value(setting, record));
   }
-  visit_options(record.plan, [&](const char* name, const char*, auto value) {
-    if constexpr (std::is_integral_v<decltype(value)> && sizeof(value) == sizeof(int))
-      entries.emplace_back(name, integer_value(value));
-    else
-      entries.emplace_back(name, fmt::to_string(value));
-  });
-  text("intersector", record.embree ? "embree" : "portable");
-  text("backend", std::string(backend_name(record.backend)));
-  if (!record.isa.empty()) text("isa", record.isa);
-  if (!record.defines.empty()) text("defines", fmt::format("{}", fmt::join(record.defines, "\n")));
-  if (record.scale) entries.emplace_back("scale", *record.scale);
-  if (!record.settings.empty()) text("set", fmt::format("{}", fmt::join(record.settings, "\n")));
+  for (const RenderOption& option : all_render_options())
+    if (const auto values = option.print(record);
+        option.effect == OptionEffect::kPixels && !values.empty() && option.counts_for(record))
+      entries.emplace_back(option.record_name(), recorded_value(option, values));
   return entries;
 }
 
@@ -120,7 +91,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
                                                                    std::uint64_t film_hash,
                                                                    const RenderedSamples& rendered) {
   RenderRecord portable = record;
-  portable.scene = std::filesystem::path(record.scene).filename().string();
+  portable.scene.file = std::filesystem::path(record.scene.file).filename().string();
   std::vector<std::pair<std::string, MetadataValue>> metadata;
   metadata.emplace_back("penumbra:version", std::string(kVersion));
   metadata.emplace_back(rendered.repeatable() ? "penumbra:command" : "penumbra:nearest_command",

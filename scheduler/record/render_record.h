@@ -1,4 +1,4 @@
-// The parameters of a render: everything on which its pixels depend, and nothing else. The record is stored
+// What is kept of a render's request: everything on which its pixels depend, and nothing else. It is stored
 // in the EXR so that the render can be repeated. Therefore it does not contain the number of workers and
 // threads, the time or the host.
 #pragma once
@@ -10,29 +10,20 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scene_description.h"
 #include "scheduler/image/image.h"
-#include "scheduler/plan/plan_options.h"
-#include "worker/device.h"
+#include "scheduler/render/render_option.h"
 
 namespace penumbra {
 
-/// The film's crop is the rendered rectangle. The sampler's number of samples is the one for which its
-/// sequences are made.
-struct RenderRecord : RenderSettings {
-  std::string scene;                  ///< as named by the user
-  std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
-  std::vector<std::string> defines;   ///< -D name=value
-  std::vector<std::string> settings;  ///< --set key=value
-  std::optional<double> scale;        ///< --scale, which is in the film's size and crop already
-  bool lenient = false;
-  std::string dialect;  ///< --dialect; empty: determined from the scene file
-  PlanOptions plan;
-  bool feature_layers = true;
-  bool cryptomatte = false;
-  bool embree = false;  ///< false: the portable intersector
-  Backend backend = Backend::kNative;
-  std::string isa;  ///< with Embree the image depends on the instruction set; empty if it does not matter
+/// A request of which nothing is open any more, with the settings of its scene, on which the pixels depend
+/// too. What the settings hold too, such as the crop window and the number of samples, counts as it is there.
+struct RenderRecord : RenderSettings, RenderRequest {
+  std::uint64_t scene_hash = 0;  ///< SceneDescription::contents_hash
+
+  RenderRecord() {
+    plan = {};
+    scene.intersector = "portable";
+  }
 };
 
 /// The command that renders the same bytes again, quoted for a POSIX shell. Without `with_crop` it renders

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/process.h"
+#include "scenes/number.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/flagged_text.h"
@@ -18,22 +19,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Null if it has no value.
+Json option_json(const RenderOption& option, const RenderRecord& record) {
+  const std::vector<std::string> values = option.print(record);
+  if (option.kind == OptionKind::kList) return values;
+  if (option.kind == OptionKind::kFlag) return !values.empty();
+  if (values.empty()) return nullptr;
+  if (option.kind == OptionKind::kText) return values.front();
+  return option.kind == OptionKind::kNumber ? Json(*parse_number(values.front()))
+                                            : Json(*parse_integer(values.front()));
+}
+
 Json settings_json(const RenderStatistics& statistics) {
-  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
   Json settings;
   for (const auto& [name, value] : record_entries(statistics.record)) {
     std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
   }
   settings["spp"] = statistics.record.sampler.spp;
-  settings["stop_after"] = or_null(statistics.record.plan.stop_after);
-  settings["stop_after_units"] = or_null(statistics.record.plan.stop_after_units);
   settings["seed"] = statistics.record.sampler.seed;
-  settings["defines"] = statistics.record.defines;
-  settings["set"] = statistics.record.settings;
-  settings["tile"] = statistics.job->plan.tile;
+  for (const RenderOption& option : all_render_options())
+    if (option.is_sent()) settings[option.record_name()] = option_json(option, statistics.record);
   settings["workers"] = statistics.workers;
-  settings["threads_per_worker"] = statistics.job->device.threads;
-  settings["time_budget"] = or_null(statistics.job->time_budget);
   return settings;
 }
 
@@ -132,10 +138,10 @@ std::string_view ended_by(const RenderStatistics& statistics) {
   const RenderOutcome& outcome = *statistics.outcome;
   const RenderJob& job = *statistics.job;
   if (!outcome.complete) return outcome.problems.empty() ? "interrupt" : "failure";
-  if (outcome.ended_by_tile && job.plan.target_error) return "target_error";
+  if (outcome.ended_by_tile && job.request.plan.target_error) return "target_error";
   if (outcome.ended_by_tile || sample_range(outcome.film).least >= statistics.record.sampler.spp)
     return "samples";
-  return job.time_budget ? "time_budget" : "stop_after";
+  return job.request.time_budget ? "time_budget" : "stop_after";
 }
 
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
@@ -178,7 +184,7 @@ Json statistics_json(const RenderStatistics& statistics) {
       {"penumbra", kVersion},
       {"complete", outcome.complete && end != "time_budget"},
       {"ended_by", end},
-      {"scene", statistics.record.scene},
+      {"scene", statistics.record.scene.file},
       {"scene_hash", hash_text(statistics.record.scene_hash)},
       {"files", files},
       {"repeat_command", repeatable ? command : Json(nullptr)},

@@ -41,65 +41,45 @@ std::vector<std::pair<std::string, std::string>> named_texts(const Field& field)
 }
 
 void encode(const RenderRecord& record, wire::Record& message) {
-  message.set_scene(wire_text(record.scene, kLongestText));
+  message.set_scene(wire_text(record.scene.file, kLongestText));
   message.set_scene_hash(record.scene_hash);
-  add_texts(record.defines, message.mutable_defines());
-  add_texts(record.settings, message.mutable_settings());
-  if (record.scale) message.set_scale(*record.scale);
-  message.set_lenient(record.lenient);
-  message.set_dialect(record.dialect);
-  const PlanOptions& plan = record.plan;
-  if (plan.stop_after) message.set_stop_after(*plan.stop_after);
-  if (plan.stop_after_units) message.set_stop_after_units(*plan.stop_after_units);
-  message.set_samples_per_pass(plan.samples_per_pass);
-  if (plan.target_error) message.set_target_error(*plan.target_error);
-  message.set_adaptive(plan.adaptive);
-  message.set_tile(plan.tile);
-  message.set_feature_layers(record.feature_layers);
-  message.set_cryptomatte(record.cryptomatte);
-  message.set_embree(record.embree);
-  message.set_isa(record.isa);
-  for (const Setting& setting : all_settings()) {
-    if (!setting.print || !setting.belongs_to(record)) continue;
-    const std::string value = setting.print(record);
-    if (value.empty()) continue;
-    wire::NamedText* added = message.add_render_settings();
-    added->set_name(setting.key);
-    added->set_text(value);
-  }
+  const auto add = [](const std::string& name, const std::string& text, auto* field) {
+    wire::NamedText* added = field->Add();
+    added->set_name(name);
+    added->set_text(wire_text(text, kLongestText));
+  };
+  for (const RenderOption& option : all_render_options())
+    if (option.is_sent())
+      for (const std::string& value : given_values(option, record))
+        add(option.name(), value, message.mutable_options());
+  for (const Setting& setting : all_settings())
+    if (setting.print && setting.belongs_to(record))
+      if (const std::string value = setting.print(record); !value.empty())
+        add(setting.key, value, message.mutable_render_settings());
 }
 
-Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& device) {
+Expected<RenderRecord> decode(const wire::Record& message) {
   RenderRecord record;
   for (const wire::NamedText& setting : message.render_settings())
     if (const auto applied = apply_setting(record, setting.name(), setting.text()); !applied)
       return std::unexpected(applied.error());
   if (const auto checked = check_settings(record); !checked) return std::unexpected(checked.error());
-  record.scene = message.scene();
+  static_cast<RenderRequest&>(record) = {};
+  for (const wire::NamedText& given : message.options()) {
+    const RenderOption* option = find_render_option(given.name());
+    if (option == nullptr || !option->is_sent())
+      return fail(
+          fmt::format("'{}' is no option of a submitted render", wire_text(given.name(), kLongestName)));
+    std::string text = given.text();
+    if (const auto applied = option->apply(record, text); !applied)
+      return fail(fmt::format("{}: {}", option->word(), applied.error().message));
+  }
+  if (const auto checked = check_exclusions(record); !checked) return std::unexpected(checked.error());
+  if (record.plan.tile == 0 || record.plan.samples_per_pass == 0 || record.scene.intersector == "auto")
+    return fail(
+        "a render without --tile, --pass or --intersector: another version of penumbra has submitted it");
+  record.scene.file = message.scene();
   record.scene_hash = message.scene_hash();
-  record.defines = {message.defines().begin(), message.defines().end()};
-  record.settings = {message.settings().begin(), message.settings().end()};
-  if (message.has_scale()) record.scale = message.scale();
-  if (record.scale && !(*record.scale > 0 && std::isfinite(*record.scale)))
-    return fail("the scale of the film is no positive number");
-  record.lenient = message.lenient();
-  record.dialect = wire_text(message.dialect(), kLongestName);
-  PlanOptions& plan = record.plan;
-  if (message.has_stop_after()) plan.stop_after = message.stop_after();
-  if (message.has_stop_after_units()) plan.stop_after_units = message.stop_after_units();
-  plan.samples_per_pass = message.samples_per_pass();
-  if (message.has_target_error()) plan.target_error = message.target_error();
-  if (plan.target_error && !(*plan.target_error > 0 && std::isfinite(*plan.target_error)))
-    return fail("the target error is no positive number");
-  plan.adaptive = message.adaptive();
-  if (plan.adaptive && (plan.target_error || plan.stop_after || plan.stop_after_units))
-    return fail("adaptive sampling with a target error, or of the first samples or units alone");
-  plan.tile = message.tile();
-  record.feature_layers = message.feature_layers();
-  record.cryptomatte = message.cryptomatte();
-  record.embree = message.embree();
-  record.backend = device.backend;
-  record.isa = wire_text(message.isa(), kLongestName);
   return record;
 }
 
@@ -153,18 +133,14 @@ wire::Submission encode(const Submission& submission) {
   message.set_scene(submission.scene);
   message.set_priority(submission.priority);
   encode(submission.record, *message.mutable_record());
-  encode(submission.device, *message.mutable_device());
-  if (submission.time_budget) message.set_time_budget(*submission.time_budget);
-  message.set_verify(submission.verify);
   for (const double coordinate : submission.center) message.add_center(coordinate);
   add_texts(submission.warnings, message.mutable_warnings());
   add_named(submission.needs, message.mutable_needs());
   add_named(submission.left_out, message.mutable_left_out());
   message.set_build_seconds(submission.build_seconds);
   add_texts(submission.command_line, message.mutable_command_line());
-  message.set_strict_numerics(submission.strict_numerics);
   add_texts(submission.files, message.mutable_files());
-  if (submission.record.cryptomatte) encode(submission.mattes, *message.mutable_mattes());
+  if (submission.record.scene.cryptomatte) encode(submission.mattes, *message.mutable_mattes());
   message.set_folder(submission.folder);
   message.set_submitter(wire_text(submission.submitter, kLongestName));
   if (const auto& group = submission.group) {
@@ -177,21 +153,12 @@ wire::Submission encode(const Submission& submission) {
 }
 
 Expected<Submission> decode(const wire::Submission& message) {
-  const auto device = decode(message.device());
-  if (!device) return std::unexpected(device.error());
-  auto record = decode(message.record(), *device);
+  auto record = decode(message.record());
   if (!record) return std::unexpected(record.error());
   Submission submission{.name = message.name(),
                         .scene = message.scene(),
                         .priority = message.priority(),
-                        .record = std::move(*record),
-                        .device = *device};
-  if (message.has_time_budget()) submission.time_budget = message.time_budget();
-  if (submission.time_budget && !(*submission.time_budget > 0 && std::isfinite(*submission.time_budget)))
-    return fail("the time budget is no positive number");
-  submission.verify = message.verify();
-  if (!(submission.verify >= 0 && submission.verify <= 1))
-    return fail("the share of units to be verified is not between 0 and 1");
+                        .record = std::move(*record)};
   if (message.center_size() != int(submission.center.size()) ||
       !std::ranges::all_of(message.center(), [](double coordinate) { return std::isfinite(coordinate); }))
     return fail("the scene's centre is none");
@@ -201,7 +168,6 @@ Expected<Submission> decode(const wire::Submission& message) {
   submission.left_out = named_texts(message.left_out());
   submission.build_seconds = message.build_seconds();
   submission.command_line = {message.command_line().begin(), message.command_line().end()};
-  submission.strict_numerics = message.strict_numerics();
   submission.files = {message.files().begin(), message.files().end()};
   // A denoised image comes after the image that it is made of.
   const int most_images = is_denoised(submission.record.film) ? 2 : 1;

@@ -14,7 +14,6 @@
 #include "kernels/host/error.h"
 #include "scenes/matte_names.h"
 #include "scheduler/record/render_record.h"
-#include "worker/device.h"
 #include "worker/protocol/wire.h"
 #include "worker/work_unit.h"
 
@@ -31,18 +30,14 @@ struct Submission {
   std::string name;   ///< for display
   std::string scene;  ///< content hash of the device scene; see AssetManifest
   int priority = 0;
-  RenderRecord record;
-  DeviceOptions device;  ///< the number of threads is ignored; the service has its own
-  std::optional<double> time_budget = {};
-  double verify = 0;               ///< the fraction of units that a second worker renders too
+  RenderRecord record;             ///< the number of threads is ignored; the service has its own
   std::array<double, 3> center{};  ///< the scene's centre in world space
   std::vector<std::string> warnings = {};
   std::vector<std::pair<std::string, std::string>> needs = {}, left_out = {};  ///< see SceneSummary
   double build_seconds = 0;
   std::vector<std::string> command_line = {};  ///< as typed
-  bool strict_numerics = false;
-  std::vector<std::string> files = {};  ///< file names without folders
-  MatteNames mattes = {};               ///< mattes of the scene, for Cryptomatte
+  std::vector<std::string> files = {};         ///< file names without folders
+  MatteNames mattes = {};                      ///< mattes of the scene, for Cryptomatte
   std::string folder =
       {};  ///< of its files, below the folder to which a client fetches; see is_result_folder
   std::string submitter = {};  ///< USER@HOST, as the client says

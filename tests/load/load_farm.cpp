@@ -116,9 +116,9 @@ class LoadSource final : public JobSource {
 template <typename Do>
 void for_each_unit(const RenderJob& job, Do act) {
   for (std::uint32_t pass = 0; pass < job.spp; ++pass)
-    for (int y = 0; y < job.height; y += job.plan.tile)
-      for (int x = 0; x < job.width; x += job.plan.tile)
-        act(RenderUnit{x, y, job.plan.tile, job.plan.tile, pass, 1});
+    for (int y = 0; y < job.height; y += job.request.plan.tile)
+      for (int x = 0; x < job.width; x += job.request.plan.tile)
+        act(RenderUnit{x, y, job.request.plan.tile, job.request.plan.tile, pass, 1});
 }
 
 std::uint64_t expected_hash(const RenderJob& job) {
@@ -137,8 +137,8 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   job->scene = fake_scene(size, size, false);
   job->scene.header.features |= settings.features;
   job->width = job->height = size;
-  job->plan.tile = settings.tile;
-  job->plan.samples_per_pass = 1;
+  job->request.plan.tile = settings.tile;
+  job->request.plan.samples_per_pass = 1;
   const int tiles = settings.side * settings.side;
   job->spp = std::uint32_t(std::max(1, (settings.units + tiles - 1) / tiles));
   if (auto checked = check_render_job(*job); !checked) return std::unexpected(checked.error());

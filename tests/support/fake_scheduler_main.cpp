@@ -11,9 +11,9 @@ int main(int argc, char** argv) {
   LocalRender job;
   job.scene = fake_scene(256, 256, false);
   job.width = job.height = 256;
-  job.plan.tile = 16;
+  job.request.plan.tile = 16;
   job.spp = 1000;
-  job.plan.samples_per_pass = 1;
+  job.request.plan.samples_per_pass = 1;
   job.workers = 3;
   job.worker_executable = argv[1];
   if (argc == 3) job.listen = argv[2];

@@ -216,6 +216,17 @@ Option* CommandLine::add_flag(const std::string& names, FlagTarget target, const
       [&](auto variable) { return wrapped(app_->add_flag(names, variable.get(), description)); }, target);
 }
 
+Option* CommandLine::add_flag_function(const std::string& names,
+                                       std::function<Expected<void>(const std::string&)> take,
+                                       const std::string& description) {
+  const auto value = std::make_shared<std::string>();
+  CLI::Option* option = app_->add_flag(names, *value, description);
+  option->each([names, value, take = std::move(take)](const std::string& text) {
+    if (const auto taken = take(text); !taken) throw CLI::ValidationError(names, taken.error().message);
+  });
+  return wrapped(option);
+}
+
 Option* CommandLine::add_action_flag(const std::string& names, std::function<void()> act,
                                      const std::string& description) {
   const auto act_and_end = [act = std::move(act)] {

@@ -141,6 +141,9 @@ class CommandLine {
                      std::function<void(int)> take, const std::string& description);
   /// "--flag{value}" is a flag whose target becomes `value`, or what it is given as --flag=other.
   Option* add_flag(const std::string& names, FlagTarget target, const std::string& description);
+  /// The same for a function that takes the value, "true" without one.
+  Option* add_flag_function(const std::string& names, std::function<Expected<void>(const std::string&)> take,
+                            const std::string& description);
   /// A flag like --help: as soon as it is read, `act` runs, and the program ends with kAllDone.
   Option* add_action_flag(const std::string& names, std::function<void()> act,
                           const std::string& description);

@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
+#include "scheduler/render/option_checks.h"
 
 namespace penumbra {
 namespace {

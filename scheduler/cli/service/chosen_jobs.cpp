@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "scenes/number.h"
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
 
 namespace penumbra {
 namespace {

@@ -4,12 +4,12 @@
 
 #include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/end_hook.h"
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/cli/web_page.h"
 #include "scheduler/farm/checkpoint_sink.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/cli/access_options.h"
 #include "worker/cli/help_text.h"
 #include "worker/device.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "kernels/host/console.h"
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/cli/access_options.h"
 #include "worker/cli/help_text.h"
 

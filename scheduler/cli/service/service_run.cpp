@@ -55,8 +55,8 @@ RenderOutcome outcome_of_checkpoint(const RenderJob& job) {
   Merge merge = job.before ? std::move(job.before->merge) : merge_of_job(job);
   outcome.passes_finished = merge.finished_passes();
   outcome.units_in_order = merge.units_in_order();
-  outcome.ended_by_tile = job.plan.adaptive && merge.is_done();
-  outcome.shares_missing = job.plan.adaptive && !(merge.is_done() && merge.is_undisturbed());
+  outcome.ended_by_tile = job.request.plan.adaptive && merge.is_done();
+  outcome.shares_missing = job.request.plan.adaptive && !(merge.is_done() && merge.is_undisturbed());
   outcome.samples_before = merge.samples();
   outcome.seconds_before = job.before ? job.before->rendered : 0;
   outcome.film = std::move(merge).take_film();
@@ -68,7 +68,6 @@ struct OpenJob {
   std::shared_ptr<PreparedRender> prepared;
   std::string name;
   std::vector<std::string> command_line;
-  bool strict_numerics = false;
 };
 struct FinishedJob {
   OpenJob job;
@@ -166,7 +165,7 @@ Expected<OpenJob> ServiceRun::read_scene(const JobQueue::Taken& taken) {
     print_message(fmt::format("job {}: {}", taken.job, *attached));
   }
   return OpenJob{taken.job, std::make_shared<PreparedRender>(std::move(*prepared)), submission.name,
-                 submission.command_line, submission.strict_numerics};
+                 submission.command_line};
 }
 
 // --- The thread that drives the farm
@@ -225,7 +224,6 @@ void ServiceRun::write(FinishedJob finished) {
     if (has_samples || (finished.outcome && !was_cancelled)) {
       for (const std::string& problem : finished.outcome->problems) queue_.problem(job.id, problem);
       end = finish_render(*job.prepared, *finished.outcome, job.command_line, fmt::format("job {}", job.id),
-                          job.strict_numerics,
                           was_cancelled ? StoppedBy::kCancel
                           : stop_       ? StoppedBy::kSignal
                                         : StoppedBy::kNothing);

@@ -7,7 +7,6 @@
 
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/service/service_address.h"
@@ -15,6 +14,7 @@
 #include "scheduler/cli/sets/render_arguments.h"
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/render/option_checks.h"
 
 namespace penumbra {
 namespace {

@@ -46,15 +46,11 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .scene = job.manifest->hash,
                         .priority = member.priority,
                         .record = prepared.record,
-                        .device = job.device,
-                        .time_budget = job.time_budget,
-                        .verify = job.verify,
                         .warnings = prepared.scene.description.warnings,
                         .needs = prepared.scene.summary.needs,
                         .left_out = prepared.scene.summary.left_out,
                         .build_seconds = prepared.scene.seconds,
                         .command_line = command_line,
-                        .strict_numerics = member.options.strict_numerics,
                         .mattes = prepared.scene.mattes,
                         .folder = stored_folder(member),
                         .submitter = submitter_name()};
@@ -76,10 +72,11 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
   if (header.film.width != record.film.width || header.film.height != record.film.height)
     return fail(fmt::format("the scene's film has {} x {} pixels, that of the settings {} x {}",
                             header.film.width, header.film.height, record.film.width, record.film.height));
-  if (record.embree != (header.intersector == INTERSECTOR_EMBREE))
+  if ((record.scene.intersector == "embree") != (header.intersector == INTERSECTOR_EMBREE))
     return fail("the scene's intersector is not that of the settings");
   const bool has_mattes = (header.features & FEATURE_MATTES) != 0u;
-  if (record.cryptomatte != has_mattes || submission.mattes.mattes.size() != std::size_t(header.matte_count))
+  if (record.scene.cryptomatte != has_mattes ||
+      submission.mattes.mattes.size() != std::size_t(header.matte_count))
     return fail("the scene's mattes are not those of the settings");
   if (const auto denoiser = check_denoiser(record.film.denoise); !denoiser)
     return std::unexpected(denoiser.error());
@@ -91,17 +88,15 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
      : path.extension() == ".png" ? (files.png ? files.denoised_png : files.png)
                                   : files.statistics) = path;
   }
-  DeviceOptions device = submission.device;
-  device.threads = threads;
   prepared.record = record;
+  prepared.record.threads = threads;
   prepared.scene.description.warnings = submission.warnings;
   prepared.scene.summary.needs = submission.needs;
   prepared.scene.summary.left_out = submission.left_out;
   prepared.scene.seconds = submission.build_seconds;
   prepared.scene.mattes = submission.mattes;
-  prepared.job = job_of_record(record, device, std::move(stored.scene), std::move(stored.manifest));
-  prepared.job.time_budget = submission.time_budget;
-  prepared.job.verify = submission.verify;
+  prepared.job = job_of_record(prepared.record, device_of(prepared.record), std::move(stored.scene),
+                               std::move(stored.manifest));
   prepared.job.priority = submission.priority;
   prepared.job.submitter = submission.submitter;
   std::ranges::copy(submission.center, prepared.job.center);

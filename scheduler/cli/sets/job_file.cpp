@@ -102,8 +102,8 @@ class JobFileReader {
         read_axis(AxisKind::kFrame, name, *node, pattern);
       else if (name == "set" || name == "define")
         read_assignments(name == "set" ? AxisKind::kSetting : AxisKind::kDefine, name, "", *node, pattern);
-      else if (const RenderOption* option = find_render_option(name))
-        read_axis(option->kind, option->name, *node, pattern);
+      else if (const RenderOption* option = find_varied_option(name))
+        read_axis(kind_of(*option), option->name(), *node, pattern);
       else if (is_shared_option(name))
         error(*key, fmt::format("'{}' is for all renders together: give it on the command line, as --{}",
                                 name, name));
@@ -114,7 +114,7 @@ class JobFileReader {
 
   void unknown(const toml::key& key) {
     std::vector<std::string> known{"scene", "out", "name", "after", "priority", "frame", "set", "define"};
-    known.insert(known.end(), render_option_names().begin(), render_option_names().end());
+    known.insert(known.end(), varied_option_names().begin(), varied_option_names().end());
     error(key, fmt::format("a render has no '{}'{}", key.str(), known_names(key.str(), known, "It has")));
   }
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <map>
 
 #include "scenes/names.h"
 #include "scenes/settings.h"
@@ -12,63 +10,52 @@
 namespace penumbra {
 namespace {
 
-/// Options of the whole command, not of single renders.
-constexpr std::array<std::string_view, 21> kShared{
-    "workers",    "keys", "launch", "estimate", "json",    "listen",  "address-file",
-    "tev",        "web",  "quiet",  "force",    "summary", "table",   "pixel",
-    "statistics", "out",  "help",   "help-all", "resume",  "restart", "checkpoint-interval"};
-constexpr const char *kDefine = "-D", *kSet = "--set";
-
 std::string name_of(const Option& option) {
   return option.long_names().empty() ? "" : option.long_names().front();
 }
 
-/// A parser for the command line of `penumbra render`.
-struct Parser {
-  RenderOptions options;
-  CommandLine app{"render", "render"};
+/// The command line of `penumbra render`.
+const CommandLine& render_command() {
+  struct Command {
+    RenderOptions options;
+    CommandLine line{"render", "render"};
 
-  Parser() { add_render_options(app, options); }
-};
-
-/// Keyed by each of their long names.
-const std::map<std::string, RenderOption, std::less<>>& render_options() {
-  static const auto all = [] {
-    std::map<std::string, RenderOption, std::less<>> options;
-    Parser parser;
-    for (const Option* option : parser.app.options()) {
-      const std::string first = name_of(*option);
-      if (first.empty() || first == "set" || is_shared_option(first)) continue;
-      const AxisKind kind = option->takes_value() ? AxisKind::kOption : AxisKind::kFlag;
-      const bool has_values = kind == AxisKind::kFlag && option->flag_value(first) != "true";
-      for (const std::string& name : option->long_names()) options[name] = {first, kind, has_values};
-    }
-    return options;
-  }();
-  return all;
+    Command() { add_render_options(line, options); }
+  };
+  static const Command command;
+  return command.line;
 }
 
-void add_argument(std::vector<std::string>& arguments, const RenderAxis& axis, const std::string& value,
-                  bool with_frame) {
+/// Gives the value of an axis to a request. The frame is no option, but may be a variable of the scene.
+Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, bool with_frame,
+                          RenderRequest& request) {
+  std::string name = axis.name, text = value;
   switch (axis.kind) {
     case AxisKind::kScene:
-      break;  // after all options
+      request.scene.file = value;
+      return {};
     case AxisKind::kFrame:
-      if (with_frame) arguments.insert(arguments.end(), {kDefine, "frame=" + value});
+      if (!with_frame) return {};
+      name = "D";
+      text = "frame=" + value;
       break;
     case AxisKind::kDefine:
-      arguments.insert(arguments.end(), {kDefine, axis.name + "=" + value});
-      break;
     case AxisKind::kSetting:
-      arguments.insert(arguments.end(), {kSet, axis.name + "=" + value});
-      break;
-    case AxisKind::kOption:
-      arguments.push_back("--" + axis.name + "=" + value);
+      name = axis.kind == AxisKind::kDefine ? "D" : "set";
+      text = axis.name + "=" + value;
       break;
     case AxisKind::kFlag:
-      if (value != "false") arguments.push_back("--" + axis.name + (value == "true" ? "" : "=" + value));
+      if (value == "false") return {};
+      break;
+    case AxisKind::kOption:
       break;
   }
+  const RenderOption& option = *find_render_option(name);
+  // A flag with values is "true" where it has none.
+  if (text == "true" && axis.kind == AxisKind::kFlag) text = option.flag_text();
+  if (const auto applied = option.apply(request, text); !applied)
+    return fail(fmt::format("{}: {}", option.word(), applied.error().message));
+  return {};
 }
 
 /// Adds name=value pairs; of equal names the last is used.
@@ -82,54 +69,60 @@ void add_assignments(std::vector<RenderAxis>& axes, AxisKind kind,
 
 }  // namespace
 
-const RenderOption* find_render_option(std::string_view long_name) {
-  const auto found = render_options().find(long_name);
-  return found == render_options().end() ? nullptr : &found->second;
+const RenderOption* find_varied_option(std::string_view long_name) {
+  const RenderOption* option = long_name.size() > 1 ? find_render_option(long_name) : nullptr;
+  const bool is_varied =
+      option != nullptr && option->scope == OptionScope::kEachRender && option->kind != OptionKind::kList;
+  return is_varied ? option : nullptr;
 }
 
-const std::vector<std::string>& render_option_names() {
+AxisKind kind_of(const RenderOption& option) {
+  return option.is_flag() ? AxisKind::kFlag : AxisKind::kOption;
+}
+
+const std::vector<std::string>& varied_option_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (const auto& [name, option] : render_options())
-      if (name == option.name) all.push_back(name);
+    for (const RenderOption& option : all_render_options())
+      if (find_varied_option(option.name()) != nullptr) all.push_back(option.name());
+    std::ranges::sort(all);
     return all;
   }();
   return names;
 }
 
-bool is_shared_option(std::string_view name) { return std::ranges::find(kShared, name) != kShared.end(); }
+bool is_shared_option(std::string_view name) {
+  return name != "set" && find_varied_option(name) == nullptr &&
+         render_command().find_option(fmt::format("--{}", name)) != nullptr;
+}
 
 Expected<void> check_value(AxisKind kind, const std::string& name, const std::string& value) {
-  if (kind == AxisKind::kFlag && value != "true" && value != "false" && !find_render_option(name)->has_values)
+  if (kind == AxisKind::kFlag && value != "true" && value != "false" &&
+      find_varied_option(name)->kind == OptionKind::kFlag)
     return fail(fmt::format("{} is true or false, not '{}'", name, value));
   if (kind == AxisKind::kSetting && find_setting(to_snake_case(name)) == nullptr) {
     RenderSettings none;
     return apply_setting(none, name, value);  // its error lists the known names
   }
-  std::vector<std::string> arguments;
-  add_argument(arguments, {kind, name, {}}, value, true);
-  arguments.insert(arguments.end(), {"--", "scene.xml"});
-  return Parser().app.parse(std::move(arguments));
+  RenderRequest none;
+  return apply_axis({kind, name, {}}, value, true, none);
 }
 
 std::vector<std::string> render_words(const CommandLine& command, std::span<const std::string_view> without) {
-  const Parser render;
   std::vector<std::string> scenes, words;
   for (const Option* option : command.options()) {
     const std::string name = name_of(*option);
     if (option->is_positional())
       for (const std::string& scene : option->results())
         scenes.push_back(scene.starts_with('-') ? "./" + scene : scene);
-    const std::string word = name.empty() ? kDefine : "--" + name;
+    const std::string word = name.empty() ? "-D" : "--" + name;
     if (!option->is_given() || option->is_positional() || std::ranges::find(without, name) != without.end() ||
-        render.app.find_option(word) == nullptr)
+        render_command().find_option(word) == nullptr)
       continue;
     const bool is_flag = !option->takes_value();
     for (const std::string& value : option->results()) {
-      if (name.empty())
-        words.push_back(kDefine + value);
-      else
-        add_argument(words, {is_flag ? AxisKind::kFlag : AxisKind::kOption, name, {}}, value, false);
+      if (is_flag && value == "false") continue;
+      words.push_back(name.empty() ? word + value : is_flag && value == "true" ? word : word + "=" + value);
     }
   }
   scenes.insert(scenes.end(), words.begin(), words.end());
@@ -145,35 +138,22 @@ std::vector<RenderAxis> axes_of_command(const CommandLine& command) {
       add_assignments(axes, AxisKind::kDefine, option->results());
     else if (name == "set")
       add_assignments(axes, AxisKind::kSetting, option->results());
-    else if (const RenderOption* known = find_render_option(name))
-      set_axis(axes, {known->kind, name, {option->results().back()}});
+    else if (const RenderOption* known = find_varied_option(name))
+      set_axis(axes, {kind_of(*known), name, {option->results().back()}});
   }
   return axes;
 }
 
 Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const RenderChoice& choice,
                                    const RenderOptions& shared, bool with_frame) {
-  std::vector<std::string> arguments;
-  std::string scene;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    if (axes[i].kind == AxisKind::kScene) scene = choice[i];
-    add_argument(arguments, axes[i], choice[i], with_frame);
-  }
-  arguments.insert(arguments.end(), {"--", scene});
-  Parser parser;
-  if (const auto parsed = parser.app.parse(std::move(arguments)); !parsed)
-    return std::unexpected(parsed.error());
-  RenderOptions options = std::move(parser.options);
-  options.scene.scene = scene;
-  options.workers = shared.workers;
-  options.listen = shared.listen;
-  options.address_file = shared.address_file;
-  options.keys = shared.keys;
-  options.launch = shared.launch;
-  options.tev = shared.tev;
-  options.resume = shared.resume;
-  options.restart = shared.restart;
-  options.checkpoint_interval = shared.checkpoint_interval;
+  RenderOptions options = shared;
+  options.scenes.clear();
+  options.estimate = false;  // its files are checked as those of a render
+  static_cast<RenderRequest&>(options) = {};
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (const auto applied = apply_axis(axes[i], choice[i], with_frame, options); !applied)
+      return std::unexpected(applied.error());
+  if (const auto checked = check_exclusions(options); !checked) return std::unexpected(checked.error());
   return options;
 }
 

@@ -1,5 +1,5 @@
-// Connects the renders of a set with the options of `penumbra render`. The options of each render are parsed
-// as if they were on a command line, so both accept the same values.
+// Connects the renders of a set with the options of `penumbra render`: the rows of a command line are those
+// of each render of a set, so both accept the same values.
 #pragma once
 
 #include <span>
@@ -9,22 +9,19 @@
 
 #include "scheduler/cli/render_options.h"
 #include "scheduler/cli/sets/render_axes.h"
+#include "scheduler/render/render_option.h"
 #include "worker/cli/command_line.h"
 
 namespace penumbra {
 
-/// An option that may differ between the renders of a set.
-struct RenderOption {
-  std::string name;  ///< the long name without dashes; if there are several, the first
-  AxisKind kind;     ///< kOption or kFlag
-  bool has_values;   ///< kFlag: other values than true and false are accepted, too
-};
+/// The row of the option with this long name, if each render of a command may have another value, else null.
+const RenderOption* find_varied_option(std::string_view long_name);
 
-/// The option with this long name. Null if it does not exist, or if all renders of a command share it.
-const RenderOption* find_render_option(std::string_view long_name);
+/// How the values of that option are given.
+AxisKind kind_of(const RenderOption& option);
 
-/// The names of all such options.
-const std::vector<std::string>& render_option_names();
+/// The names of all such options, sorted.
+const std::vector<std::string>& varied_option_names();
 
 /// Whether all renders of a command share this option, for example `workers`.
 bool is_shared_option(std::string_view name);

@@ -55,10 +55,10 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
 }
 
 /// The hash of everything on which the images depend.
-std::string key_of(const PreparedRender& prepared, const std::string& worker, bool strict_numerics) {
+std::string key_of(const PreparedRender& prepared, const std::string& worker) {
   const RenderIdentity identity = identity_of(prepared, worker);
-  std::string text = identity_text(identity) + fmt::format("strict={}", strict_numerics);
-  if (prepared.job.time_budget) text += fmt::format("\ntime_budget={}", *prepared.job.time_budget);
+  std::string text = identity_text(identity) + fmt::format("strict={}", prepared.record.strict_numerics);
+  if (const auto budget = prepared.record.time_budget) text += fmt::format("\ntime_budget={}", *budget);
   return identity.scene + content_hash(bytes_of(text)).substr(0, 16);
 }
 
@@ -98,7 +98,7 @@ class SceneSet final : public JobSource {
         entries_.emplace_back().files = files;
       entries_.back().name = member.name;
       longest_name_ = std::max(longest_name_, member.name.size());
-      entries_.back().scene = member.options.scene.scene;
+      entries_.back().scene = member.options.scene.file;
       entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
@@ -227,7 +227,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   if (const auto device = check_device(prepared->job.device); !device) return device;
   if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser) return denoiser;
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-  keys_[index] = key_of(*prepared, worker_, options.strict_numerics);
+  keys_[index] = key_of(*prepared, worker_);
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
@@ -324,8 +324,7 @@ void SceneSet::write(FinishedRender finished) {
     entry.seconds = outcome.seconds;
     entry.relative_error = error;
   }
-  const bool strict = plan_.members[finished.index].options.strict_numerics;
-  const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name, strict,
+  const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name,
                                         stop_ ? StoppedBy::kSignal : StoppedBy::kNothing);
   end(finished.index,
       ended.kind == RenderEndKind::kDone     ? SetState::kDone
@@ -446,7 +445,7 @@ Expected<void> check_set_files(const SetPlan& plan, const RenderOptions& options
   std::vector<std::filesystem::path> outputs{plan.summary};
   if (!options.table.empty()) outputs.emplace_back(options.table);
   std::set<std::filesystem::path> inputs(options.scenes.begin(), options.scenes.end());
-  for (const SetMember& member : plan.members) inputs.emplace(member.options.scene.scene);
+  for (const SetMember& member : plan.members) inputs.emplace(member.options.scene.file);
   return check_outputs(outputs, std::vector(inputs.begin(), inputs.end()));
 }
 

@@ -26,7 +26,7 @@ constexpr double kSetSeconds = 60;  // of measuring all renders
 using MeasurementKey = std::pair<std::string, std::vector<std::pair<std::string, std::string>>>;
 
 MeasurementKey key_of(const SetMember& member) {
-  MeasurementKey key{member.options.scene.scene, member.choices};
+  MeasurementKey key{member.options.scene.file, member.choices};
   std::erase_if(key.second, [](const auto& choice) { return choice.first == "seed"; });
   return key;
 }
@@ -46,7 +46,7 @@ class SetEstimator {
     for (const SetMember& member : plan_.members) {
       if (stop_) break;
       SetMemberEstimate& estimated =
-          estimates_.emplace_back(SetMemberEstimate{member.name, member.options.scene.scene, member.choices});
+          estimates_.emplace_back(SetMemberEstimate{member.name, member.options.scene.file, member.choices});
       try {
         estimate(member, estimated);
       } catch (const std::exception& error) {  // usually out of memory; other renders may need less

@@ -11,7 +11,6 @@
 #include "kernels/host/atomic_file.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/job_file.h"
@@ -20,6 +19,7 @@
 #include "scheduler/cli/slurm/slurm_scripts.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/files/run_program.h"
+#include "scheduler/render/option_checks.h"
 #include "worker/device.h"
 #include "worker/keys/certificate.h"
 #include "worker/keys/host_names.h"
@@ -66,8 +66,8 @@ Expected<void> check_render(const RenderOptions& options, const CommandLine& com
     if (!plan) return std::unexpected(plan.error());
     std::error_code ignored;
     for (const SetMember& member : plan->members)
-      if (!fs::exists(member.options.scene.scene, ignored))
-        return fail(fmt::format("{}: there is no file {}", member.name, member.options.scene.scene));
+      if (!fs::exists(member.options.scene.file, ignored))
+        return fail(fmt::format("{}: there is no file {}", member.name, member.options.scene.file));
     if (const auto writable = check_writable(plan->summary); !writable) return writable;
     std::set<fs::path> folders;
     for (const SetMember& member : plan->members)
@@ -77,7 +77,7 @@ Expected<void> check_render(const RenderOptions& options, const CommandLine& com
             return fail(fmt::format("{}: {}", member.name, writable.error().message));
     return {};
   }
-  checked.scene.scene = options.scenes.front();
+  checked.scene.file = options.scenes.front();
   const auto prepared = prepare_render(checked);
   if (!prepared) return std::unexpected(prepared.error());
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);

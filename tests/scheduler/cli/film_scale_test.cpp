@@ -1,4 +1,4 @@
-#include "scheduler/cli/film_scale.h"
+#include "scheduler/render/film_scale.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

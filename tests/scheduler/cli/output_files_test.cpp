@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 
 RenderOptions options_of(const std::string& out) {
   RenderOptions options;
-  options.scene.scene = "scenes/cornell/scene.xml";
+  options.scene.file = "scenes/cornell/scene.xml";
   options.out = out;
   return options;
 }

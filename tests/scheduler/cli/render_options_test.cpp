@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "scheduler/render/render_option.h"
+
 namespace penumbra {
 namespace {
 
@@ -30,7 +34,7 @@ TEST(RenderOptions, Defaults) {
   const PlanOptions plan = plan_of(options, {});
   EXPECT_EQ(plan.tile, 64);
   EXPECT_EQ(plan.samples_per_pass, 16u);
-  EXPECT_EQ(options.backend, "native");
+  EXPECT_EQ(options.backend, Backend::kNative);
   EXPECT_FALSE(options.scene.spp);
   EXPECT_FALSE(options.scene.seed);
   EXPECT_FALSE(options.crop);
@@ -79,6 +83,67 @@ TEST(RenderOptions, RejectsWhatIsNoRectangle) {
     EXPECT_FALSE(parse_crop(bad)) << bad;
   }
   for (const char* bad : {"", "1", "1,", "1,2,3", "-1,0", "x,y"}) EXPECT_FALSE(parse_pixel(bad)) << bad;
+}
+
+/// A text that the option takes, but which is not its default.
+std::string some_text_for(const RenderOption& option) {
+  if (option.kind == OptionKind::kFlag) return "true";
+  if (option.limits.starts_with("{"))
+    return option.limits.substr(option.limits.rfind(',') + 1,
+                                option.limits.rfind('}') - option.limits.rfind(',') - 1);
+  if (option.kind == OptionKind::kInteger || option.kind == OptionKind::kCount) return "7";
+  if (option.value == "X0,Y0,X1,Y1") return "1,2,3,4";
+  if (option.value == "X,Y") return "5,6";
+  if (option.value == "NAMES") return "position";
+  return option.kind == OptionKind::kList                   ? "a=b"
+         : option.value == "NAME" || option.value == "FILE" ? "ä b"
+                                                            : "0.25";
+}
+
+TEST(RenderOptionRows, PrintWhatTheyTakeAndHaveOneNameEach) {
+  std::set<std::string> names;
+  for (const RenderOption& option : all_render_options()) {
+    EXPECT_TRUE(names.insert(option.name()).second) << option.name();
+    EXPECT_EQ(find_render_option(option.name()), &option);
+    for (const std::string& other : option.excludes) EXPECT_NE(find_render_option(other), nullptr) << other;
+    EXPECT_THAT(given_values(option, {}), ElementsAre());
+    RenderRequest request, again;
+    std::string text = some_text_for(option);
+    const auto applied = option.apply(request, text);
+    ASSERT_TRUE(applied) << option.name() << ": " << applied.error().message;
+    std::vector<std::string> printed = given_values(option, request);
+    EXPECT_THAT(printed, ElementsAre(text)) << option.name();
+    for (std::string& each : printed) EXPECT_TRUE(option.apply(again, each));
+    EXPECT_EQ(option.print(again), option.print(request)) << option.name();
+    for (const RenderOption& other : all_render_options())
+      if (&other != &option)
+        EXPECT_THAT(given_values(other, request), ElementsAre()) << option.name() << " and " << other.name();
+  }
+}
+
+TEST(RenderOptionRows, AreOptionsOfTheCommand) {
+  for (const RenderOption& option : all_render_options()) {
+    std::vector<std::string> words{"a.xml"};
+    const std::string text = some_text_for(option);
+    if (option.is_flag() || option.word().starts_with("--"))
+      words.push_back(option.kind == OptionKind::kFlag ? option.word() : option.word() + "=" + text);
+    else
+      words.insert(words.end(), {option.word(), text});
+    RenderOptions options;
+    ASSERT_EQ(parse(words, options), "") << option.name();
+    EXPECT_THAT(given_values(option, options), ElementsAre(text)) << option.name();
+  }
+}
+
+TEST(RenderOptions, TimesAndSharesAreNumbers) {
+  RenderOptions options;
+  ASSERT_EQ(
+      parse({"a.xml", "--time-budget", "15m", "--scale", "25%", "--lenient=false", "--denoise"}, options),
+      "");
+  EXPECT_EQ(options.time_budget, 900);
+  EXPECT_EQ(options.scene.scale, 0.25);
+  EXPECT_FALSE(options.scene.lenient);
+  EXPECT_EQ(options.scene.denoise, "nfor");
 }
 
 TEST(RenderOptions, SeedCoversItsWholeRange) {

@@ -34,8 +34,8 @@ std::shared_ptr<RenderJob> job(float shift) {
   made->scene.header.camera.origin.x = shift;
   made->width = made->height = kSize;
   made->spp = kSpp;
-  made->plan.samples_per_pass = kSamplesPerPass;
-  made->plan.tile = 16;
+  made->request.plan.samples_per_pass = kSamplesPerPass;
+  made->request.plan.tile = 16;
   return made;
 }
 

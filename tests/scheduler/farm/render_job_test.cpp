@@ -72,8 +72,8 @@ class RenderJobTest : public testing::Test {
     job.width = kWidth;
     job.height = kHeight;
     job.spp = kSpp;
-    job.plan.samples_per_pass = kSamplesPerPass;
-    job.plan.tile = tile;
+    job.request.plan.samples_per_pass = kSamplesPerPass;
+    job.request.plan.tile = tile;
     job.workers = workers;
     job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
     job.reproduce_command = "penumbra render 'a scene.xml' --seed 3";
@@ -254,7 +254,7 @@ TEST_F(RenderJobTest, AJobThatThreeWorkersDiedOfGoesOnIfAnotherOneIsReadyForIt) 
 TEST_F(RenderJobTest, ALiarIsFoundOutByUnitsThatTwoWorkersDo) {
   FakeBehaviour{.delay_ms = 5, .lie_claim = claim_file()}.to_environment();
   LocalRender verified = job(3);
-  verified.verify = 0.3;
+  verified.request.verify = 0.3;
   const Expected<RenderOutcome> outcome = render(verified);
   expect_the_right_film(outcome);
   EXPECT_THAT(outcome->problems, Contains(HasSubstr("different results")).Times(2));
@@ -361,7 +361,7 @@ TEST_F(RenderJobTest, AStopBeforeTheStartIsNoError) {
 TEST_F(RenderJobTest, ATimeBudgetEndsAfterAWholePass) {
   FakeBehaviour{.delay_ms = 2}.to_environment();
   LocalRender hurried = job(2);
-  hurried.time_budget = 0.0;
+  hurried.request.time_budget = 0.0;
   const Expected<RenderOutcome> outcome = render(hurried);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_TRUE(outcome->complete);
@@ -476,17 +476,19 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
   EXPECT_THAT(refused([](LocalRender& j) { j.width = 0; }), HasSubstr("0 x 100 pixels"));
   EXPECT_THAT(refused([](LocalRender& j) { j.x = 100; }), HasSubstr("not inside the film of 200 x 150"));
   EXPECT_THAT(refused([](LocalRender& j) { j.x = -1; }), HasSubstr("not inside the film"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.plan.tile = 0; }), HasSubstr("tiles of 0 pixels; 1 to 2048"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.plan.tile = 5000; }),
+  EXPECT_THAT(refused([](LocalRender& j) { j.request.plan.tile = 0; }),
+              HasSubstr("tiles of 0 pixels; 1 to 2048"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.request.plan.tile = 5000; }),
               HasSubstr("tiles of 5000 pixels; 1 to 2048"));
   EXPECT_THAT(refused([](LocalRender& j) { j.spp = 0; }), HasSubstr("0 samples per pixel"));
-  EXPECT_THAT(refused([](LocalRender& j) { j.plan.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.request.plan.samples_per_pass = 4097; }),
+              HasSubstr("1 to 4096"));
   EXPECT_THAT(refused([](LocalRender& j) { j.workers = 0; }), HasSubstr("0 workers"));
   EXPECT_THAT(refused([](LocalRender& j) {
                 j.scene.header.film.width = j.scene.header.film.height = 1 << 20;
                 j.x = j.y = 0;
                 j.width = j.height = 1 << 20;
-                j.plan.tile = 1024;
+                j.request.plan.tile = 1024;
               }),
               HasSubstr("GB"));
 }
@@ -509,13 +511,13 @@ TEST_F(RenderJobTest, TheSamplesOfAPassShareAPhotonMap) {
   for (const int kind : {PHOTONS_FIXED, PHOTONS_PROGRESSIVE}) {
     integrator.photons = kind;
     integrator.samples_per_map = int(kSamplesPerPass);
-    photons.plan.adaptive = true;
+    photons.request.plan.adaptive = true;
     ASSERT_FALSE(check_render_job(photons));
     EXPECT_THAT(check_render_job(photons).error().message, HasSubstr("--adaptive"));
-    photons.plan.adaptive = false;
-    photons.plan.target_error = 0.1;
+    photons.request.plan.adaptive = false;
+    photons.request.plan.target_error = 0.1;
     EXPECT_TRUE(check_render_job(photons));
-    photons.plan.target_error.reset();
+    photons.request.plan.target_error.reset();
   }
 }
 
@@ -525,14 +527,14 @@ TEST_F(RenderJobTest, PassesSideBySideFitIntoMemory) {
   photons.scene.header.integrator.photons = PHOTONS_PROGRESSIVE;
   EXPECT_EQ(passes_at_once(photons), 64u);
   photons.width = photons.height = 1;
-  photons.plan.tile = 1;
+  photons.request.plan.tile = 1;
   EXPECT_EQ(passes_at_once(photons), 64u);
   photons.interactive = true;
   EXPECT_EQ(passes_at_once(photons), 1u);
   photons.interactive = false;
   photons.width = photons.height = 2048;  // as many tiles as there may be
   EXPECT_EQ(passes_at_once(photons), 1u);
-  photons.plan.tile = 1024;
+  photons.request.plan.tile = 1024;
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   const double bytes_per_pixel = plane_count(photons.scene.header.features) * sizeof(float);
   photons.width = photons.height = int(std::sqrt(memory / 4 / 2.5 / bytes_per_pixel));
@@ -548,7 +550,7 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
     const int side = int(std::sqrt(memory / bytes_per_pixel));
     large.scene.header.film.width = large.scene.header.film.height = large.width = large.height = side;
     large.x = large.y = 0;
-    large.plan.tile = 1024;
+    large.request.plan.tile = 1024;
     return check_render_job(large);
   };
   const double whole = double(pixel_memory(kFeatureLayers).peak(true));
@@ -556,10 +558,10 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   ASSERT_FALSE(fits(0.99 * whole));
   EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
   EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
-  large.plan.target_error = 0.1;
+  large.request.plan.target_error = 0.1;
   EXPECT_FALSE(fits(1.01 * whole));
   EXPECT_TRUE(fits(1.01 * double(pixel_memory(kFeatureLayers).peak(true, AdaptiveTile::kMostFilms))));
-  large.plan.target_error.reset();
+  large.request.plan.target_error.reset();
   large.interactive = true;  // writes no files
   EXPECT_TRUE(fits(0.99 * whole));
 }

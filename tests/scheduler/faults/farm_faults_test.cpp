@@ -125,9 +125,9 @@ void FarmFaults::run(const FaultSchedule& schedule) {
   job.scene = fake_scene(kSize, kSize, false);
   job.width = job.height = kSize;
   job.spp = kSpp;
-  job.plan.samples_per_pass = kSamplesPerPass;
-  job.plan.tile = tile;
-  job.verify = schedule.verify;
+  job.request.plan.samples_per_pass = kSamplesPerPass;
+  job.request.plan.tile = tile;
+  job.request.verify = schedule.verify;
   job.workers = schedule.workers;
   job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
   job.listen = "unix:" + (folder_ / ("s" + std::to_string(schedule.seed))).string();

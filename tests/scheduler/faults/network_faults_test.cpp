@@ -38,8 +38,8 @@ class NetworkFaults : public testing::Test {
     job_.scene = fake_scene(kSize, kSize, false);
     job_.width = job_.height = kSize;
     job_.spp = kSpp;
-    job_.plan.samples_per_pass = 1;
-    job_.plan.tile = 8;
+    job_.request.plan.samples_per_pass = 1;
+    job_.request.plan.tile = 8;
     job_.workers = 1;
     job_.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
     job_.listen = "127.0.0.1:0";
@@ -145,7 +145,7 @@ TEST_F(Relayed, WhatIsCutOffIsDoneByOthers) {
 /// A network that takes several times as long for a result as a silent worker is waited for.
 TEST_F(Relayed, ASlowNetworkIsNoHungWorker) {
   job_.scene = fake_scene(kLargeSize, kLargeSize, true);
-  job_.width = job_.height = job_.plan.tile = kLargeSize;
+  job_.width = job_.height = job_.request.plan.tile = kLargeSize;
   job_.spp = 2;
   job_.workers = 0;
   layers_ = kFeatureLayers;

@@ -18,7 +18,7 @@ using ::testing::Not;
 
 RenderRecord cornell() {
   RenderRecord record;
-  record.scene = "scenes/cornell/scene.xml";
+  record.scene.file = "scenes/cornell/scene.xml";
   record.film.width = record.film.crop_width = 512;
   record.film.height = record.film.crop_height = 256;
   record.sampler.spp = 64;
@@ -39,14 +39,14 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   EXPECT_EQ(repeat_command(record, true),
             "penumbra render scenes/cornell/scene.xml --integrator path_mis --sampler sobol --spp 64 "
             "--seed 4000000000 --pass 16 --intersector portable");
-  record.scene = "my scenes/it's.xml";
-  record.defines = {"albedo=0.5", "name=a b"};
-  record.settings = {"integrator.max_depth=3"};
-  record.scale = 0.3;
-  record.lenient = true;
-  record.dialect = "nori-eth";
+  record.scene.file = "my scenes/it's.xml";
+  record.scene.defines = {"albedo=0.5", "name=a b"};
+  record.scene.settings = {"integrator.max_depth=3"};
+  record.scene.scale = 0.3;
+  record.scene.lenient = true;
+  record.scene.dialect = "nori-eth";
   param::direct_sampling(record.integrator) = DirectSampling::kEmitterOnly;
-  record.embree = true;
+  record.scene.intersector = "embree";
   record.isa = "avx2";
   record.film.crop_x = 10;
   record.film.crop_width = 20;
@@ -69,7 +69,7 @@ TEST(RecordMetadata, IsMarkedIncompleteOnlyIfSo) {
 
 TEST(RecordMetadata, DoesNotDependOnTheFolder) {
   RenderRecord elsewhere = cornell();
-  elsewhere.scene = "/home/me/scene.xml";
+  elsewhere.scene.file = "/home/me/scene.xml";
   EXPECT_EQ(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll));
   elsewhere.scene_hash = 1;
   EXPECT_NE(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll)) << "another scene of the same name";
@@ -151,7 +151,7 @@ TEST(RecordMetadata, HoldsSettingsAndHash) {
     EXPECT_FALSE(metadata.contains(std::string("penumbra:") + name)) << "as ever: " << name;
   EXPECT_EQ(metadata.at("penumbra:film_hash"), MetadataValue("0000000000000abc"));
   RenderRecord here = cornell();
-  here.scene = "scene.xml";
+  here.scene.file = "scene.xml";
   EXPECT_EQ(metadata.at("penumbra:command"), MetadataValue(repeat_command(here, true)));
   EXPECT_FALSE(metadata.contains("penumbra:isa")) << "the portable intersector does not depend on it";
 }

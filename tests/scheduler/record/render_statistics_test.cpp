@@ -20,8 +20,6 @@ SampleBuffer grey_pixel(std::uint32_t samples) {
 TEST(Report, SaysWhatWasDoneAndByWhom) {
   RenderJob job;
   job.scene.words.resize(10);
-  job.plan.tile = 32;
-  job.device.threads = 3;
   RenderOutcome outcome;
   outcome.film = FilmAccumulator(0, 0, 2, 1, kNoLayers);
   outcome.film.add(0, 0, grey_pixel(4));
@@ -42,7 +40,9 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   outcome.workers = {first, second};
 
   RenderStatistics statistics;
-  statistics.record.scene = "a.xml";
+  statistics.record.scene.file = "a.xml";
+  statistics.record.plan.tile = 32;
+  statistics.record.threads = 3;
   statistics.record.sampler.spp = 4;
   statistics.workers = 2;
   statistics.command_line = {"penumbra", "render", "a.xml", "--workers", "2"};

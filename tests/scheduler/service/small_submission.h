@@ -13,9 +13,8 @@ namespace penumbra {
 inline std::string hash_of(const DeviceScene& scene) { return manifest_of(scene).hash; }
 
 inline Submission small_submission(const DeviceScene& scene, int priority = 0) {
-  Submission submission{
-      .name = "s.xml", .scene = hash_of(scene), .priority = priority, .record = {}, .device = {.threads = 2}};
-  submission.record.scene = "folder/s.xml";
+  Submission submission{.name = "s.xml", .scene = hash_of(scene), .priority = priority, .record = {}};
+  submission.record.scene.file = "folder/s.xml";
   submission.record.film.width = submission.record.film.crop_width = scene.header.film.width;
   submission.record.film.height = submission.record.film.crop_height = scene.header.film.height;
   submission.files = {"s.exr", "s.png", "s.json"};

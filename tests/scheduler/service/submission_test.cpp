@@ -8,6 +8,7 @@
 
 #include "scenes/settings.h"
 #include "scheduler/record/camera_attributes.h"
+#include "scheduler/render/render_option.h"
 #include "tests/scheduler/service/small_submission.h"
 
 namespace penumbra {
@@ -38,28 +39,29 @@ Submission full_submission() {
   set(record, "camera.distortion_k1", "1e-3");
   set(record, "camera.lookat", "1 2 3, 0.1 0.2 0.3, 0 1 0.5");
   record.scene_hash = ~std::uint64_t(0);
-  record.defines = {"a=1", "b=x y"};
-  record.settings = {"film.width=40"};
-  record.scale = 0.3;
-  record.lenient = true;
-  record.dialect = "nori-eth";
+  record.scene.defines = {"a=1", "b=x y"};
+  record.scene.settings = {"film.width=40"};
+  record.scene.scale = 0.3;
+  record.scene.lenient = true;
+  record.scene.dialect = "nori-eth";
   record.plan.stop_after = 70;
-  record.plan.stop_after_units = std::uint64_t(1) << 40;
   record.plan.samples_per_pass = 5;
   record.plan.target_error = 0.1;
-  record.feature_layers = false;
-  record.cryptomatte = true;
-  record.embree = true;
+  record.scene.no_features = true;
+  record.scene.cryptomatte = true;
+  record.scene.intersector = "embree";
   record.isa = "avx2";
-  submission.time_budget = 1.5;
-  submission.verify = 0.25;
+  record.backend = Backend::kOpenCl;
+  record.opencl_device = "GPU ä";
+  record.time_budget = 1.5;
+  record.verify = 0.25;
+  record.strict_numerics = true;
   submission.center = {1, -2, 1e300};
   submission.warnings = {"s.xml:1:2: warning: ä"};
   submission.needs = {{"families", "diffuse"}};
   submission.left_out = {{"textures", "none"}, {"media", "none"}};
   submission.build_seconds = 0.25;
   submission.command_line = {"penumbra", "submit", "s.xml"};
-  submission.strict_numerics = true;
   submission.mattes = {.objects = {"floor", "ä"}, .materials = {"wood"}, .mattes = {{0, 0}, {1, 0}, {0, 0}}};
   return submission;
 }
@@ -82,30 +84,36 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(there->name, "s.xml");
   EXPECT_EQ(there->scene, sent.scene);
   EXPECT_EQ(there->priority, 3);
-  EXPECT_EQ(there->time_budget, 1.5);
-  EXPECT_EQ(there->verify, 0.25);
+  for (const RenderOption& option : all_render_options())
+    if (option.is_sent()) EXPECT_EQ(option.print(there->record), option.print(sent.record)) << option.name();
+  EXPECT_EQ(there->record.time_budget, 1.5);
+  EXPECT_EQ(there->record.verify, 0.25);
   EXPECT_EQ(there->center, sent.center);
   EXPECT_EQ(there->warnings, sent.warnings);
   EXPECT_EQ(there->needs, sent.needs);
   EXPECT_EQ(there->left_out, sent.left_out);
   EXPECT_EQ(there->build_seconds, 0.25);
   EXPECT_EQ(there->command_line, sent.command_line);
-  EXPECT_TRUE(there->strict_numerics);
+  EXPECT_TRUE(there->record.strict_numerics);
   EXPECT_EQ(there->mattes, sent.mattes);
   EXPECT_THAT(there->files, ElementsAre("s.exr", "s.png", "s.json"));
   // What was decoded encodes to the same: nothing is lost on the way through a service's folder.
   EXPECT_EQ(encode(*there).SerializeAsString(), message.SerializeAsString());
 }
 
-TEST(Submission, AdaptiveSamplingArrives) {
+TEST(Submission, WhatExcludesATargetErrorArrives) {
   Submission sent = full_submission();
   sent.record.plan.target_error.reset();
   sent.record.plan.stop_after.reset();
-  sent.record.plan.stop_after_units.reset();
   sent.record.plan.adaptive = true;
-  const auto there = decode(encode(sent));
-  ASSERT_TRUE(there) << there.error().message;
-  EXPECT_TRUE(there->record.plan.adaptive);
+  const auto adaptive = decode(encode(sent));
+  ASSERT_TRUE(adaptive) << adaptive.error().message;
+  EXPECT_TRUE(adaptive->record.plan.adaptive);
+  sent.record.plan.adaptive = false;
+  sent.record.plan.stop_after_units = std::uint64_t(1) << 40;
+  const auto stopped = decode(encode(sent));
+  ASSERT_TRUE(stopped) << stopped.error().message;
+  EXPECT_EQ(stopped->record.plan.stop_after_units, std::uint64_t(1) << 40);
 }
 
 TEST(Submission, PhotonMapsArriveWithTheirPasses) {
@@ -159,12 +167,6 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
   EXPECT_THAT(error([](auto& m) { m.clear_files(); }), HasSubstr("no file"));
   EXPECT_THAT(error([](auto& m) { m.set_center(1, std::nan("")); }), HasSubstr("centre"));
   EXPECT_THAT(error([](auto& m) { m.clear_center(); }), HasSubstr("centre"));
-  EXPECT_THAT(error([](auto& m) { m.set_time_budget(-1); }), HasSubstr("time budget"));
-  for (const double share : {-0.1, 1.1, std::nan("")})
-    EXPECT_THAT(error([&](auto& m) { m.set_verify(share); }), HasSubstr("share of units"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_target_error(0); }), HasSubstr("target error"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_adaptive(true); }), HasSubstr("adaptive"));
-  EXPECT_THAT(error([](auto& m) { m.mutable_device()->set_threads(0); }), HasSubstr("thread"));
   EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->add_matte_objects(0); }), HasSubstr("no material"));
   EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->set_matte_objects(1, 2); }), HasSubstr("has no name"));
   EXPECT_THAT(error([](auto& m) { m.mutable_mattes()->set_matte_materials(1, ~0u); }),
@@ -178,6 +180,23 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
   };
   EXPECT_THAT(error(setting("film.widht", "3")), HasSubstr("film.width"));
   EXPECT_THAT(error(setting("film.width", "-3")), HasSubstr("-3"));
+  const auto option = [](const char* name, const char* value) {
+    return [=](wire::Submission& m) {
+      wire::NamedText* added = m.mutable_record()->add_options();
+      added->set_name(name);
+      added->set_text(value);
+    };
+  };
+  EXPECT_THAT(error(option("time-budget", "-1")), HasSubstr("--time-budget: -1 is not above 0"));
+  for (const char* share : {"-0.1", "1.1", "nan"})
+    EXPECT_THAT(error(option("verify", share)), HasSubstr("--verify: "));
+  EXPECT_THAT(error(option("target-error", "0")), HasSubstr("--target-error: "));
+  EXPECT_THAT(error(option("threads", "0")), HasSubstr("--threads: "));
+  EXPECT_THAT(error(option("backend", "cuda")), HasSubstr("'cuda' is none of native, opencl, auto"));
+  EXPECT_THAT(error(option("adaptive", "true")), HasSubstr("excludes --adaptive"));
+  for (const char* name : {"verfiy", "out", "pixel", "spp", "workers", ""})
+    EXPECT_THAT(error(option(name, "1")), HasSubstr("is no option of a submitted render"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_record()->clear_options(); }), HasSubstr("another version"));
 }
 
 TEST(Submission, DamagedBytesAreRefusedOrHarmless) {

@@ -79,7 +79,7 @@ TEST_F(SteeredRenderTest, SamplesOneByOneGiveTheFilmOfABatch) {
   EXPECT_EQ(outcome.units_done, kSamples * kTiles) << "and no unit more";
   LocalRender batch = batch_job();
   batch.spp = kSamples;
-  batch.plan.samples_per_pass = 1;
+  batch.request.plan.samples_per_pass = 1;
   EXPECT_EQ(BackgroundRun(batch).wait().film.hash(), outcome.film.hash());
 }
 
@@ -118,7 +118,7 @@ TEST_F(SteeredRenderTest, AClientKnowsItsOwnViewFromOthers) {
 TEST_F(SteeredRenderTest, LateResultsOfSlowWorkersForOldViewsAreIgnored) {
   FakeBehaviour{.delay_ms = 150}.to_environment();
   LocalRender job = interactive_job();
-  job.plan.tile = 64;
+  job.request.plan.tile = 64;
   Onlooker onlooker(address());
   BackgroundRun run(job);
   ASSERT_TRUE(onlooker.sees_workers(2));
@@ -138,7 +138,7 @@ TEST_F(SteeredRenderTest, ManyViewsInARowEndInTheLast) {
     SCOPED_TRACE(delay);
     FakeBehaviour{.delay_ms = delay}.to_environment();
     LocalRender job = interactive_job();
-    job.plan.tile = 64;
+    job.request.plan.tile = 64;
     Onlooker onlooker(address());
     BackgroundRun run(job);
     ASSERT_TRUE(onlooker.sees_workers(2));

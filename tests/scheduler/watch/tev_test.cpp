@@ -254,7 +254,7 @@ TEST_F(TevRender, ATevThatHangsChangesNothingAndIsToldOnce) {
   job.x = job.y = 0;
   job.width = 1280;
   job.height = 960;
-  job.plan.tile = 256;  // 15 MB of tiles, more than the buffers of a socket
+  job.request.plan.tile = 256;  // 15 MB of tiles, more than the buffers of a socket
   job.spp = 1;
   expect_same_image(job, listener.host(), "tev at " + listener.host());
 }

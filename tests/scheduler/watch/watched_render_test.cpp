@@ -77,7 +77,7 @@ TEST_F(WatchedRenderTest, WhoComesLateEndsWithTheFilmToo) {
 TEST_F(WatchedRenderTest, AWatcherThatNeverReadsDelaysAndChangesNothing) {
   FakeBehaviour{.delay_ms = 4}.to_environment();
   LocalRender job = batch_job();
-  job.plan.tile = 64;  // more than a stream's window in every pass
+  job.request.plan.tile = 64;  // more than a stream's window in every pass
   job.spp = 200;
   const RenderOutcome unwatched = BackgroundRun(job).wait();
   const auto channel = open_channel(address());

@@ -78,8 +78,8 @@ class WatchedRunTest : public testing::Test {
     job.width = kWidth;
     job.height = kHeight;
     job.spp = kSpp;
-    job.plan.samples_per_pass = 4;
-    job.plan.tile = kTile;
+    job.request.plan.samples_per_pass = 4;
+    job.request.plan.tile = kTile;
     job.workers = 2;
     job.worker_executable = PENUMBRA_BINARY_DIR "/fake_worker";
     job.reproduce_command = "penumbra render a.xml";
@@ -90,7 +90,7 @@ class WatchedRunTest : public testing::Test {
   LocalRender interactive_job() const {
     LocalRender job = batch_job();
     job.interactive = true;
-    job.plan.samples_per_pass = 1;
+    job.request.plan.samples_per_pass = 1;
     return job;
   }
 

@@ -20,7 +20,7 @@ class SharedScenesTest : public ::testing::Test {
   }
   SceneOptions scene(const char* name = "s.xml") const {
     SceneOptions options;
-    options.scene = (folder_ / name).string();
+    options.file = (folder_ / name).string();
     return options;
   }
   /// Of the scene with samples and seeds.

@@ -1,4 +1,4 @@
-#include "scheduler/cli/option_checks.h"
+#include "scheduler/render/option_checks.h"
 
 #include <fmt/format.h>
 

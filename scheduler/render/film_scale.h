@@ -5,7 +5,7 @@
 
 #include "kernels/host/error.h"
 #include "scenes/scene_description.h"
-#include "scheduler/cli/render_options.h"
+#include "scheduler/render/render_request.h"
 
 namespace penumbra {
 
