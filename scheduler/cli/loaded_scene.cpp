@@ -16,6 +16,7 @@
 #include "scenes/setting_rows.h"
 #include "scenes/settings.h"
 #include "scheduler/render/film_scale.h"
+#include "scheduler/render/render_option.h"
 
 namespace penumbra {
 namespace {
@@ -37,19 +38,20 @@ std::vector<std::pair<std::string, std::string>> split_assignments(
   return pairs;
 }
 
-/// The option that sets the setting.
-std::string option_of(const Setting& setting) {
-  return setting.option.empty() ? setting.name() : setting.option;
-}
-
-/// Error if an option and a --set give different values for the same setting, because one of them would have
-/// no effect.
-Expected<void> check_they_agree(std::string_view key, std::string_view value,
-                                const std::vector<std::pair<std::string, std::string>>& settings) {
-  for (const auto& [set, text] : settings)
-    if (to_snake_case(set) == key && text != value)
-      return fail(fmt::format("--{} {} and --set {}={} contradict each other; give one of them",
-                              option_of(*find_setting(key)), value, set, text));
+/// Adds the settings that options set. Error if a --set gives another value to one of them, because one would
+/// have no effect.
+Expected<void> add_settings_of_options(const SceneOptions& options, ReadOptions& read) {
+  const auto set = read.settings;
+  for (const RenderOption& option : all_render_options())
+    for (const std::string& value : given_values(option, {.scene = options})) {
+      const bool keeps_scenes = option.sets == "sampler.type" && value == "scene";
+      if (option.sets.empty() || keeps_scenes) continue;
+      for (const auto& [key, text] : set)
+        if (to_snake_case(key) == option.sets && text != value)
+          return fail(fmt::format("{} {} and --set {}={} contradict each other; give one of them",
+                                  option.word(), value, key, text));
+      read.settings.emplace_back(option.sets, value);
+    }
   return {};
 }
 
@@ -84,25 +86,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   read.lenient = options.lenient;
   read.strict = options.strict;
   read.dialect = options.dialect;
-  const auto number = [](std::optional<std::uint32_t> value) {
-    return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
-  };
-  const auto text = [](const std::string& value) {
-    return value.empty() ? std::nullopt : std::optional(value);
-  };
-  const auto sampler = options.sampler == "scene" ? std::nullopt : options.sampler;
-  const std::pair<const char*, std::optional<std::string>> overrides[] = {
-      {"integrator.type", options.integrator},       {"sampler.type", sampler},
-      {"sampler.sample_count", number(options.spp)}, {"sampler.seed", number(options.seed)},
-      {"film.denoise", text(options.denoise)},       {"film.layers", text(options.layers)},
-  };
-  for (const auto& [key, value] : overrides) {
-    if (!value) continue;
-    if (auto agree = check_they_agree(key, *value, read.settings); !agree)
-      return std::unexpected(agree.error());
-  }
-  for (const auto& [key, value] : overrides)
-    if (value) read.settings.emplace_back(key, *value);
+  if (auto added = add_settings_of_options(options, read); !added) return std::unexpected(added.error());
   auto scene = read_scene(options.file, read);
   if (scene && options.scale) {
     scene->film = scaled_film(scene->film, *options.scale);

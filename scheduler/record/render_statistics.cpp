@@ -19,15 +19,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Null if it has no value.
+/// Null if it has no value. Flags on which pixels depend are texts, as in records.
 Json option_json(const RenderOption& option, const RenderRecord& record) {
   const std::vector<std::string> values = option.print(record);
   if (option.kind == OptionKind::kList) return values;
-  if (option.kind == OptionKind::kFlag) return !values.empty();
+  if (option.kind == OptionKind::kFlag && option.effect != OptionEffect::kPixels) return !values.empty();
   if (values.empty()) return nullptr;
-  if (option.kind == OptionKind::kText) return values.front();
-  return option.kind == OptionKind::kNumber ? Json(*parse_number(values.front()))
-                                            : Json(*parse_integer(values.front()));
+  if (option.kind == OptionKind::kNumber) return *parse_number(values.front());
+  if (option.kind == OptionKind::kInteger || option.kind == OptionKind::kCount)
+    return *parse_integer(values.front());
+  return values.front();
 }
 
 Json settings_json(const RenderStatistics& statistics) {

@@ -46,6 +46,7 @@ struct RenderOption {
   std::vector<std::string> excludes = {};  ///< names of options that it cannot be given with
   /// Whether the pixels depend on it. Empty: they do.
   std::function<bool(const RenderRequest&)> matters = {};
+  std::string sets = {};  ///< the key of the setting that it stands for; empty: none
   /// The value that a record's settings have for it, to repeat the render. Without: the request's.
   std::function<std::vector<std::string>(const RenderSettings&)> setting = {};
   OptionKind kind = OptionKind::kText;

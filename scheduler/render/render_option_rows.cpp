@@ -13,9 +13,12 @@ namespace {
 
 #define AT PENUMBRA_AT
 
-std::function<Texts(const RenderSettings&)> setting_of(std::string_view key) {
-  return [setting = find_setting(key)](const RenderSettings& settings) {
-    return Texts{setting->print(settings)};
+/// Makes it an option that sets a setting. `none`: the setting's value without which a render is the same.
+void sets(RenderOption& option, const std::string& key, const std::string& none = "") {
+  option.sets = key;
+  option.setting = [key, none](const RenderSettings& settings) {
+    const std::string text = print_setting(settings, key);
+    return text == none ? Texts() : Texts{text};
   };
 }
 
@@ -28,14 +31,6 @@ Texts crop_of(const RenderSettings& settings) {
   return is_whole ? Texts()
                   : texts_of(CropRectangle{film.crop_x, film.crop_y, film.crop_x + film.crop_width,
                                            film.crop_y + film.crop_height});
-}
-
-Texts denoise_of(const RenderSettings& settings) {
-  return settings.film.denoise == Denoise::kOff ? Texts() : Texts{print_setting(settings, "film.denoise")};
-}
-
-Texts layers_of(const RenderSettings& settings) {
-  return settings.film.layers.empty() ? Texts() : Texts{print_setting(settings, "film.layers")};
 }
 
 Expected<void> apply_scale(RenderRequest& request, std::string& text) {
@@ -78,22 +73,19 @@ void add_scene_rows(std::vector<RenderOption>& all) {
             "Of Nori scenes: nori-eth is that of ETH Zurich's course, whose camera is mirrored (default: "
             "told from the file; `penumbra info` shows it)");
   OptionRows sampling{all, group::kSampling, kScene, kFiles};
-  sampling
-      .add("--integrator", "NAME", AT(scene.integrator), {choice_of("integrator.type")},
-           "Integrator instead of the scene's; path is path_mis")
-      .setting = setting_of("integrator.type");
-  sampling
-      .add("--sampler", "NAME", AT(scene.sampler), {one_of(sampler_names())},
-           "Sampler. scene: the scene's; without this option, sobol replaces the scene's independent")
-      .setting = setting_of("sampler.type");
-  sampling
-      .add("--spp", "N", AT(scene.spp), {whole_number(1, kMaxSamplesPerPixel)},
-           "Samples per pixel (default: the scene's)")
-      .setting = setting_of("sampler.sample_count");
-  sampling
-      .add("--seed", "S", AT(scene.seed), {whole_number(0, kMaxSeed)},
-           "Seed of all random numbers (default: the scene's, or 0)")
-      .setting = setting_of("sampler.seed");
+  sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {choice_of("integrator.type")},
+                    "Integrator instead of the scene's; path is path_mis"),
+       "integrator.type");
+  sets(sampling.add(
+           "--sampler", "NAME", AT(scene.sampler), {one_of(sampler_names())},
+           "Sampler. scene: the scene's; without this option, sobol replaces the scene's independent"),
+       "sampler.type");
+  sets(sampling.add("--spp", "N", AT(scene.spp), {whole_number(1, kMaxSamplesPerPixel)},
+                    "Samples per pixel (default: the scene's)"),
+       "sampler.sample_count");
+  sets(sampling.add("--seed", "S", AT(scene.seed), {whole_number(0, kMaxSeed)},
+                    "Seed of all random numbers (default: the scene's, or 0)"),
+       "sampler.seed");
 }
 
 void add_plan_rows(std::vector<RenderOption>& all) {
@@ -187,16 +179,16 @@ void add_output_rows(std::vector<RenderOption>& all) {
       .part = kScene;
   output.add("--cryptomatte", "", AT(scene.cryptomatte), {},
              "Add object and material IDs to the EXR (Cryptomatte), by the scene's names");
-  output
-      .add("--denoise{nfor}", "METHOD", AT(scene.denoise), {choice_of("film.denoise")},
+  sets(output.add(
+           "--denoise{nfor}", "METHOD", AT(scene.denoise), {choice_of("film.denoise")},
            "Write a denoised image too, NAME-denoised.exr and .png; =nlmeans and =oidn are other methods, "
-           "=layers adds only the layers for `penumbra denoise`")
-      .setting = denoise_of;
-  output
-      .add("--layers", "NAMES", AT(scene.layers), {{wrong_layers}},
+           "=layers adds only the layers for `penumbra denoise`"),
+       "film.denoise", "off");
+  sets(output.add(
+           "--layers", "NAMES", AT(scene.layers), {{wrong_layers}},
            "Add layers to the EXR, separated by commas: " + list_names(find_setting("film.layers")->choices) +
-               "; none: not those that the scene asks for")
-      .setting = layers_of;
+               "; none: not those that the scene asks for"),
+       "film.layers", "none");
   OptionRows region{all, group::kRegion, kRender, kFiles};
   region
       .add("--crop", "X0,Y0,X1,Y1", AT(crop), {},

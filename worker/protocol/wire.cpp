@@ -36,32 +36,17 @@ std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
       peer, theirs, kProtocolVersion);
 }
 
-wire::Isa encode(Isa isa) {
-  switch (isa) {
-    case Isa::kSse2:
-      return wire::ISA_SSE2;
-    case Isa::kAvx2:
-      return wire::ISA_AVX2;
-    case Isa::kAvx512:
-      return wire::ISA_AVX512;
-  }
-  return wire::ISA_SSE2;
-}
+// The numbers of the messages are those of the types here.
+static_assert(int(wire::ISA_SSE2) == int(Isa::kSse2) && int(wire::ISA_AVX2) == int(Isa::kAvx2) &&
+              int(wire::ISA_AVX512) == int(Isa::kAvx512));
+static_assert(int(wire::BACKEND_NATIVE) == int(Backend::kNative) &&
+              int(wire::BACKEND_OPENCL) == int(Backend::kOpenCl) &&
+              int(wire::BACKEND_AUTO) == int(Backend::kAuto));
 
-wire::Backend encode(Backend backend) {
-  switch (backend) {
-    case Backend::kNative:
-      return wire::BACKEND_NATIVE;
-    case Backend::kOpenCl:
-      return wire::BACKEND_OPENCL;
-    case Backend::kAuto:
-      return wire::BACKEND_AUTO;
-  }
-  return wire::BACKEND_NATIVE;
-}
+wire::Isa encode(Isa isa) { return wire::Isa(isa); }
 
 void encode(const DeviceOptions& options, wire::DeviceOptions& message) {
-  message.set_backend(encode(options.backend));
+  message.set_backend(wire::Backend(options.backend));
   message.set_isa(encode(options.isa));
   message.set_threads(options.threads);
   message.set_block_of_one(options.block_of_one);
@@ -70,32 +55,12 @@ void encode(const DeviceOptions& options, wire::DeviceOptions& message) {
 
 Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
   DeviceOptions options;
-  switch (message.backend()) {
-    case wire::BACKEND_NATIVE:
-      options.backend = Backend::kNative;
-      break;
-    case wire::BACKEND_OPENCL:
-      options.backend = Backend::kOpenCl;
-      break;
-    case wire::BACKEND_AUTO:
-      options.backend = Backend::kAuto;
-      break;
-    default:
-      return fail(fmt::format("the job asks for the unknown backend {}", int(message.backend())));
-  }
-  switch (message.isa()) {
-    case wire::ISA_SSE2:
-      options.isa = Isa::kSse2;
-      break;
-    case wire::ISA_AVX2:
-      options.isa = Isa::kAvx2;
-      break;
-    case wire::ISA_AVX512:
-      options.isa = Isa::kAvx512;
-      break;
-    default:
-      return fail(fmt::format("the job asks for the unknown instruction set {}", int(message.isa())));
-  }
+  if (!wire::Backend_IsValid(message.backend()))
+    return fail(fmt::format("the job asks for the unknown backend {}", int(message.backend())));
+  if (!wire::Isa_IsValid(message.isa()))
+    return fail(fmt::format("the job asks for the unknown instruction set {}", int(message.isa())));
+  options.backend = Backend(message.backend());
+  options.isa = Isa(message.isa());
   if (message.threads() < 1 || message.threads() > 4096) {
     return fail(fmt::format("the job asks for {} threads; 1 to 4096 make sense", message.threads()));
   }
