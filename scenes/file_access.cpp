@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <xxhash.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/plain_file.h"
+#include "scenes/inflated_stream.h"
 #include "scenes/names.h"
 
 namespace penumbra {
@@ -33,30 +33,15 @@ Expected<void> take_byte_order_mark(std::string& text) {
 
 /// Decompresses gzip data.
 Expected<std::string> unpacked(const std::string& packed, std::uint64_t max_bytes) {
-  z_stream stream{};
-  constexpr int kGzip = 15 + 16;  // largest window, with gzip header
-  if (inflateInit2(&stream, kGzip) != Z_OK) return fail("cannot be unpacked: no memory");
+  using State = InflatedStream::State;
+  InflatedStream stream(packed, InflatedStream::Format::kGzip);
   std::string result;
   std::vector<char> part(std::size_t{1} << 20);
-  std::size_t at = 0;
-  int state = Z_OK;
-  while (state == Z_OK && result.size() <= max_bytes) {
-    if (stream.avail_in == 0) {
-      const std::size_t next = std::min(packed.size() - at, std::size_t{1} << 30);  // zlib counts in 32 bits
-      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + at));
-      stream.avail_in = uInt(next);
-      at += next;
-    }
-    stream.next_out = reinterpret_cast<Bytef*>(part.data());
-    stream.avail_out = uInt(part.size());
-    state = inflate(&stream, Z_NO_FLUSH);
-    result.append(part.data(), part.size() - stream.avail_out);
-    // A gzip file may consist of several members.
-    if (state == Z_STREAM_END && (stream.avail_in > 0 || at < packed.size())) state = inflateReset(&stream);
-  }
-  inflateEnd(&stream);
+  while (stream.state() == State::kMore && result.size() <= max_bytes)
+    result.append(part.data(), stream.read(part.data(), part.size()));
+  if (stream.state() == State::kNoMemory) return fail("cannot be unpacked: no memory");
   if (result.size() > max_bytes) return fail(fmt::format("unpacks to more than {} bytes", max_bytes));
-  if (state != Z_STREAM_END) return fail("is damaged or ends early: it cannot be unpacked");
+  if (stream.state() != State::kEnd) return fail("is damaged or ends early: it cannot be unpacked");
   return result;
 }
 

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -7,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "scenes/inflated_stream.h"
 #include "scenes/mesh_reader.h"
 
 namespace penumbra {
@@ -32,41 +32,17 @@ enum Flag : std::uint32_t {
 };
 constexpr std::uint32_t kKnownFlags = kNormals | kTexcoords | kColours | kFaceNormals | kSingle | kDouble;
 
-/// Reads the decompressed bytes of a zlib stream in order.
-class InflatedStream {
+/// The numbers of a compressed mesh, in order.
+class PackedNumbers {
  public:
-  explicit InflatedStream(std::string_view packed) {
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-    left_ = packed.size();
-    ready_ = inflateInit(&stream_) == Z_OK;
-  }
-  ~InflatedStream() { inflateEnd(&stream_); }
-  InflatedStream(const InflatedStream&) = delete;
-  InflatedStream& operator=(const InflatedStream&) = delete;
+  explicit PackedNumbers(std::string_view packed) : stream_(packed, InflatedStream::Format::kZlib) {}
 
   /// Reads exactly `bytes` bytes. Errors: the stream ends early or is damaged.
   Expected<void> read(void* to, std::size_t bytes) {
-    auto* out = static_cast<Bytef*>(to);
-    while (bytes > 0) {
-      constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in 32 bits
-      const std::size_t wanted = std::min(bytes, kMost);
-      if (stream_.avail_in == 0) {
-        stream_.avail_in = uInt(std::min(left_, kMost));
-        left_ -= stream_.avail_in;
-      }
-      stream_.next_out = out;
-      stream_.avail_out = uInt(wanted);
-      const int result = ready_ ? inflate(&stream_, Z_NO_FLUSH) : Z_STREAM_ERROR;
-      const std::size_t made = wanted - stream_.avail_out;
-      out += made;
-      bytes -= made;
-      if (bytes == 0) return {};
-      if (result == Z_STREAM_END || (result == Z_BUF_ERROR && stream_.avail_in == 0 && left_ == 0))
-        return fail("the data end early");
-      if (result != Z_OK && !(result == Z_BUF_ERROR && left_ > 0))
-        return fail("the compressed data are damaged");
-    }
-    return {};
+    using State = InflatedStream::State;
+    if (stream_.read(to, bytes) == bytes) return {};
+    const bool ends = stream_.state() == State::kEnd || stream_.state() == State::kCutOff;
+    return fail(ends ? "the data end early" : "the compressed data are damaged");
   }
 
   template <typename T>
@@ -77,9 +53,7 @@ class InflatedStream {
   }
 
  private:
-  z_stream stream_{};
-  std::size_t left_ = 0;  ///< compressed bytes not passed to zlib yet
-  bool ready_ = false;
+  InflatedStream stream_;
 };
 
 template <typename T>
@@ -99,7 +73,7 @@ class SerializedReader {
     if (!at) return wrong(at.error().message);
     if (auto done = check_header(*at); !done) return wrong(done.error().message);
     const std::string_view packed = bytes_.substr(*at + kHeaderBytes);
-    InflatedStream stream(packed);
+    PackedNumbers stream(packed);
     if (auto done = mesh(stream, packed.size()); !done)
       return wrong(fmt::format("mesh {}: {}", index_, done.error().message));
     return std::move(result_);
@@ -149,7 +123,7 @@ class SerializedReader {
     return std::size_t(start);
   }
 
-  Expected<void> mesh(InflatedStream& stream, std::uint64_t packed_bytes) {
+  Expected<void> mesh(PackedNumbers& stream, std::uint64_t packed_bytes) {
     const auto flags = stream.number<std::uint32_t>();
     if (!flags) return std::unexpected(flags.error());
     if ((*flags & ~kKnownFlags) != 0)
@@ -181,7 +155,7 @@ class SerializedReader {
     return {};
   }
 
-  static Expected<void> skip_name(InflatedStream& stream) {
+  static Expected<void> skip_name(PackedNumbers& stream) {
     for (std::size_t i = 0; i < kMaxNameBytes; ++i) {
       const auto next = stream.number<char>();
       if (!next) return std::unexpected(next.error());
@@ -191,7 +165,7 @@ class SerializedReader {
   }
 
   template <typename Number>
-  Expected<void> attributes(InflatedStream& stream, std::uint32_t flags, std::uint64_t vertices) {
+  Expected<void> attributes(PackedNumbers& stream, std::uint32_t flags, std::uint64_t vertices) {
     Mesh& m = result_.mesh;
     auto done = values<Number>(stream, vertices, m.positions, "position");
     if (done && (flags & kNormals) != 0) done = values<Number>(stream, vertices, m.normals, "normal");
@@ -203,7 +177,7 @@ class SerializedReader {
 
   /// Reads one value per vertex. Memory grows as values arrive, because the stated count is not trusted.
   template <typename Number, typename Vector>
-  Expected<void> values(InflatedStream& stream, std::uint64_t count, std::vector<Vector>& to,
+  Expected<void> values(PackedNumbers& stream, std::uint64_t count, std::vector<Vector>& to,
                         std::string_view what) {
     constexpr auto kNumbers = std::size_t(Vector::length());
     std::vector<Number> chunk;
@@ -226,7 +200,7 @@ class SerializedReader {
     return {};
   }
 
-  Expected<void> indices(InflatedStream& stream, std::uint64_t vertices, std::uint64_t triangles) {
+  Expected<void> indices(PackedNumbers& stream, std::uint64_t vertices, std::uint64_t triangles) {
     std::vector<glm::uvec3>& to = result_.mesh.triangles;
     std::vector<glm::uvec3> chunk;
     while (to.size() < triangles) {
