@@ -9,7 +9,7 @@
 
 #include "gl/analytic_shaders.h"
 #include "kernels/features.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/sampler/filter.h"
 
 namespace penumbra {

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "kernels/host/bounds.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {

@@ -14,7 +14,7 @@ foreach(name object IN ZIP_LISTS NAMES OBJECTS)
   string(APPEND rows "    {\"${name}\", ${bytes}},\n")
 endforeach()
 file(WRITE ${OUT} "// Made by native_code_size.cmake.
-#include \"kernels/host/native_code_size.h\"
+#include \"kernels/host/native_kernels.h\"
 
 #include <string_view>
 

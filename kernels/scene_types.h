@@ -298,7 +298,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, height)                  \
   F(float, covered) /* what directions of BSDF samples cover of a texel's sum, see envmap_weight */
 
-// The directions into which a spot light or projector emits, see beam.h.
+// The directions into which a spot light or projector emits, see delta_lights.h.
 #define BEAM_FIELDS(F)                                                                                \
   F(vec3, x) /* unit axes of the light's frame, which may be mirrored */                              \
   F(vec3, y)                                                                                          \

@@ -17,7 +17,6 @@
 #include <variant>
 
 #include "scenes/bsdfs/bend.h"
-#include "scenes/bsdfs/blinnphong.h"
 #include "scenes/bsdfs/conductor.h"
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
@@ -29,7 +28,6 @@
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/principled.h"
 #include "scenes/bsdfs/principledthin.h"
-#include "scenes/bsdfs/roughplastic.h"
 #include "scenes/bsdfs/ward.h"
 
 namespace penumbra {

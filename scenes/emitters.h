@@ -161,7 +161,7 @@ struct EnvironmentMapLight {
 
 enum class SpotFalloff { kLinear = SPOT_LINEAR, kSmoothstep = SPOT_SMOOTHSTEP, kSquared = SPOT_SQUARED };
 
-/// A spot light: radiant intensity about the z axis of its frame; see kernels/light/spot_light.h.
+/// A spot light: radiant intensity about the z axis of its frame; see kernels/light/delta_lights.h.
 struct SpotLight {
   static constexpr const char* kPlugin = "spot";
   static constexpr const char* kText = "spot light: a cone about the z axis";
@@ -238,7 +238,7 @@ struct DirectionalLight {
   }
 };
 
-/// A projector: it projects an image that is in focus at every distance; see kernels/light/projector_light.h.
+/// A projector: it projects an image that is in focus at every distance; see kernels/light/delta_lights.h.
 struct ProjectorLight {
   static constexpr const char* kPlugin = "projector";
   static constexpr const char* kText = "projects an image from a point, in focus at every distance";

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernels/host/bounds.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/intersect/instance.h"
 #include "kernels/intersect/quadric.h"
 

@@ -1,7 +1,7 @@
 #include "worker/search_choice.h"
 
 #include "kernels/host/bounds.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 
 namespace penumbra {
 namespace {

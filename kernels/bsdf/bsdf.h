@@ -2,10 +2,8 @@
 // lane loop for each family among them. The families of a scene are known, so others cost nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
-#include "kernels/bsdf/blinnphong.h"
 #include "kernels/bsdf/conductor.h"
 #include "kernels/bsdf/dielectric.h"
-#include "kernels/bsdf/difftrans.h"
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/metalrough.h"
@@ -15,11 +13,7 @@
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
 #include "kernels/bsdf/principledthin.h"
-#include "kernels/bsdf/roughconductor.h"
-#include "kernels/bsdf/roughdielectric.h"
-#include "kernels/bsdf/roughdiffuse.h"
 #include "kernels/bsdf/roughplastic.h"
-#include "kernels/bsdf/thindielectric.h"
 #include "kernels/bsdf/ward.h"
 #ifdef EXTRA_BSDF_FAMILY_LIST
   #include EXTRA_BSDF_FAMILY_FUNCTIONS

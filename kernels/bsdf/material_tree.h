@@ -4,7 +4,7 @@
 // then does not depend on the path's BSDF samples, so that shadow rays pass, too.
 #ifndef PENUMBRA_MATERIAL_TREE_H
 #define PENUMBRA_MATERIAL_TREE_H
-#include "kernels/bsdf/thindielectric.h"
+#include "kernels/bsdf/dielectric.h"
 #include "kernels/intersect/surface_fields.h"
 #include "kernels/scene.h"
 #include "kernels/texture/texture.h"

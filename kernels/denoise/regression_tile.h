@@ -6,7 +6,7 @@
 // (2016), sections 3 and 5.2.
 #ifndef PENUMBRA_REGRESSION_TILE_H
 #define PENUMBRA_REGRESSION_TILE_H
-#include "kernels/denoise/filter_tile.h"
+#include "kernels/denoise/non_local_means.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

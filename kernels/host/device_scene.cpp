@@ -4,8 +4,6 @@
 #include <cstring>
 #include <new>
 
-#include "kernels/host/device_scene_check.h"
-
 namespace penumbra {
 namespace {
 

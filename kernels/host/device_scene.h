@@ -54,4 +54,39 @@ class DeviceSceneReader {
   DeviceScene scene_;
 };
 
+/// A row of SCENE_TABLES.
+struct SceneTable {
+  const char* what;  ///< name for users
+  std::size_t record_bytes;
+  int least;  ///< records that exist whatever the count
+  TableSpan TableSpans::*span;
+
+  [[nodiscard]] std::uint64_t bytes(const TableSpans& tables) const {
+    return std::uint64_t((tables.*span).count) * record_bytes;
+  }
+};
+
+#define LIST_TABLE(_, name, record, least, what) {what, sizeof(record), least, &TableSpans::name},
+inline constexpr SceneTable kSceneTables[] = {SCENE_TABLES(LIST_TABLE, _)};
+#undef LIST_TABLE
+
+/// The records of a table.
+template <typename Record>
+std::span<const Record> table(const DeviceScene& scene, TableSpan span) {
+  return {reinterpret_cast<const Record*>(scene.words.data() + span.offset), std::size_t(span.count)};
+}
+
+/// Checks that every table is inside the words (including the records that kernels read in empty tables),
+/// every index is inside its table, and every enumerated value is known.
+Expected<void> check_device_scene(const DeviceScene& scene);
+
+/// The closure of a material without textures.
+inline Closure closure_of(const Material& m) {
+  Closure c;
+#define COPY_FIELD(_, type, name) c.name = m.name;
+  CLOSURE_FIELDS(COPY_FIELD, _)
+#undef COPY_FIELD
+  return c;
+}
+
 }  // namespace penumbra

@@ -1,5 +1,3 @@
-#include "kernels/host/device_scene_check.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
+#include "kernels/host/hierarchy_check.h"
 #include "kernels/host/kernel_needs.h"
 #include "kernels/intersect/bvh_limits.h"
 #include "kernels/light/envmap_grid.h"
@@ -582,52 +581,19 @@ class Checker {
   }
 
   void check_hierarchy() {
-    require(h_.tables.nodes.count > 0, "a hierarchy without a root");
-    const std::int64_t shapes =
-        std::int64_t{h_.tables.triangle_leaves.count} + h_.tables.quadric_leaves.count;
-    require(shapes > 0, "a hierarchy without leaves");
-    const auto nodes = table<BvhNode>(scene_, h_.tables.nodes);
-    // Children come after their only parent, in empty slots too, so that every traversal ends. The subtree of
-    // a group has no instances.
-    std::vector<int> depth(nodes.size(), 0);
-    std::vector<bool> in_group(nodes.size(), false);
-    if (!depth.empty()) depth[0] = 1;
-    const auto groups = table<PrimitiveGroup>(scene_, h_.tables.groups);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      require(g == 0 ? groups[g].root == 0 : in(groups[g].root, 1, h_.tables.nodes.count - 1),
-              "a group's root is not there");
-      if (!problem_.empty()) return;
-      const auto root = std::size_t(groups[g].root);
-      require(g == 0 || depth[root] == 0, "two groups have one root");
-      depth[root] = 1;
-      in_group[root] = g > 0;
-    }
-    for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
-      require(depth[i] > 0, "a BVH node has no parent");
-      require(depth[i] <= BVH_MAX_DEPTH, "the hierarchy is too deep");
-      const std::int64_t leaves = shapes + (in_group[i] ? 0 : h_.tables.instances.count);
-      for (int child : nodes[i].child) {
-        if (child < 0) {
-          require(~child < leaves, "a BVH node names a leaf that is not there");
-          continue;
-        }
-        require(child > int(i) && child < h_.tables.nodes.count,
-                "a BVH node names a child that is not there");
-        if (!problem_.empty()) return;
-        require(depth[std::size_t(child)] == 0, "a BVH node has two parents");
-        depth[std::size_t(child)] = depth[i] + 1;
-        in_group[std::size_t(child)] = in_group[i];
-      }
-    }
-    for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.tables.triangle_leaves))
-      for (int primitive : leaf.primitive)
-        require(in(primitive, -1, h_.tables.triangles.count - 1),
-                "a BVH leaf names a triangle that is not there");
-    for (const QuadricLeaf& leaf : table<QuadricLeaf>(scene_, h_.tables.quadric_leaves))
-      for (int primitive : leaf.primitive)
-        require(primitive == -1 || in(primitive, h_.tables.triangles.count,
-                                      h_.tables.triangles.count + h_.tables.quadrics.count - 1),
-                "a BVH leaf names a quadric that is not there");
+    const TableSpans& tables = h_.tables;
+    std::vector<int> roots;
+    for (const PrimitiveGroup& group : table<PrimitiveGroup>(scene_, tables.groups))
+      roots.push_back(group.root);
+    const std::string problem =
+        hierarchy_problem({.nodes = table<BvhNode>(scene_, tables.nodes),
+                           .roots = roots,
+                           .triangle_leaves = table<TriangleLeaf>(scene_, tables.triangle_leaves),
+                           .quadric_leaves = table<QuadricLeaf>(scene_, tables.quadric_leaves),
+                           .triangles = tables.triangles.count,
+                           .quadrics = tables.quadrics.count,
+                           .instances = tables.instances.count});
+    if (problem_.empty()) problem_ = problem;
   }
 
   const DeviceScene& scene_;

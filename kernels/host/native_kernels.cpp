@@ -1,8 +1,11 @@
 #include "kernels/host/native_kernels.h"
 
+#include <utility>
+
 namespace penumbra {
 
 NativeRenderBlock render_block_sse2, render_block_avx2, render_block_avx512;
+NativeDenoiseTile denoise_tile_sse2, denoise_tile_avx2, denoise_tile_avx512;
 NativeTracePhotons trace_photons_sse2, trace_photons_avx2, trace_photons_avx512;
 
 namespace {
@@ -19,6 +22,18 @@ constexpr NativeKernel kKernels[] = {
 #endif
 #ifdef PENUMBRA_AVX512
     {Isa::kAvx512, kVectorLanes, render_block_avx512, trace_photons_avx512},
+#endif
+};
+
+constexpr std::pair<Isa, NativeDenoiseTile*> kTiles[] = {
+#ifdef PENUMBRA_SSE2
+    {Isa::kSse2, denoise_tile_sse2},
+#endif
+#ifdef PENUMBRA_AVX2
+    {Isa::kAvx2, denoise_tile_avx2},
+#endif
+#ifdef PENUMBRA_AVX512
+    {Isa::kAvx512, denoise_tile_avx512},
 #endif
 };
 
@@ -44,6 +59,12 @@ bool machine_has(Isa isa) {
 const NativeKernel* find_native_kernel(Isa isa) {
   for (const NativeKernel& kernel : kKernels)
     if (kernel.isa == isa) return &kernel;
+  return nullptr;
+}
+
+NativeDenoiseTile* native_denoise_tile(Isa isa) {
+  for (const auto& [target, tile] : kTiles)
+    if (target == isa) return tile;
   return nullptr;
 }
 

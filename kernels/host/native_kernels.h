@@ -1,4 +1,4 @@
-// The block driver as native code, for each instruction set in this build.
+// The block driver and the stages of denoising as native code, for each instruction set in this build.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #ifndef EXTERNAL_TRACER
   #define EXTERNAL_TRACER
 #endif
+#include "kernels/denoise/denoise_task.h"
 #include "kernels/host/isa.h"
 #include "kernels/photon/photon_task.h"
 #include "kernels/scene.h"
@@ -39,5 +40,15 @@ bool machine_has(Isa isa);
 
 /// Null if this binary has no kernel for the set.
 const NativeKernel* find_native_kernel(Isa isa);
+
+/// Bytes of machine code and constants in the kernel's object file.
+std::uint64_t native_code_bytes(const NativeKernel& kernel);
+
+/// See denoise_tile_of of denoise/denoise.h.
+using NativeDenoiseTile = void(const DenoiseTask& task, int tile, const float* guide, const float* sources,
+                               float* models, float* scratch, float* out);
+
+/// The stages of denoising for the set; null if this binary has none.
+NativeDenoiseTile* native_denoise_tile(Isa isa);
 
 }  // namespace penumbra

@@ -17,6 +17,9 @@ std::string counted(Integer count, std::string_view thing) {
   return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
+/// A size in powers of 1000: "512 B", "1.2 MB".
+std::string size_text(double bytes);
+
 /// Number of bytes of the well-formed UTF-8 character (RFC 3629) at `at`, which must be inside of the text; 0
 /// if there is none.
 std::size_t character_length(std::string_view text, std::size_t at);

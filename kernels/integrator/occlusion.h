@@ -5,7 +5,6 @@
 #ifndef PENUMBRA_INTEGRATOR_OCCLUSION_H
 #define PENUMBRA_INTEGRATOR_OCCLUSION_H
 #include "kernels/bsdf/phong.h"
-#include "kernels/integrator/kept_surfaces.h"
 #include "kernels/integrator/step.h"
 
 PENUMBRA_NAMESPACE_BEGIN

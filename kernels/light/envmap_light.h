@@ -1,5 +1,5 @@
-// An environment map. Radiance is bilinear over the grid of envmap_grid.h. Directions are sampled exactly
-// from a pdf that is bilinear over the grid, too.
+// Environments: a constant one, and a map. The radiance of the map is bilinear over the grid of
+// envmap_grid.h. Directions are sampled exactly from a pdf that is bilinear over the grid, too.
 //
 // Tables: the texels, row by row. envmap_columns: for each row y and column x, the cumulative sum of the
 // row's weights (interpolated between columns) up to x; W + 1 sums per row, from 0 on, with the levels of
@@ -8,10 +8,28 @@
 #ifndef PENUMBRA_ENVMAP_LIGHT_H
 #define PENUMBRA_ENVMAP_LIGHT_H
 #include "kernels/light/envmap_grid.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/light/light_found.h"
 #include "kernels/light/sum_search.h"
+#include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+LIGHT_EMITS_UNIFORMLY(environment)
+
+FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                        float v, LightSampling sampling, ulong strategies) {
+  GLOBAL const Light* light = scene->lights + index;
+  LightSample s = toward_infinity(r, sample_uniform_sphere(u, v));
+  s.pdf = 0.25f * INV_PI_F;
+  s.radiance = environment_light_radiance(scene, light, light_point(s.origin, negate(s.wi)), s.wi);
+  return s;
+}
+
+FN float environment_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                               ulong strategies) {
+  return 0.25f * INV_PI_F;
+}
 
 /// The cell that contains a point of the grid, and the position in it.
 typedef struct {

@@ -31,12 +31,5 @@ PENUMBRA_NAMESPACE_BEGIN
     return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);                      \
   }
 
-// Defines <name>_light_pdf for a delta light, which rays never hit.
-#define NO_RAY_FINDS_LIGHT(name)                                                                     \
-  FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
-                            ulong strategies) {                                                      \
-    return 0.0f;                                                                                     \
-  }
-
 PENUMBRA_NAMESPACE_END
 #endif

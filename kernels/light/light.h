@@ -4,19 +4,14 @@
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
 #include "kernels/light/cylinder_light.h"
-#include "kernels/light/directional_light.h"
+#include "kernels/light/delta_lights.h"
 #include "kernels/light/disk_light.h"
-#include "kernels/light/environment_light.h"
 #include "kernels/light/envmap_light.h"
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sample.h"
-#include "kernels/light/light_sampling.h"
 #include "kernels/light/light_texture.h"
-#include "kernels/light/point_light.h"
-#include "kernels/light/projector_light.h"
 #include "kernels/light/rectangle_light.h"
 #include "kernels/light/sphere_light.h"
-#include "kernels/light/spot_light.h"
 #include "kernels/light/triangle_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN

@@ -3,7 +3,6 @@
 #define PENUMBRA_LIGHT_FOUND_H
 #include "kernels/light/light_receiver.h"
 #include "kernels/light/light_sample.h"
-#include "kernels/light/light_sampling.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

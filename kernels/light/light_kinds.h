@@ -34,7 +34,7 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, envmap_texels, vec3, 1, "texels of environment maps")                          \
   T(A, envmap_rows, float, 2, "distribution over the rows of environment maps")       \
   T(A, envmap_columns, float, 2, "distribution over the columns of environment maps") \
-  /* See beam.h. */                                                                   \
+  /* See delta_lights.h. */                                                           \
   T(A, beams, Beam, 1, "beams of spot lights and projectors")                         \
   /* See light_grid.h. */                                                             \
   T(A, light_grids, float, 3, "distributions over textured lights")

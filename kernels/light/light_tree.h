@@ -13,7 +13,7 @@
 #define PENUMBRA_LIGHT_TREE_H
 #include "kernels/light/light_found.h"
 #include "kernels/light/light_importance.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_sample.h"
 #include "kernels/math/math.h"
 
 PENUMBRA_NAMESPACE_BEGIN

@@ -6,7 +6,7 @@
 #include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/intersect/surface.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_sample.h"
 #include "kernels/light/projected_light.h"
 #include "kernels/polygon/polygon_light.h"
 

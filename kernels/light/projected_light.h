@@ -2,7 +2,7 @@
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
 #include "kernels/light/light_found.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_sample.h"
 #include "kernels/light/projected_triangle.h"
 #include "kernels/math/frame.h"
 #include "kernels/polygon/polygon_light.h"

@@ -6,7 +6,6 @@
 #include "kernels/bsdf/families.h"
 #include "kernels/polygon/polygon_edge.h"
 #include "kernels/polygon/polygon_lobe_lanes.h"
-#include "kernels/polygon/polygon_receivers.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN

@@ -1,10 +1,22 @@
-// The contribution of one arc per lane to LANES lobes, by Gauss-Legendre quadrature.
+// LANES shading points for which a polygon light's closed forms are computed, and the contribution of one arc
+// per lane to their lobes, by Gauss-Legendre quadrature.
 #ifndef PENUMBRA_POLYGON_LOBE_LANES_H
 #define PENUMBRA_POLYGON_LOBE_LANES_H
 #include "kernels/polygon/polygon_lobe.h"
-#include "kernels/polygon/polygon_receivers.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+typedef struct {
+  double px[LANES], py[LANES], pz[LANES];  ///< position, relative to the scene's centre
+  double nx[LANES], ny[LANES], nz[LANES];  ///< unit shading normal on the side of wo
+  double wx[LANES], wy[LANES], wz[LANES];  ///< unit mirror direction of wo about the normal, at most rounding
+                                           ///< below the horizon
+  double exponent[LANES];                  ///< of the Phong lobe, any real number from 0; negative: no lobe
+  // Instead of the Phong lobe, in scenes that need it, a linearly transformed cosine: the unit x axis of its
+  // frame, the inverse widths of its matrix (see Ltc), 0 for no lobe, and the shift.
+  double tx[LANES], ty[LANES], tz[LANES];
+  double inverse_x[LANES], inverse_y[LANES], shift[LANES];
+} Receivers;
 
 /// The data of the lobes that all arcs share.
 typedef struct {

@@ -1,15 +1,56 @@
-// Evaluates textures at LANES surfaces: a lane loop for each kind among them, until no lane has a further
-// texture.
+// Simple textures, and the evaluation of textures at LANES surfaces: a lane loop for each kind among them,
+// until no lane has a further texture.
 #ifndef PENUMBRA_TEXTURE_H
 #define PENUMBRA_TEXTURE_H
 #include "kernels/intersect/surface_fields.h"
+#include "kernels/intersect/surface_uv.h"
 #include "kernels/texture/bitmap_texture.h"
-#include "kernels/texture/checkerboard_texture.h"
-#include "kernels/texture/mesh_attribute_texture.h"
 #include "kernels/texture/noise_texture.h"
-#include "kernels/texture/scale_texture.h"
+#include "kernels/texture/texture_step.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+/// Another texture, times a colour: `scale` of Mitsuba 0.6.
+FN TextureStep scale_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture, TexturePlace at) {
+  TextureStep step;
+  step.factor = load3(&texture->colour0);
+  step.next = texture->texture0;
+  return step;
+}
+
+/// A checkerboard with 2 x 2 squares in each unit square of texture coordinates: colour0 where the fractional
+/// parts of u and v are both above 1/2 or both at most 1/2, as in Mitsuba 3.
+FN TextureStep checkerboard_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture,
+                                    TexturePlace at) {
+  const float u = at.u - floor_f(at.u), v = at.v - floor_f(at.v);
+  const bool first = (u > 0.5f) == (v > 0.5f);
+  const vec3 colour0 = load3(&texture->colour0), colour1 = load3(&texture->colour1);
+  const int texture0 = texture->texture0, texture1 = texture->texture1;
+  TextureStep step;
+  step.factor = select3(first, colour0, colour1);
+  step.next = first ? texture0 : texture1;
+  return step;
+}
+
+/// Colours of a mesh's vertices or faces; black if the surface has no such colours.
+FN TextureStep mesh_attribute_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture,
+                                      TexturePlace at) {
+  const bool on_triangle = (at.primitive >= 0) & (at.primitive < scene->header.tables.triangle_colours.count);
+  const int triangle = on_triangle ? at.primitive : 0;
+  const int first = scene->triangle_colours[triangle];
+  const bool some = on_triangle & (first >= 0);
+  GLOBAL const VertexColours* colours = scene->vertex_colours + (some ? first + texture->attribute : 0);
+  const Barycentric b = barycentric_of(scene->triangles + triangle, at.p);
+  // By rounding, the point may be slightly outside of the triangle.
+  const float b1 = clamp_f(b.b1, 0.0f, 1.0f), b2 = clamp_f(b.b2, 0.0f, 1.0f - b1);
+  const vec3 c0 = load3(&colours->c0);
+  const vec3 value =
+      add_scaled(add_scaled(c0, b1, sub(load3(&colours->c1), c0)), b2, sub(load3(&colours->c2), c0));
+  TextureStep step;
+  step.factor = select3(some, mul(load3(&texture->colour0), value), make_vec3(0.0f, 0.0f, 0.0f));
+  step.next = texture->texture0;
+  return step;
+}
 
 #define TEXTURE_LANE_FIELDS(F, a)                       \
   F(a, vec3, value) /* product of the factors so far */ \

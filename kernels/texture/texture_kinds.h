@@ -53,7 +53,7 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
   F(vec3, colour1)                                                                    \
   F(int, texture0) /* texture (a lower index), or -1: scales colour0, or the texel */ \
   F(int, texture1) /* ... colour1 */                                                  \
-  /* Bitmaps: see texel.h. */                                                         \
+  /* Bitmaps: see bitmap_texture.h. */                                                \
   F(int, width)                                                                       \
   F(int, height)                                                                      \
   F(int, channels) /* 1 or 3 */                                                       \

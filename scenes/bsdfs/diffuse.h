@@ -23,7 +23,7 @@ inline Material material_of(const DiffuseBsdf& diffuse) {
   return m;
 }
 
-/// Rough surfaces (Oren and Nayar), see kernels/bsdf/roughdiffuse.h.
+/// Rough surfaces (Oren and Nayar), see kernels/bsdf/diffuse.h.
 struct RoughDiffuseBsdf {
   static constexpr const char* kPlugin = "roughdiffuse";
   static constexpr const char* kText =
@@ -50,7 +50,7 @@ inline Material material_of(const RoughDiffuseBsdf& rough) {
   return m;
 }
 
-/// A sheet, see kernels/bsdf/difftrans.h.
+/// A sheet, see kernels/bsdf/diffuse.h.
 struct DiffuseTransmitterBsdf {
   static constexpr const char* kPlugin = "difftrans";
   static constexpr const char* kText = "sheet that scatters light evenly, of Mitsuba 0.6";

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "kernels/bsdf/microfacet.h"
 #include "scenes/bsdfs/material.h"
+#include "scenes/bsdfs/material_tables.h"
 #include "scenes/bsdfs/rough_boundary.h"
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
@@ -50,6 +52,102 @@ inline Material material_of(const PlasticBsdf& plastic) {
   m.ior = plastic.int_ior / plastic.ext_ior;
   m.internal = float(smooth_internal_reflectance(double(m.ior)));
   return m;
+}
+
+struct RoughPlasticBsdf {
+  static constexpr const char* kPlugin = "roughplastic";
+  static constexpr const char* kText = "diffuse base under a rough dielectric coating";
+  TexturedColour diffuse{glm::vec3(0.5f)};
+  TexturedColour specular{glm::vec3(1.0f)};
+  float int_ior = 1.49f;
+  float ext_ior = 1.000277f;
+  bool nonlinear = false;
+  int distribution = DISTRIBUTION_BECKMANN;
+  TexturedNumber alpha{0.1f};
+  bool sample_visible = true;  ///< accepted; visible normals are always sampled
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("diffuse_reflectance", &RoughPlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
+    row("specular_reflectance", &RoughPlasticBsdf::specular, ColourWithin{},
+        "factor of what the boundary reflects");
+    row("int_ior", &RoughPlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &RoughPlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
+    row("nonlinear", &RoughPlasticBsdf::nonlinear, TrueOrFalse{},
+        "the base's colour deepens each time that light is reflected back to it");
+    row("distribution", &RoughPlasticBsdf::distribution,
+        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
+        "of the boundary's microfacets");
+    row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
+        "their roughness");
+    row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
+        "read and ignored: visible microfacets are sampled");
+  }
+  void complete(Findings& findings) const {
+    check_boundary(int_ior, ext_ior, findings);
+    if (int_ior == ext_ior)
+      findings.push_back({"int_ior",
+                          "int_ior and ext_ior must differ: between equal refractive indices there is no "
+                          "boundary (a diffuse bsdf has none)"});
+  }
+};
+
+/// Mitsuba 3's pplastic without polarisation: the specular lobe of rough plastic, and a base that light
+/// enters and leaves once, as through a smooth boundary (Baek et al. 2018, "Simultaneous acquisition of
+/// polarimetric SVBRDF and normals").
+struct PolarizedPlasticBsdf {
+  static constexpr const char* kPlugin = "pplastic";
+  static constexpr const char* kText = "rough plastic of Baek et al. 2018, without polarisation";
+  TexturedColour diffuse{glm::vec3(0.5f)};
+  TexturedColour specular{glm::vec3(1.0f)};
+  float int_ior = 1.49f;
+  float ext_ior = 1.000277f;
+  int distribution = DISTRIBUTION_BECKMANN;
+  TexturedNumber alpha{0.1f};
+  bool sample_visible = true;  ///< accepted; visible normals are always sampled
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    using P = PolarizedPlasticBsdf;
+    row("diffuse_reflectance", &P::diffuse, ColourWithin{}, "albedo of the base");
+    row("specular_reflectance", &P::specular, ColourWithin{}, "factor of what the boundary reflects");
+    row("int_ior", &P::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &P::ext_ior, RefractiveIndex{}, "refractive index above it");
+    row("distribution", &P::distribution,
+        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
+        "of the boundary's microfacets");
+    row("alpha", &P::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA}, "their roughness");
+    row("sample_visible", &P::sample_visible, TrueOrFalse{},
+        "read and ignored: visible microfacets are sampled");
+  }
+  void complete(Findings& findings) const {
+    RoughPlasticBsdf{.int_ior = int_ior, .ext_ior = ext_ior}.complete(findings);
+  }
+};
+
+inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tables,
+                            bool smooth_base = false) {
+  const bool ggx = plastic.distribution == DISTRIBUTION_GGX;
+  Material m = material_of_family(ggx ? FAMILY_ROUGHPLASTIC_GGX : FAMILY_ROUGHPLASTIC_BECKMANN);
+  PENUMBRA_SET_FIELD(m, diffuse, plastic.diffuse);
+  PENUMBRA_SET_FIELD(m, specular, plastic.specular);
+  m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
+  m.ior = plastic.int_ior / plastic.ext_ior;
+  PENUMBRA_SET_FIELD(m, alpha_u, plastic.alpha);
+  m.alpha_u = m.alpha_v = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
+  m.curve_rows = plastic.alpha.texture == kNoTexture ? 1 : CURVE_ROWS;
+  m.curve =
+      tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior), smooth_base}, m.curve_rows);
+  return m;
+}
+
+inline Material material_of(const PolarizedPlasticBsdf& plastic, MaterialTables& tables) {
+  RoughPlasticBsdf rough{
+      .int_ior = plastic.int_ior, .ext_ior = plastic.ext_ior, .distribution = plastic.distribution};
+  rough.diffuse = plastic.diffuse;
+  rough.specular = plastic.specular;
+  rough.alpha = plastic.alpha;
+  return material_of(rough, tables, true);
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Converts spot lights and projectors to records; see kernels/light/beam.h.
+// Converts spot lights and projectors to records; see kernels/light/delta_lights.h.
 #include <algorithm>
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <variant>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/mesh_tools.h"
 
 namespace penumbra {

@@ -11,8 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "kernels/host/device_scene_check.h"
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/camera_builder.h"
 #include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"

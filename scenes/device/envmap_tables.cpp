@@ -9,7 +9,7 @@
 #include "scenes/device/sum_levels.h"
 #include "scenes/emitters.h"
 #include "scenes/image/bitmap_values.h"
-#include "scenes/textures/bitmap.h"
+#include "scenes/textures.h"
 
 namespace penumbra {
 namespace {

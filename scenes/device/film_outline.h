@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/scene_types.h"
-#include "scenes/device/filter_mass.h"
+#include "scenes/device/filter_table.h"
 
 namespace penumbra {
 

@@ -16,7 +16,7 @@
 #include "kernels/intersect/surface.h"
 #include "kernels/math/frame.h"
 #include "scenes/device/film_outline.h"
-#include "scenes/device/filter_mass.h"
+#include "scenes/device/filter_table.h"
 #include "scenes/device/records_view.h"
 #include "scenes/device/to_vec3.h"
 

@@ -6,7 +6,7 @@
 
 #include "kernels/block/block_flight.h"
 #include "kernels/camera/camera.h"
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/light/light.h"
 #include "kernels/light/light_tree.h"

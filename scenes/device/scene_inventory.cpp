@@ -9,11 +9,10 @@
 
 #include "kernels/block/path_state.h"
 #include "kernels/features.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/host/sample_buffer.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/device/hierarchy/bvh_builder.h"
-#include "scenes/device/named_bits.h"
 
 namespace penumbra {
 namespace {

@@ -7,10 +7,24 @@
 #include <string>
 #include <vector>
 
+#include "kernels/bsdf/families.h"
+#include "kernels/features.h"
 #include "kernels/host/device_scene.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
+
+/// The name, for users, of a bit of a scene's features, BSDF families or kinds of lights.
+struct NamedBit {
+  std::uint64_t bit;
+  const char *name, *description;
+};
+#define LIST_FEATURE(name, description) {FEATURE_##name, #name, description},
+inline constexpr NamedBit kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
+#undef LIST_FEATURE
+#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},
+inline constexpr NamedBit kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
+#undef LIST_FAMILY
 
 /// The value for the scene as it is, and for a scene with every feature. The latter is missing if it would
 /// take too long to find out.

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <span>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
+#include "kernels/host/text.h"
 #include "scenes/device/device_scene_builder.h"
-#include "scenes/device/named_bits.h"
+#include "scenes/device/scene_inventory.h"
 
 namespace penumbra {
 namespace {
-
-std::string bytes_text(std::size_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} B", bytes);
-  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", double(bytes) / 1e3);
-  return fmt::format("{:.1f} MB", double(bytes) / 1e6);
-}
 
 int edge_count(const DeviceScene& scene) {
   int edges = 0;
@@ -75,7 +70,7 @@ SceneSummary summarize(const DeviceScene& scene) {
                               ? fmt::format("{:.3g}, shrinking", p.surface_radius)
                               : fmt::format("{:.3g}; caustics {:.3g}", p.surface_radius, p.caustic_radius));
   }
-  needs("device scene", bytes_text(scene.words.size() * 4 + sizeof h));
+  needs("device scene", size_text(double(scene.words.size() * 4 + sizeof h)));
   if (h.dropped_triangles > 0)
     summary.left_out.emplace_back("triangles without area", std::to_string(h.dropped_triangles));
   if (h.duplicate_lights > 0)

@@ -2,13 +2,40 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernels/scene_types.h"
+#include "scenes/image/bitmap_values.h"
 #include "scenes/scene_description.h"
+#include "scenes/textures.h"
 
 namespace penumbra {
+
+/// The table of texels: the bitmaps of a scene's textures, and the decoding of their integer values.
+class TexelTable {
+ public:
+  explicit TexelTable(std::span<const std::shared_ptr<const Bitmap>> bitmaps) : bitmaps_(bitmaps) {}
+
+  /// Completes the record of a texture: its kind and the position of its texels. A bitmap is stored once,
+  /// however many textures use it.
+  void place(const BitmapTexture& texture, TextureNode& node);
+
+  /// Returns the table, including the padding word that kernels may read beyond the last texel.
+  [[nodiscard]] std::vector<std::uint32_t> take();
+
+ private:
+  int place_bitmap(int index);
+  int place_decoding(int values, float gamma);
+
+  std::span<const std::shared_ptr<const Bitmap>> bitmaps_;
+  std::vector<std::uint32_t> words_;
+  std::map<int, int> places_;                       ///< keyed by bitmap
+  std::map<std::pair<int, float>, int> decodings_;  ///< keyed by number of values and gamma
+};
 
 struct TextureTables {
   std::vector<TextureNode> textures;

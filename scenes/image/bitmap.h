@@ -23,7 +23,7 @@ struct Bitmap {
   int channels = 0;  ///< 1: grey; 3: red, green and blue
   TexelType type = TexelType::kByte;
   /// Rows from the top, with the channels of a texel adjacent, packed into words with the lowest byte first,
-  /// as in texel.h.
+  /// as in bitmap_texture.h.
   std::vector<std::uint32_t> words;
   std::shared_ptr<const std::string> contents =
       {};  ///< of a bitmap that is not a file itself: the properties of its source file

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "scenes/textures/mesh_attribute.h"
+#include "scenes/textures.h"
 
 namespace penumbra::mitsuba {
 namespace {

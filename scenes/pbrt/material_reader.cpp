@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "scenes/bsdfs/coating.h"
-#include "scenes/pbrt/type_rows.h"
+#include "scenes/pbrt/state.h"
 #include "scenes/refractive_indices.h"
 #include "scenes/scattering.h"
 

@@ -6,9 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "scenes/pbrt/cloud_density.h"
-#include "scenes/pbrt/grid_refinement.h"
-#include "scenes/pbrt/type_rows.h"
+#include "scenes/pbrt/medium_grids.h"
+#include "scenes/pbrt/state.h"
 #include "scenes/scattering.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"

@@ -13,7 +13,7 @@
 #include "scenes/pbrt/loop_subdivision.h"
 #include "scenes/pbrt/mesh_faces.h"
 #include "scenes/pbrt/quadric_mesh.h"
-#include "scenes/pbrt/type_rows.h"
+#include "scenes/pbrt/state.h"
 #include "scenes/texture_needs.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"

@@ -1,14 +1,21 @@
-// The graphics state that pbrt's directives change and that shapes and lights use.
+// What the readers of pbrt's directives share: the graphics state that directives change and that shapes and
+// lights use, and the look-up of types.
 #pragma once
 
+#include <fmt/format.h>
 #include <glm/glm.hpp>
+#include <initializer_list>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "scenes/material_tree.h"
 #include "scenes/pbrt/parameters.h"
+#include "scenes/reader_report.h"
 
 namespace penumbra::pbrt {
 
@@ -70,5 +77,23 @@ struct Context {
   /// The factor from radiance to pbrt's pixel values.
   [[nodiscard]] double exposure() const { return shutter_time * sensitivity; }
 };
+
+/// The row of that `type`. If there is none, null and a message, which ends in `instead` in lenient mode.
+/// `also`: names of supported types that have no row.
+template <typename Rows>
+const auto* find_row(const Rows& rows, const std::string& type, std::string_view what,
+                     std::string_view instead, SourceLocation location, ReaderReport& report,
+                     std::initializer_list<const char*> also = {}) {
+  for (const auto& row : rows)
+    if (type == row.type) return &row;
+  std::vector<std::string> known;
+  for (const auto& row : rows) known.emplace_back(row.type);
+  known.insert(known.end(), also.begin(), also.end());
+  report.unsupported(location,
+                     fmt::format("{} '{}' is not one that Penumbra reads{}", what, type,
+                                 known_names(type, known, "It reads")),
+                     instead);
+  return static_cast<decltype(&*std::begin(rows))>(nullptr);
+}
 
 }  // namespace penumbra::pbrt

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "scenes/pbrt/colours.h"
-#include "scenes/pbrt/type_rows.h"
+#include "scenes/pbrt/state.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/text.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/files/json_number.h"
-#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <variant>
 
+#include "kernels/host/text.h"
 #include "scenes/cameras.h"
 #include "scenes/instances.h"
-#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

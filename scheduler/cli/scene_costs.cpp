@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "kernels/host/native_code_size.h"
+#include "kernels/host/native_kernels.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/files/run_program.h"
 #include "worker/measure_compile.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernels/denoise/denoise.h"
-#include "kernels/host/native_denoise.h"
+#include "kernels/host/native_kernels.h"
 #include "scheduler/denoise/denoise_devices.h"
 
 namespace penumbra {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "kernels/features.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 
 namespace penumbra {
 namespace {

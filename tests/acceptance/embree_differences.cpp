@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"

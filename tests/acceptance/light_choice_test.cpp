@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/instances.h"
 #include "scenes/transform.h"

@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/bsdfs.h"
 #include "tests/benchmarks/bsdf_stages.h"
 

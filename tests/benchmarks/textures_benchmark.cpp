@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/native_blocks.h"

@@ -2,8 +2,7 @@
 #include <cstring>
 
 #include "kernels/features.h"
-#include "kernels/host/device_scene_check.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/written_scene.h"

@@ -1,7 +1,7 @@
 // Conversion of Mitsuba's plastics, and of Ward's, Blinn's and Nori's BSDFs.
 #include <gmock/gmock.h>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/scenes/scene_text.h"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/scenes/scene_text.h"
 #include "tests/support/tga_file.h"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/settings.h"
 #include "tests/scenes/scene_text.h"

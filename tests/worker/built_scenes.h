@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 
 namespace penumbra {

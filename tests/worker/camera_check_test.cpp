@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/features.h"
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {

@@ -13,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "kernels/host/device_scene_check.h"
-#include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/render_scene.h"

@@ -9,8 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "kernels/host/device_scene_check.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "kernels/host/content_hash.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "tests/support/fake_device.h"

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <iterator>
 
 #include "kernels/host/text.h"
 
@@ -66,13 +65,6 @@ std::string described(std::string_view name, std::string_view text, int indent, 
   else
     line += std::string(std::size_t(indent - length), ' ');
   return line + wrapped(text, indent, indent, columns) + "\n";
-}
-
-std::string size_text(double bytes) {
-  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB"};
-  std::size_t unit = 0;
-  for (; bytes >= 1000 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
-  return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, kUnits[unit]);
 }
 
 }  // namespace penumbra

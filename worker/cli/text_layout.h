@@ -24,7 +24,4 @@ std::string wrapped(std::string_view text, int at, int indent, int columns);
 /// begins in the same line if the name is short enough. Ends with a line feed.
 std::string described(std::string_view name, std::string_view text, int indent, int columns);
 
-/// A size in powers of 1000: "512 B", "1.2 MB".
-std::string size_text(double bytes);
-
 }  // namespace penumbra

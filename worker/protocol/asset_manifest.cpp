@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kernels/host/content_hash.h"
-#include "kernels/host/device_scene_tables.h"
+#include "kernels/host/device_scene.h"
 #include "kernels/host/parallel.h"
 
 namespace penumbra {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernels/host/content_hash.h"
+#include "kernels/host/hierarchy_check.h"
 #include "kernels/host/process.h"
 
 namespace penumbra {
@@ -65,18 +66,6 @@ bool take(Bytes& bytes, std::uint64_t count, std::vector<Record>& records) {
   return true;
 }
 
-/// Whether nodes name leaves that are there, or nodes after them, so that a ray's search ends.
-bool is_sound(const Hierarchy& hierarchy, std::size_t leaves, std::size_t primitives) {
-  const int nodes = int(hierarchy.nodes.size());
-  for (int i = 0; i < nodes; ++i)
-    for (const int child : hierarchy.nodes[std::size_t(i)].child)
-      if (child < 0 ? std::size_t(~child) >= leaves : child <= i || child >= nodes) return false;
-  return std::ranges::all_of(hierarchy.roots, [&](int root) { return root >= 0 && root < nodes; }) &&
-         std::ranges::all_of(hierarchy.quadric_leaves, [&](const QuadricLeaf& leaf) {
-           return std::ranges::all_of(leaf.primitive, [&](int i) { return i < int(primitives); });
-         });
-}
-
 /// Nothing if the file does not fit the primitives.
 std::optional<Hierarchy> decoded(Bytes bytes, std::span<const Triangle> triangles, std::size_t quadrics,
                                  std::size_t groups, std::size_t instances) {
@@ -93,8 +82,14 @@ std::optional<Hierarchy> decoded(Bytes bytes, std::span<const Triangle> triangle
     if (!std::ranges::all_of(leaf, [&](int i) { return i < int(triangles.size()); })) return {};
     hierarchy.triangle_leaves.push_back(triangle_leaf(leaf, triangles));
   }
-  const std::size_t all_leaves = leaves.size() + hierarchy.quadric_leaves.size() + instances;
-  if (!is_sound(hierarchy, all_leaves, triangles.size() + quadrics)) return {};
+  const HierarchyTables tables{.nodes = hierarchy.nodes,
+                               .roots = hierarchy.roots,
+                               .triangle_leaves = hierarchy.triangle_leaves,
+                               .quadric_leaves = hierarchy.quadric_leaves,
+                               .triangles = int(triangles.size()),
+                               .quadrics = int(quadrics),
+                               .instances = int(instances)};
+  if (!hierarchy_problem(tables).empty()) return {};
   return hierarchy;
 }
 

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "kernels/bsdf/control_lanes.h"
-#include "kernels/host/device_scene_tables.h"
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 
 namespace penumbra {
 namespace {

@@ -11,7 +11,6 @@
 #include "scheduler/cli/estimate_text.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/files/json_number.h"
-#include "worker/cli/text_layout.h"
 
 namespace penumbra {
 namespace {

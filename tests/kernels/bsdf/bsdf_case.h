@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "tests/kernels/kernels_under_test.h"
 
 namespace penumbra {

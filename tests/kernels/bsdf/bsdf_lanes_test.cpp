@@ -3,13 +3,12 @@
 
 #include <set>
 
-#include "scenes/bsdfs/blinnphong.h"
+#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/plastic.h"
-#include "scenes/bsdfs/roughplastic.h"
 #include "scenes/bsdfs/ward.h"
 #include "tests/kernels/bsdf/bsdf_cases.h"
 #include "tests/kernels/random_numbers.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/bsdfs.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"

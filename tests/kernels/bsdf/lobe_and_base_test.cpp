@@ -8,11 +8,10 @@
 #include <ostream>
 #include <string>
 
-#include "scenes/bsdfs/blinnphong.h"
+#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/plastic.h"
-#include "scenes/bsdfs/roughplastic.h"
 #include "scenes/bsdfs/ward.h"
 #include "tests/kernels/bsdf/lobes.h"
 #include "tests/kernels/random_numbers.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/scene_tables.h"

@@ -7,7 +7,6 @@
 
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/plastic.h"
-#include "scenes/bsdfs/roughplastic.h"
 #include "tests/kernels/bsdf/lobes.h"
 
 namespace penumbra::plastic_test {

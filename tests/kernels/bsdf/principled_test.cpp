@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "kernels/host/material_closure.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/scene_reader.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/support/temporary_folder.h"

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "scenes/device/filter_mass.h"
 #include "scenes/device/filter_table.h"
 #include "tests/kernels/kernels_under_test.h"
 

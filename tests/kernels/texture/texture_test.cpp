@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "scenes/device/texel_table.h"
+#include "scenes/device/texture_tables.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/integrator_parameters.h"
 
