@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "gl/analytic_shaders.h"
 #include "kernels/features.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/sampler/filter.h"
@@ -80,16 +79,10 @@ std::array<float, 2> spread_numbers(int n) {
 }
 
 Expected<Program> link_shaders(std::string_view vertex, std::string_view fragment) {
-  return link_program(fragment, analytic_shader(vertex), analytic_shader(fragment));
+  return link_program(fragment, text_of(analytic_shaders(), vertex), text_of(analytic_shaders(), fragment));
 }
 
 }  // namespace
-
-std::string_view analytic_shader(std::string_view name) {
-  for (const EmbeddedFile& file : analytic_shaders())
-    if (file.name == name) return file.text;
-  return {};
-}
 
 AnalyticPass::AnalyticPass(const DeviceScene& scene) : scene_(scene.header) {
   const auto filter = table<float>(scene, {FILTER_TABLE_SIZE, scene.header.tables.filter_table.offset});

@@ -3,11 +3,16 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gl/analytic_tables.h"
+#include "worker/embedded_kernels.h"
 
 namespace penumbra {
+
+/// Its preprocessed shaders, by names like "triangles.vert".
+std::span<const EmbeddedFile> analytic_shaders();
 
 /// Draws primitive IDs and depth, and from them one more frame, which is averaged into two textures. All
 /// objects belong to the context that is current when it is created. Calls keep the bound framebuffers and

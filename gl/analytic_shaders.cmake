@@ -31,7 +31,7 @@ analytic_shader(shade_phong_ltc.frag analytic_shade.frag PENUMBRA_PHONG PENUMBRA
 add_custom_command(
   OUTPUT ${PENUMBRA_ANALYTIC_SHADERS}
   COMMAND ${CMAKE_COMMAND} -DROOT=${shader_texts} -DOUTPUT=${PENUMBRA_ANALYTIC_SHADERS} "-DPATTERNS=*.vert *.frag"
-          -DHEADER=gl/analytic_shaders.h -DSPACE=penumbra -DFUNCTION=analytic_shaders
+          -DHEADER=gl/analytic_pass.h -DSPACE=penumbra -DFUNCTION=analytic_shaders
           -P ${CMAKE_SOURCE_DIR}/worker/embed_files.cmake
   DEPENDS ${shader_outputs} ${CMAKE_SOURCE_DIR}/worker/embed_files.cmake
   COMMENT "Embedding the shaders of the analytic pass"

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <string>
 
-#include "gl/composite_shaders.h"
 #include "scheduler/image/metrics/color_map.h"
 
 namespace penumbra {
@@ -16,16 +15,11 @@ namespace {
 
 constexpr std::array<GLfloat, 4> kNothing{};
 
-std::string_view shader_text(std::string_view file) {
-  for (const composite::EmbeddedFile& embedded : composite::shader_files()) {
-    if (embedded.name == file) return embedded.text;
-  }
-  return {};
-}
-
 Expected<Program> composite_program(std::string_view vertex, std::string_view fragment) {
-  return link_program(fragment, shader_text(fmt::format("gl/shaders/{}", vertex)),
-                      shader_text(fmt::format("gl/shaders/{}", fragment)));
+  const auto text = [](std::string_view name) {
+    return text_of(composite_shaders(), fmt::format("gl/shaders/{}", name));
+  };
+  return link_program(fragment, text(vertex), text(fragment));
 }
 
 Texture heat_texture() {

@@ -15,8 +15,12 @@
 #include "gl/tile_outlines.h"
 #include "gl/view_model.h"
 #include "kernels/host/error.h"
+#include "worker/embedded_kernels.h"
 
 namespace penumbra {
+
+/// The sources of gl/shaders/composite*, by their paths.
+std::span<const EmbeddedFile> composite_shaders();
 
 /// Two RGBA32F textures of the film's size, rows as in FilmTextures; both 0 if there is no closed form.
 struct AnalyticTextures {

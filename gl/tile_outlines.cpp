@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "gl/worker_colors.h"
-
 namespace penumbra {
 namespace {
 

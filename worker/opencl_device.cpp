@@ -8,7 +8,6 @@
 
 #include "kernels/host/process.h"
 #include "worker/kernel_unit.h"
-#include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
 #include "worker/opencl_session.h"
 #include "worker/photon_maps.h"
@@ -128,31 +127,18 @@ class OpenClDevice final : public Device {
     if (info().limits_registers) source.options += " -cl-nv-maxrregcount=128";
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
     const CheckedCache cache = kernel_cache(tuning.kernel_cache.value_or(default_kernel_cache()));
-    KernelOrigin origin;
-    const auto begin = Clock::now();
-    program_ = cached_program(session_.context(), info(), source, cache, origin.note);
-    // A driver may reject a binary as late as at its first launch.
-    origin.cached = program_ && create_kernels() && first_launch();
-    if (program_ && !origin.cached) {
-      cache.remove(kernel_cache_key(info(), source));
-      origin.note = fmt::format("{} cannot run the kernel cache's binary, which was removed: {}", info().name,
-                                error().message);
-    }
-    if (!origin.cached) {
-      if (options.on_compile) options.on_compile(info().name);
-      Expected<ClProgram> program = compile_opencl(session_.context(), info(), source);
-      if (!program) return std::unexpected(program.error());
+    const auto start = [this](ClProgram program) {
       trace_.reset();
       finish_.reset();
       emit_.reset();
-      program_ = std::move(*program);
-      if (!create_kernels() || !first_launch()) return std::unexpected(error());
-    }
-    origin.seconds = seconds_since(begin);
-    if (!origin.cached)
-      if (const auto kept = keep_program(program_.get(), info(), source, cache); !kept)
-        origin.note = "the kernels are not kept: " + kept.error().message;
-    preparation_.kernels = std::move(origin);
+      program_ = std::move(program);
+      return create_kernels() && first_launch();
+    };
+    Expected<KernelOrigin> origin = session_.start_program(source, cache, start, [&] {
+      if (options.on_compile) options.on_compile(info().name);
+    });
+    if (!origin) return std::unexpected(origin.error());
+    preparation_.kernels = std::move(*origin);
     return {};
   }
 

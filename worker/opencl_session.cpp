@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
+#include <utility>
+
+#include "kernels/host/process.h"
 
 namespace penumbra {
 
@@ -61,6 +65,34 @@ bool OpenClSession::launch(const ClArguments& arguments, std::size_t items, std:
   return good(clEnqueueNDRangeKernel(queue_.get(), arguments.kernel(), 1, nullptr, &global, &group, 0,
                                      nullptr, nullptr),
               "launch a kernel");
+}
+
+Expected<KernelOrigin> OpenClSession::start_program(const OpenClSource& source, const CheckedCache& cache,
+                                                    const std::function<bool(ClProgram)>& start,
+                                                    const std::function<void()>& before_compiling) {
+  KernelOrigin origin;
+  const auto begin = std::chrono::steady_clock::now();
+  if (ClProgram program = cached_program(context(), info_, source, cache, origin.note)) {
+    origin.cached = start(std::move(program));
+    if (!origin.cached) {
+      cache.remove(kernel_cache_key(info_, source));
+      origin.note =
+          fmt::format("{} cannot run the kernel cache's binary, which was removed: {}", info_.name, message_);
+    }
+  }
+  cl_program compiled = nullptr;
+  if (!origin.cached) {
+    before_compiling();
+    Expected<ClProgram> program = compile_opencl(context(), info_, source);
+    if (!program) return std::unexpected(program.error());
+    compiled = program->get();
+    if (!start(std::move(*program))) return std::unexpected(error());
+  }
+  origin.seconds = seconds_since(begin);
+  if (!origin.cached)
+    if (const auto kept = keep_program(compiled, info_, source, cache); !kept)
+      origin.note = "the kernels are not kept: " + kept.error().message;
+  return origin;
 }
 
 bool OpenClSession::read(const ClReserve& from, void* to, std::size_t bytes) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
 #include "kernels/unit.h"
+#include "worker/device.h"
 #include "worker/opencl_program.h"
 
 namespace penumbra {
@@ -67,6 +69,14 @@ class OpenClSession {
 
   /// Launches at least `items` work items, rounded up to a multiple of `group`.
   bool launch(const ClArguments& arguments, std::size_t items, std::size_t group);
+  /// Finds a program of that source, or compiles it. `start` takes the program, makes kernels of it and
+  /// launches them: drivers may reject a binary, and finish compiling, as late as at the first launch. First
+  /// it gets the cache's program, if there is one; if that does not start, it is removed from the cache. Else
+  /// it gets a compiled one, which is kept in the cache once it has started; `before_compiling` is called
+  /// before. Errors: it does not compile (with the device's log), or does not start.
+  Expected<KernelOrigin> start_program(
+      const OpenClSource& source, const CheckedCache& cache, const std::function<bool(ClProgram)>& start,
+      const std::function<void()>& before_compiling = [] {});
   /// Waits for all launches, then copies the first `bytes` of a buffer.
   bool read(const ClReserve& from, void* to, std::size_t bytes);
   /// Waits until all launches are finished.

@@ -28,12 +28,12 @@
 #include "worker/keys/tcp_address.h"
 #include "worker/keys/unreachable.h"
 #include "worker/part_size.h"
+#include "worker/piece_cache.h"
 #include "worker/protocol/client.h"
 #include "worker/protocol/mailbox.h"
 #include "worker/protocol/text.h"
 #include "worker/protocol/token.h"
 #include "worker/protocol/unit_result.h"
-#include "worker/worker_pieces.h"
 
 namespace penumbra {
 namespace {

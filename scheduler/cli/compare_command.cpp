@@ -15,10 +15,9 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/compare.h"
-#include "scheduler/image/compare_limits.h"
-#include "scheduler/image/display_image.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/metrics/color_bar.h"
+#include "scheduler/image/picture.h"
 #include "scheduler/render/option_checks.h"
 #include "worker/cli/help_text.h"
 

@@ -2,11 +2,34 @@
 // 2016).
 #pragma once
 
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include "kernels/host/error.h"
 #include "scheduler/denoise/denoise_device.h"
-#include "scheduler/denoise/planes.h"
 
 namespace penumbra {
+
+// Images as planes of floats.
+
+/// Plane k of pixel (x, y) is values[(k * height + y) * width + x].
+struct Planes {
+  Planes() = default;
+  Planes(int w, int h, int planes, float value = 0)
+      : width(w), height(h), count(planes), values(std::size_t(planes) * pixels(), value) {}
+
+  int width = 0, height = 0, count = 0;
+  std::vector<float> values;
+
+  [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
+  [[nodiscard]] std::span<float> plane(int k) {
+    return std::span(values).subspan(std::size_t(k) * pixels(), pixels());
+  }
+  [[nodiscard]] std::span<const float> plane(int k) const {
+    return std::span(values).subspan(std::size_t(k) * pixels(), pixels());
+  }
+};
 
 /// What is known of a noisy image. Values are finite; pixels that are not to be used are 0 in `valid`.
 struct DenoiseInput {

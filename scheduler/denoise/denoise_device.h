@@ -7,7 +7,9 @@
 
 #include "kernels/denoise/denoise_task.h"
 #include "kernels/host/error.h"
+#include "kernels/host/isa.h"
 #include "worker/device.h"
+#include "worker/opencl_devices.h"
 
 namespace penumbra {
 
@@ -15,7 +17,7 @@ class DenoiseDevice {
  public:
   virtual ~DenoiseDevice() = default;
   /// Runs all tiles of the task. `guide` and `sources` are whole images, see the stages in
-  /// kernels/denoise/filter_tile.h and regression_tile.h.
+  /// kernels/denoise/non_local_means.h and regression_tile.h.
   virtual Expected<void> run(const DenoiseTask& task, std::span<const float> guide,
                              std::span<const float> sources, std::span<float> models,
                              std::span<float> out) = 0;
@@ -24,5 +26,9 @@ class DenoiseDevice {
 /// The device for backend, threads (0: all cores), instruction set and OpenCL device. Backend::kAuto is
 /// native. Errors: there is no such OpenCL device, or it cannot compile the kernels.
 Expected<std::unique_ptr<DenoiseDevice>> make_denoise_device(const DeviceOptions& options);
+
+/// One of usable_isas().
+std::unique_ptr<DenoiseDevice> native_denoise_device(Isa isa, int threads);
+Expected<std::unique_ptr<DenoiseDevice>> opencl_denoise_device(const OpenClDeviceInfo& info, int threads);
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 #include "scheduler/denoise/guide.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace penumbra {
 
@@ -36,6 +37,38 @@ Expected<Planes> filter(DenoiseDevice& device, const Planes& guide, const Planes
   if (auto done = device.run(task, guide.values, sources.values, {}, out.values); !done)
     return std::unexpected(done.error());
   return out;
+}
+
+Expected<Planes> self_filtered(const DenoiseInput& input, const ColorFilter& filter) {
+  return filter(make_guide(input.color, input.variance, 1, input.valid), input.color);
+}
+
+Expected<std::array<Planes, 2>> cross_filtered(const DenoiseInput& input, const ColorFilter& filter) {
+  // A half has twice the variance of the mean of both.
+  auto a = filter(make_guide(input.half_b, input.variance, 2, input.valid), input.half_a);
+  if (!a) return std::unexpected(a.error());
+  auto b = filter(make_guide(input.half_a, input.variance, 2, input.valid), input.half_b);
+  if (!b) return std::unexpected(b.error());
+  return std::array{std::move(*a), std::move(*b)};
+}
+
+DenoisedImage joined(const Planes& a, const Planes& b) {
+  return {.color = mean_of(a, b), .residual_variance = quarter_of_squared_difference(a, b)};
+}
+
+Expected<DenoisedImage> nl_means(DenoiseDevice& device, const DenoiseInput& input,
+                                 const NlMeansOptions& options) {
+  const ColorFilter by_weights = [&](const Planes& guide, const Planes& color) {
+    return filter(device, guide, color, options);
+  };
+  if (!input.has_halves()) {
+    auto color = self_filtered(input, by_weights);
+    if (!color) return std::unexpected(color.error());
+    return DenoisedImage{.color = std::move(*color), .residual_variance = {}};
+  }
+  const auto halves = cross_filtered(input, by_weights);
+  if (!halves) return std::unexpected(halves.error());
+  return joined((*halves)[0], (*halves)[1]);
 }
 
 Planes some_planes(const Planes& image, int first, int count) {

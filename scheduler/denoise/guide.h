@@ -1,7 +1,8 @@
 // Runs the filter of non-local means over whole images.
 #pragma once
 
-#include <span>
+#include <array>
+#include <functional>
 
 #include "scheduler/denoise/denoise.h"
 #include "scheduler/denoise/denoise_device.h"
@@ -14,6 +15,15 @@ Planes make_guide(const Planes& values, const Planes& variances, float variance_
 /// Filters `sources` (at most MAX_SOURCES planes) with the weights of `guide`.
 Expected<Planes> filter(DenoiseDevice& device, const Planes& guide, const Planes& sources,
                         const NlMeansOptions& options);
+
+/// Filters colours with the weights of a guide.
+using ColorFilter = std::function<Expected<Planes>(const Planes& guide, const Planes& color)>;
+/// The image, filtered with its own weights.
+Expected<Planes> self_filtered(const DenoiseInput& input, const ColorFilter& filter);
+/// Both halves, each filtered with the weights of the other.
+Expected<std::array<Planes, 2>> cross_filtered(const DenoiseInput& input, const ColorFilter& filter);
+/// The mean of two denoised halves, and the variance that is left.
+DenoisedImage joined(const Planes& a, const Planes& b);
 
 /// The planes [first, first + count).
 Planes some_planes(const Planes& image, int first, int count);

@@ -110,24 +110,20 @@ Planes mix_bandwidths(const Planes& of_both, const Planes& weights) {
 Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input) {
   const auto features = filtered_features(device, input);
   if (!features) return std::unexpected(features.error());
+  const ColorFilter by_features = [&](const Planes& guide, const Planes& color) {
+    return regress(device, guide, *features, color);
+  };
   if (!input.has_halves()) {
-    const Planes guide = make_guide(input.color, input.variance, 1, input.valid);
-    const auto color = regress(device, guide, *features, input.color);
+    const auto color = self_filtered(input, by_features);
     if (!color) return std::unexpected(color.error());
     return DenoisedImage{.color = some_planes(*color, 0, REGRESSION_COLORS), .residual_variance = {}};
   }
-  // A half has twice the variance of the mean of both.
-  const auto a =
-      regress(device, make_guide(input.half_b, input.variance, 2, input.valid), *features, input.half_a);
-  if (!a) return std::unexpected(a.error());
-  const auto b =
-      regress(device, make_guide(input.half_a, input.variance, 2, input.valid), *features, input.half_b);
-  if (!b) return std::unexpected(b.error());
-  const auto weights = bandwidth_weights(device, input, *a, *b);
+  const auto halves = cross_filtered(input, by_features);
+  if (!halves) return std::unexpected(halves.error());
+  const auto& [a, b] = *halves;
+  const auto weights = bandwidth_weights(device, input, a, b);
   if (!weights) return std::unexpected(weights.error());
-  const Planes mixed_a = mix_bandwidths(*a, *weights), mixed_b = mix_bandwidths(*b, *weights);
-  return DenoisedImage{.color = mean_of(mixed_a, mixed_b),
-                       .residual_variance = quarter_of_squared_difference(mixed_a, mixed_b)};
+  return joined(mix_bandwidths(a, *weights), mix_bandwidths(b, *weights));
 }
 
 }  // namespace penumbra

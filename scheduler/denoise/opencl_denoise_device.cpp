@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "kernels/denoise/denoise.h"
-#include "scheduler/denoise/denoise_devices.h"
+#include "scheduler/denoise/denoise_device.h"
 #include "worker/opencl_session.h"
 
 namespace penumbra {
@@ -21,18 +21,15 @@ class OpenClDenoiseDevice final : public DenoiseDevice {
     const OpenClSource source =
         opencl_source(info, "kernels/denoise.cl", {}, {}, info.is_cpu ? kCpuLanes : 1);
     const CheckedCache cache = kernel_cache(default_kernel_cache());
-    std::string note;
-    program_ = cached_program(session_.context(), info, source, cache, note);
-    const bool is_new = !program_;
-    if (is_new) {
-      Expected<ClProgram> compiled = compile_opencl(session_.context(), info, source);
-      if (!compiled) return std::unexpected(compiled.error());
-      program_ = std::move(*compiled);
-    }
-    cl_int status = CL_SUCCESS;
-    kernel_.reset(clCreateKernel(program_.get(), "denoise_tiles", &status));
-    if (!session_.good(status, "make the kernel of denoising")) return std::unexpected(session_.error());
-    if (is_new) static_cast<void>(keep_program(program_.get(), info, source, cache));  // it only saves time
+    const auto start = [this](ClProgram program) {
+      kernel_.reset();
+      program_ = std::move(program);
+      cl_int status = CL_SUCCESS;
+      kernel_.reset(clCreateKernel(program_.get(), "denoise_tiles", &status));
+      return session_.good(status, "make the kernel of denoising");
+    };
+    if (auto started = session_.start_program(source, cache, start); !started)
+      return std::unexpected(started.error());
     return {};
   }
 

@@ -1,9 +1,11 @@
-// Compares an image with a reference: everything that `penumbra compare` reports.
+// Compares an image with a reference: everything that `penumbra compare` reports, and its limits on metrics.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "scheduler/image/image.h"
@@ -91,5 +93,20 @@ const char* verdict_name(Verdict verdict);
 /// The comparison as text of several lines.
 std::string comparison_text(const Comparison& comparison);
 nlohmann::ordered_json comparison_json(const Comparison& comparison);
+
+struct CompareLimit {
+  std::string metric;  ///< one of limit_metrics()
+  double value = 0;    ///< the largest acceptable value
+};
+
+/// The names of metrics that can have a limit.
+std::vector<std::string> limit_metrics();
+
+/// Parses "METRIC=VALUE". Errors: another form, an unknown metric, a value that is negative or not finite.
+Expected<CompareLimit> parse_limit(std::string_view text);
+
+/// The metric over all channels. For bias and relative_bias it is the largest magnitude of a channel, so that
+/// signs do not cancel. Errors: the metric was not computed; the message says why.
+Expected<double> limited_value(const Comparison& comparison, std::string_view metric);
 
 }  // namespace penumbra

@@ -8,7 +8,7 @@
 
 #include "jobs.grpc.pb.h"
 #include "kernels/host/atomic_file.h"
-#include "worker/keys/submitter_secret.h"
+#include "worker/keys/secrets.h"
 #include "worker/keys/unreachable.h"
 #include "worker/protocol/client.h"
 #include "worker/protocol/wire.h"

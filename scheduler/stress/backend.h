@@ -9,6 +9,7 @@
 #include "kernels/host/error.h"
 #include "scheduler/stress/case.h"
 #include "worker/device.h"
+#include "worker/embedded_kernels.h"
 
 namespace penumbra::stress {
 
@@ -34,6 +35,10 @@ struct Backend {
 /// The native kernels for all usable instruction sets, the widest first; last a single lane, with renders by
 /// blocks of one pixel.
 std::vector<Backend> native_backends(int threads);
+/// The source of the quantities for OpenCL compilers: quantities.cl and the files of this folder that it
+/// includes, unchanged.
+std::span<const EmbeddedFile> embedded_quantities();
+
 /// OpenCL, or why it is not available.
 Backend opencl_backend(int threads, const std::string& device);
 

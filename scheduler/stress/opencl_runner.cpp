@@ -5,7 +5,6 @@
 
 #include "kernels/features.h"
 #include "scheduler/stress/backend.h"
-#include "scheduler/stress/embedded_quantities.h"
 #include "scheduler/stress/quantity_list.h"
 #include "worker/opencl_program.h"
 

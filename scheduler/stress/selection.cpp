@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scenes/diagnostic.h"
+#include "scheduler/stress/cases/cases.h"
 
 namespace penumbra::stress {
 namespace {
@@ -27,6 +28,17 @@ bool glob(std::string_view name, std::string_view pattern) {
 }
 
 }  // namespace
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const auto add :
+       {add_polygon_cases, add_lobe_cases, add_solid_angle_cases, add_projected_cases, add_bsdf_cases,
+        add_mixture_cases, add_sampler_cases, add_intersection_cases, add_small_function_cases,
+        add_medium_cases, add_render_medium_cases, add_render_photon_cases, add_render_light_cases,
+        add_sky_and_beam_cases, add_render_cases, add_merge_cases})
+    add(cases);
+  return cases;
+}
 
 bool matches(std::string_view name, std::string_view pattern) {
   if (pattern.find_first_of("*?") != std::string_view::npos) return glob(name, pattern);

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "scheduler/files/html_text.h"
-#include "scheduler/web/page_files.h"
 
 namespace penumbra {
 namespace {
@@ -35,12 +34,12 @@ std::string_view type_of(std::string_view name) {
 }
 
 /// A file of the page; null if there is none.
-const web_page::EmbeddedFile* page_file(std::string_view path) {
+const EmbeddedFile* page_file(std::string_view path) {
   const std::string name =
       "scheduler/web/page/" +
       std::string(path == "/" ? "index.html" : path.substr(std::min<std::size_t>(1, path.size())));
-  const auto files = web_page::page_files();
-  const auto found = std::ranges::find(files, name, &web_page::EmbeddedFile::name);
+  const auto files = page_files();
+  const auto found = std::ranges::find(files, name, &EmbeddedFile::name);
   return found == files.end() ? nullptr : &*found;
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,12 +12,16 @@
 #include "scheduler/web/status_feed.h"
 #include "scheduler/web/web_access.h"
 #include "scheduler/web/web_content.h"
+#include "worker/embedded_kernels.h"
 
 namespace penumbra {
 
 /// Headers of every answer. The browser runs no script but the page's own, sends and loads nothing elsewhere,
 /// and shows the page in no frame.
 const std::vector<std::pair<std::string, std::string>>& page_headers();
+
+/// The files of page/, by their paths.
+std::span<const EmbeddedFile> page_files();
 
 /// Thread-safe.
 class PageRoutes {

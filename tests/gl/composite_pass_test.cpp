@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "gl/worker_colors.h"
+#include "gl/tile_outlines.h"
 #include "scheduler/image/metrics/color_map.h"
 #include "scheduler/image/tone_map.h"
 #include "tests/gl/hidden_window.h"

@@ -4,8 +4,6 @@
 
 #include <limits>
 
-#include "gl/worker_colors.h"
-
 namespace penumbra {
 namespace {
 

@@ -12,7 +12,6 @@
 #include <limits>
 #include <string>
 #include <vector>
-
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/render_scene.h"

@@ -6,8 +6,6 @@
 
 #include <cmath>
 
-#include "worker/opencl_launch.h"
-
 namespace penumbra {
 namespace {
 

@@ -15,9 +15,9 @@
 #include "tests/support/fake_device.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/xxh3_twins.h"
+#include "worker/piece_cache.h"
 #include "worker/protocol/client.h"
 #include "worker/protocol/wire.h"
-#include "worker/worker_pieces.h"
 
 namespace penumbra {
 namespace {

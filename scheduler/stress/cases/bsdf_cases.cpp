@@ -4,7 +4,7 @@
 #include "scheduler/stress/cases/cases.h"
 #include "scheduler/stress/cases/inputs.h"
 #include "scheduler/stress/quantity_list.h"
-#include "scheduler/stress/truth/phong.h"
+#include "scheduler/stress/truth/mixtures.h"
 #include "scheduler/stress/truth/quadrature.h"
 
 namespace penumbra::stress {

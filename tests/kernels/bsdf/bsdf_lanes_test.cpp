@@ -3,11 +3,11 @@
 
 #include <set>
 
-#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
+#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/ward.h"
 #include "tests/kernels/bsdf/bsdf_cases.h"

@@ -8,9 +8,9 @@
 #include <ostream>
 #include <string>
 
-#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
+#include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/ward.h"
 #include "tests/kernels/bsdf/lobes.h"

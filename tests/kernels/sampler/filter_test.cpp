@@ -9,7 +9,6 @@
 #include <ostream>
 #include <string>
 #include <vector>
-
 #include "scenes/device/filter_table.h"
 #include "tests/kernels/kernels_under_test.h"
 

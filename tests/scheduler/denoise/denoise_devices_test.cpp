@@ -1,7 +1,8 @@
-#include "scheduler/denoise/denoise_devices.h"
+#include "scheduler/denoise/denoise_device.h"
 
 #include <gtest/gtest.h>
 
+#include "kernels/host/native_kernels.h"
 #include "tests/scheduler/denoise/noisy_images.h"
 
 namespace penumbra {

@@ -8,8 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "scheduler/image/compare_limits.h"
-
 namespace penumbra {
 namespace {
 

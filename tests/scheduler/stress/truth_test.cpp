@@ -1,7 +1,7 @@
 // Compares the true values of `penumbra stress` with values from independent sources.
 #include <gtest/gtest.h>
 
-#include "scheduler/stress/truth/phong.h"
+#include "scheduler/stress/truth/mixtures.h"
 #include "scheduler/stress/truth/polygon.h"
 #include "scheduler/stress/truth/quadrature.h"
 #include "scheduler/stress/truth/sensitivity.h"
