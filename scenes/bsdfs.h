@@ -21,6 +21,7 @@
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/disney.h"
+#include "scenes/bsdfs/lajolla.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/nested.h"
@@ -40,7 +41,9 @@ using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughCondu
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,
-                                      BumpMapParameters, PolarizerParameters>;
+                                      BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters,
+                                      DisneyMetalParameters, DisneyClearcoatParameters, DisneySheenParameters,
+                                      DisneyGlassParameters, DisneySumParameters>;
 
 struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages

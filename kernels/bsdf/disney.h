@@ -2,7 +2,8 @@
 // themselves, as `disney` of Disney's BRDF Explorer has it. The 2012 paper widened them for masking.
 //
 // Base colour is `diffuse`, subsurface is `flatness`, and specular is `specular_level`: the reflectance along
-// the normal is 0.08 times it.
+// the normal is 0.08 times it. Of the diffuse lobe 1 - `spec_trans` is there: the rest is what a part that
+// transmits, another BSDF of a blend, takes.
 #ifndef PENUMBRA_DISNEY_H
 #define PENUMBRA_DISNEY_H
 #include "kernels/bsdf/disney_lobes.h"
@@ -10,8 +11,18 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+FN bool disney_has_facets(Closure c) { return (c.variant & DISNEY_WITHOUT_MICROFACETS) == 0; }
+
+/// Sheen is sampled by the diffuse lobe, so that one is sampled where only sheen is there.
 FN DisneyShares disney_shares_of(Closure c) {
-  return disney_shares(1.0f - c.metallic, 0.25f * c.clearcoat, 1.0f);
+  const float diffuse = max_f(1.0f - c.spec_trans, min_f(c.sheen, 1.0f));
+  return disney_shares((1.0f - c.metallic) * diffuse, 0.25f * c.clearcoat, disney_has_facets(c) ? 1.0f : 0.0f);
+}
+
+/// The hue of the base colour. Disney's colour weights are not those of Rec. 709.
+FN vec3 disney_hue(Closure c) {
+  const float own = (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z;
+  return disney_tint(c.diffuse, (c.variant & DISNEY_LUMINANCE_TINT) != 0 ? luminance(c.diffuse) : own);
 }
 
 FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
@@ -20,11 +31,11 @@ FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi
   const vec3 h = scale(sum, 1.0f / SQRT(max_f(dot3(sum, sum), 1e-30f)));
   const float cos_h = dot3(wi, h), weight = schlick_weight(cos_h);
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
-  // Disney's colour weights, not those of Rec. 709.
-  const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
+  const vec3 tint = disney_hue(c);
 
   const float dielectric = 1.0f - c.metallic;
-  const float diffuse = disney_diffuse(FABS(wo.z), FABS(wi.z), cos_h, c.roughness, c.flatness);
+  const float diffuse =
+      disney_diffuse(FABS(wo.z), FABS(wi.z), cos_h, c.roughness, c.flatness) * (1.0f - c.spec_trans);
   const vec3 sheen = scale(mix3(white, tint, c.sheen_tint), c.sheen * weight);
   const vec3 dull = scale(add_scaled(sheen, INV_PI_F * diffuse, c.diffuse), dielectric * wi.z);
 
@@ -32,7 +43,8 @@ FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi
   const float density = reflected_density(m, wo, h);
   const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
   const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, weight);
-  const vec3 shiny = scale(fresnel, density * masking_of_either_side(m, wi));
+  const vec3 shiny =
+      scale(fresnel, disney_has_facets(c) ? density * masking_of_either_side(m, wi) : 0.0f);
 
   const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, weight, wo, wi, h);
   const float coat_cos = c.clearcoat * coat.value * (0.25f / max_f(wo.z, 1e-30f));
@@ -61,11 +73,12 @@ FN BsdfSample disney_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, floa
 FN ControlLobes disney_control(const PRIVATE Scene* scene, Closure c, float cosine) {
   const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
-  const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
+  const vec3 tint = disney_hue(c);
   const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
   const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, schlick_weight(fresnel_cosine(lobe)));
-  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
-  return make_control_lobes(scale(c.diffuse, (1.0f - c.metallic) * diffuse), lobe, fresnel);
+  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness) * (1.0f - c.spec_trans);
+  return make_control_lobes(scale(c.diffuse, (1.0f - c.metallic) * diffuse), lobe,
+                            scale(fresnel, disney_has_facets(c) ? 1.0f : 0.0f));
 }
 
 PENUMBRA_NAMESPACE_END

@@ -130,6 +130,10 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGHDIFFUSE_FULL 0
 #define ROUGHDIFFUSE_FAST 1
 
+// Variants of Disney's BRDF, as bits.
+#define DISNEY_WITHOUT_MICROFACETS 1
+#define DISNEY_LUMINANCE_TINT 2  // tints have luminance 1, not 1 by Disney's own weights
+
 // The families that use each field. A field that no family in the scene uses is not read and keeps its value
 // of black_closure. Families of tests may use all fields.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
@@ -147,7 +151,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY) | ONLY(METALROUGH))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
-#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING))
+#define USERS_variant \
+  USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING) | ONLY(DISNEY))
 #define USERS_curve USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
 #define USERS_curve_rows USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
 #define USERS_first_lobe USERS(ONLY(PHASE))
@@ -172,7 +177,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_roughness USERS(DISNEYS | ONLY(METALROUGH))
 #define USERS_anisotropic USERS(DISNEYS)
 #define USERS_metallic USERS(METALS_AND_BASES)
-#define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN))
+#define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY))
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_spec_tint USERS(DISNEYS)
 #define USERS_specular_level USERS(ONLY(DISNEY) | ONLY(METALROUGH))

@@ -19,6 +19,9 @@ struct DisneyBsdf {
   TexturedNumber sheen_tint{0.5f};
   TexturedNumber clearcoat{};
   TexturedNumber clearcoat_gloss{1.0f};
+  // Of models that are put together from its lobes, see lajolla.h.
+  float diffuse_weight = 1.0f;
+  bool microfacets = true, luminance_tint = false;
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -26,15 +29,21 @@ struct DisneyBsdf {
     row("base_color", &P::base_color, ColourWithin{}, "colour of the material");
     row("subsurface", &P::subsurface, NumberWithin{}, "from diffuse to like scattering beneath the surface");
     row("metallic", &P::metallic, NumberWithin{}, "from a dielectric to a metal");
-    row("specular", &P::specular, NumberWithin{},
-        "of a dielectric: 0.08 of it is reflected along the normal");
+    const NumberWithin factor{LowEnd::kClosed, 0.0f, kAnyNumber};
+    row("specular", &P::specular, factor,
+        "of a dielectric: 0.08 of it is reflected along the normal; usually in [0, 1]");
     row("specular_tint", &P::specular_tint, NumberWithin{}, "how much that reflection has the base colour");
     row("roughness", &P::roughness, NumberWithin{}, "of the microfacets: their alpha is its square");
     row("anisotropic", &P::anisotropic, NumberWithin{}, "how much longer highlights are along the tangent");
-    row("sheen", &P::sheen, NumberWithin{}, "of cloth, at grazing angles");
+    row("sheen", &P::sheen, factor, "of cloth, at grazing angles; usually in [0, 1]");
     row("sheen_tint", &P::sheen_tint, NumberWithin{}, "how much the sheen has the base colour");
-    row("clearcoat", &P::clearcoat, NumberWithin{}, "of a second, colourless reflection");
+    row("clearcoat", &P::clearcoat, factor,
+        "of a second, colourless reflection, a quarter of it; usually in [0, 1]");
     row("clearcoat_gloss", &P::clearcoat_gloss, NumberWithin{}, "from a satin to a glossy clearcoat");
+    row("diffuse_weight", &P::diffuse_weight, NumberWithin{}, "factor of the diffuse lobe");
+    row("microfacets", &P::microfacets, TrueOrFalse{}, "false: without their reflection");
+    row("luminance_tint", &P::luminance_tint, TrueOrFalse{},
+        "tints have luminance 1; false: 1 by Disney's weights of the channels");
   }
 };
 
@@ -51,6 +60,9 @@ inline Material material_of(const DisneyBsdf& disney) {
   PENUMBRA_SET_FIELD(m, sheen_tint, disney.sheen_tint);
   PENUMBRA_SET_FIELD(m, clearcoat, disney.clearcoat);
   PENUMBRA_SET_FIELD(m, clearcoat_gloss, disney.clearcoat_gloss);
+  m.spec_trans = 1.0f - disney.diffuse_weight;
+  m.variant = (disney.microfacets ? 0 : DISNEY_WITHOUT_MICROFACETS) |
+              (disney.luminance_tint ? DISNEY_LUMINANCE_TINT : 0);
   return m;
 }
 

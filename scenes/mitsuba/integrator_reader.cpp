@@ -151,6 +151,8 @@ const std::vector<Substitute>& substitutes() {
        false,
        {"spp_per_pass", "nee", "budget_type", "budget", "s_tree_threshold", "do_filtered_splatting"}},
       {"path_guiding_integrator", false, {}},
+      // EARS (Rath et al. 2022, github.com/iRath96/ears): its roulette and splitting change the noise only.
+      {"recursive_path", false, {"rrs_strategy", "splitting_min", "splitting_max", "rr_depth", "budget"}},
       {"restirpt", false, {"photon_count", "initial_radius", "alpha", "max_passes"}}};
   return all;
 }
@@ -200,6 +202,7 @@ void read_substitute(const Context& context, PluginReader& plugin, const Substit
     plugin.wrong(done.error().message);
   Names names{"hide_emitters", "hidden_emitters"};
   if (ours != "direct") names.insert(names.end(), {"max_depth", "rr_depth"});
+  for (const std::string_view parameter : substitute.parameters) std::erase(names, parameter);
   plugin.settings(scene, "integrator", names);
   accept_scheduling_parameters(plugin);
   for (const std::string_view parameter : substitute.parameters) plugin.accept({parameter});
@@ -217,6 +220,16 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
         !(preset && setting.name() == "direct_sampling"))
       names.push_back(setting.name());
   return names;
+}
+
+/// lajolla's volpath has a version for each exercise of its course (github.com/BachiLi/lajolla_public): 1 is
+/// light behind an absorbing medium, 2 adds what is scattered once, and later ones leave nothing out.
+void read_lajolla_version(PluginReader& plugin, SceneDescription& scene) {
+  auto* const path = std::get_if<VolpathIntegrator>(&scene.integrator.method);
+  if (path == nullptr || !plugin.ignores_unknown() || !plugin.has("version")) return;
+  plugin.accept({"max_null_collisions"});
+  const auto most = int(plugin.number("version", 3));
+  if (most < 3 && (path->max_depth < 0 || path->max_depth > most)) path->max_depth = most;
 }
 
 /// Reads an integrator and reports all problems.
@@ -245,6 +258,7 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
     maps->final_gather = object.type == kIrradianceCache;
   plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
   accept_scheduling_parameters(plugin);
+  read_lajolla_version(plugin, scene);
   if (const UnneededParameters* unneeded = find_plugin(unneeded_parameters(), inner->type))
     for (const std::string_view name : unneeded->names) plugin.accept({name});
   if (scene.integrator.is<ProgressivePhotonIntegrator>()) warn_of_passes(plugin);

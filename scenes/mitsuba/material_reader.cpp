@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <type_traits>
 
 #include "scenes/bsdfs/coating.h"
 #include "scenes/mitsuba/texture_reader.h"
@@ -13,9 +14,24 @@
 namespace penumbra::mitsuba {
 namespace {
 
+/// lajolla gives its rough BSDFs a roughness, whose square is alpha, and has GGX microfacets only. Mitsuba has
+/// no such parameter.
+template <typename Model>
+void read_lajolla_roughness(PluginReader& plugin, Model& model) {
+  if (!plugin.ignores_unknown() || !plugin.has("roughness")) return;
+  const double roughness = plugin.number("roughness", 0.0);
+  if (plugin.has("alpha")) return plugin.wrong("roughness", "give either alpha or roughness, its square root");
+  if (!(roughness >= 0.0 && roughness <= 1.0))
+    return plugin.wrong("roughness", fmt::format("roughness must be in [0, 1], not {}", roughness));
+  model.alpha = TexturedNumber(float(roughness * roughness));
+  model.distribution = DISTRIBUTION_GGX;
+}
+
 template <typename Model>
 BsdfModel read_bsdf(PluginReader& plugin) {
   Model model;
+  if constexpr (std::is_same_v<Model, RoughPlasticBsdf> || std::is_same_v<Model, RoughDielectricBsdf>)
+    read_lajolla_roughness(plugin, model);
   plugin.read_parameters(model);
   return model;
 }
@@ -32,11 +48,15 @@ constexpr auto bsdf_plugins(const std::variant<Models...>*) {
 constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
 constexpr std::string_view kTwoSided = "twosided";
 
-/// BSDFs of Mitsuba that are not supported, and what to use instead.
+/// BSDFs of Mitsuba and its relatives that are not supported, and what to use instead.
 struct UnreadBsdf {
   std::string_view type, words;
 };
 constexpr UnreadBsdf kUnreadBsdfs[] = {
+    {"torrance",
+     "its diffuse part is not dimmed by the reflection above it; a 'roughplastic' of the same parameters is "
+     "nearest"},
+    {"disneytransmission", "lajolla has left it out; 'disneyglass' took its place"},
     {"hair",
      "nothing here scatters light as a fibre does; a 'principled' of the hair's colour on its curves is "
      "nearest"},
@@ -66,6 +86,18 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
                                           {"retarder", &MaterialReader::read_polarizer},
                                           {CoatingParameters::kPlugin, &MaterialReader::read_coating},
                                           {RoughCoatingParameters::kPlugin, &MaterialReader::read_coating},
+                                          {DisneyDiffuseParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneyDiffuseParameters>},
+                                          {DisneyMetalParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneyMetalParameters>},
+                                          {DisneyClearcoatParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneyClearcoatParameters>},
+                                          {DisneySheenParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneySheenParameters>},
+                                          {DisneyGlassParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneyGlassParameters>},
+                                          {DisneySumParameters::kPlugin,
+                                           &MaterialReader::read_lajolla<DisneySumParameters>},
                                           {"normalmap", &MaterialReader::read_normal_map},
                                           {"bumpmap", &MaterialReader::read_bump_map},
                                           // The name in Mitsuba 0.5.
@@ -205,6 +237,23 @@ SurfaceMaterial MaterialReader::read_coating(PluginReader& plugin) {
   const double reflected = smooth_external_reflectance(double(coating.int_ior) / double(coating.ext_ior));
   return blended(name, BlendBsdf{TexturedNumber(float(reflected))}, *inside[0],
                  {surface, inside[0]->back != nullptr ? surface : nullptr});
+}
+
+/// The BSDFs of lajolla, see bsdfs/lajolla.h.
+template <typename Parameters>
+SurfaceMaterial MaterialReader::read_lajolla(PluginReader& plugin) {
+  Parameters given;
+  plugin.read_parameters(given);
+  plugin.accept({"eta"});  // its scenes give one to lobes that have none
+  const std::string name = name_of(plugin.object());
+  const SurfaceMaterial surface = surface_of(name, given.model());
+  if constexpr (requires { given.transmission(); }) {
+    if (const float share = given.transmission(); share > 0.0f) {
+      const SurfaceMaterial glass = surface_of(name, given.glass().model());
+      return share < 1.0f ? blended(name, BlendBsdf{TexturedNumber(share)}, surface, glass) : glass;
+    }
+  }
+  return surface;
 }
 
 /// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.

@@ -38,6 +38,8 @@ class MaterialReader {
   SurfaceMaterial read_mixture(PluginReader& plugin);
   SurfaceMaterial read_polarizer(PluginReader& plugin);
   SurfaceMaterial read_coating(PluginReader& plugin);
+  template <typename Parameters>
+  SurfaceMaterial read_lajolla(PluginReader& plugin);
   SurfaceMaterial read_normal_map(PluginReader& plugin);
   SurfaceMaterial read_bump_map(PluginReader& plugin);
   template <typename Parameters>
