@@ -47,6 +47,26 @@ void mix(std::vector<PhaseLobe>& mixture, const std::vector<PhaseLobe>& lobes, f
   }
 }
 
+/// A heterogeneous medium of Mitsuba 0.x in the words of Mitsuba 3.
+Object in_new_words(const Object& medium) {
+  Object result = medium;
+  for (Parameter& parameter : result.parameters)
+    if (parameter.name == "density") parameter.name = "sigma_t";
+  for (Child& child : result.children)
+    if (child.name == "density") child.name = "sigma_t";
+  return result;
+}
+
+/// The rest of such a medium: parameters of its way to sample, and a density that no grid bounds.
+void finish_old(const Context& context, PluginReader& plugin, ParticipatingMedium& medium) {
+  plugin.accept({"method", "step_size"});
+  for (const auto& [name, volume] : plugin.named("volume"))
+    if (name == "orientation")
+      context.unsupported(volume->location, "a medium of fibres, with an orientation, is not read",
+                          "it scatters the same in all directions");
+  if (medium.density && medium.density->grid->values.size() == 1) medium.density.reset();
+}
+
 }  // namespace
 
 void MediumReader::read(const Object& medium) {
@@ -93,24 +113,17 @@ void MediumReader::install(PluginReader& plugin, Shape& shape, SceneDescription&
 }
 
 std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context, const Object& medium) {
-  PluginReader plugin(context, medium);
+  const bool is_old = medium.type == HeterogeneousMedium::kPlugin && context.tree.major_version < 2;
+  const Object renamed = is_old ? in_new_words(medium) : Object{};
+  PluginReader plugin(context, is_old ? renamed : medium);
   const Kind<ParticipatingMedium>* kind = find_plugin(kMedia, medium.type);
-  const bool homogeneous = medium.type == HomogeneousMedium::kPlugin;
   if (kind == nullptr) {
     context.unknown_plugin(medium, plugin_types(kMedia), "it is left out");
     plugin.skip();
     return std::nullopt;
   }
-  if (!homogeneous && context.tree.major_version < 2) {
-    context.unsupported(medium.type_location,
-                        fmt::format("{} of Mitsuba 0.x is not read, whose grids have their numbers at the "
-                                    "corners of cells; that of versions 2 and 3 is",
-                                    plugin.title()),
-                        "it is left out");
-    plugin.skip();
-    return std::nullopt;
-  }
   ParticipatingMedium result = kind->read(plugin);
+  if (is_old) finish_old(context, plugin, result);
   // Parameters of sampling methods that are not used here.
   plugin.accept({"sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
                  "medium_sampling_mode", "majorant_resolution_factor", "majorant_factor"});

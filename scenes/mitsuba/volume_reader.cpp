@@ -20,6 +20,20 @@ Expected<glm::dmat4> box_of(const VolumeFile& file) {
   return translation(file.low) * scaling(file.high - file.low);
 }
 
+/// The box that a file of Mitsuba 0.x means: its own, or that between the points min and max.
+VolumeFile moved(PluginReader& plugin, const VolumeFile& file) {
+  VolumeFile result;
+  result.low = plugin.point("min").value_or(file.low);
+  result.high = plugin.point("max").value_or(file.high);
+  return result;
+}
+
+/// From the box whose corners are the centres of the outermost cells to the one that the cells fill.
+glm::dmat4 around_corners(const VolumeGrid& grid) {
+  const glm::dvec3 cells(grid.nx, grid.ny, grid.nz), half(0.5);
+  return translation(half) * scaling(cells / (cells - 1.0)) * translation(-half);
+}
+
 }  // namespace
 
 std::optional<GridVolume> VolumeReader::read(const Context& context, const Object& object,
@@ -27,6 +41,9 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
   PluginReader plugin(context, object);
   GridVolumeParameters given;
   plugin.read_parameters(given);
+  // In Mitsuba 0.x, the grid's numbers are at the corners of its cells, and the file says where it is.
+  const bool at_corners = context.tree.major_version < 2;
+  if (at_corners) plugin.accept({"min", "max", "send_data"});
   // Parameters of Mitsuba's spectral variants, GPU backends and sampling.
   plugin.accept({"raw", "accel", "max_value"});
   plugin.finish();
@@ -41,13 +58,26 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
     return std::nullopt;
   }
   GridVolume volume{{file, &grid}, given.to_world, given.nearest};
-  if (given.use_grid_bbox) {
-    const auto box = box_of(*file);
+  if (at_corners && std::min({grid.nx, grid.ny, grid.nz}) < 2) {
+    plugin.wrong("filename",
+                 fmt::format("{}: a grid of {} x {} x {} numbers; of Mitsuba 0.x it needs two along "
+                             "each axis, at the corners of its cells",
+                             given.filename, grid.nx, grid.ny, grid.nz));
+    return std::nullopt;
+  }
+  if (given.use_grid_bbox || at_corners) {
+    const auto box = at_corners ? box_of(moved(plugin, *file)) : box_of(*file);
     if (!box) {
       plugin.wrong("filename", fmt::format("{}: {}", given.filename, box.error().message));
       return std::nullopt;
     }
     volume.to_world = given.to_world * *box;
+    if (at_corners) {
+      volume.to_world = volume.to_world * around_corners(grid);
+      context.diagnostics.warn_counted(object.location,
+                                       "a grid of Mitsuba 0.x ends at its outermost numbers; here it goes on "
+                                       "for half a cell where the medium's shape is larger");
+    }
     if (is_singular(volume.to_world)) {
       plugin.wrong("to_world", "the transform of the box that the file says overflows");
       return std::nullopt;

@@ -191,15 +191,54 @@ TEST_F(MitsubaGrids, ErrorsSayWhatIsWrong) {
               HasSubstr("the transform of the box that the file says overflows"));
 }
 
-TEST_F(MitsubaGrids, ThoseOfVersion0AreOthers) {
-  const std::string old = "<scene version='0.6.0'><integrator type='volpath'/>" +
-                          filled(heterogeneous(grid("density", "smoke.vol"))) +
-                          "<sensor type='perspective'/></scene>";
-  EXPECT_THAT(error(old), HasSubstr("medium 'heterogeneous' of Mitsuba 0.x is not read"));
-  const auto lenient = read(old, {.lenient = true});
-  ASSERT_TRUE(lenient) << lenient.error().message;
-  EXPECT_THAT(lenient->media, IsEmpty());
-  EXPECT_THAT(warnings(*lenient), HasSubstr("corners of cells; that of versions 2 and 3 is; it is left out"));
+/// The numbers of Mitsuba 0.x are at the corners of cells, from one corner of the file's box to the other:
+/// N along an axis are those of N cells that are larger by 1 / (N - 1) in all.
+TEST_F(MitsubaGrids, ThoseOfVersion0HaveTheirNumbersAtCorners) {
+  write("old.vol", vol_of({3, 2, 2, 1, std::vector<float>(12, 0.5f)}, {-1, -2, -3}, {1, 2, 4}));
+  const auto old = [](const std::string& content) {
+    return "<scene version='0.6.0'><integrator type='volpath'/>" + filled(heterogeneous(content)) +
+           "<sensor type='perspective'/></scene>";
+  };
+  const auto s =
+      read(old(word("method", "woodcock") + grid("density", "old.vol") +
+               "<volume type='constvolume' name='albedo'><spectrum name='value' value='.9'/></volume>" +
+               float_of("scale", "3") + float_of("stepSize", ".1")));
+  ASSERT_TRUE(s) << s.error().message;
+  ASSERT_THAT(s->media, SizeIs(1));
+  const ParticipatingMedium& medium = s->media[0];
+  EXPECT_EQ(medium.extinction, glm::vec3(3.0f));
+  EXPECT_EQ(medium.albedo, glm::vec3(0.9f));
+  ASSERT_TRUE(medium.density);
+  const VolumeGrid& numbers = *medium.density->grid;
+  const glm::dvec3 low(-1, -2, -3), high(1, 2, 4), cells(numbers.nx, numbers.ny, numbers.nz);
+  const auto centre = [&](const glm::dvec3& cell) {
+    return glm::dvec3(medium.density->to_world * glm::dvec4((cell + 0.5) / cells, 1.0));
+  };
+  EXPECT_LT(glm::length(centre(glm::dvec3(0.0)) - low), 1e-12);
+  EXPECT_LT(glm::length(centre(cells - 1.0) - high), 1e-12);
+  EXPECT_THAT(warnings(*s), HasSubstr("ends at its outermost numbers"));
+
+  // Between two points instead, and then moved.
+  const auto placed =
+      read(old(grid("density", "old.vol",
+                    "<point name='min' x='0' y='0' z='0'/><point name='max' x='1' y='1' z='1'/>" +
+                        to_world("<translate z='7'/>"))));
+  ASSERT_TRUE(placed) << placed.error().message;
+  const glm::dvec4 middle = placed->media[0].density->to_world * glm::dvec4(0.5, 0.5, 0.5, 1.0);
+  EXPECT_LT(glm::length(glm::dvec3(middle) - glm::dvec3(0.5, 0.5, 7.5)), 1e-12);
+
+  // A density that is the same everywhere has no box.
+  const auto constant =
+      read(old("<volume type='constvolume' name='density'><float name='value' value='2'/></volume>"));
+  ASSERT_TRUE(constant) << constant.error().message;
+  EXPECT_FALSE(constant->media[0].density);
+  EXPECT_EQ(constant->media[0].extinction, glm::vec3(2.0f));
+
+  write("flat.vol", vol_of({2, 1, 2, 1, std::vector<float>(4, 0.5f)}, {0, 0, 0}, {1, 1, 1}));
+  EXPECT_THAT(error(old(grid("density", "flat.vol"))),
+              HasSubstr("a grid of 2 x 1 x 2 numbers; of Mitsuba 0.x"));
+  EXPECT_THAT(error(old(grid("density", "old.vol") + grid("orientation", "old.vol"))),
+              HasSubstr("a medium of fibres, with an orientation, is not read"));
 }
 
 TEST_F(MitsubaGrids, WrittenAndReadAgainTheyAreTheSame) {
