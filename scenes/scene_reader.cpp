@@ -18,6 +18,7 @@
 #include "scenes/names.h"
 #include "scenes/nori/nori_scene.h"
 #include "scenes/pbrt/pbrt_scene.h"
+#include "scenes/rainbow/rainbow_scene.h"
 #include "scenes/settings.h"
 #include "scenes/tinyrender/tinyrender_scene.h"
 
@@ -40,12 +41,14 @@ struct Format {
 };
 
 std::span<const Format> formats() {
-  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene, true},
-                                            {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
-                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
-                                            {"glTF 2.0", ".gltf", '{', gltf::read_scene},
-                                            {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene},
-                                            {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene}};
+  static const std::vector<Format> table = {
+      {"Rainbow XML", ".xml", '<', rainbow::read_scene, rainbow::is_scene},
+      {"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene, true},
+      {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
+      {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
+      {"glTF 2.0", ".gltf", '{', gltf::read_scene},
+      {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene},
+      {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene}};
   return table;
 }
 

@@ -40,8 +40,9 @@ bool is_name_char(char c) {
 
 class XmlReader {
  public:
-  XmlReader(const ReadOptions& options, const FileAccess& files, Diagnostics& diagnostics)
-      : options_(options), access_(files), diagnostics_(diagnostics) {
+  XmlReader(const ReadOptions& options, const FileAccess& files, Diagnostics& diagnostics,
+            const XmlDialect* dialect)
+      : options_(options), access_(files), diagnostics_(diagnostics), dialect_(dialect) {
     for (const auto& [name, value] : options.defines) variables_[name] = value;
   }
 
@@ -87,6 +88,7 @@ class XmlReader {
     if (const auto parsed = parse_xml(text, document); !parsed) {
       diagnostics_.error_text(parsed.error().message);
     } else {
+      if (dialect_ != nullptr) dialect_->adapt(document);
       read_root(text, document);
     }
     including_.pop_back();
@@ -109,6 +111,11 @@ class XmlReader {
   }
 
   void check_version(const ElementReader& root) {
+    if (dialect_ != nullptr) {
+      tree_.major_version = 0;
+      tree_.is_tolerant = true;
+      return;
+    }
     const auto version = root.required("version");
     if (!version) return;
     std::vector<std::int64_t> parts;
@@ -390,6 +397,7 @@ class XmlReader {
   const ReadOptions& options_;
   const FileAccess& access_;
   Diagnostics& diagnostics_;
+  const XmlDialect* dialect_;
   const ElementReader::Substitute substitute_ = [this](std::string_view text, SourceLocation location) {
     return substitute(text, location);
   };
@@ -405,8 +413,8 @@ class XmlReader {
 }  // namespace
 
 ObjectTree read_object_tree(const fs::path& file, const ReadOptions& options, const FileAccess& files,
-                            Diagnostics& diagnostics) {
-  return XmlReader(options, files, diagnostics).read(file);
+                            Diagnostics& diagnostics, const XmlDialect* dialect) {
+  return XmlReader(options, files, diagnostics, dialect).read(file);
 }
 
 }  // namespace penumbra::mitsuba

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <pugixml.hpp>
+#include <utility>
+#include <vector>
 
 #include "scenes/mitsuba/value_reader.h"
 #include "scenes/mitsuba/xml_source.h"
@@ -29,7 +32,7 @@ constexpr Tag kTags[] = {
     {"mesh", "shape"},      {"shape", "shape"},       {"camera", "sensor"},         {"bsdf", "bsdf"},
     {"emitter", "emitter"}, {"luminaire", "emitter"}, {"integrator", "integrator"}, {"sampler", "sampler"},
     {"rfilter", "rfilter"}, {"medium", "medium"},     {"phase", "phase"},           {"texture", "texture"},
-    {"envmap", "emitter"},  {"volume", "medium"}};
+    {"envmap", "emitter"},  {"volume", "medium"},     {"subscene", "shape"},        {"instance", "shape"}};
 
 /// <diffusemap>, <normaltexture>: the name of the parameter to which the texture belongs; empty for other
 /// elements.
@@ -214,6 +217,8 @@ class TreeReader {
   }
 
   void translate_shape(Object& object) {
+    if (is_placed(object)) return;
+    if (object.type == "parallelogram") translate_parallelogram(t_, object);
     std::erase_if(object.children,
                   [](const Child& c) { return c.object->tag == "medium" && c.object->type.empty(); });
     bool has_medium = false;
@@ -229,6 +234,48 @@ class TreeReader {
     bend_bsdf_of(t_, object);
   }
 
+  /// Whether the object is a group of shapes or an instance of one; these have no BSDF. In one fork
+  /// (Arnibjarnst's) a <subscene> has a number by which an <instance> names it, in others an instance holds
+  /// its shapes.
+  bool is_placed(Object& object) {
+    if (object.type == "subscene") {
+      object.type = "shapegroup";
+      const auto id = take(object, "id");
+      const auto number = id ? number_of(*id) : std::nullopt;
+      if (!number)
+        report_.error(object.location, "a <subscene> needs an <integer name=\"id\" …>");
+      else if (!subscenes_.try_emplace(*number, &object).second)
+        report_.error(id->location, fmt::format("there is a <subscene> of id {} already", id->text));
+      return true;
+    }
+    if (object.type != "instance") return false;
+    if (auto named = take(object, "subscene")) {
+      instances_.emplace_back(&object, std::move(*named));
+    } else if (find_child(object, "shape") != nullptr) {
+      Object& group = t_.new_object("shape", "shapegroup", object.location);
+      for (Child& child : object.children)
+        if (child.object->tag == "shape") group.children.push_back(child);
+      std::erase_if(object.children, [](const Child& child) { return child.object->tag == "shape"; });
+      add_child(object, group);
+    } else {
+      report_.error(
+          object.location,
+          "an instance needs a <shape>, or an <integer name=\"subscene\" …>, the id of a <subscene>");
+    }
+    return true;
+  }
+
+  void resolve_instances() {
+    for (const auto& [object, named] : instances_) {
+      const auto number = number_of(named);
+      const auto found = number ? subscenes_.find(*number) : subscenes_.end();
+      if (found != subscenes_.end())
+        add_child(*object, *found->second);
+      else
+        report_.error(named.location, fmt::format("there is no <subscene> of id {}", named.text));
+    }
+  }
+
   /// A sphere around the scene that holds its environment map is not a shape in Mitsuba or here.
   bool is_seen(Object& shape) {
     const Child* emitter = find_child(shape, "emitter");
@@ -241,6 +288,7 @@ class TreeReader {
 
   /// The sampler, and media without bounds, belong to the camera.
   void finish_scene() {
+    resolve_instances();
     auto& children = tree_.scene.children;
     const auto of = [&](std::string_view tag) {
       return std::ranges::find_if(children, [&](const Child& c) { return c.object->tag == tag; });
@@ -272,6 +320,8 @@ class TreeReader {
   mitsuba::ObjectTree tree_;
   DialectChoice choice_;
   Translation t_{tree_, report_, Dialect::kNori};
+  std::map<double, Object*> subscenes_;                   ///< by their ids
+  std::vector<std::pair<Object*, Parameter>> instances_;  ///< with the ids of their subscenes
 };
 
 }  // namespace

@@ -20,6 +20,9 @@ void translate_bsdf(const Translation& t, mitsuba::Object& bsdf);
 /// Wraps a shape's BSDF in the normal or bump map that the shape holds.
 void bend_bsdf_of(const Translation& t, mitsuba::Object& shape);
 
+/// Turns a parallelogram, a corner and two sides, into a rectangle.
+void translate_parallelogram(const Translation& t, mitsuba::Object& shape);
+
 /// Translates an emitter of the scene, or of `shape` if that is given.
 void translate_emitter(const Translation& t, mitsuba::Object& emitter, const mitsuba::Object* shape);
 /// Whether the emitter illuminates the scene from all directions.

@@ -35,8 +35,8 @@ const std::vector<BsdfRow>& rows() {
       {{"roughdielectric", "microfacetdielectric", "roughglass"}, "roughdielectric"},
       {{"thindielectric"}, "thindielectric"},
       {{"microfacet"}, "microfacet", {{{"albedo", "texture", ""}, "kd"}}},
-      {{"conductor"}, "conductor"},
-      {{"roughconductor", "microfacetconductor"}, "roughconductor"},
+      {{"conductor"}, "conductor", {{{"material_name"}, "material"}}},
+      {{"roughconductor", "microfacetconductor"}, "roughconductor", {{{"material_name"}, "material"}}},
       {{"plastic", "dielectriccoateddiffuse"}, "plastic", {{{"albedo", "kd"}, "diffuse_reflectance"}}},
       {{"roughplastic"}, "roughplastic", {{{"albedo", "kd"}, "diffuse_reflectance"}}},
       {{"phong"},
@@ -50,9 +50,10 @@ const std::vector<BsdfRow>& rows() {
         {{"metalness", "metal"}, "metallic"},
         {{"spec_tint"}, "specular_tint"},
         {{"anisotropy"}, "anisotropic"},
+        {{"flatness"}, "subsurface"},  // of the thin model, the same mixture
         {{"clear_coat"}, "clearcoat"},
         {{"clear_coat_gloss"}, "clearcoat_gloss"}}},
-      {{"null", "none", "passthrough", "transparent"}, "null"},
+      {{"null", "nullbsdf", "none", "passthrough", "transparent"}, "null"},
       {{"twosided"}, "twosided"},
       {{"mask", "opacity"}, "mask"},
       {{"blend", "blendbsdf", "mix", "mixbsdf"}, "blendbsdf"},
@@ -71,6 +72,17 @@ void clamp_numbers(const Translation& t, Object& bsdf) {
                   fmt::format("{} is in [0, 1]; {} counts as {}", parameter.name, *number, clamped));
     *number = clamped;
   }
+}
+
+/// Forks that have `spec_trans` mean different glass by it.
+void reject_transmission(const Translation& t, Object& bsdf) {
+  const auto given = take_any(bsdf, {"spec_trans", "specular_transmission"});
+  if (!given || number_of(*given) == 0.0) return;
+  t.report.unsupported(given->location,
+                       fmt::format("{} of Nori's Disney BSDF is read if it is 0; <bsdf type=\"principled\"> "
+                                   "is one that transmits light",
+                                   given->name),
+                       "it counts as 0");
 }
 
 /// Wraps the BSDF, which keeps its address, in a map.
@@ -106,6 +118,7 @@ void translate_bsdf(const Translation& t, Object& bsdf) {
     for (const Renaming& renaming : row->parameters)
       for (const std::string_view from : renaming.from) rename(bsdf, {from}, renaming.to);
   bsdf.type = row->ours;
+  if (is_disney) reject_transmission(t, bsdf);
   if (is_disney) clamp_numbers(t, bsdf);
   if (bsdf.type == "normalmap" || bsdf.type == "bumpmap") {
     for (Child& child : bsdf.children) {

@@ -17,6 +17,9 @@ using mitsuba::RgbValue;
 
 namespace {
 
+/// Image-based light: the environment map of akaqyd's fork, whose y is up.
+constexpr std::string_view kImageLight = "ibl";
+
 bool is_spot(std::string_view plain) { return plain.starts_with("spot"); }
 bool is_point(std::string_view plain) {
   return plain == "point" || plain == "pointlight" || plain == "pointemitter";
@@ -42,14 +45,38 @@ void settle_intensity(Object& light, double solid_angle) {
   rename(light, {"radiance", "energy", "color"}, "intensity");
 }
 
-/// An angle from the axis in degrees, given as an angle or as its cosine.
+/// An angle from the axis in degrees, given as an angle or as its cosine. A cosine above 1 is an angle in
+/// degrees: forks kept the parameter's name when they read it as one.
 std::optional<double> angle_of(Object& light, std::initializer_list<std::string_view> angles,
                                std::initializer_list<std::string_view> cosines) {
   if (const auto cosine = take_any(light, cosines))
     if (const auto number = number_of(*cosine))
-      return std::acos(std::clamp(*number, -1.0, 1.0)) * 180 / std::numbers::pi;
+      return *number > 1.0 ? *number : std::acos(std::clamp(*number, -1.0, 1.0)) * 180 / std::numbers::pi;
   if (const auto angle = take_any(light, angles)) return number_of(*angle);
   return std::nullopt;
+}
+
+/// A factor of the light (akaqyd's fork).
+void settle_strength(const Translation& t, Object& light, std::string_view light_parameter) {
+  const auto strength = take(light, "strength");
+  if (!strength) return;
+  Parameter* const colour = find(light, light_parameter);
+  if (const auto factor = number_of(*strength); colour != nullptr && factor)
+    scale_colour(*colour, *factor);
+  else
+    t.report.error(strength->location,
+                   fmt::format("strength multiplies the colour {}, which is not given", light_parameter));
+}
+
+/// The direction of a directional light by the angle theta of the light above the horizon and phi around the
+/// y axis from x to z, in degrees (akaqyd's fork).
+void settle_elevation(Object& light) {
+  const auto theta = take(light, "theta"), phi = take(light, "phi");
+  if (!theta || !phi || !number_of(*theta) || !number_of(*phi)) return;
+  constexpr double kRadians = std::numbers::pi / 180;
+  const double up = *number_of(*theta) * kRadians, around = *number_of(*phi) * kRadians;
+  set(light, "direction",
+      glm::dvec3(std::cos(around) * std::cos(up), -std::sin(up), std::sin(around) * std::cos(up)));
 }
 
 /// A frame from a direction or a target.
@@ -113,6 +140,7 @@ void settle_image(const Translation& t, Object& light) {
     rename(light, {"albedo", "color", "power", "intensity", "value", "background"}, "radiance");
     return;
   }
+  const bool y_up = plain_name(light.type) == kImageLight;
   light.type = "envmap";
   rename(light,
          {"weight", "intensity", "strength", "radiance_scale", "intensity_scale", "multiplier",
@@ -124,11 +152,13 @@ void settle_image(const Translation& t, Object& light) {
       t.report.warn(radiance->location, "an environment map is multiplied by a number; that of red counts");
     set_default(light, "scale", double(colour.x));
   }
-  t.report.warn_counted(
-      light.location, fmt::format("forks of Nori differ in where environment maps begin; here {} is up, and "
-                                  "longitudes are Mitsuba's",
-                                  t.dialect == Dialect::kEth ? "z" : "y"));
-  if (t.dialect != Dialect::kEth) return;
+  if (!y_up)
+    t.report.warn_counted(
+        light.location,
+        fmt::format("forks of Nori differ in where environment maps begin; here {} is up, and "
+                    "longitudes are Mitsuba's",
+                    t.dialect == Dialect::kEth ? "z" : "y"));
+  if (t.dialect != Dialect::kEth && !y_up) return;
   // From Mitsuba's axes of environment maps to those of Nori's spherical coordinates.
   glm::dmat4 z_up(0.0);
   z_up[0][1] = -1.0;
@@ -137,6 +167,7 @@ void settle_image(const Translation& t, Object& light) {
   z_up[3][3] = 1.0;
   Parameter* to_world = find(light, "to_world");
   const auto* given = to_world != nullptr ? std::get_if<glm::dmat4>(&to_world->value) : nullptr;
+  if (y_up && given == nullptr) return;  // its default transform is the inverse of z_up
   set(light, "to_world", given != nullptr ? *given * z_up : z_up);
 }
 
@@ -144,20 +175,21 @@ void settle_image(const Translation& t, Object& light) {
 
 bool is_environment(const Object& emitter) {
   const std::string plain = plain_name(emitter.type);
-  return plain == "constant" || plain == "infinite" || plain == "hdri" || plain == "background" ||
-         plain.find("env") != plain.npos;
+  return plain == "constant" || plain == "infinite" || plain == kImageLight || plain == "hdri" ||
+         plain == "background" || plain.find("env") != plain.npos;
 }
 
 void translate_emitter(const Translation& t, Object& emitter, const Object* shape) {
   settle_textures(t, emitter);
   const std::string plain = plain_name(emitter.type);
   if (shape != nullptr && !is_environment(emitter)) {
-    const bool own = plain.find("area") != plain.npos ||
+    const bool own = plain.find("area") != plain.npos || plain == "parallelogramemitter" ||
                      find_any(emitter, {"radiance", "albedo"}) != nullptr ||
                      find_child(emitter, "texture") != nullptr;
     if (!own || plain.starts_with("vol")) return;  // the interior of the shape emits
     emitter.type = "area";
     rename(emitter, {"albedo", "texture", "emission", "color", "map", ""}, "radiance");
+    settle_strength(t, emitter, "radiance");
     return;
   }
   if (is_point(plain)) {
@@ -170,6 +202,8 @@ void translate_emitter(const Translation& t, Object& emitter, const Object* shap
     emitter.type = "directional";
     rename(emitter, {"dir"}, "direction");
     rename(emitter, {"radiance", "power", "intensity", "color"}, "irradiance");
+    settle_strength(t, emitter, "irradiance");
+    settle_elevation(emitter);
   } else if (is_environment(emitter)) {
     settle_image(t, emitter);
   }

@@ -17,13 +17,13 @@ using mitsuba::RgbValue;
 namespace {
 
 bool is_homogeneous(std::string_view plain) {
-  return plain.starts_with("homog") || plain == "medium" || plain == "uniform" || plain == "constant";
+  return plain.starts_with("homo") || plain == "medium" || plain == "uniform" || plain == "constant";
 }
 
 /// A box or a ball that the medium says it fills, as a shape around it that light passes through.
 Object* shape_of(const Translation& t, Object& medium) {
-  const auto center = take_any(medium, {"center", "position"});
-  const auto size = take(medium, "size");
+  const auto center = take_any(medium, {"center", "position", "origin", "box_origin"});
+  const auto size = take_any(medium, {"size", "dimensions", "box_size"});
   const auto radius = take_any(medium, {"radius", "max_radius"});
   const auto low = take_any(medium, {"bounds_min", "min", "p_min", "bbox_min"});
   const auto high = take_any(medium, {"bounds_max", "max", "p_max", "bbox_max"});
@@ -39,7 +39,11 @@ Object* shape_of(const Translation& t, Object& medium) {
   }
   std::optional<glm::dmat4> to_world;
   // Of `size` forks mean half of the box's sides.
-  if (const auto half = of(size)) to_world = translation(at) * scaling(*half);
+  if (const auto half = of(size)) to_world = translation(at) * scaling(glm::abs(*half));
+  // The transform of the unit cube from (0, 0, 0) to (1, 1, 1) that the medium fills (beltegeuse/nori).
+  if (const auto placed = take(medium, "to_world"))
+    if (const auto* matrix = std::get_if<glm::dmat4>(&placed->value))
+      to_world = *matrix * translation(glm::dvec3(0.5)) * scaling(glm::dvec3(0.5));
   if (of(low) && of(high))
     to_world = translation(0.5 * (*of(low) + *of(high))) * scaling(0.5 * (*of(high) - *of(low)));
   if (!to_world) return nullptr;
@@ -52,12 +56,46 @@ Object* shape_of(const Translation& t, Object& medium) {
   return &box;
 }
 
+/// Factors of the coefficients, of forks that give colours and a density, or one for each colour.
+void settle_density(const Translation& t, Object& medium) {
+  if (const auto form = take_any(medium, {"density_function", "density_type"});
+      form && number_of(*form) != 1.0)
+    t.report.unsupported(
+        form->value_location,
+        fmt::format("{} {}: a density that varies in the medium is not read; 1, the same everywhere, is",
+                    form->name, form->text),
+        "it counts as 1");
+  for (const auto& [factor, coefficient] :
+       {std::pair("density_a", "sigma_a"), std::pair("density_s", "sigma_s")})
+    if (const auto given = take(medium, factor))
+      if (Parameter* const scaled = find(medium, coefficient); scaled != nullptr && number_of(*given)) {
+        if (const auto colour = colour_of(*scaled))
+          scaled->value = RgbValue{*colour * float(*number_of(*given))};
+      }
+  if (auto given = take(medium, "max_density")) {
+    if (number_of(*given) != 1.0)
+      t.report.warn(given->location, "max_density multiplies sigma_a and sigma_s here, and not the albedo");
+    set_default(medium, "scale", number_of(*given).value_or(1.0));
+  }
+}
+
+/// `g` in the medium is that of Henyey and Greenstein.
+void settle_phase(const Translation& t, Object& medium) {
+  auto g = take(medium, "g");
+  if (!g || find_child(medium, "phase") != nullptr) return;
+  Object& phase = t.new_object("phase", "hg", g->location);
+  phase.parameters.push_back(std::move(*g));
+  add_child(medium, phase);
+}
+
 }  // namespace
 
 void translate_medium(const Translation& t, Object& medium) {
   const std::string plain = plain_name(medium.type);
   if (is_homogeneous(plain)) {
     medium.type = "homogeneous";
+    settle_density(t, medium);
+    settle_phase(t, medium);
     // One of both alone is all that the medium does.
     if (find(medium, "sigma_s") != nullptr && find_any(medium, {"sigma_t", "albedo"}) == nullptr)
       set_default(medium, "sigma_a", RgbValue{glm::vec3(0.0f)});
@@ -79,7 +117,7 @@ void translate_phase(const Translation&, Object& phase) {
     phase.type = "hg";
     set_default(phase, "g", 0.0);
   }
-  if (plain == "isophase" || plain == "uniform") phase.type = "isotropic";
+  if (plain == "iso" || plain == "isophase" || plain == "uniform") phase.type = "isotropic";
 }
 
 void place_media(const Translation& t, Object& scene) {

@@ -267,6 +267,137 @@ TEST_F(NoriForks, MediaInShapesAboutTheCameraAndInBoxes) {
               HasSubstr("medium type 'heterogeneous' is not one of Nori's that Penumbra reads"));
 }
 
+TEST_F(NoriForks, MediaOfOtherForks) {
+  const std::string colours = "<color name='sigmaA' value='.5,.5,.5'/><color name='sigmaS' value='1,1,1'/>";
+  const auto medium = [&](const std::string& type, const std::string& content) {
+    return "<integrator type='volpath'/><medium type='" + type + "'>" + colours + content + "</medium>" +
+           mesh("");
+  };
+  const auto extent = [&](const std::string& content) {
+    const SceneDescription scene = good_nori(medium("medium", content));
+    EXPECT_EQ(scene.shapes.size(), 2u) << content;
+    glm::dvec3 low(9.0), high(-9.0);
+    for (const Shape& shape : scene.shapes)
+      if (shape.interior != kNoMedium)
+        for (const auto& position : std::get<Mesh>(shape.geometry).positions) {
+          low = glm::min(low, position);
+          high = glm::max(high, position);
+        }
+    return std::pair(low, high);
+  };
+  const std::pair box(glm::dvec3(0.5, 1.5, 2.5), glm::dvec3(1.5, 2.5, 3.5));
+  EXPECT_EQ(extent("<vector name='origin' value='1 2 3'/><vector name='dimensions' value='.5 -.5 .5'/>"),
+            box);
+  EXPECT_EQ(extent("<vector name='box_origin' value='1 2 3'/><vector name='box_size' value='.5 .5 .5'/>"),
+            box);
+  EXPECT_EQ(extent("<transform name='toWorld'><translate value='.5 1.5 2.5'/></transform>"), box);
+
+  const SceneDescription dense = good_nori(medium(
+      "homo",
+      "<float name='density_a' value='2'/><float name='density_s' value='3'/><float name='g' value='.25'/>"));
+  EXPECT_EQ(dense.media.at(0).extinction, glm::vec3(4.0f));
+  EXPECT_EQ(dense.media[0].albedo, glm::vec3(0.75f));
+  EXPECT_EQ(dense.media[0].phase.at(0).g, 0.25f);
+  const SceneDescription scaled =
+      good_nori(medium("medium", "<float name='max_density' value='3'/><phase type='iso'/>"));
+  EXPECT_EQ(scaled.media.at(0).extinction, glm::vec3(4.5f));
+  EXPECT_THAT(warnings(scaled), HasSubstr("max_density multiplies sigma_a and sigma_s"));
+  EXPECT_THAT(error(nori(medium("medium", "<integer name='density_function' value='2'/>"))),
+              HasSubstr("density_function 2: a density that varies in the medium is not read; 1, the same "
+                        "everywhere, is"));
+}
+
+TEST_F(NoriForks, InstancesOfASubsceneOrOfTheirOwn) {
+  const std::string at = "<transform name='toWorld'><translate value='0,3,0'/></transform>";
+  const std::string subscene =
+      "<subscene type='subscene'><integer name='id' value='1'/>" + mesh("") + "</subscene>";
+  const auto instance = [](const std::string& content) {
+    return "<instance type='instance'>" + content + "</instance>";
+  };
+  const std::string first = "<integer name='subscene' value='1'/>";
+  const SceneDescription scene = good_nori(instance(first) + subscene + instance(first + at));
+  EXPECT_TRUE(scene.shapes.empty());
+  ASSERT_EQ(scene.groups.size(), 1u);
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.instances[1].to_world[3].y, 3.0);
+  const SceneDescription own = good_nori("<shape type='instance'>" + at + "<shape type='sphere'/></shape>");
+  EXPECT_EQ(own.groups.size(), 1u);
+  EXPECT_EQ(own.instances.size(), 1u);
+  EXPECT_THAT(error(nori(subscene + instance("<integer name='subscene' value='2'/>"))),
+              HasSubstr("there is no <subscene> of id 2"));
+  EXPECT_THAT(error(nori(subscene + subscene)), HasSubstr("there is a <subscene> of id 1 already"));
+  EXPECT_THAT(error(nori(instance(""))), HasSubstr("an instance needs a <shape>, or an <integer"));
+}
+
+/// Its front is where u × v points: up.
+TEST_F(NoriForks, ParallelogramsAreRectangles) {
+  const auto parallelogram = [](const char* v) {
+    return fmt::format(
+        "<mesh type='parallelogram'><string name='name' value='light'/><point name='origin' value='1 2 "
+        "3'/><vector "
+        "name='u' value='0 0 4'/><vector name='v' value='{}'/><emitter type='parallelogram_emitter'><color "
+        "name='radiance' value='4 4 4'/></emitter></mesh>",
+        v);
+  };
+  const SceneDescription scene = good_nori(parallelogram("2 0 0"));
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  EXPECT_EQ(*scene.shapes[0].radiance, glm::vec3(4.0f));
+  const Mesh& found = std::get<Mesh>(scene.shapes[0].geometry);
+  glm::dvec3 low(9.0), high(-9.0);
+  for (const auto& position : found.positions) {
+    low = glm::min(low, position);
+    high = glm::max(high, position);
+  }
+  EXPECT_EQ(low, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(high, glm::dvec3(3, 2, 7));
+  const glm::uvec3& corners = found.triangles.at(0);
+  EXPECT_GT(glm::cross(found.positions[corners.y] - found.positions[corners.x],
+                       found.positions[corners.z] - found.positions[corners.x])
+                    .y *
+                (scene.shapes[0].flip_normals ? -1 : 1),
+            0);
+  EXPECT_THAT(error(nori(parallelogram("0 0 1"))),
+              HasSubstr("u and v of a parallelogram must not be parallel"));
+}
+
+TEST_F(NoriForks, LightsOfOtherForks) {
+  const auto light = [&](const std::string& content) { return good_nori(mesh("") + content); };
+  const SceneDescription strong =
+      good_nori(mesh("<emitter type='area'><color name='radiance' value='1 2 3'/><float name='strength' "
+                     "value='5'/></emitter>"));
+  EXPECT_EQ(*strong.shapes.at(0).radiance, glm::vec3(5, 10, 15));
+  const SceneDescription high = light(
+      "<emitter type='directional'><color name='radiance' value='1 1 1'/><float name='strength' "
+      "value='2'/><float name='theta' value='30'/><float name='phi' value='90'/></emitter>");
+  const auto sun = only<DirectionalLight>(high);
+  EXPECT_EQ(sun.irradiance, glm::vec3(2.0f));
+  EXPECT_LT(glm::length(glm::dvec3(sun.direction) - glm::dvec3(0, -0.5, std::sqrt(0.75))), 1e-6);
+  const SceneDescription image = light(
+      "<emitter type='IBL'><string name='exr_path' value='image.pfm'/><float name='strength' "
+      "value='.5'/></emitter>");
+  EXPECT_EQ(only<EnvironmentMapLight>(image).to_world, glm::dmat4(1.0)) << "its y is up";
+  const SceneDescription degrees = light(
+      "<emitter type='spotlight'><point name='position' value='0,0,1'/><vector name='direction' "
+      "value='0,0,-1'/>"
+      "<color name='color' value='1,1,1'/><float name='cosTotalWidth' value='50'/><float "
+      "name='cosFalloffStart' "
+      "value='13'/></emitter>");
+  EXPECT_EQ(only<SpotLight>(degrees).cutoff_angle, 50.0) << "no cosine";
+}
+
+TEST_F(NoriForks, MaterialsOfOtherForks) {
+  const SceneDescription metal =
+      good_nori(mesh("<bsdf type='conductor'><string name='materialName' value='Cu'/></bsdf>"));
+  EXPECT_TRUE(metal.warnings.empty()) << warnings(metal);
+  const SceneDescription flat = good_nori(mesh(
+      "<bsdf type='disney'><float name='flatness' value='.5'/><float name='specTrans' value='0'/></bsdf>"));
+  EXPECT_EQ(model_of<DisneyBsdf>(flat).subsurface.value, 0.5f);
+  EXPECT_TRUE(flat.warnings.empty()) << warnings(flat);
+  EXPECT_THAT(error(nori(mesh("<bsdf type='disney'><float name='specTrans' value='.5'/></bsdf>"))),
+              HasSubstr("spec_trans of Nori's Disney BSDF is read if it is 0"));
+  model_of<NullBsdf>(good_nori(mesh("<bsdf type='nullBSDF'/>")));
+}
+
 TEST_F(NoriForks, IntegratorsOfOtherWaysToTheSameImage) {
   const auto type = [&](const char* name, std::string_view expected_warning) {
     const SceneDescription scene = good_nori(

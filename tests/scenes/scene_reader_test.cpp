@@ -21,8 +21,8 @@ TEST_F(SceneReader, TellsFormatsByNameAndContent) {
   EXPECT_TRUE(read_scene(folder_ / "b", {}));
   write("c.blend", "BLENDER");
   EXPECT_THAT(read_scene(folder_ / "c.blend", {}).error().message,
-              HasSubstr("c.blend: not a scene in a format that Penumbra reads; it reads: Nori XML (.xml), "
-                        "Mitsuba XML (.xml), "));
+              HasSubstr("c.blend: not a scene in a format that Penumbra reads; it reads: Rainbow XML (.xml), "
+                        "Nori XML (.xml), Mitsuba XML (.xml), "));
 }
 
 TEST_F(SceneReader, GzipFilesAreUnpacked) {
