@@ -14,6 +14,7 @@
 #include "scenes/scene_description.h"
 #include "scenes/settings.h"
 #include "scenes/sky/sky_parameters.h"
+#include "scenes/sky/timed_sky.h"
 
 namespace penumbra {
 namespace {
@@ -184,6 +185,7 @@ Entries make_reference() {
   add_models(entries, "emitter", static_cast<const Emitter*>(nullptr));
   add_model<AreaLightParameters>(entries, "emitter");
   add_models(entries, "emitter", static_cast<const SkyModels*>(nullptr));
+  add_models(entries, "emitter", static_cast<const TimedSkies*>(nullptr));
   add_models(entries, "shape", static_cast<const mitsuba::ShapeParameters*>(nullptr));
   add_media(entries);
   add_sensors(entries);

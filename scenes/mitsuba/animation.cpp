@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
+#include <string_view>
 
 #include "scenes/transform.h"
 
@@ -31,17 +32,29 @@ PolarParts polar_parts(const glm::dmat3& m) {
   return {glm::normalize(glm::quat_cast(q)), glm::transpose(q) * m};
 }
 
-double shutter_opens(const Object* sensor) {
+double number_of(const Object* sensor, std::string_view name) {
   if (sensor == nullptr) return 0.0;
   for (const Parameter& parameter : sensor->parameters) {
-    if (parameter.name != "shutter_open") continue;
+    if (parameter.name != name) continue;
     if (const auto* number = std::get_if<double>(&parameter.value)) return *number;
     if (const auto* whole = std::get_if<std::int64_t>(&parameter.value)) return double(*whole);
   }
   return 0.0;
 }
 
+double shutter_opens(const Object* sensor) { return number_of(sensor, "shutter_open"); }
+
 }  // namespace
+
+Shutter shutter_of(const Context& context) {
+  for (const Child& child : context.tree.scene.children) {
+    const Object* object = child.object;
+    if (object == nullptr || object->tag != "sensor") continue;
+    const double open = shutter_opens(object);
+    return {open, std::max(open, number_of(object, "shutter_close"))};
+  }
+  return {};
+}
 
 glm::dmat4 transform_at(const AnimationValue& animation, double time) {
   const std::vector<AnimationValue::Key>& keys = animation.keys;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 
+#include "scenes/mitsuba/animation.h"
 #include "scenes/sky/sky_parameters.h"
+#include "scenes/sky/timed_sky.h"
 
 namespace penumbra::mitsuba {
 namespace {
@@ -14,6 +16,7 @@ namespace {
 struct Lights {
   SceneDescription& scene;
   SkyReader& sky;
+  const Context& context;
 };
 
 template <typename Model>
@@ -64,6 +67,20 @@ void read_sky(PluginReader& plugin, Lights& lights) {
   lights.sky.add(plugin, sky, Sky::kIs, lights.scene);
 }
 
+/// The sky while the first sensor's shutter is open.
+void read_timed_sky(PluginReader& plugin, Lights& lights) {
+  const auto sky = read_one_emitter<TimedSkyEmitter>(plugin, lights.scene);
+  if (lights.context.diagnostics.failed()) return;
+  const Shutter shutter = shutter_of(lights.context);
+  EnvironmentMapLight light = sky.emitter(shutter.open, shutter.close);
+  if (!(shutter.close > shutter.open))
+    plugin.warn(
+        fmt::format("the sensor's shutter_open is its shutter_close, so the sky is that of one instant, "
+                    "at time {}; shutters from {} to {} give the mean of all hours",
+                    shutter.open, sky.shutter_open, sky.shutter_close));
+  if (!is_black(Emitter(light))) lights.scene.emitters.emplace_back(std::move(light));
+}
+
 struct EmitterPlugin {
   std::string_view type;
   void (*read)(PluginReader&, Lights&);
@@ -83,8 +100,9 @@ constexpr auto both(const std::array<EmitterPlugin, N>& first, const std::array<
   std::ranges::copy(second, all.begin() + N);
   return all;
 }
-constexpr auto kEmitters = both(emitter_plugins(static_cast<const Emitter*>(nullptr)),
-                                sky_plugins(static_cast<const SkyModels*>(nullptr)));
+constexpr auto kEmitters = both(both(emitter_plugins(static_cast<const Emitter*>(nullptr)),
+                                     sky_plugins(static_cast<const SkyModels*>(nullptr))),
+                                std::array{EmitterPlugin{TimedSkyEmitter::kPlugin, read_timed_sky}});
 /// Accepts a medium around the emitter. It is not needed, because paths that start at the camera know their
 /// medium.
 void accept_medium(PluginReader& plugin) { plugin.nested("medium"); }
@@ -126,7 +144,7 @@ bool read_emitter(const Context& context, const Object& object, SceneDescription
   PluginReader plugin(context, object);
   const EmitterPlugin* known = find_plugin(kEmitters, object.type);
   if (known != nullptr) {
-    Lights lights{scene, sky};
+    Lights lights{scene, sky, context};
     known->read(plugin, lights);
     accept_medium(plugin);
   } else if (object.type == kArea) {

@@ -62,7 +62,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
     scene.camera.far_clip = scene.camera.near_clip + length;
   }
   if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
-    plugin.warn("nothing moves in Penumbra, so shutter_close has no effect");
+    plugin.warn("nothing moves in Penumbra, so shutter_close has no effect, but on a timed_sunsky");
   plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
   if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
   plugin.accept({"cone_scale"});  // about texture filtering, which does not exist here

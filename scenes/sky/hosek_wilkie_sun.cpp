@@ -101,13 +101,10 @@ double HosekWilkieSun::visible_share(double elevation) {
   return 0.5 + (std::asin(x) + x * std::sqrt(1 - x * x)) / kPi;
 }
 
+glm::dvec3 HosekWilkieSun::plain_node(int node) const { return mean_radiance(kFirstNode + node * kNodeStep); }
+
 glm::dvec3 HosekWilkieSun::plain_radiance(double elevation) const {
-  constexpr int kNodes = 30;
-  constexpr double kFirst = 2 * kDegree, kStep = 3 * kDegree;
-  const double at = std::clamp((elevation - kFirst) / kStep, 0.0, kNodes - 1.0);
-  const int node = std::min(int(at), kNodes - 2);
-  return glm::mix(mean_radiance(kFirst + node * kStep), mean_radiance(kFirst + (node + 1) * kStep),
-                  at - node);
+  return plain_between(elevation, [&](int node) { return plain_node(node); });
 }
 
 glm::dvec3 disk_direction(int k, int count, double radius) {

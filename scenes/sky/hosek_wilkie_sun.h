@@ -1,7 +1,9 @@
 // The sun of Hosek and Wilkie 2013, Adding a solar-radiance function to the Hosek-Wilkie skylight model.
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
+#include <glm/gtc/constants.hpp>
 #include <vector>
 
 namespace penumbra {
@@ -32,8 +34,20 @@ class HosekWilkieSun {
   /// radiance at 30 elevations from 2° to 89°, linear between them and constant beyond. Where the radiance
   /// rises steeply, below 10°, this is more than the model's.
   [[nodiscard]] glm::dvec3 plain_radiance(double elevation) const;
+  static constexpr int kPlainNodes = 30;
+  /// The mean radiance at one of those elevations.
+  [[nodiscard]] glm::dvec3 plain_node(int node) const;
+  /// The plain radiance from that at the elevations, given as a function of their number.
+  template <typename Node>
+  [[nodiscard]] static glm::dvec3 plain_between(double elevation, const Node& radiance_at) {
+    const double at = std::clamp((elevation - kFirstNode) / kNodeStep, 0.0, kPlainNodes - 1.0);
+    const int node = std::min(int(at), kPlainNodes - 2);
+    return glm::mix(radiance_at(node), radiance_at(node + 1), at - node);
+  }
 
  private:
+  static constexpr double kFirstNode = 2 * (glm::pi<double>() / 180),
+                          kNodeStep = 3 * (glm::pi<double>() / 180);
   static constexpr int kPowers = 4, kLimbPowers = 6;
   /// For a segment of elevations: of the elevation's power, times the limb's.
   struct Segment {

@@ -82,22 +82,24 @@ void draw_atmosphere(const SkyImage& sky, Canvas& canvas) {
       const double phi = 2 * kPi * (x + 0.5) / canvas.width();
       const glm::dvec3 w(std::sin(phi) * std::sin(model_angle), std::cos(model_angle),
                          -std::cos(phi) * std::sin(model_angle));
-      canvas.at(x, y) = scale * model.radiance(w);
+      canvas.at(x, y) += scale * model.radiance(w);
     }
   }
 }
 
-void draw_sun(const SkyImage& sky, Canvas& canvas) {
-  const HosekWilkieSun model(sky.turbidity);
-  const double radius = sky.sun_radius * kDegree, elevation = std::asin(std::clamp(sky.to_sun.y, 0.0, 1.0));
-  const glm::dvec3 plain = sky.complex_sun ? glm::dvec3(0) : model.plain_radiance(elevation);
+double elevation_of(const glm::dvec3& to_sun) { return std::asin(std::clamp(to_sun.y, 0.0, 1.0)); }
+
+/// The disk is drawn with many points per texel, but at least and at most so many.
+/// `plain` is its radiance where it is plain.
+void draw_sun(const SkyImage& sky, const HosekWilkieSun& model, const glm::dvec3& plain, Canvas& canvas,
+              double fewest = 4096.0, double most = 4e6) {
+  const double radius = sky.sun_radius * kDegree;
   const glm::dvec3 to_sun = stretched(sky.to_sun, sky.stretch);
   const glm::dvec3 other = std::abs(to_sun.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 s = glm::normalize(glm::cross(to_sun, other)), t = glm::cross(to_sun, s);
   const double solid_angle = disk_solid_angle(kSunRadius * kDegree);
-  // Many directions per texel.
   const double texel = 2 * kPi / canvas.width();
-  const int count = int(std::clamp(64 * disk_solid_angle(radius) / (texel * texel), 4096.0, 4e6));
+  const int count = int(std::clamp(64 * disk_solid_angle(radius) / (texel * texel), fewest, most));
   for (int k = 0; k < count; ++k) {
     const glm::dvec3 d = disk_direction(k, count, radius), w = d.z * to_sun + d.x * s + d.y * t;
     const double above = kPi / 2 - std::atan2(std::hypot(w.x, w.z), w.y) / sky.stretch;
@@ -120,7 +122,33 @@ Bitmap draw_sky(const SkyImage& sky) {
   Canvas canvas(sky.width, sky.width / 2 + 1);
   const bool is_day = sky.to_sun.y >= 0;
   if (is_day && sky.sky_scale > 0) draw_atmosphere(sky, canvas);
-  if (is_day && sky.sun_scale > 0 && sky.sun_radius > 0) draw_sun(sky, canvas);
+  if (is_day && sky.sun_scale > 0 && sky.sun_radius > 0) {
+    const HosekWilkieSun model(sky.turbidity);
+    draw_sun(sky, model, model.plain_radiance(elevation_of(sky.to_sun)), canvas);
+  }
+  return canvas.bitmap();
+}
+
+Bitmap draw_mean_sky(SkyImage sky, std::span<const glm::dvec3> of_sky, std::span<const glm::dvec3> of_sun) {
+  constexpr double kFewest = 64, kMost = 512;  // points of a disk, of which there are many
+  Canvas canvas(sky.width, sky.width / 2 + 1);
+  sky.sky_scale /= double(of_sky.size());
+  sky.sun_scale /= double(of_sun.size());
+  for (const glm::dvec3& to_sun : of_sky) {
+    sky.to_sun = to_sun;
+    if (to_sun.y >= 0 && sky.sky_scale > 0) draw_atmosphere(sky, canvas);
+  }
+  const HosekWilkieSun model(sky.turbidity);
+  std::vector<glm::dvec3> nodes;
+  for (int node = 0; node < HosekWilkieSun::kPlainNodes; ++node) nodes.push_back(model.plain_node(node));
+  for (const glm::dvec3& to_sun : of_sun) {
+    sky.to_sun = to_sun;
+    if (to_sun.y >= 0 && sky.sun_scale > 0)
+      draw_sun(sky, model,
+               HosekWilkieSun::plain_between(elevation_of(to_sun),
+                                             [&](int node) { return nodes[std::size_t(node)]; }),
+               canvas, kFewest, kMost);
+  }
   return canvas.bitmap();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 
 #include "scenes/image/bitmap.h"
 
@@ -30,6 +31,10 @@ struct SkyImage {
 /// colours are outside the gamut; a texel whose channels' sum is below 0, at the horizon of hazy air, is
 /// black.
 Bitmap draw_sky(const SkyImage& sky);
+
+/// The mean of skies whose suns are in the directions `of_sky`, and of suns in the directions `of_sun`;
+/// `sky.to_sun` does not count.
+Bitmap draw_mean_sky(SkyImage sky, std::span<const glm::dvec3> of_sky, std::span<const glm::dvec3> of_sun);
 
 /// The direction at `factor` times the angle from the zenith, which is y.
 glm::dvec3 stretched(const glm::dvec3& w, double factor);

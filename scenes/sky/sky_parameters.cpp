@@ -12,12 +12,8 @@
 
 namespace penumbra {
 
-/// Mitsuba 3's frame has x to the south, y to the west and z up; that of version 0.6 x to the east, y up and
-/// z to the south.
-glm::dmat3 SkyParameters::frame() const {
-  return is_version_3 ? glm::dmat3(glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0))
-                      : glm::dmat3(1.0);
-}
+/// That of version 0.6 has x to the east, y up and z to the south.
+glm::dmat3 SkyParameters::frame() const { return is_version_3 ? sky_frame_with_z_up() : glm::dmat3(1.0); }
 
 void SkyParameters::check(Findings& findings, bool has_direction) {
   const auto within = [&](const char* name, double value, double low, double high) {

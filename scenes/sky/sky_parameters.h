@@ -15,6 +15,11 @@ namespace penumbra {
 
 enum class SkyPart { kSky, kSun, kBoth };
 
+/// From y up, x to the east and z to the south, to Mitsuba 3's frame: x to the south, y to the west, z up.
+inline glm::dmat3 sky_frame_with_z_up() {
+  return {glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)};
+}
+
 struct SkyParameters {
   /// To the sun, in world space; if not given, computed from place and time in the plugin's own frame.
   glm::dvec3 sun_direction{0.0};

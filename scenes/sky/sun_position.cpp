@@ -6,16 +6,18 @@
 
 namespace penumbra {
 
+/// Fliegel and Van Flandern 1968, whose divisions are of whole numbers.
+double day_number(double any_year, double any_month, double any_day) {
+  const auto year = std::trunc(any_year), month = std::trunc(any_month), day = std::trunc(any_day);
+  const double a = std::trunc((month - 14) / 12);
+  return std::trunc(1461 * (year + 4800 + a) / 4) + std::trunc(367 * (month - 2 - 12 * a) / 12) -
+         std::trunc(3 * std::trunc((year + 4900 + a) / 100) / 4) + day - 32075;
+}
+
 glm::dvec3 sun_direction(const PlaceAndTime& at) {
   const double hours = at.hour - at.timezone + (at.minute + at.second / 60) / 60;  // Greenwich time
-  // Days from noon of 1 January 2000, by the Gregorian calendar's day number (Fliegel and Van Flandern 1968,
-  // whose divisions are of whole numbers).
-  const auto year = std::trunc(at.year), month = std::trunc(at.month), day = std::trunc(at.day);
-  const double a = std::trunc((month - 14) / 12);
-  const double number = std::trunc(1461 * (year + 4800 + a) / 4) +
-                        std::trunc(367 * (month - 2 - 12 * a) / 12) -
-                        std::trunc(3 * std::trunc((year + 4900 + a) / 100) / 4) + day - 32075;
-  const double n = number - 0.5 + hours / 24 - 2451545.0;
+  // Days from noon of 1 January 2000.
+  const double n = day_number(at.year, at.month, at.day) - 0.5 + hours / 24 - 2451545.0;
   // Ecliptic coordinates, radians.
   const double omega = 2.1429 - 0.0010394594 * n;
   const double mean_longitude = 4.8950630 + 0.017202791698 * n, anomaly = 6.2400600 + 0.0172019699 * n;
