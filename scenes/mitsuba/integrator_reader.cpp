@@ -232,6 +232,17 @@ void read_lajolla_version(PluginReader& plugin, SceneDescription& scene) {
   if (most < 3 && (path->max_depth < 0 || path->max_depth > most)) path->max_depth = most;
 }
 
+/// lajolla's integrators that show what is seen, not its light, and where such numbers are to be had.
+struct UnreadIntegrator {
+  std::string_view type, words;
+};
+constexpr UnreadIntegrator kUnreadIntegrators[] = {
+    {"depth", "the image of every other integrator has a layer 'depth'"},
+    {"shading_normal", "the image of every other integrator has layers 'normal'"},
+    {"mean_curvature", "nothing here shows curvatures"},
+    {"ray_differential", "nothing here shows the footprints of rays"},
+    {"mipmap_level", "textures have no levels here"}};
+
 /// Reads an integrator and reports all problems.
 void read_shown(const Context& context, const Object& object, SceneDescription& scene) {
   const Object* inner = unwrap(context, object, scene.film.layers);
@@ -246,7 +257,14 @@ void read_shown(const Context& context, const Object& object, SceneDescription& 
     const Names others = plugin_types(substitutes());
     names.insert(names.end(), others.begin(), others.end());
     const std::string_view ours = path_tracer_of(context);
-    context.unknown_plugin(*inner, names, fmt::format("{} stands in for it", ours));
+    const std::string instead = fmt::format("{} stands in for it", ours);
+    if (const auto* unread = find_plugin(kUnreadIntegrators, inner->type))
+      context.unsupported(
+          inner->type_location,
+          fmt::format("integrator type '{}' is not one that Penumbra reads: {}", inner->type, unread->words),
+          instead);
+    else
+      context.unknown_plugin(*inner, names, instead);
     static_cast<void>(apply_setting(scene, "integrator.type", ours));
     plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
     return;

@@ -79,6 +79,17 @@ void settle_density(const Translation& t, Object& medium) {
   }
 }
 
+/// What scatters and the whole give what is absorbed (beltegeuse/nori).
+void settle_extinction(Object& medium) {
+  const Parameter* const whole = find(medium, "sigma_t");
+  const Parameter* const scattered = find(medium, "sigma_s");
+  if (whole == nullptr || scattered == nullptr || find_any(medium, {"sigma_a", "albedo"}) != nullptr) return;
+  const auto extinction = colour_of(*whole), scattering = colour_of(*scattered);
+  if (!extinction || !scattering) return;
+  set(medium, "sigma_a", RgbValue{*extinction - *scattering});
+  take(medium, "sigma_t");
+}
+
 /// `g` in the medium is that of Henyey and Greenstein.
 void settle_phase(const Translation& t, Object& medium) {
   auto g = take(medium, "g");
@@ -94,6 +105,7 @@ void translate_medium(const Translation& t, Object& medium) {
   const std::string plain = plain_name(medium.type);
   if (is_homogeneous(plain)) {
     medium.type = "homogeneous";
+    settle_extinction(medium);
     settle_density(t, medium);
     settle_phase(t, medium);
     // One of both alone is all that the medium does.

@@ -111,6 +111,11 @@ TEST_F(MitsubaDialects, LajollasFirstVersionsOfVolpathScatterLess) {
   EXPECT_EQ(depth("2", "<integer name='maxDepth' value='1'/>"), 1);
 }
 
+TEST_F(MitsubaDialects, LajollasOtherImagesAreNotMade) {
+  EXPECT_THAT(error(old(in("integrator", "depth"))), HasSubstr("every other integrator has a layer 'depth'"));
+  EXPECT_THAT(error(old(in("integrator", "mipmapLevel"))), HasSubstr("textures have no levels here"));
+}
+
 TEST_F(MitsubaDialects, EarsIsAPathTracer) {
   const SceneDescription s = good_of(read(old(
       "<default name='budget' value='60'/>" +

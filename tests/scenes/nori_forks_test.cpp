@@ -298,6 +298,12 @@ TEST_F(NoriForks, MediaOfOtherForks) {
   EXPECT_EQ(dense.media.at(0).extinction, glm::vec3(4.0f));
   EXPECT_EQ(dense.media[0].albedo, glm::vec3(0.75f));
   EXPECT_EQ(dense.media[0].phase.at(0).g, 0.25f);
+  const SceneDescription whole = good_nori(
+      "<integrator type='volpath'/><medium type='homogeneous'><color name='sigmaS' value='1,1,1'/><color "
+      "name='sigmaT' value='4,4,4'/></medium>" +
+      mesh(""));
+  EXPECT_EQ(whole.media.at(0).extinction, glm::vec3(4.0f));
+  EXPECT_EQ(whole.media[0].albedo, glm::vec3(0.25f));
   const SceneDescription scaled =
       good_nori(medium("medium", "<float name='max_density' value='3'/><phase type='iso'/>"));
   EXPECT_EQ(scaled.media.at(0).extinction, glm::vec3(4.5f));
