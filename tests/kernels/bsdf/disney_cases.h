@@ -126,6 +126,10 @@ inline std::vector<BsdfCase> disney_cases() {
   const DisneyBsdf disney_cloth{.subsurface = 1.0f, .specular_tint = 1.0f, .roughness = 0.9f, .sheen = 1.0f};
   const DisneyBsdf disney_coat{.roughness = 0.7f, .clearcoat = 1.0f, .clearcoat_gloss = 0.0f};
   const DisneyBsdf disney_sharp{.metallic = 0.5f, .roughness = 1e-4f, .clearcoat = 1.0f};
+  DisneySumParameters half_glass;  // what beside its glass is there
+  half_glass.specular_transmission = 0.5f;
+  half_glass.sheen = 0.5f;
+  half_glass.clearcoat = 0.5f;
   return {
       principled_case("Principled", {}, 1),
       principled_case("PrincipledMetal", metal, 1),
@@ -148,6 +152,9 @@ inline std::vector<BsdfCase> disney_cases() {
       disney_case("DisneyCloth", disney_cloth, 1.33),
       disney_case("DisneyCoat", disney_coat, 1.13),
       disney_case("DisneySharp", disney_sharp, 1.5),
+      disney_case("LajollaDiffuse", DisneyDiffuseParameters{}.model(), 1.2),
+      disney_case("LajollaClearcoat", DisneyClearcoatParameters{TexturedNumber(0.0f)}.model(), 1.1),
+      disney_case("LajollaSum", half_glass.model(), 1.4),
   };
 }
 
