@@ -48,9 +48,9 @@ Across across(const glm::dvec3& tangent) {
   return {n, glm::cross(tangent, n)};
 }
 
-class Builder {
+class TubeBuilder {
  public:
-  explicit Builder(const Fineness& fineness) {
+  explicit TubeBuilder(const Fineness& fineness) {
     result_.sides = fineness.sides;
     const double half = kPi / result_.sides;
     // The mean width of a polygon is its perimeter over pi (Cauchy).
@@ -164,7 +164,7 @@ Expected<void> check_triangles(std::size_t rings, int sides) {
 }
 
 /// Adds a sphere as rings from pole to pole.
-void add_sphere(Builder& builder, const ControlPoint& point, const glm::dvec3& axis, double v) {
+void add_sphere(TubeBuilder& builder, const ControlPoint& point, const glm::dvec3& axis, double v) {
   const int rings = builder.sides() / 2;
   for (int i = 0; i <= rings; ++i) {
     const double angle = kPi * i / rings, along = -std::cos(angle),
@@ -187,7 +187,7 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
     return count;
   };
   const Fineness& fineness = fineness_for(rings);
-  Builder builder(fineness);
+  TubeBuilder builder(fineness);
   if (const auto few = check_triangles(rings(fineness), builder.sides()); !few)
     return std::unexpected(few.error());
   std::size_t before = 0;
@@ -232,7 +232,7 @@ Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
     return segments * 2 + points * (std::size_t(fineness.sides) / 2 + 1);
   };
   const Fineness& fineness = fineness_for(rings);
-  Builder builder(fineness);
+  TubeBuilder builder(fineness);
   if (const auto few = check_triangles(rings(fineness), builder.sides()); !few)
     return std::unexpected(few.error());
   std::size_t before = 0;

@@ -54,9 +54,9 @@ bool sees_sky(const SceneHeader& h) {
   return h.environment >= 0 && p.hide_emitters == HIDE_NOTHING;
 }
 
-class Builder {
+class SceneBuilder {
  public:
-  Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
+  SceneBuilder(const SceneDescription& scene, const DeviceSceneOptions& options)
       : scene_(scene),
         options_(options),
         lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
@@ -607,7 +607,7 @@ glm::dvec3 scene_center(const SceneDescription& scene) {
 }
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
-  auto built = Builder(scene, options).build();
+  auto built = SceneBuilder(scene, options).build();
   if (!built) return built;
   // Report it here, not by every worker that would refuse the scene.
   if (const auto checked = check_device_scene(*built); !checked)

@@ -55,10 +55,10 @@ LightNode node_of(const LightBounds& b, double unit) {
 }
 
 /// Builds the tree over items: clusters of lights, or single lights.
-class Builder {
+class TreeBuilder {
  public:
-  Builder(std::span<const LightBounds> lights, double unit, std::span<const LightGroup> groups,
-          int most_of_cut)
+  TreeBuilder(std::span<const LightBounds> lights, double unit, std::span<const LightGroup> groups,
+              int most_of_cut)
       : lights_(lights), unit_(unit), most_of_cut_(std::size_t(most_of_cut)) {
     tree_.trails.resize(lights.size(), 0);
     std::vector<int> group_of(lights.size(), -1);
@@ -251,7 +251,7 @@ class Builder {
 
 LightTree build_light_tree(std::span<const LightBounds> lights, double unit,
                            std::span<const LightGroup> groups, int most_of_cut) {
-  return Builder(lights, unit, groups, most_of_cut).build();
+  return TreeBuilder(lights, unit, groups, most_of_cut).build();
 }
 
 }  // namespace penumbra
