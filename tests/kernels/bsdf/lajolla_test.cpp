@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels/host/material_closure.h"
 #include "scenes/bsdfs.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"
