@@ -16,7 +16,8 @@ FN bool disney_has_facets(Closure c) { return (c.variant & DISNEY_WITHOUT_MICROF
 /// Sheen is sampled by the diffuse lobe, so that one is sampled where only sheen is there.
 FN DisneyShares disney_shares_of(Closure c) {
   const float diffuse = max_f(1.0f - c.spec_trans, min_f(c.sheen, 1.0f));
-  return disney_shares((1.0f - c.metallic) * diffuse, 0.25f * c.clearcoat, disney_has_facets(c) ? 1.0f : 0.0f);
+  return disney_shares((1.0f - c.metallic) * diffuse, 0.25f * c.clearcoat,
+                       disney_has_facets(c) ? 1.0f : 0.0f);
 }
 
 /// The hue of the base colour. Disney's colour weights are not those of Rec. 709.
@@ -43,8 +44,7 @@ FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi
   const float density = reflected_density(m, wo, h);
   const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
   const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, weight);
-  const vec3 shiny =
-      scale(fresnel, disney_has_facets(c) ? density * masking_of_either_side(m, wi) : 0.0f);
+  const vec3 shiny = scale(fresnel, disney_has_facets(c) ? density * masking_of_either_side(m, wi) : 0.0f);
 
   const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, weight, wo, wi, h);
   const float coat_cos = c.clearcoat * coat.value * (0.25f / max_f(wo.z, 1e-30f));

@@ -127,9 +127,10 @@ struct DisneyGlassParameters {
   void complete(Findings& findings) const {
     const auto plain = [&](const char* name, int texture) {
       if (texture != kNoTexture)
-        findings.push_back({name, fmt::format("{} of a disneyglass, or of a disneybsdf that transmits, takes no "
-                                              "texture here",
-                                              name)});
+        findings.push_back(
+            {name, fmt::format("{} of a disneyglass, or of a disneybsdf that transmits, takes no "
+                               "texture here",
+                               name)});
     };
     plain("base_color", base_color.texture);
     plain("roughness", roughness.texture);
@@ -183,15 +184,15 @@ struct DisneySumParameters {
     row("eta", &P::eta, lajolla_eta(), "refractive index inside over that outside");
   }
   [[nodiscard]] bool transmits() const {
-    return specular_transmission.value > 0.0f &&
-           (metallic.value < 1.0f || metallic.texture != kNoTexture);
+    return specular_transmission.value > 0.0f && (metallic.value < 1.0f || metallic.texture != kNoTexture);
   }
   void complete(Findings& findings) const {
     if (!transmits()) return;
     for (const auto& [name, number] :
          {std::pair{"specular_transmission", specular_transmission}, std::pair{"metallic", metallic}})
       if (number.texture != kNoTexture)
-        findings.push_back({name, fmt::format("{} of a disneybsdf that transmits takes no texture here", name)});
+        findings.push_back(
+            {name, fmt::format("{} of a disneybsdf that transmits takes no texture here", name)});
     glass().complete(findings);
     if (whole_transmission() > kMostGlass && (sheen.value > 0.0f || clearcoat.value > 0.0f))
       findings.push_back({"specular_transmission",

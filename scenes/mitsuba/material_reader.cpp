@@ -14,13 +14,14 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// lajolla gives its rough BSDFs a roughness, whose square is alpha, and has GGX microfacets only. Mitsuba has
-/// no such parameter.
+/// lajolla gives its rough BSDFs a roughness, whose square is alpha, and has GGX microfacets only. Mitsuba
+/// has no such parameter.
 template <typename Model>
 void read_lajolla_roughness(PluginReader& plugin, Model& model) {
   if (!plugin.ignores_unknown() || !plugin.has("roughness")) return;
   const double roughness = plugin.number("roughness", 0.0);
-  if (plugin.has("alpha")) return plugin.wrong("roughness", "give either alpha or roughness, its square root");
+  if (plugin.has("alpha"))
+    return plugin.wrong("roughness", "give either alpha or roughness, its square root");
   if (!(roughness >= 0.0 && roughness <= 1.0))
     return plugin.wrong("roughness", fmt::format("roughness must be in [0, 1], not {}", roughness));
   model.alpha = TexturedNumber(float(roughness * roughness));
@@ -76,32 +77,27 @@ struct MaterialReader::Holder {
 };
 
 const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
-  static const std::vector<Holder> all = {{kTwoSided, &MaterialReader::read_two_sided},
-                                          {NullBsdf::kPlugin, &MaterialReader::read_null},
-                                          {MaskBsdf::kPlugin, &MaterialReader::read_mask},
-                                          {BlendBsdf::kPlugin, &MaterialReader::read_blend},
-                                          {"mixturebsdf", &MaterialReader::read_mixture},
-                                          {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
-                                          {"circular", &MaterialReader::read_polarizer},
-                                          {"retarder", &MaterialReader::read_polarizer},
-                                          {CoatingParameters::kPlugin, &MaterialReader::read_coating},
-                                          {RoughCoatingParameters::kPlugin, &MaterialReader::read_coating},
-                                          {DisneyDiffuseParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneyDiffuseParameters>},
-                                          {DisneyMetalParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneyMetalParameters>},
-                                          {DisneyClearcoatParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneyClearcoatParameters>},
-                                          {DisneySheenParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneySheenParameters>},
-                                          {DisneyGlassParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneyGlassParameters>},
-                                          {DisneySumParameters::kPlugin,
-                                           &MaterialReader::read_lajolla<DisneySumParameters>},
-                                          {"normalmap", &MaterialReader::read_normal_map},
-                                          {"bumpmap", &MaterialReader::read_bump_map},
-                                          // The name in Mitsuba 0.5.
-                                          {"bump", &MaterialReader::read_bump_map}};
+  static const std::vector<Holder> all = {
+      {kTwoSided, &MaterialReader::read_two_sided},
+      {NullBsdf::kPlugin, &MaterialReader::read_null},
+      {MaskBsdf::kPlugin, &MaterialReader::read_mask},
+      {BlendBsdf::kPlugin, &MaterialReader::read_blend},
+      {"mixturebsdf", &MaterialReader::read_mixture},
+      {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
+      {"circular", &MaterialReader::read_polarizer},
+      {"retarder", &MaterialReader::read_polarizer},
+      {CoatingParameters::kPlugin, &MaterialReader::read_coating},
+      {RoughCoatingParameters::kPlugin, &MaterialReader::read_coating},
+      {DisneyDiffuseParameters::kPlugin, &MaterialReader::read_lajolla<DisneyDiffuseParameters>},
+      {DisneyMetalParameters::kPlugin, &MaterialReader::read_lajolla<DisneyMetalParameters>},
+      {DisneyClearcoatParameters::kPlugin, &MaterialReader::read_lajolla<DisneyClearcoatParameters>},
+      {DisneySheenParameters::kPlugin, &MaterialReader::read_lajolla<DisneySheenParameters>},
+      {DisneyGlassParameters::kPlugin, &MaterialReader::read_lajolla<DisneyGlassParameters>},
+      {DisneySumParameters::kPlugin, &MaterialReader::read_lajolla<DisneySumParameters>},
+      {"normalmap", &MaterialReader::read_normal_map},
+      {"bumpmap", &MaterialReader::read_bump_map},
+      // The name in Mitsuba 0.5.
+      {"bump", &MaterialReader::read_bump_map}};
   return all;
 }
 

@@ -140,7 +140,7 @@ ExitCode convert_scene(const ConvertOptions& options, const CommandLine& command
 ExitCode convert(const ConvertOptions& options, const CommandLine& command) {
   if (const std::string wrong = wrong_output(options); !wrong.empty()) return bad_usage(wrong);
   return is_image_name(options.render.scene.file) ? convert_image(options, command)
-                                                   : convert_scene(options, command);
+                                                  : convert_scene(options, command);
 }
 
 void add_image_options(CommandLine& command, PictureOptions& options) {
