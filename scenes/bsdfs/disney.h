@@ -29,9 +29,11 @@ struct DisneyBsdf {
     row("base_color", &P::base_color, ColourWithin{}, "colour of the material");
     row("subsurface", &P::subsurface, NumberWithin{}, "from diffuse to like scattering beneath the surface");
     row("metallic", &P::metallic, NumberWithin{}, "from a dielectric to a metal");
-    const NumberWithin factor{LowEnd::kClosed, 0.0f, kAnyNumber};
-    row("specular", &P::specular, factor,
+    // Above 1 are models that are put together from its lobes; at most all light is reflected along the
+    // normal.
+    row("specular", &P::specular, NumberWithin{LowEnd::kClosed, 0.0f, 12.5f},
         "of a dielectric: 0.08 of it is reflected along the normal; usually in [0, 1]");
+    const NumberWithin factor{LowEnd::kClosed, 0.0f, 64.0f};
     row("specular_tint", &P::specular_tint, NumberWithin{}, "how much that reflection has the base colour");
     row("roughness", &P::roughness, NumberWithin{}, "of the microfacets: their alpha is its square");
     row("anisotropic", &P::anisotropic, NumberWithin{}, "how much longer highlights are along the tangent");

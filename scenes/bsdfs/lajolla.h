@@ -187,7 +187,15 @@ struct DisneySumParameters {
     return specular_transmission.value > 0.0f && (metallic.value < 1.0f || metallic.texture != kNoTexture);
   }
   void complete(Findings& findings) const {
+    // model() multiplies these numbers, which a texture would replace.
+    const auto refuse_texture = [&](const char* name, const TexturedNumber& number) {
+      if (number.texture != kNoTexture)
+        findings.push_back({name, fmt::format("{} of a disneybsdf takes a number here, no texture", name)});
+    };
+    refuse_texture("specular", specular);
     if (!transmits()) return;
+    refuse_texture("sheen", sheen);
+    refuse_texture("clearcoat", clearcoat);
     for (const auto& [name, number] :
          {std::pair{"specular_transmission", specular_transmission}, std::pair{"metallic", metallic}})
       if (number.texture != kNoTexture)

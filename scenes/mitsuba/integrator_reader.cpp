@@ -223,13 +223,21 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
 }
 
 /// lajolla's volpath has a version for each exercise of its course (github.com/BachiLi/lajolla_public): 1 is
-/// light behind an absorbing medium, 2 adds what is scattered once, and later ones leave nothing out.
+/// light behind an absorbing medium, 2 adds what is scattered once, 3 and 4 what is scattered more often.
+/// Surfaces scatter no light in them. Any other number is the whole.
 void read_lajolla_version(PluginReader& plugin, SceneDescription& scene) {
   auto* const path = std::get_if<VolpathIntegrator>(&scene.integrator.method);
-  if (path == nullptr || !plugin.ignores_unknown() || !plugin.has("version")) return;
+  if (path == nullptr || !plugin.is_of_version_0() || !plugin.has("version")) return;
   plugin.accept({"max_null_collisions"});
-  const auto most = int(plugin.number("version", 3));
-  if (most < 3 && (path->max_depth < 0 || path->max_depth > most)) path->max_depth = most;
+  const double version = plugin.number("version", 0.0);
+  if (version == 1.0)
+    plugin.warn("in version 1 of lajolla's volpath media absorb alone; here they also scatter away");
+  if (version == 2.0 || version == 3.0 || version == 4.0)
+    plugin.warn(
+        fmt::format("in version {} of lajolla's volpath surfaces scatter no light; here they do", version));
+  if (version != 1.0 && version != 2.0) return;
+  const int most = version == 1.0 ? 1 : 2;
+  if (path->max_depth < 0 || path->max_depth > most) path->max_depth = most;
 }
 
 /// lajolla's integrators that show what is seen, not its light, and where such numbers are to be had.

@@ -15,15 +15,16 @@ namespace penumbra::mitsuba {
 namespace {
 
 /// lajolla gives its rough BSDFs a roughness, whose square is alpha, and has GGX microfacets only. Mitsuba
-/// has no such parameter.
+/// has no such parameter, and ignores it.
 template <typename Model>
 void read_lajolla_roughness(PluginReader& plugin, Model& model) {
-  if (!plugin.ignores_unknown() || !plugin.has("roughness")) return;
+  if (!plugin.is_of_version_0() || !plugin.has("roughness")) return;
+  if (plugin.has("alpha") || plugin.has("alpha_u") || plugin.has("alpha_v") || plugin.has_nested("alpha"))
+    return;
   const double roughness = plugin.number("roughness", 0.0);
-  if (plugin.has("alpha"))
-    return plugin.wrong("roughness", "give either alpha or roughness, its square root");
   if (!(roughness >= 0.0 && roughness <= 1.0))
     return plugin.wrong("roughness", fmt::format("roughness must be in [0, 1], not {}", roughness));
+  plugin.warn("the roughness is lajolla's, the square root of alpha; Mitsuba has none");
   model.alpha = TexturedNumber(float(roughness * roughness));
   model.distribution = DISTRIBUTION_GGX;
 }
@@ -116,7 +117,12 @@ const SurfaceMaterial& MaterialReader::read(const Object& bsdf) {
 }
 
 SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
-  PluginReader plugin(context_, bsdf);
+  // The short names are lajolla's, too.
+  const bool may_be_short = bsdf.type == DisneySumParameters::kPlugin;
+  const Object in_full =
+      may_be_short ? renamed(bsdf, {{"spec_trans", "specular_transmission"}, {"spec_tint", "specular_tint"}})
+                   : Object{};
+  PluginReader plugin(context_, may_be_short ? in_full : bsdf);
   SurfaceMaterial result;
   if (const auto* holder = find_plugin(holders(), bsdf.type)) {
     result = (this->*holder->read)(plugin);

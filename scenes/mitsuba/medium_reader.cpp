@@ -47,23 +47,24 @@ void mix(std::vector<PhaseLobe>& mixture, const std::vector<PhaseLobe>& lobes, f
   }
 }
 
-/// A heterogeneous medium of Mitsuba 0.x in the words of Mitsuba 3.
-Object in_new_words(const Object& medium) {
-  Object result = medium;
-  for (Parameter& parameter : result.parameters)
-    if (parameter.name == "density") parameter.name = "sigma_t";
-  for (Child& child : result.children)
-    if (child.name == "density") child.name = "sigma_t";
-  return result;
-}
-
-/// The rest of such a medium: parameters of its way to sample, and a density that no grid bounds.
+/// The rest of a heterogeneous medium of Mitsuba 0.x: parameters of its way to sample, and a density that no
+/// grid bounds.
 void finish_old(const Context& context, PluginReader& plugin, ParticipatingMedium& medium) {
   plugin.accept({"method", "step_size"});
-  for (const auto& [name, volume] : plugin.named("volume"))
+  for (const auto& [name, volume] : plugin.named("volume")) {
     if (name == "orientation")
       context.unsupported(volume->location, "a medium of fibres, with an orientation, is not read",
                           "it scatters the same in all directions");
+    else if (name != "sigma_t" && name != "albedo")
+      context.unsupported(
+          volume->location,
+          fmt::format("a volume named '{}'; those of a medium are named density and albedo", name),
+          "it is ignored");
+  }
+  // Mitsuba asks for both; lajolla (media/heterogeneous.cpp) takes 1.
+  const auto is_given = [&](std::string_view name) { return plugin.has(name) || plugin.has_nested(name); };
+  if (!is_given("sigma_t")) plugin.warn("the medium has no volume named density: it counts as 1 everywhere");
+  if (!is_given("albedo")) medium.albedo = glm::vec3(1.0f);
   if (medium.density && medium.density->grid->values.size() == 1) medium.density.reset();
 }
 
@@ -114,8 +115,8 @@ void MediumReader::install(PluginReader& plugin, Shape& shape, SceneDescription&
 
 std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context, const Object& medium) {
   const bool is_old = medium.type == HeterogeneousMedium::kPlugin && context.tree.major_version < 2;
-  const Object renamed = is_old ? in_new_words(medium) : Object{};
-  PluginReader plugin(context, is_old ? renamed : medium);
+  const Object in_new_words = is_old ? renamed(medium, {{"density", "sigma_t"}}) : Object{};
+  PluginReader plugin(context, is_old ? in_new_words : medium);
   const Kind<ParticipatingMedium>* kind = find_plugin(kMedia, medium.type);
   if (kind == nullptr) {
     context.unknown_plugin(medium, plugin_types(kMedia), "it is left out");

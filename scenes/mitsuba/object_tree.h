@@ -86,4 +86,20 @@ struct ObjectTree {
       folders;  ///< folders in which files are searched: that of the scene file, then each <path>
 };
 
+/// The object with other names of its parameters and of the objects inside it: what each was, and is.
+inline Object renamed(const Object& object,
+                      std::initializer_list<std::pair<std::string_view, const char*>> names) {
+  Object result = object;
+  const auto rename = [&](auto& named) {
+    for (const auto& [from, to] : names)
+      if (named.name == from) {
+        named.name = to;
+        return;
+      }
+  };
+  for (Parameter& parameter : result.parameters) rename(parameter);
+  for (Child& child : result.children) rename(child);
+  return result;
+}
+
 }  // namespace penumbra::mitsuba

@@ -141,8 +141,8 @@ class PluginReader {
   /// Accepts parameters that have no effect on the image, for example those of the output file.
   void accept(std::initializer_list<std::string_view> names);
 
-  /// Whether the program for which the file was written ignores parameters that it does not know.
-  [[nodiscard]] bool ignores_unknown() const { return context_.tree.is_tolerant; }
+  /// Whether the file is of Mitsuba 0.x or of a program that reads such files.
+  [[nodiscard]] bool is_of_version_0() const { return context_.tree.major_version == 0; }
   [[nodiscard]] bool has(std::string_view name) const;
   /// Whether there is a nested object of that name, for example a texture.
   [[nodiscard]] bool has_nested(std::string_view name) const;

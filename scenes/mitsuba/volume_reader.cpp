@@ -23,8 +23,11 @@ Expected<glm::dmat4> box_of(const VolumeFile& file) {
 /// The box that a file of Mitsuba 0.x means: its own, or that between the points min and max.
 VolumeFile moved(PluginReader& plugin, const VolumeFile& file) {
   VolumeFile result;
-  result.low = plugin.point("min").value_or(file.low);
-  result.high = plugin.point("max").value_or(file.high);
+  const auto low = plugin.point("min"), high = plugin.point("max");
+  if (low.has_value() != high.has_value())
+    plugin.warn("min and max count together only, as in Mitsuba 0.x; the file's box does");
+  result.low = low && high ? *low : file.low;
+  result.high = low && high ? *high : file.high;
   return result;
 }
 

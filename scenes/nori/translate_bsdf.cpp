@@ -65,12 +65,12 @@ const std::vector<BsdfRow>& rows() {
 /// Clamps the numbers of Disney's BSDF to [0, 1].
 void clamp_numbers(const Translation& t, Object& bsdf) {
   for (Parameter& parameter : bsdf.parameters) {
-    auto* number = std::get_if<double>(&parameter.value);
-    if (number == nullptr || (*number >= 0.0 && *number <= 1.0) || parameter.name == "eta") continue;
+    const std::optional<double> number = number_of(parameter);
+    if (!number || (*number >= 0.0 && *number <= 1.0) || parameter.name == "eta") continue;
     const double clamped = std::clamp(*number, 0.0, 1.0);
     t.report.warn(parameter.value_location,
                   fmt::format("{} is in [0, 1]; {} counts as {}", parameter.name, *number, clamped));
-    *number = clamped;
+    parameter.value = clamped;
   }
 }
 

@@ -67,15 +67,22 @@ void settle_density(const Translation& t, Object& medium) {
         "it counts as 1");
   for (const auto& [factor, coefficient] :
        {std::pair("density_a", "sigma_a"), std::pair("density_s", "sigma_s")})
-    if (const auto given = take(medium, factor))
-      if (Parameter* const scaled = find(medium, coefficient); scaled != nullptr && number_of(*given)) {
-        if (const auto colour = colour_of(*scaled))
-          scaled->value = RgbValue{*colour * float(*number_of(*given))};
-      }
+    if (const auto given = take(medium, factor)) {
+      Parameter* const scaled = find(medium, coefficient);
+      const auto colour = scaled != nullptr ? colour_of(*scaled) : std::nullopt;
+      const auto number = number_of(*given);
+      if (colour && number)
+        scaled->value = RgbValue{*colour * float(*number)};
+      else
+        t.report.warn(given->location, fmt::format("{} multiplies a {} that is a colour; there is none",
+                                                   given->name, coefficient));
+    }
   if (auto given = take(medium, "max_density")) {
     if (number_of(*given) != 1.0)
       t.report.warn(given->location, "max_density multiplies sigma_a and sigma_s here, and not the albedo");
-    set_default(medium, "scale", number_of(*given).value_or(1.0));
+    const Parameter* const scale = find(medium, "scale");
+    const double before = scale != nullptr ? number_of(*scale).value_or(1.0) : 1.0;
+    set(medium, "scale", before * number_of(*given).value_or(1.0));
   }
 }
 
@@ -93,7 +100,9 @@ void settle_extinction(Object& medium) {
 /// `g` in the medium is that of Henyey and Greenstein.
 void settle_phase(const Translation& t, Object& medium) {
   auto g = take(medium, "g");
-  if (!g || find_child(medium, "phase") != nullptr) return;
+  if (!g) return;
+  if (find_child(medium, "phase") != nullptr)
+    return t.report.warn(g->location, "the phase function inside the medium counts, not the medium's g");
   Object& phase = t.new_object("phase", "hg", g->location);
   phase.parameters.push_back(std::move(*g));
   add_child(medium, phase);
@@ -105,8 +114,8 @@ void translate_medium(const Translation& t, Object& medium) {
   const std::string plain = plain_name(medium.type);
   if (is_homogeneous(plain)) {
     medium.type = "homogeneous";
-    settle_extinction(medium);
     settle_density(t, medium);
+    settle_extinction(medium);
     settle_phase(t, medium);
     // One of both alone is all that the medium does.
     if (find(medium, "sigma_s") != nullptr && find_any(medium, {"sigma_t", "albedo"}) == nullptr)

@@ -22,12 +22,15 @@ constexpr const char* kSamples = "sampleNum";
 
 /// What shows that the file is Rainbow's; empty: nothing.
 std::string sign_of(const pugi::xml_node& root) {
-  if (std::string_view(root.name()) != "scene") return "";
+  if (std::string_view(root.name()) != "scene" || root.child("mesh")) return "";  // those are Nori's
   if (root.child("mode")) return "it has a <mode>";
   if (root.find_node([](const pugi::xml_node& node) { return std::string_view(node.name()) == "hide"; }))
     return "it has a <hide>";
-  if (root.child("integrator").find_child_by_attribute("integer", "name", kSamples))
-    return fmt::format("its integrator has a {}", kSamples);
+  // Integrators of other programs, too, have a number of samples, but not when to save the image.
+  const pugi::xml_node integrator = root.child("integrator");
+  if (integrator.find_child_by_attribute("integer", "name", kSamples) &&
+      integrator.find_child_by_attribute("integer", "name", "delta"))
+    return fmt::format("its integrator has {} and delta", kSamples);
   return "";
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <string_view>
@@ -90,16 +92,22 @@ class Translator {
 
   /// A BSDF of a type that Rainbow does not know is the one inside it.
   void unwrap(Object& bsdf) {
-    if (bsdf.tag != "bsdf" || row_of(bsdf) != nullptr || bsdf.type == "twosided") return;
-    for (const Child& child : std::vector<Child>(bsdf.children)) {
-      const Object* inside = object_of(child);
-      if (inside == nullptr || inside->tag != "bsdf" || inside == &bsdf) continue;
+    std::set<const Object*> seen = {&bsdf};
+    const auto inside_of = [&](const Object& outside) -> const Object* {
+      for (const Child& child : outside.children)
+        if (const Object* inside = object_of(child);
+            inside != nullptr && inside->tag == "bsdf" && seen.insert(inside).second)
+          return inside;
+      return nullptr;
+    };
+    while (bsdf.tag == "bsdf" && row_of(bsdf) == nullptr && bsdf.type != "twosided") {
+      const Object* inside = inside_of(bsdf);
+      if (inside == nullptr) return;
       report_.warn(bsdf.type_location,
                    fmt::format("bsdf type '{}' is the {} inside it", bsdf.type, inside->type));
       const std::string id = bsdf.id;
       bsdf = Object(*inside);
       bsdf.id = id;
-      return;
     }
   }
 
@@ -113,6 +121,7 @@ class Translator {
   void translate(Object& object) {
     if (object.tag == "bsdf") translate_bsdf(object);
     if (object.tag == "integrator") translate_integrator(object);
+    if (object.tag == "medium") translate_medium(object);
     if (object.tag == "emitter") translate_emitter(object);
     if (object.tag == "shape") take(object, "subdiv");  // as fine as the sphere's triangles would be
   }
@@ -144,16 +153,34 @@ class Translator {
                    "defaults");
   }
 
+  /// By itself it only scatters; its phase function's mean cosine is its own.
+  void translate_medium(Object& medium) {
+    if (medium.type != "homogeneous") return;
+    set_default(medium, "sigma_a", RgbValue{glm::vec3(0.0f)});
+    set_default(medium, "sigma_s", RgbValue{glm::vec3(1.0f)});
+    auto g = take(medium, "g");
+    if (!g) return;
+    Object& phase = tree_.objects.emplace_back();
+    phase.tag = "phase";
+    phase.type = "hg";
+    phase.location = phase.type_location = g->location;
+    phase.parameters.push_back(std::move(*g));
+    nori::add_child(medium, phase);
+  }
+
+  /// A count, of which too many are as many as an image may have.
+  static std::int64_t count_of(const Parameter* given, std::int64_t fallback) {
+    const double number = given != nullptr ? number_of(*given).value_or(double(fallback)) : double(fallback);
+    return std::isnan(number) ? fallback : std::int64_t(std::clamp(number, -1.0, 1e9));
+  }
+
   void translate_integrator(Object& integrator) {
     constexpr std::int64_t kDefaultSamples = 10, kDefaultDepth = 5;
     const auto samples = take(integrator, "sample_num");
-    samples_ =
-        samples ? std::int64_t(number_of(*samples).value_or(double(kDefaultSamples))) : kDefaultSamples;
+    samples_ = count_of(samples ? &*samples : nullptr, kDefaultSamples);
     take(integrator, "delta");  // how often it saves the image
     // It counts the bounces; Mitsuba counts also the light that is seen directly.
-    const auto* depth = find(integrator, "max_depth");
-    const auto bounces =
-        std::int64_t(depth != nullptr ? number_of(*depth).value_or(double(kDefaultDepth)) : kDefaultDepth);
+    const std::int64_t bounces = count_of(find(integrator, "max_depth"), kDefaultDepth);
     set(integrator, "max_depth", bounces < 0 ? bounces : bounces + 1);
   }
 

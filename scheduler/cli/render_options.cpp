@@ -32,6 +32,7 @@ Option* add_option(CommandLine& command, const RenderOption& row, RenderRequest&
                                          row.help);
   }
   option->group(row.group)->transform({[&row](std::string& text) {
+                                         if (row.kind == OptionKind::kFlag) text = flag_word(text);
                                          RenderRequest none;
                                          const auto applied = row.apply(none, text);
                                          return applied ? std::string() : applied.error().message;

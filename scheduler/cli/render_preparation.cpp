@@ -71,7 +71,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.plan = plan_of(options, scene.description.integrator);
   if (record.plan.stop_after == record.sampler.spp) record.plan.stop_after.reset();
   record.scene.intersector = scene.device.header.intersector == INTERSECTOR_EMBREE ? "embree" : "portable";
-  record.isa = isa_name(device.isa);
+  if (record.scene.intersector == "embree") record.isa = isa_name(device.isa);
   record.threads = device.threads;
   return record;
 }

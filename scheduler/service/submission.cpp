@@ -75,9 +75,11 @@ Expected<RenderRecord> decode(const wire::Record& message) {
       return fail(fmt::format("{}: {}", option->word(), applied.error().message));
   }
   if (const auto checked = check_exclusions(record); !checked) return std::unexpected(checked.error());
-  if (record.plan.tile == 0 || record.plan.samples_per_pass == 0 || record.scene.intersector == "auto")
+  if (record.plan.tile == 0 || record.plan.samples_per_pass == 0 || record.scene.intersector == "auto" ||
+      (record.scene.intersector == "embree" && record.isa.empty()))
     return fail(
-        "a render without --tile, --pass or --intersector: another version of penumbra has submitted it");
+        "a render without --tile, --pass, --intersector or its --isa: another version of penumbra has "
+        "submitted it");
   record.scene.file = message.scene();
   record.scene_hash = message.scene_hash();
   return record;

@@ -233,6 +233,8 @@ TEST_F(MitsubaGrids, ThoseOfVersion0HaveTheirNumbersAtCorners) {
   ASSERT_TRUE(constant) << constant.error().message;
   EXPECT_FALSE(constant->media[0].density);
   EXPECT_EQ(constant->media[0].extinction, glm::vec3(2.0f));
+  EXPECT_EQ(constant->media[0].albedo, glm::vec3(1.0f)) << "lajolla's";
+  EXPECT_THAT(error(old(grid("desnity", "old.vol"))), HasSubstr("a volume named 'desnity'"));
 
   write("flat.vol", vol_of({2, 1, 2, 1, std::vector<float>(4, 0.5f)}, {0, 0, 0}, {1, 1, 1}));
   EXPECT_THAT(error(old(grid("density", "flat.vol"))),

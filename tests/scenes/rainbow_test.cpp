@@ -51,9 +51,24 @@ TEST_F(RainbowScenes, OtherSignsOfIt) {
         .dialect;
   };
   EXPECT_THAT(dialect("<hide/>"), HasSubstr("<hide>"));
-  EXPECT_THAT(dialect("<integrator type='path'><integer name='sampleNum' value='4'/></integrator>"),
-              HasSubstr("sampleNum"));
+  const std::string samples = "<integer name='sampleNum' value='4'/>";
+  EXPECT_THAT(
+      dialect("<integrator type='path'>" + samples + "<integer name='delta' value='1'/></integrator>"),
+      HasSubstr("sampleNum"));
+  EXPECT_EQ(dialect("<integrator type='path'>" + samples + "</integrator>"), "") << "others have it, too";
   EXPECT_EQ(dialect("<integrator type='path'/>"), "");
+}
+
+TEST_F(RainbowScenes, MediaScatterAloneByDefault) {
+  const SceneDescription s = good_of(
+      read("<scene><mode type='final'/><integrator type='volpath'><integer name='maxDepth' "
+           "value='9223372036854775807'/></integrator><shape type='sphere'><medium type='homogeneous' "
+           "name='interior'><float name='g' value='.5'/></medium></shape></scene>"));
+  ASSERT_EQ(s.media.size(), 1u);
+  EXPECT_EQ(s.media[0].extinction, glm::vec3(1));
+  EXPECT_EQ(s.media[0].albedo, glm::vec3(1));
+  ASSERT_EQ(s.media[0].phase.size(), 1u);
+  EXPECT_EQ(s.media[0].phase[0].g, 0.5f);
 }
 
 /// Steps multiply in the order in which they are written, so the last moves a point first.

@@ -216,6 +216,12 @@ Option* CommandLine::add_flag(const std::string& names, FlagTarget target, const
       [&](auto variable) { return wrapped(app_->add_flag(names, variable.get(), description)); }, target);
 }
 
+std::string flag_word(const std::string& text) {
+  bool given = false;
+  if (!CLI::detail::lexical_cast(text, given)) return text;
+  return given ? "true" : "false";
+}
+
 Option* CommandLine::add_flag_function(const std::string& names,
                                        std::function<Expected<void>(const std::string&)> take,
                                        const std::string& description) {

@@ -36,6 +36,8 @@ struct OptionCheck {
 /// One of these words. The help lists them.
 OptionCheck one_of(std::vector<std::string> words);
 OptionCheck existing_file();
+/// "true" or "false" for the words that flags take: 1, on, yes, 0, off, no and the like. Other texts stay.
+std::string flag_word(const std::string& text);
 /// A whole number in this range, or the word.
 OptionCheck whole_number_or(int low, int high, const std::string& word);
 /// For Option::transform: a size such as 20G becomes its number of bytes. K is 1024.

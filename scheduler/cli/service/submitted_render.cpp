@@ -54,6 +54,7 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .mattes = prepared.scene.mattes,
                         .folder = stored_folder(member),
                         .submitter = submitter_name()};
+  submission.record.threads = 0;  // the service has its own
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;
   if (files.exr) submission.files.push_back(stored_name(*files.exr, ".exr"));

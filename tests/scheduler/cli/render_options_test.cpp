@@ -77,6 +77,16 @@ TEST(RenderOptions, CropAndPixel) {
   EXPECT_NE(parse({"a.xml", "--pixel", "7,0", "--crop", "0,0,1,1"}), "");
 }
 
+TEST(RenderOptions, FlagsTakeTheUsualWords) {
+  RenderOptions options;
+  ASSERT_EQ(
+      parse({"a.xml", "--lenient=1", "--adaptive=yes", "--cryptomatte=off", "--strict-numerics"}, options),
+      "");
+  EXPECT_TRUE(options.scene.lenient && options.plan.adaptive && options.strict_numerics);
+  EXPECT_FALSE(options.scene.cryptomatte);
+  EXPECT_NE(parse({"a.xml", "--lenient=perhaps"}), "");
+}
+
 TEST(RenderOptions, RejectsWhatIsNoRectangle) {
   for (const char* bad : {"", "1,2,3", "1,2,3,4,5", "3,0,3,1", "0,5,1,4", "a,b,c,d", "0,0,1,1 ",
                           "0,0,1,9999999999", "-1,0,1,1", "0;0;1;1", "0,0,1.5,1"}) {
