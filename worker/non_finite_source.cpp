@@ -11,6 +11,7 @@ class DeviceWithStages final : public Device {
  public:
   DeviceWithStages(std::unique_ptr<Device> device, const DeviceScene& scene, const DeviceOptions& options)
       : device_(std::move(device)), scene_(scene), options_(options) {
+    if (options_.backend != Backend::kNative) options_.isa = best_isa();  // the job's need not be there
     options_.backend = Backend::kNative;
     options_.threads = 1;
     options_.block_of_one = true;
