@@ -268,13 +268,15 @@ TEST_F(WorkerClientTest, AfterALostConnectionItComesBack) {
   options_.reconnects = true;
   std::vector<std::string> waited_for;
   options_.on_waiting = [&](const std::string& why) { waited_for.push_back(why); };
-  int connections = 0;
+  std::mutex mutex;  // each connection has a thread
   std::vector<bool> were_ready;
   const Expected<void> worked = run([&](Stream& stream) {
     read(stream);
     stream.Write(job_message(scene_hash_));
-    were_ready.push_back(read(stream).has_ready());
-    if (++connections < 3) return;  // without a word
+    const bool is_ready = read(stream).has_ready();
+    const std::lock_guard lock(mutex);
+    were_ready.push_back(is_ready);
+    if (were_ready.size() < 3) return;  // without a word
     stream.Write(dismissal());
   });
   EXPECT_TRUE(worked) << error_of(worked);
