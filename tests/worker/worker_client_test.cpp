@@ -5,6 +5,7 @@
 #include <grpcpp/server_builder.h>
 
 #include <future>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 
