@@ -4,6 +4,12 @@
 
 namespace penumbra {
 
+void check_within(Findings& findings, const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    findings.push_back(
+        {name, fmt::format("{} must be a number in [{}, {}], not {}", name, low, high, value)});
+}
+
 std::string ColourWithin::values() const {
   if (high == kAnyNumber) return fmt::format("colour, {} or more", low);
   return fmt::format("colour in [{}, {}]", low, high);

@@ -88,4 +88,7 @@ struct Finding {
 };
 using Findings = std::vector<Finding>;
 
+/// Reports a parameter whose value is not in [low, high].
+void check_within(Findings& findings, const char* name, double value, double low, double high);
+
 }  // namespace penumbra

@@ -17,6 +17,13 @@ namespace penumbra {
 /// Reflectance along the normal for a relative refractive index (Schlick 1994).
 inline float normal_reflectance_of(float eta) { return std::pow((eta - 1.0f) / (eta + 1.0f), 2.0f); }
 
+/// Reports a texture that would replace a number which model() computes with. `where`: "a disneyglass takes
+/// no texture".
+template <typename Textured>
+void refuse_texture(Findings& findings, const char* name, const Textured& value, const char* where) {
+  if (value.texture != kNoTexture) findings.push_back({name, fmt::format("{} of {}", name, where)});
+}
+
 /// The indices that lajolla's parameter `eta` may have.
 inline NumberWithin lajolla_eta() { return {LowEnd::kClosed, 1.0f, 2.0f}; }
 
@@ -125,16 +132,10 @@ struct DisneyGlassParameters {
     row("eta", &P::eta, lajolla_eta(), "refractive index inside over that outside");
   }
   void complete(Findings& findings) const {
-    const auto plain = [&](const char* name, int texture) {
-      if (texture != kNoTexture)
-        findings.push_back(
-            {name, fmt::format("{} of a disneyglass, or of a disneybsdf that transmits, takes no "
-                               "texture here",
-                               name)});
-    };
-    plain("base_color", base_color.texture);
-    plain("roughness", roughness.texture);
-    plain("anisotropic", anisotropic.texture);
+    constexpr const char* kWhere = "a disneyglass, or of a disneybsdf that transmits, takes no texture here";
+    refuse_texture(findings, "base_color", base_color, kWhere);
+    refuse_texture(findings, "roughness", roughness, kWhere);
+    refuse_texture(findings, "anisotropic", anisotropic, kWhere);
   }
   [[nodiscard]] RoughDielectricBsdf model() const {
     RoughDielectricBsdf glass;
@@ -187,20 +188,14 @@ struct DisneySumParameters {
     return specular_transmission.value > 0.0f && (metallic.value < 1.0f || metallic.texture != kNoTexture);
   }
   void complete(Findings& findings) const {
-    // model() multiplies these numbers, which a texture would replace.
-    const auto refuse_texture = [&](const char* name, const TexturedNumber& number) {
-      if (number.texture != kNoTexture)
-        findings.push_back({name, fmt::format("{} of a disneybsdf takes a number here, no texture", name)});
-    };
-    refuse_texture("specular", specular);
+    constexpr const char* kWhere = "a disneybsdf takes a number here, no texture";
+    constexpr const char* kTransmitting = "a disneybsdf that transmits takes no texture here";
+    refuse_texture(findings, "specular", specular, kWhere);
     if (!transmits()) return;
-    refuse_texture("sheen", sheen);
-    refuse_texture("clearcoat", clearcoat);
-    for (const auto& [name, number] :
-         {std::pair{"specular_transmission", specular_transmission}, std::pair{"metallic", metallic}})
-      if (number.texture != kNoTexture)
-        findings.push_back(
-            {name, fmt::format("{} of a disneybsdf that transmits takes no texture here", name)});
+    refuse_texture(findings, "sheen", sheen, kWhere);
+    refuse_texture(findings, "clearcoat", clearcoat, kWhere);
+    refuse_texture(findings, "specular_transmission", specular_transmission, kTransmitting);
+    refuse_texture(findings, "metallic", metallic, kTransmitting);
     glass().complete(findings);
     if (whole_transmission() > kMostGlass && (sheen.value > 0.0f || clearcoat.value > 0.0f))
       findings.push_back({"specular_transmission",

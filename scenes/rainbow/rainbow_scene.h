@@ -6,8 +6,8 @@
 
 namespace penumbra::rainbow {
 
-/// Whether a file is a scene of Rainbow: a <scene> with a <mode>, a <hide>, or an integrator that has the
-/// number of samples.
+/// Whether a file is a scene of Rainbow: a <scene> without <mesh> that has a <mode>, a <hide>, or an
+/// integrator with sampleNum and delta.
 bool is_scene(const std::filesystem::path& file);
 
 /// Reads such a scene by converting it to the equivalent Mitsuba objects. `options.settings` are not applied

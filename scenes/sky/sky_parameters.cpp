@@ -17,9 +17,7 @@ glm::dmat3 SkyParameters::frame() const { return is_version_3 ? sky_frame_with_z
 
 void SkyParameters::check(Findings& findings, bool has_direction) {
   const auto within = [&](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      findings.push_back(
-          {name, fmt::format("{} must be a number in [{}, {}], not {}", name, low, high, value)});
+    check_within(findings, name, value, low, high);
   };
   within("latitude", latitude, -90, 90);
   within("longitude", longitude, -180, 180);

@@ -1,7 +1,5 @@
 #include "scenes/sky/timed_sky.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -22,9 +20,7 @@ constexpr int kSkies = 256, kSuns = 8192;
 
 void TimedSkyEmitter::check(Findings& findings) const {
   const auto within = [&](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      findings.push_back(
-          {name, fmt::format("{} must be a number in [{}, {}], not {}", name, low, high, value)});
+    check_within(findings, name, value, low, high);
   };
   within("latitude", latitude, -90, 90);
   within("longitude", longitude, -180, 180);
