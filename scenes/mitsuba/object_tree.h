@@ -6,9 +6,12 @@
 #include <deque>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -84,6 +87,15 @@ struct ObjectTree {
   std::map<std::string, Object*> by_id;
   std::vector<std::filesystem::path>
       folders;  ///< folders in which files are searched: that of the scene file, then each <path>
+
+  /// Adds an object that nothing holds yet.
+  Object& new_object(std::string_view tag, std::string_view type, SourceLocation location) {
+    Object& object = objects.emplace_back();
+    object.tag = tag;
+    object.type = type;
+    object.location = object.type_location = location;
+    return object;
+  }
 };
 
 /// The object with other names of its parameters and of the objects inside it: what each was, and is.

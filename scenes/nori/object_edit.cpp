@@ -38,14 +38,6 @@ bool is_one_of(std::string_view name, std::initializer_list<std::string_view> na
 
 }  // namespace
 
-Object& Translation::new_object(const char* tag, const char* type, SourceLocation location) const {
-  Object& object = tree.objects.emplace_back();
-  object.tag = tag;
-  object.type = type;
-  object.location = object.type_location = location;
-  return object;
-}
-
 void add_child(Object& parent, Object& object, std::string name) {
   parent.children.push_back({std::move(name), &object, "", object.location});
 }

@@ -20,7 +20,10 @@ struct Translation {
   ReaderReport& report;
   Dialect dialect;
 
-  [[nodiscard]] mitsuba::Object& new_object(const char* tag, const char* type, SourceLocation location) const;
+  [[nodiscard]] mitsuba::Object& new_object(const char* tag, const char* type,
+                                            SourceLocation location) const {
+    return tree.new_object(tag, type, location);
+  }
 };
 
 void add_child(mitsuba::Object& parent, mitsuba::Object& object, std::string name = "");

@@ -85,14 +85,6 @@ class Translator {
     return found != tree_.by_id.end() ? found->second : nullptr;
   }
 
-  Object& new_object(std::string_view tag, std::string_view type, SourceLocation location) {
-    Object& object = tree_.objects.emplace_back();
-    object.tag = tag;
-    object.type = type;
-    object.location = object.type_location = location;
-    return object;
-  }
-
   static const BsdfRow* row_of(const Object& bsdf) {
     const auto row = std::ranges::find(rows(), bsdf.type, &BsdfRow::rainbow);
     return row != rows().end() ? &*row : nullptr;
@@ -168,7 +160,7 @@ class Translator {
     set_default(medium, "sigma_s", RgbValue{glm::vec3(1.0f)});
     auto g = take(medium, "g");
     if (!g) return;
-    Object& phase = new_object("phase", "hg", g->location);
+    Object& phase = tree_.new_object("phase", "hg", g->location);
     phase.parameters.push_back(std::move(*g));
     nori::add_child(medium, phase);
   }
@@ -228,7 +220,7 @@ class Translator {
     });
     Object* object = sampler != camera.children.end() ? object_of(*sampler) : nullptr;
     if (object == nullptr) {
-      object = &new_object("sampler", "independent", camera.location);
+      object = &tree_.new_object("sampler", "independent", camera.location);
       nori::add_child(camera, *object);
     }
     set(*object, "sample_count", samples_);
