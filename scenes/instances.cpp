@@ -81,6 +81,7 @@ class Placement {
 
   // Recursion ends, because a group holds only groups with smaller indices and the depth is limited.
   Expected<void> place(const ShapeInstance& instance, const glm::dmat4& outside, std::size_t outermost) {
+    if (instance.hidden) return {};
     const glm::dmat4 to_world = outside * instance.to_world;
     if (auto done = check_transform(to_world, scene_.instances[outermost].name); !done) return done;
     const ShapeGroup& group = group_of(instance);

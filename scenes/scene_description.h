@@ -87,6 +87,7 @@ struct ShapeInstance {
   std::string name;  ///< for messages
   int group = 0;     ///< index into SceneDescription::groups
   glm::dmat4 to_world{1.0};
+  bool hidden = false;  ///< it is not there, as at a time at which it has no size
 };
 
 /// A group of shapes and of instances of other groups. It is rendered only where an instance places it.
@@ -148,6 +149,8 @@ struct RenderSettings {
   IntegratorSettings integrator;
 };
 
+struct SceneMotion;
+
 struct SceneDescription : RenderSettings {
   std::string source;                        ///< the file it was read from
   std::vector<std::filesystem::path> files;  ///< all files that were read for the scene, the scene file first
@@ -164,6 +167,9 @@ struct SceneDescription : RenderSettings {
   std::vector<ShapeGroup> groups;
   std::vector<ShapeInstance> instances;
   std::vector<Emitter> emitters;  ///< emitters that are not shapes; at most one environment
+  /// What moves (motion/scene_motion.h); null: nothing does. The scene shows everything at `time`.
+  std::shared_ptr<const SceneMotion> motion;
+  double time = 0.0;  ///< in seconds
   std::vector<std::string>
       warnings;  ///< what the reader repaired or replaced, each with its location in the file
 };

@@ -15,6 +15,7 @@
 #include "scenes/gltf/gltf_scene.h"
 #include "scenes/instances.h"
 #include "scenes/mitsuba/mitsuba_scene.h"
+#include "scenes/motion/scene_motion.h"
 #include "scenes/names.h"
 #include "scenes/nori/nori_scene.h"
 #include "scenes/pbrt/pbrt_scene.h"
@@ -78,9 +79,10 @@ const Format* format_of(const std::filesystem::path& file) {
 
 /// Applies settings in the order of the table, so that the order in which they were given does not matter. If
 /// a key was given twice, the last is used.
-Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
+Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options, std::string_view prefix = "") {
   std::map<std::ptrdiff_t, std::pair<std::string, std::string>> in_order;
   for (const auto& [key, value] : options.settings) {
+    if (!to_snake_case(key).starts_with(prefix)) continue;
     const Setting* found = find_setting(to_snake_case(key));
     in_order[found != nullptr ? found - all_settings().data() : -1] = {key, value};
   }
@@ -101,6 +103,17 @@ bool has_light(const SceneDescription& scene) {
 bool needs_no_light(const IntegratorSettings& integrator) {
   return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
          integrator.is<NormalsIntegrator>();
+}
+
+/// Shows a scene that moves at the time asked for, else at that of a still, which is said.
+Expected<void> show_at(SceneDescription& scene, std::optional<double> time) {
+  if (scene.motion == nullptr) return {};
+  const double shown = time.value_or(scene.motion->default_time);
+  if (!time)
+    scene.warnings.push_back(
+        fmt::format("{}: warning: the scene moves; it is shown as at {} s (--frames renders its frames)",
+                    scene.source, shown));
+  return set_time(scene, shown);
 }
 
 /// Warns about scenes whose image is black or nearly black, which is probably not intended.
@@ -146,14 +159,21 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
                             options.dialect, format->name));
   auto scene = format->read(file, options);
   if (!scene) return scene;
-  if (const auto done = apply_all(*scene, options); !done) {
-    return fail(fmt::format("{}: {}", file.string(), done.error().message));
-  }
+  auto done = show_at(*scene, options.time);
+  if (done) done = apply_all(*scene, options);
+  if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));
   warn_of_emptiness(*scene);
   if (options.strict && !scene->warnings.empty())
     return fail(fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene->warnings, "\n"),
                             file.string()));
   return scene;
+}
+
+Expected<void> set_time(SceneDescription& scene, double time, const ReadOptions& options) {
+  auto done = set_time(scene, time);
+  // Keys of the camera have replaced what settings say.
+  if (done) done = apply_all(scene, options, "camera.");
+  return done ? done : fail(fmt::format("{}: {}", scene.source, done.error().message));
 }
 
 }  // namespace penumbra

@@ -25,6 +25,11 @@ struct ReadOptions {
   bool strict = false;
   /// For formats with dialects: "nori" or "nori-eth". Empty: determined from the file.
   std::string dialect = {};
+  /// Seconds, for a scene that moves. Nothing: the time that the scene's format has for a still, with a
+  /// warning.
+  std::optional<double> time = {};
+  /// For formats with several animations in a file: the name of the one that is shown. Empty: the first.
+  std::string clip = {};
   /// For untrusted scenes: every file must lie inside this folder after following symbolic links.
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };
@@ -36,6 +41,9 @@ std::vector<std::string> scene_formats();
 /// shapes or without emitters is valid but gets a warning. Errors: everything that is wrong, each with file,
 /// line, column, the source line and a caret.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
+
+/// Takes a scene that was read with these options to another time; see set_time.
+Expected<void> set_time(SceneDescription& scene, double time, const ReadOptions& options);
 
 /// Checks that the file exists and may be read, as read_scene would.
 Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options);
