@@ -13,8 +13,8 @@ void Reading::refuse_variables(std::string_view format) {
     diagnostics.error(
         {}, fmt::format("-D {}: a {} scene has no variables; those of Mitsuba have, as ${}. {}", name, format,
                         name,
-                        name == "frame" ? "Frames of this format are a file each, named in a job file as in "
-                                          "scene = \"shot.{frame:04}.pbrt\""
+                        name == "frame" ? "--frames renders its frames, also where "
+                                          "each is a file: shot.####.pbrt"
                                         : "--set KEY=VALUE overrides settings (`penumbra settings`)"));
 }
 

@@ -169,7 +169,8 @@ struct SceneDescription : RenderSettings {
   std::vector<Emitter> emitters;  ///< emitters that are not shapes; at most one environment
   /// What moves (motion/scene_motion.h); null: nothing does. The scene shows everything at `time`.
   std::shared_ptr<const SceneMotion> motion;
-  double time = 0.0;  ///< in seconds
+  double time = 0.0;            ///< in seconds
+  bool uses_variables = false;  ///< it depends on one of ReadOptions::variables
   std::vector<std::string>
       warnings;  ///< what the reader repaired or replaced, each with its location in the file
 };

@@ -37,6 +37,7 @@ struct Format {
   /// other.
   std::function<bool(const std::filesystem::path&)> is_one = {};
   bool has_dialects = false;
+  bool has_clips = false;
 
   [[nodiscard]] bool may_be(const std::filesystem::path& file) const { return !is_one || is_one(file); }
 };
@@ -47,8 +48,8 @@ std::span<const Format> formats() {
       {"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene, true},
       {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
       {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
-      {"glTF 2.0", ".gltf", '{', gltf::read_scene},
-      {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene},
+      {"glTF 2.0", ".gltf", '{', gltf::read_scene, {}, false, true},
+      {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene, {}, false, true},
       {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene}};
   return table;
 }
@@ -157,6 +158,9 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   if (!options.dialect.empty() && !format->has_dialects)
     return fail(fmt::format("{}: --dialect {} is of Nori's scenes; this one is {}", file.string(),
                             options.dialect, format->name));
+  if (!options.clip.empty() && !format->has_clips)
+    return fail(fmt::format("{}: --clip {} is of glTF files; this one is {}", file.string(), options.clip,
+                            format->name));
   auto scene = format->read(file, options);
   if (!scene) return scene;
   auto done = show_at(*scene, options.time);

@@ -16,6 +16,8 @@ struct ReadOptions {
   /// -D name=value: the value of `$name`. It overrides the file's <default>. A variable that the scene does
   /// not use is an error.
   std::vector<std::pair<std::string, std::string>> defines = {};
+  /// Variables such as $frame and $time: like `defines`, which come before them, but they need not be used.
+  std::vector<std::pair<std::string, std::string>> variables = {};
   /// --set key=value (see settings.h), applied after the scene file.
   std::vector<std::pair<std::string, std::string>> settings = {};
   /// Render whatever can be parsed. Whatever is unknown, missing or out of range becomes a warning; it is

@@ -12,7 +12,9 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   // An incomplete tree would only cause misleading errors.
   if (reading.failed()) return reading.error();
   const Context context{tree, reading.diagnostics, options.lenient, options.settings};
-  return reading.finish(build_scene(context, reading.files), tree.scene.location);
+  SceneDescription scene = build_scene(context, reading.files);
+  scene.uses_variables = tree.uses_variables;
+  return reading.finish(std::move(scene), tree.scene.location);
 }
 
 }  // namespace penumbra::mitsuba

@@ -83,6 +83,7 @@ struct ObjectTree {
   std::int64_t major_version = 3;  ///< of the scene file
   /// The program for which the file was written ignores unknown parameters and similar faults.
   bool is_tolerant = false;
+  bool uses_variables = false;           ///< see SceneDescription
   bool faceted_without_normals = false;  ///< meshes whose files have no normals are faceted (Nori)
   std::map<std::string, Object*> by_id;
   std::vector<std::filesystem::path>

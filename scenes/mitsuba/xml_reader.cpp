@@ -43,7 +43,8 @@ class XmlReader {
   XmlReader(const ReadOptions& options, const FileAccess& files, Diagnostics& diagnostics,
             const XmlDialect* dialect)
       : options_(options), access_(files), diagnostics_(diagnostics), dialect_(dialect) {
-    for (const auto& [name, value] : options.defines) variables_[name] = value;
+    for (const auto* given : {&options.variables, &options.defines})
+      for (const auto& [name, value] : *given) variables_[name] = value;
   }
 
   ObjectTree read(const fs::path& file) {
@@ -52,6 +53,8 @@ class XmlReader {
     read_file(file, {});
     for (const Alias& alias : aliases_) resolve(alias);
     if (!diagnostics_.failed()) check_defines();
+    tree_.uses_variables = std::ranges::any_of(
+        options_.variables, [&](const auto& variable) { return used_.contains(variable.first); });
     return std::move(tree_);
   }
 

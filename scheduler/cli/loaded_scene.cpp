@@ -11,11 +11,13 @@
 #include "scenes/device/hierarchy/hierarchy_cache.h"
 #include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
+#include "scenes/motion/scene_motion.h"
 #include "scenes/names.h"
 #include "scenes/scene_reader.h"
 #include "scenes/setting_rows.h"
 #include "scenes/settings.h"
 #include "scheduler/render/film_scale.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/render/render_option.h"
 
 namespace penumbra {
@@ -79,15 +81,51 @@ std::filesystem::path own_hierarchy_cache() {
 
 }  // namespace
 
-Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
+namespace {
+
+Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   ReadOptions read;
   read.defines = split_assignments(options.defines);
   read.settings = split_assignments(options.settings);
   read.lenient = options.lenient;
   read.strict = options.strict;
   read.dialect = options.dialect;
+  read.clip = options.clip;
+  if (options.frame) {
+    read.time = frame_seconds(options);
+    read.variables = {{"frame", fmt::to_string(*options.frame)}, {"time", fmt::to_string(*read.time)}};
+  }
   if (auto added = add_settings_of_options(options, read); !added) return std::unexpected(added.error());
-  auto scene = read_scene(options.file, read);
+  return read;
+}
+
+/// The rate of the scene's file counts where no option says another.
+SceneOptions with_rate_of(const SceneDescription& scene, SceneOptions options) {
+  if (!options.fps && scene.motion != nullptr) options.fps = scene.motion->fps;
+  return options;
+}
+
+}  // namespace
+
+Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options) {
+  if (!options.frame) return {};
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  return set_time(scene, frame_seconds(with_rate_of(scene, options)), *read);
+}
+
+Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  auto scene = read_scene(options.file, *read);
+  if (scene && with_rate_of(*scene, options).fps != options.fps)
+    if (auto moved = go_to_frame(*scene, options); !moved) return std::unexpected(moved.error());
+  if (scene && options.frame && options.seed_by_frame) scene->sampler.seed += std::uint32_t(*options.frame);
+  if (scene && options.frame && scene->motion == nullptr && !scene->uses_variables)
+    scene->warnings.push_back(
+        fmt::format("{}: warning: nothing moves in the scene, and its file has neither $frame nor $time: all "
+                    "frames are alike",
+                    options.file));
   if (scene && options.scale) {
     scene->film = scaled_film(scene->film, *options.scale);
     const Film& film = scene->film;
@@ -99,32 +137,49 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   return scene;
 }
 
-Expected<LoadedScene> load_scene(const SceneOptions& options,
-                                 const std::function<void(SceneDescription&)>& adjust) {
-  const auto begin = std::chrono::steady_clock::now();
+Expected<ReadScene> read_scene_to_render(const SceneOptions& options) {
   auto description = read_scene_with_options(options);
   if (!description) return std::unexpected(description.error());
   const bool sampler_replaced = replace_independent_sampler(options, *description);
-  if (adjust) adjust(*description);
+  return ReadScene{std::move(*description), sampler_replaced};
+}
+
+Expected<LoadedScene> load_scene(const SceneOptions& options,
+                                 const std::function<void(SceneDescription&)>& adjust) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto read = read_scene_to_render(options);
+  if (!read) return std::unexpected(read.error());
+  if (adjust) adjust(read->description);
+  auto scene = build_scene(*read, options);
+  if (!scene) return scene;
+  scene->description = std::move(read->description);
+  scene->seconds = seconds_since(begin);
+  return scene;
+}
+
+Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& options) {
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
   device_options.hierarchy_cache = own_hierarchy_cache();
   MatteNames mattes;
   if (options.cryptomatte) device_options.mattes = &mattes;
-  auto device = build_device_scene(*description, device_options);
+  auto device = build_device_scene(read.description, device_options);
   if (!device) return std::unexpected(device.error());
-  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(mattes), {}, 0, {}};
-  scene.boundary_names = boundary_names(scene.description);
+  LoadedScene scene{{}, std::move(*device), {}, std::move(mattes), {}, 0, {}};
+  scene.boundary_names = boundary_names(read.description);
   scene.summary = summarize(scene.device);
-  scene.sampler_replaced = sampler_replaced;
-  scene.seconds = seconds_since(begin);
+  scene.sampler_replaced = read.sampler_replaced;
+  scene.fps = with_rate_of(read.description, options).fps.value_or(kFramesPerSecond);
   return scene;
 }
 
-void reduce(LoadedScene& scene) {
-  scene.center = scene_center(scene.description);
-  scene.description = polygon_lights_of(scene.description);
+void reduce(LoadedScene& scene) { reduce(scene, scene.description); }
+
+void reduce(LoadedScene& scene, const SceneDescription& description) {
+  scene.center = scene_center(description);
+  scene.description = polygon_lights_of(description);
+  scene.description.motion.reset();
 }
 
 }  // namespace penumbra

@@ -29,8 +29,6 @@ constexpr OtherName kOtherNames[] = {
     {"size", "--set film.width=W --set film.height=H, or --scale 50%", "--scale"},
     {"resolution", "--set film.width=W --set film.height=H, or --scale 50%", "--scale"},
     {"res", "--set film.width=W --set film.height=H, or --scale 50%", "--scale"},
-    {"frame", "-D frame=N for $frame of the scene, or frame = N in a job file", "-D"},
-    {"frames", "frame = \"1..24\" in a job file, which fills $frame and {frame}", "-D"},
     {"output", "-o FILE", "--out"},
     {"outfile", "-o FILE", "--out"},
     {"output_file", "-o FILE", "--out"},

@@ -6,6 +6,7 @@
 #include "scenes/scene_reader.h"
 #include "scheduler/cli/option_hints.h"
 #include "scheduler/cli/web_page.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/render/option_checks.h"
 #include "scheduler/render/render_option.h"
 #include "worker/cli/access_options.h"
@@ -100,6 +101,36 @@ void add_network_options(CommandLine& command, RenderOptions& options) {
       ->group(group::kNetwork);
 }
 
+/// Options for shots.
+void add_shot_options(CommandLine& command, RenderOptions& options) {
+  command
+      .add_option(
+          "--frames", options.frames,
+          "Render these frames, each into its file: 1-250, 1-250x2 (every second), 300, 1-10,50-60. Names "
+          "have the field #### or {frame:04}, else .0001 before their extension. Frames that are there "
+          "and would be the same are kept")
+      ->type_name("LIST")
+      ->check({[](const std::string& text) {
+                 const auto frames = frames_of(text);
+                 return frames ? std::string() : frames.error().message;
+               },
+               ""})
+      ->excludes("--frame")
+      ->excludes("--pixel")
+      ->group(group::kFrames);
+  command
+      .add_option_function(
+          "--order", std::function<Expected<void>(const std::string&)>([&options](const std::string& text) {
+            options.preview_order = text == "preview";
+            return Expected<void>();
+          }),
+          "ascending, or preview: the first frame, the last, the middle, then halves")
+      ->type_name("ORDER")
+      ->check(one_of({"ascending", "preview"}))
+      ->needs("--frames")
+      ->group(group::kFrames);
+}
+
 /// Options for several scenes.
 void add_set_options(CommandLine& command, RenderOptions& options) {
   command
@@ -155,8 +186,9 @@ void add_render_options(CommandLine& command, RenderOptions& options) {
                   "Scene files: " + list_names(scene_formats()) + "; or job files, TOML with [[render]]")
       ->required()
       ->group(group::kInput);
-  for (const char* group : {group::kInput, group::kSampling, group::kRegion, group::kOutput})
+  for (const char* group : {group::kInput, group::kFrames, group::kSampling, group::kRegion, group::kOutput})
     add_group(command, options, group);
+  add_shot_options(command, options);
   add_set_options(command, options);
   add_worker_options(command, options);
   add_group(command, options, group::kWorkers);

@@ -30,10 +30,12 @@ struct RenderOptions : RenderRequest {
   bool restart = false;   ///< ignore and replace an existing checkpoint
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: no checkpoints
   bool writes_here = true;  ///< false: the files are written elsewhere, by a service, or not at all
-  // For several scenes.
-  bool force = false;        ///< render also what is already there and unchanged
-  std::string summary = {};  ///< file with the result of each render; empty: beside the images
-  std::string table = {};    ///< the same as CSV; empty: none
+  // For several scenes and frames.
+  std::string frames = {};     ///< see frames_of; empty: no shot
+  bool preview_order = false;  ///< frames come in preview_order
+  bool force = false;          ///< render also what is already there and unchanged
+  std::string summary = {};    ///< file with the result of each render; empty: beside the images
+  std::string table = {};      ///< the same as CSV; empty: none
 };
 
 /// Adds the option of this name. Parsing stores its value in `request`, as that of all options here.

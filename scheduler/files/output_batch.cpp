@@ -1,9 +1,6 @@
 #include "scheduler/files/output_batch.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,49 +8,14 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
-#include <map>
-#include <thread>
 #include <utility>
+
+#include "scheduler/files/folder_locks.h"
 
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Locks folders so that no other batch puts files into them meanwhile. Continues without a lock if the file
-/// system does not support it, or if another process holds it for long.
-class FolderLocks {
- public:
-  explicit FolderLocks(const std::vector<fs::path>& folders) {
-    std::map<std::pair<dev_t, ino_t>, int>
-        in_order;  // the same order in every process, which prevents deadlock
-    for (const fs::path& folder : folders) {
-      const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      struct stat status {};
-      if (descriptor < 0) continue;
-      descriptors_.push_back(descriptor);
-      if (fstat(descriptor, &status) == 0) in_order.try_emplace({status.st_dev, status.st_ino}, descriptor);
-    }
-    for (const auto& [identity, descriptor] : in_order) lock(descriptor);
-  }
-  FolderLocks(const FolderLocks&) = delete;
-  FolderLocks& operator=(const FolderLocks&) = delete;
-  ~FolderLocks() {
-    for (const int descriptor : descriptors_) close(descriptor);
-  }
-
- private:
-  static void lock(int descriptor) {
-    constexpr std::chrono::seconds kPatience{10};
-    constexpr std::chrono::milliseconds kPause{5};
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && (errno == EWOULDBLOCK || errno == EINTR) &&
-           std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(kPause);
-  }
-
-  std::vector<int> descriptors_;
-};
 
 /// Candidates for the folder of files that cannot be written to their place; each is tried if the previous
 /// one has no room.

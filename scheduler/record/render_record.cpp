@@ -10,6 +10,7 @@
 #include "scenes/settings.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/record/version.h"
+#include "scheduler/render/frames.h"
 
 namespace penumbra {
 namespace {
@@ -97,6 +98,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
   metadata.emplace_back(rendered.repeatable() ? "penumbra:command" : "penumbra:nearest_command",
                         repeat_command(portable, true));
   for (const auto& [name, value] : record_entries(portable)) metadata.emplace_back("penumbra:" + name, value);
+  if (record.scene.frame) metadata.emplace_back("penumbra:time", frame_seconds(record.scene));
   metadata.emplace_back("penumbra:film.width", record.film.width);
   metadata.emplace_back("penumbra:film.height", record.film.height);
   if (!rendered.backends.empty())

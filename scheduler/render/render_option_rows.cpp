@@ -3,6 +3,7 @@
 #include "scenes/diagnostic.h"
 #include "scenes/settings.h"
 #include "scheduler/render/film_scale.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/render/option_checks.h"
 #include "scheduler/render/stored_option.h"
 #include "worker/cli/help_text.h"
@@ -49,6 +50,36 @@ std::string wrong_layers(const std::string& text) {
 using enum OptionPart;
 using enum OptionEffect;
 
+Expected<void> apply_seed_per_frame(RenderRequest& request, std::string& text) {
+  if (const std::string wrong = one_of({"fixed", "frame"}).wrong(text); !wrong.empty()) return fail(wrong);
+  request.scene.seed_by_frame = text == "frame";
+  return {};
+}
+
+void add_frame_rows(std::vector<RenderOption>& all) {
+  OptionRows frames{all, group::kFrames, kScene, kPixels};
+  frames.add("--frame", "N", AT(scene.frame), {whole_number(0, kLastFrame)},
+             "One frame of a scene that moves: shows it at N / fps seconds, as $frame and $time of its file");
+  frames
+      .add("--fps", "RATE", AT(scene.fps), {positive_number()},
+           "Frames per second (default: the scene's, else 24)")
+      .matters = [](const RenderRequest& request) { return request.scene.frame.has_value(); };
+  frames.add("--frame-offset", "N", AT(scene.frame_offset), {}, "Add N to the frame before its time is taken")
+      .matters = [](const RenderRequest& request) { return request.scene.frame_offset != 0; };
+  frames.add("--clip", "NAME", AT(scene.clip), {},
+             "Animation of a glTF file (default: its first; `penumbra info` lists them)");
+  RenderOption& seed = frames.add("--seed-per-frame", "MODE", AT(scene.seed_by_frame), {},
+                                  "fixed: all frames have the same seed; frame: the frame is added to it");
+  seed.kind = OptionKind::kText;
+  seed.effect = kNone;  // the seed that it leads to is kept
+  seed.limits = "fixed, frame";
+  seed.apply = apply_seed_per_frame;
+  seed.print = [](const RenderRequest& request) {
+    return Texts{request.scene.seed_by_frame ? "frame" : "fixed"};
+  };
+  seed.shows_default = true;
+}
+
 void add_scene_rows(std::vector<RenderOption>& all) {
   OptionRows input{all, group::kInput, kScene, kPixels};
   input
@@ -72,6 +103,7 @@ void add_scene_rows(std::vector<RenderOption>& all) {
   input.add("--dialect", "NAME", AT(scene.dialect), {one_of({"nori", "nori-eth"})},
             "Of Nori scenes: nori-eth is that of ETH Zurich's course, whose camera is mirrored (default: "
             "told from the file; `penumbra info` shows it)");
+  add_frame_rows(all);
   OptionRows sampling{all, group::kSampling, kScene, kFiles};
   sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {choice_of("integrator.type")},
                     "Integrator instead of the scene's; path is path_mis"),

@@ -30,8 +30,13 @@ struct SceneOptions {
   std::string intersector = "auto";  ///< auto, portable, embree
   bool no_features = false;
   bool cryptomatte = false;
-  std::string denoise = {};  ///< one of the names of film.denoise; empty: the scene's
-  std::string layers = {};   ///< a value of film.layers; empty: the scene's
+  std::string denoise = {};       ///< one of the names of film.denoise; empty: the scene's
+  std::string layers = {};        ///< a value of film.layers; empty: the scene's
+  std::optional<int> frame = {};  ///< of a shot; its time is frame_seconds() (frames.h); nothing: a still
+  std::optional<double> fps = {};
+  double frame_offset = 0;
+  std::string clip = {};       ///< see ReadOptions
+  bool seed_by_frame = false;  ///< the frame is added to the seed
 
   friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };

@@ -11,6 +11,7 @@ namespace penumbra {
 namespace group {
 constexpr const char* kArguments = "Arguments";
 constexpr const char* kInput = "Input";
+constexpr const char* kFrames = "Frames of a scene that moves";
 constexpr const char* kSampling = "Integrator and samples";
 constexpr const char* kRegion = "Size and part of the image";
 constexpr const char* kOutput = "Output";

@@ -13,6 +13,7 @@
 #include "scenes/number.h"
 #include "scenes/toml/toml_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
+#include "scheduler/render/frames.h"
 
 namespace penumbra {
 namespace {
@@ -20,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kHighestPriority = 1'000'000;
-constexpr std::int64_t kLastFrame = 999'999'999;
 
 /// A value as text of the command line. Nothing for tables, lists and dates.
 std::optional<std::string> text_of(const toml::node& node) {
@@ -98,8 +98,8 @@ class JobFileReader {
         read_name(*node, pattern);
       else if (name == "after")
         read_after(*node, pattern);
-      else if (name == "frame")
-        read_axis(AxisKind::kFrame, name, *node, pattern);
+      else if (name == "frame" || name == "frames")
+        read_axis(AxisKind::kFrame, "frame", *node, pattern);
       else if (name == "set" || name == "define")
         read_assignments(name == "set" ? AxisKind::kSetting : AxisKind::kDefine, name, "", *node, pattern);
       else if (const RenderOption* option = find_varied_option(name))
@@ -113,7 +113,7 @@ class JobFileReader {
   }
 
   void unknown(const toml::key& key) {
-    std::vector<std::string> known{"scene", "out", "name", "after", "priority", "frame", "set", "define"};
+    std::vector<std::string> known{"scene", "out", "name", "after", "priority", "frames", "set", "define"};
     known.insert(known.end(), varied_option_names().begin(), varied_option_names().end());
     error(key, fmt::format("a render has no '{}'{}", key.str(), known_names(key.str(), known, "It has")));
   }
@@ -140,12 +140,17 @@ class JobFileReader {
         error(*each, fmt::format("{}: an empty text", name));
         continue;
       }
-      const bool counts = kind == AxisKind::kFrame || name == "seed";
-      const auto range = counts ? range_of(*text) : std::nullopt;
-      const std::vector<std::string> values = range.value_or(std::vector{*text});
-      if (kind == AxisKind::kFrame && !parse_integer(values.front(), 0, kLastFrame))
-        error(*each, fmt::format("frame: a whole number from 0, or as in \"1..24\" or \"1..24x4\", not '{}'",
-                                 *text));
+      std::vector<std::string> values{*text};
+      if (kind == AxisKind::kFrame) {
+        auto frames = frames_of(*text);
+        if (!frames) {
+          error(*each, frames.error().message);
+          continue;
+        }
+        values = std::move(*frames);
+      } else if (name == "seed") {
+        values = range_of(*text).value_or(values);
+      }
       // The values of a range differ only in size, so checking both ends suffices.
       for (const std::string& value : {values.front(), values.back()})
         if (const auto checked = check_value(kind, name, value); !checked) {

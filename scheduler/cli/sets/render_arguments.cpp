@@ -6,6 +6,7 @@
 
 #include "scenes/names.h"
 #include "scenes/settings.h"
+#include "scheduler/render/frames.h"
 
 namespace penumbra {
 namespace {
@@ -26,7 +27,7 @@ const CommandLine& render_command() {
   return command.line;
 }
 
-/// Gives the value of an axis to a request. The frame is no option, but may be a variable of the scene.
+/// Gives the value of an axis to a request.
 Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, bool with_frame,
                           RenderRequest& request) {
   std::string name = axis.name, text = value;
@@ -36,8 +37,6 @@ Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, bool
       return {};
     case AxisKind::kFrame:
       if (!with_frame) return {};
-      name = "D";
-      text = "frame=" + value;
       break;
     case AxisKind::kDefine:
     case AxisKind::kSetting:
@@ -77,6 +76,7 @@ const RenderOption* find_varied_option(std::string_view long_name) {
 }
 
 AxisKind kind_of(const RenderOption& option) {
+  if (option.name() == "frame") return AxisKind::kFrame;
   return option.is_flag() ? AxisKind::kFlag : AxisKind::kOption;
 }
 
@@ -138,6 +138,8 @@ std::vector<RenderAxis> axes_of_command(const CommandLine& command) {
       add_assignments(axes, AxisKind::kDefine, option->results());
     else if (name == "set")
       add_assignments(axes, AxisKind::kSetting, option->results());
+    else if (name == "frames")
+      set_axis(axes, {AxisKind::kFrame, "frame", *frames_of(option->results().back())});
     else if (const RenderOption* known = find_varied_option(name))
       set_axis(axes, {kind_of(*known), name, {option->results().back()}});
   }

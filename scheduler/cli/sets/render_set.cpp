@@ -68,6 +68,10 @@ wire::JobState job_state_of(SetState state) {
   return state == SetState::kIncomplete ? wire::JOB_INCOMPLETE : wire::JOB_DONE;
 }
 
+bool is_rendered(const SetEntry& entry) {
+  return entry.state == SetState::kDone || entry.state == SetState::kUnchanged;
+}
+
 struct ReadyRender {
   std::size_t index = 0;
   std::shared_ptr<PreparedRender> prepared;
@@ -104,8 +108,8 @@ class SceneSet final : public JobSource {
       entries_.back().error.clear();
       page_.add(member.name, member.priority);
     }
-    earlier_ = std::move(finished).rest();
     keys_.resize(entries_.size());
+    for (const SetMember& member : plan_.members) may_fail_.push_back(member.options.scene.frame.has_value());
   }
 
   ExitCode run();
@@ -129,8 +133,8 @@ class SceneSet final : public JobSource {
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
  private:
-  /// The first unread render that comes after none that is not over; waits for one. Removes it from `unread`.
-  /// Nothing if there is none or the set ends.
+  /// The first unread render that comes after none that is not over, and once all are, a frame that failed;
+  /// waits for one. Removes it from `unread`. Nothing if there is none or the set ends.
   std::optional<std::size_t> next_to_read(std::vector<std::size_t>& unread);
   void read_scenes();
   Expected<void> check_earlier(std::size_t index);
@@ -139,6 +143,8 @@ class SceneSet final : public JobSource {
   void write_images();
   void write(FinishedRender finished);
   void end(std::size_t index, SetState state, const std::string& error = {}, bool is_told = true);
+  /// The same where the render does not get another try. The caller holds mutex_.
+  void end_now(std::size_t index, SetState state, const std::string& error, bool is_told);
   [[nodiscard]] Expected<void> write_summary() const;
   [[nodiscard]] std::size_t ended();
   /// Of all renders: " (0:41:10 left)"; empty while none has been rendered.
@@ -160,9 +166,17 @@ class SceneSet final : public JobSource {
   std::mutex mutex_;  // protects entries_ and how many of them have ended, and were rendered for that
   std::vector<SetEntry> entries_;
   FailureReasons failures_;
+  /// Frames of a shot that failed get another try after all others, for what hindered them may have passed.
+  struct FailedFrame {
+    std::size_t index;
+    SetState state;
+    std::string error;
+  };
+  std::vector<FailedFrame> failed_frames_;
+  std::vector<bool> may_fail_;           // of each render, whether it gets another try
+  std::set<std::string> told_warnings_;  // used by the thread that reads scenes
   std::size_t ended_ = 0, rendered_ = 0;
   Clock::time_point next_summary_{};
-  std::vector<SetEntry> earlier_;  // of other sets with the same summary file
   // Hashes of the requested renders; each is written before its render is passed on.
   std::vector<std::string> keys_;
   Mailbox<ReadyRender> ready_{kPreparedAhead};
@@ -180,7 +194,11 @@ class SceneSet final : public JobSource {
 
 std::optional<std::size_t> SceneSet::next_to_read(std::vector<std::size_t>& unread) {
   std::unique_lock lock(mutex_);
-  while (!unread.empty() && !stop_ && !farm_is_over_) {
+  const auto is_over = [&] {
+    return unread.empty() && failed_frames_.empty() &&
+           std::ranges::none_of(may_fail_, [](bool may) { return may; });
+  };
+  while (!is_over() && !stop_ && !farm_is_over_) {
     for (auto at = unread.begin(); at != unread.end(); ++at) {
       const std::vector<std::size_t>& after = plan_.members[*at].after;
       if (!std::ranges::all_of(after, [&](std::size_t i) { return entries_[i].state != SetState::kWaiting; }))
@@ -188,6 +206,14 @@ std::optional<std::size_t> SceneSet::next_to_read(std::vector<std::size_t>& unre
       const std::size_t next = *at;
       unread.erase(at);
       return next;
+    }
+    if (!failed_frames_.empty() && ended_ + failed_frames_.size() + unread.size() == entries_.size()) {
+      const FailedFrame failed = std::move(failed_frames_.front());
+      failed_frames_.erase(failed_frames_.begin());
+      // Where no render has succeeded, another try would not either.
+      if (std::ranges::any_of(entries_, is_rendered)) return failed.index;
+      end_now(failed.index, failed.state, failed.error, true);
+      continue;
     }
     ended_one_.wait_for(lock, kBetweenLooks);
   }
@@ -226,7 +252,8 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   if (!prepared) return std::unexpected(prepared.error());
   if (const auto device = check_device(prepared->job.device); !device) return device;
   if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser) return denoiser;
-  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  for (const std::string& warning : prepared->scene.description.warnings)
+    if (told_warnings_.insert(warning).second) print_warning(warning);
   keys_[index] = key_of(*prepared, worker_);
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
@@ -337,6 +364,16 @@ void SceneSet::write(FinishedRender finished) {
 
 void SceneSet::end(std::size_t index, SetState state, const std::string& error, bool is_told) {
   const std::lock_guard lock(mutex_);
+  const bool has_failed = state == SetState::kFailed || state == SetState::kIncomplete;
+  if (!has_failed || !may_fail_[index] || stop_ || farm_is_over_)
+    return end_now(index, state, error, is_told);
+  may_fail_[index] = false;
+  failed_frames_.push_back({index, state, error});
+  ended_one_.notify_all();
+}
+
+void SceneSet::end_now(std::size_t index, SetState state, const std::string& error, bool is_told) {
+  may_fail_[index] = false;
   entries_[index].state = state;
   entries_[index].error = error;
   ++ended_;
@@ -356,9 +393,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error, 
   next_summary_ = Clock::now() + kSummaryPause * (Clock::now() - begin);
 }
 
-Expected<void> SceneSet::write_summary() const {
-  return write_set_summary(plan_.summary, entries_, earlier_);
-}
+Expected<void> SceneSet::write_summary() const { return write_set_summary(plan_.summary, entries_); }
 
 std::size_t SceneSet::ended() {
   const std::lock_guard lock(mutex_);
@@ -399,6 +434,8 @@ ExitCode SceneSet::run() {
   unwritten_.close();
   writer.join();
   if (!ran) print_error(ran.error());
+  for (const FailedFrame& failed : std::exchange(failed_frames_, {}))
+    end(failed.index, failed.state, failed.error);
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i].state == SetState::kWaiting) {
       if (stop_)

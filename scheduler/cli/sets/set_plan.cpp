@@ -15,6 +15,7 @@
 #include "scheduler/cli/sets/render_arguments.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/render/frames.h"
 
 namespace penumbra {
 namespace {
@@ -28,18 +29,27 @@ std::unexpected<Error> fail_at(SourceLocation location, const std::string& text)
   return fail(location.file != nullptr ? describe(location) + ": " + text : text);
 }
 
-/// A name that distinguishes this pattern's images: the varied parameters, with frames padded by zeros.
+bool has_frames(const RenderPattern& pattern) {
+  return std::ranges::find(pattern.axes, AxisKind::kFrame, &RenderAxis::kind) != pattern.axes.end();
+}
+
+/// A name that distinguishes this pattern's images: the varied parameters, and the frame of a shot.
 std::string default_name(const RenderPattern& pattern) {
   std::string name = "{scene}";
   for (const RenderAxis& axis : pattern.axes)
-    if (axis.values.size() > 1 && axis.kind != AxisKind::kScene)
-      name += axis.kind == AxisKind::kFrame ? "-{frame:04}" : "-{" + axis.name + "}";
-  return name + ".exr";
+    if (axis.values.size() > 1 && axis.kind != AxisKind::kScene && axis.kind != AxisKind::kFrame)
+      name += "-{" + axis.name + "}";
+  name += ".exr";
+  return has_frames(pattern) ? with_frame_field(name) : name;
 }
 
 /// The name pattern for the images, before its fields are substituted.
-Expected<std::string> name_of_images(const std::string& out, const RenderPattern& pattern) {
-  if (out.empty()) return default_name(pattern);
+Expected<std::string> name_of_images(const std::string& given, const RenderPattern& pattern) {
+  if (given.empty()) return default_name(pattern);
+  std::string out = given;
+  std::error_code is_missing;
+  if (has_frames(pattern) && fs::path(out).has_extension() && !fs::is_directory(out, is_missing))
+    out = with_frame_field(out);
   if (out.contains('{')) return out;
   const fs::path path = out;
   std::error_code ignored;
@@ -85,7 +95,8 @@ class SetPlanner {
     std::vector<std::pair<std::size_t, RenderPattern>> patterns;
     for (const std::string& scene : options_.scenes) {
       if (!is_job_file(scene)) {
-        scenes.axes.front().values.push_back(scene);
+        const bool is_pattern = !options_.frames.empty() && scene.contains('#');
+        scenes.axes.front().values.push_back(is_pattern ? with_frame_field(scene) : scene);
         continue;
       }
       auto file = read_job_file(scene);
@@ -113,6 +124,8 @@ class SetPlanner {
  private:
   Expected<void> add(RenderPattern pattern) {
     for (const RenderAxis& axis : given_) set_axis(pattern.axes, axis);
+    for (RenderAxis& axis : pattern.axes)
+      if (axis.kind == AxisKind::kFrame && options_.preview_order) axis.values = preview_order(axis.values);
     const auto name = name_of_images(options_.out.empty() ? pattern.out.value_or("") : options_.out, pattern);
     if (!name)
       return fail_at(pattern.location, (options_.out.empty() ? "out " : "-o ") + name.error().message);
@@ -128,12 +141,11 @@ class SetPlanner {
   Expected<void> add(const RenderPattern& pattern, RenderChoice choice, const std::string& name) {
     const std::vector<RenderAxis>& axes = pattern.axes;
     NameFields fields;
-    const bool has_fields =
-        pattern.location.file != nullptr;  // file names of a command line are taken as given
+    // File names of a command line are taken as given, but for the field of a frame.
+    const bool has_fields = pattern.location.file != nullptr || !options_.frames.empty();
     bool with_frame = true;
     for (std::size_t i = 0; i < axes.size(); ++i) {
       if (axes[i].kind == AxisKind::kScene) with_frame = !has_fields || !has_field(choice[i], "frame");
-      if (axes[i].kind == AxisKind::kDefine && axes[i].name == "frame") with_frame = false;
       if (axes[i].kind != AxisKind::kScene) fields[axes[i].name] = choice[i];
     }
     for (std::size_t i = 0; i < axes.size(); ++i) {

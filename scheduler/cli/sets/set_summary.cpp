@@ -13,6 +13,7 @@
 #include "kernels/host/atomic_file.h"
 #include "kernels/host/text.h"
 #include "scheduler/cli/progress.h"
+#include "scheduler/files/folder_locks.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/files/quoting.h"
 
@@ -84,12 +85,16 @@ SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folde
 
 std::string_view set_state_name(SetState state) { return kStateNames[std::size_t(state)]; }
 
-Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
-                                 const std::vector<SetEntry>& earlier) {
+Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries) {
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
   const std::filesystem::path folder = folder_of_summary(path);
-  for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry, folder));
-  for (const SetEntry& entry : earlier) json["earlier"].push_back(json_of(entry, folder));
+  const FolderLocks lock({folder});
+  FinishedRenders others = FinishedRenders::read(path);
+  for (const SetEntry& entry : entries) {
+    json["jobs"].push_back(json_of(entry, folder));
+    (void)others.take(entry.files);
+  }
+  for (const SetEntry& entry : std::move(others).rest()) json["earlier"].push_back(json_of(entry, folder));
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_output(path, bytes_of(text));
 }

@@ -13,8 +13,9 @@ namespace penumbra {
 /// The largest total size of device scenes that are kept for later renders. Others are read again.
 constexpr std::uint64_t kMostSharedBytes = std::uint64_t(2) << 30;
 
-/// Renders that differ only in their samples or seed share a scene: the device scene depends on these only in
-/// two numbers of its header. It is kept from the first of them to the last.
+/// Renders that differ only in their samples or seed share a device scene, which depends on these only in two
+/// numbers of its header. Frames of a shot share its description, unless the file has $frame or $time. Both
+/// are kept from the first of these renders to the last.
 class SharedScenes {
  public:
   /// `renders`: the options of all renders of the set.
@@ -29,6 +30,15 @@ class SharedScenes {
   [[nodiscard]] std::uint64_t kept_bytes() const { return kept_bytes_; }
 
  private:
+  struct Shot {
+    int renders_to_come = 0;
+    std::optional<ReadScene> scene = {};  ///< at the time of the frame that was loaded last
+    std::uint64_t bytes = 0;
+  };
+  Expected<LoadedScene> load_frame(const SceneOptions& options, Shot& shot);
+  void keep(const SceneOptions& options, Shot& shot, ReadScene scene);
+  void forget(Shot& shot);
+
   struct Scene {
     int renders_to_come = 0;
     std::optional<LoadedScene> loaded = {};
@@ -36,6 +46,7 @@ class SharedScenes {
   };
 
   std::map<SceneOptions, Scene> scenes_;  // keyed by everything on which they depend
+  std::map<SceneOptions, Shot> shots_;    // keyed by all of that but the frame
   std::uint64_t most_bytes_, kept_bytes_ = 0;
   int reads_ = 0;
 };

@@ -1,0 +1,96 @@
+#include "scheduler/render/frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <ranges>
+#include <set>
+
+#include "scenes/number.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kMostFrames = 1'000'000;
+
+struct FrameRange {
+  std::int64_t first = 0, last = 0, step = 1;
+};
+
+/// The range of a text without commas. Nothing if it is none.
+std::optional<FrameRange> range_of_frames(std::string_view text) {
+  const std::size_t dots = text.find(".."), dash = text.find('-');
+  const std::size_t split = dots != text.npos ? dots : dash;
+  if (split == text.npos) {
+    const auto only = parse_integer(text, 0, kLastFrame);
+    return only ? std::optional(FrameRange{*only, *only}) : std::nullopt;
+  }
+  const std::string_view rest = text.substr(split + (dots != text.npos ? 2 : 1));
+  const std::size_t cross = std::min(rest.find('x'), rest.size());
+  const auto first = parse_integer(text.substr(0, split), 0, kLastFrame),
+             last = parse_integer(rest.substr(0, cross), 0, kLastFrame),
+             step = parse_integer(cross == rest.size() ? "1" : rest.substr(cross + 1), 1, kLastFrame);
+  if (!first || !last || !step || *last < *first) return std::nullopt;
+  return FrameRange{*first, *last, *step};
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> frames_of(std::string_view text) {
+  std::vector<std::string> frames;
+  std::set<std::int64_t> seen;
+  for (const auto& part : std::views::split(text, ',')) {
+    const std::string_view word(part.begin(), part.end());
+    const auto range = range_of_frames(word);
+    if (!range)
+      return fail(
+          fmt::format("frames are whole numbers from 0, as in 300, 1-250, 1-250x2 or 1-10,50-60, not "
+                      "'{}'",
+                      word));
+    if (std::size_t((range->last - range->first) / range->step) + frames.size() >= kMostFrames)
+      return fail(fmt::format("'{}' has more than {} frames", text, kMostFrames));
+    for (std::int64_t frame = range->first; frame <= range->last; frame += range->step) {
+      if (!seen.insert(frame).second)
+        return fail(fmt::format("frame {} is there twice in '{}'", frame, text));
+      frames.push_back(fmt::to_string(frame));
+    }
+  }
+  return frames;
+}
+
+double frame_seconds(const SceneOptions& options) {
+  return (double(options.frame.value_or(0)) + options.frame_offset) / options.fps.value_or(kFramesPerSecond);
+}
+
+std::vector<std::string> preview_order(const std::vector<std::string>& frames) {
+  if (frames.size() < 3) return frames;
+  std::vector<std::string> order{frames.front(), frames.back()};
+  // Breadth first: the middles of all intervals of a level before those of the next.
+  std::vector<std::pair<std::size_t, std::size_t>> level{{0, frames.size() - 1}};
+  while (!level.empty()) {
+    std::vector<std::pair<std::size_t, std::size_t>> next;
+    for (const auto& [low, high] : level) {
+      if (high - low < 2) continue;
+      const std::size_t middle = (low + high) / 2;
+      order.push_back(frames[middle]);
+      next.emplace_back(low, middle);
+      next.emplace_back(middle, high);
+    }
+    level = std::move(next);
+  }
+  return order;
+}
+
+std::string with_frame_field(const std::string& name) {
+  const std::size_t hash = name.find('#');
+  if (hash != name.npos) {
+    const std::size_t end = std::min(name.find_first_not_of('#', hash), name.size());
+    return name.substr(0, hash) + fmt::format("{{frame:0{}}}", end - hash) + name.substr(end);
+  }
+  if (name.contains("{frame")) return name;
+  const std::filesystem::path path = name;
+  return (path.parent_path() / (path.stem().string() + ".{frame:04}" + path.extension().string())).string();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,31 @@
+// Frames of a shot: their numbers, times, order and names.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scheduler/render/render_request.h"
+
+namespace penumbra {
+
+constexpr int kLastFrame = 999'999'999;
+constexpr double kFramesPerSecond = 24.0;  ///< where neither an option nor the file says another number
+
+/// The frames of "300", "1-250", "1-250x2" (every second), "1..250", and lists of these with commas, in the
+/// order of the text. Errors: no such text; a number above kLastFrame; a range that descends; a frame twice;
+/// more than a million frames.
+Expected<std::vector<std::string>> frames_of(std::string_view text);
+
+/// The time of the frame in seconds: frame / fps, the frame after adding the offset.
+double frame_seconds(const SceneOptions& options);
+
+/// First, last, middle, then the middles of the halves and so on: an early look at all of a shot.
+std::vector<std::string> preview_order(const std::vector<std::string>& frames);
+
+/// A name of images with the frame's field: #### becomes {frame:04}, as many digits as there are #. A name
+/// without a field for the frame gets .{frame:04} before its extension.
+std::string with_frame_field(const std::string& name);
+
+}  // namespace penumbra
