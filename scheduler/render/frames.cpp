@@ -40,7 +40,7 @@ std::optional<FrameRange> range_of_frames(std::string_view text) {
 Expected<std::vector<std::string>> frames_of(std::string_view text) {
   std::vector<std::string> frames;
   std::set<std::int64_t> seen;
-  for (const auto& part : std::views::split(text, ',')) {
+  for (const auto& part : std::views::split(text.empty() ? " " : text, ',')) {
     const std::string_view word(part.begin(), part.end());
     const auto range = range_of_frames(word);
     if (!range)

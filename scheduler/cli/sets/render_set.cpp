@@ -109,7 +109,9 @@ class SceneSet final : public JobSource {
       page_.add(member.name, member.priority);
     }
     keys_.resize(entries_.size());
-    for (const SetMember& member : plan_.members) may_fail_.push_back(member.options.scene.frame.has_value());
+    for (const SetMember& member : plan_.members)
+      may_fail_.push_back(
+          std::ranges::any_of(member.choices, [](const auto& choice) { return choice.first == "frame"; }));
   }
 
   ExitCode run();
@@ -171,6 +173,7 @@ class SceneSet final : public JobSource {
     std::size_t index;
     SetState state;
     std::string error;
+    bool is_told;
   };
   std::vector<FailedFrame> failed_frames_;
   std::vector<bool> may_fail_;           // of each render, whether it gets another try
@@ -212,7 +215,7 @@ std::optional<std::size_t> SceneSet::next_to_read(std::vector<std::size_t>& unre
       failed_frames_.erase(failed_frames_.begin());
       // Where no render has succeeded, another try would not either.
       if (std::ranges::any_of(entries_, is_rendered)) return failed.index;
-      end_now(failed.index, failed.state, failed.error, true);
+      end_now(failed.index, failed.state, failed.error, failed.is_told);
       continue;
     }
     ended_one_.wait_for(lock, kBetweenLooks);
@@ -368,7 +371,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error, 
   if (!has_failed || !may_fail_[index] || stop_ || farm_is_over_)
     return end_now(index, state, error, is_told);
   may_fail_[index] = false;
-  failed_frames_.push_back({index, state, error});
+  failed_frames_.push_back({index, state, error, is_told});
   ended_one_.notify_all();
 }
 
@@ -435,7 +438,7 @@ ExitCode SceneSet::run() {
   writer.join();
   if (!ran) print_error(ran.error());
   for (const FailedFrame& failed : std::exchange(failed_frames_, {}))
-    end(failed.index, failed.state, failed.error);
+    end(failed.index, failed.state, failed.error, failed.is_told);
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i].state == SetState::kWaiting) {
       if (stop_)

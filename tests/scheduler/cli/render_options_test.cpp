@@ -104,6 +104,7 @@ std::string some_text_for(const RenderOption& option) {
   if (option.kind == OptionKind::kInteger || option.kind == OptionKind::kCount) return "7";
   if (option.value == "X0,Y0,X1,Y1") return "1,2,3,4";
   if (option.value == "X,Y") return "5,6";
+  if (option.value == "MODE") return "frame";
   if (option.value == "NAMES") return "position";
   return option.kind == OptionKind::kList                   ? "a=b"
          : option.value == "NAME" || option.value == "FILE" ? "ä b"

@@ -126,7 +126,6 @@ TEST(Usage, NamesOfOtherProgramsAreExplained) {
       {{"render", "a.xml", "--max-depth", "3"}, "say --set integrator.max_depth=VALUE"},
       {{"render", "a.xml", "--resolution", "640x480"}, "--set film.width=W --set film.height=H"},
       {{"render", "a.xml", "--size", "640x480"}, "or --scale 50%"},
-      {{"submit", "a.xml", "--frames", "1-24"}, "frame = \"1..24\" in a job file"},
       {{"info", "a.xml", "--height", "3"}, "say --set film.height=VALUE"},
       {{"render", "a.xml", "--spp", "1-8"}, "takes one number, a list in a job file takes several"},
       {{"render", "a.xml", "--seed", "1..8"}, "takes one number"},

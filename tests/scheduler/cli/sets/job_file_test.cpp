@@ -99,7 +99,7 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
       {"[[render]]\nscene = 'a'\nbackend = ''", ":3:11", "an empty text"},
       {"[[render]]\nscene = 'a'\nsead = 3", ":3:1", "did you mean 'seed'"},
       {"[[render]]\nscene = 'a'\nseed = '5..2'", ":3:8", "--seed"},
-      {"[[render]]\nscene = 'a'\nframe = -1", ":3:9", "a whole number from 0"},
+      {"[[render]]\nscene = 'a'\nframe = -1", ":3:9", "whole numbers from 0"},
       {"[[render]]\nscene = 'a'\nlenient = 1", ":3:11", "true or false"},
       {"[[render]]\nscene = 'a'\nworkers = 1", ":3:1", "on the command line, as --workers"},
       {"[[render]]\nscene = 'a'\nresume = true", ":3:1", "on the command line, as --resume"},
