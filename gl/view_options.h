@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/render_options.h"
+#include "scheduler/run/render_options.h"
 #include "worker/cli/command_line.h"
 #include "worker/work_unit.h"
 

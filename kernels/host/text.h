@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,9 @@ std::string counted(Integer count, std::string_view thing) {
 
 /// A size in powers of 1000: "512 B", "1.2 MB".
 std::string size_text(double bytes);
+
+/// The hash as 16 hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
 
 /// Number of bytes of the well-formed UTF-8 character (RFC 3629) at `at`, which must be inside of the text; 0
 /// if there is none.

@@ -14,12 +14,12 @@
 #include "scenes/names.h"
 #include "scenes/scene_reader.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/loaded_scene.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/picture.h"
 #include "scheduler/render/option_checks.h"
+#include "scheduler/run/loaded_scene.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {

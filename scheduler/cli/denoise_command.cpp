@@ -11,14 +11,14 @@
 #include "kernels/host/process.h"
 #include "scenes/names.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/output_files.h"
-#include "scheduler/cli/render_options.h"
-#include "scheduler/cli/render_preparation.h"
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/render/option_checks.h"
+#include "scheduler/run/output_files.h"
+#include "scheduler/run/render_options.h"
+#include "scheduler/run/render_preparation.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/loaded_scene.h"
-#include "scheduler/cli/scene_contents.h"
-#include "scheduler/cli/scene_costs.h"
+#include "scheduler/estimate/scene_contents.h"
 #include "scheduler/record/inventory.h"
 #include "scheduler/record/render_statistics.h"
+#include "scheduler/run/loaded_scene.h"
+#include "scheduler/run/scene_costs.h"
 #include "worker/cli/help_text.h"
 #include "worker/cli/text_layout.h"
 

@@ -11,7 +11,7 @@
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/build_info.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_hints.h"
+#include "scheduler/run/option_hints.h"
 #include "worker/cli/command_line.h"
 #include "worker/protocol/grpc_log.h"
 #include "worker/protocol/message_memory.h"

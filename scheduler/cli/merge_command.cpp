@@ -14,13 +14,13 @@
 #include "kernels/host/text.h"
 #include "scenes/settings.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/output_files.h"
-#include "scheduler/cli/render_outputs.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/record/merged_image.h"
 #include "scheduler/render/option_checks.h"
+#include "scheduler/run/output_files.h"
+#include "scheduler/run/render_outputs.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "kernels/host/console.h"
-#include "scheduler/cli/program_path.h"
-#include "scheduler/cli/render_checkpoint.h"
-#include "scheduler/cli/render_outputs.h"
+#include "scheduler/files/program_path.h"
 #include "scheduler/record/film_image.h"
+#include "scheduler/run/render_checkpoint.h"
+#include "scheduler/run/render_outputs.h"
 
 namespace penumbra {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/progress.h"
-#include "scheduler/cli/render_page.h"
-#include "scheduler/cli/render_preparation.h"
+#include "scheduler/run/progress.h"
+#include "scheduler/run/render_preparation.h"
+#include "scheduler/web/render_page.h"
 #include "worker/cli/exit_code.h"
 
 namespace penumbra {

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/progress.h"
-#include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/run/progress.h"
+#include "scheduler/run/render_preparation.h"
 
 namespace penumbra {
 namespace {

@@ -5,27 +5,26 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/estimate_text.h"
 #include "scheduler/cli/one_render.h"
-#include "scheduler/cli/option_hints.h"
-#include "scheduler/cli/pixel_text.h"
-#include "scheduler/cli/program_path.h"
-#include "scheduler/cli/render_checkpoint.h"
-#include "scheduler/cli/render_estimate.h"
-#include "scheduler/cli/render_outputs.h"
-#include "scheduler/cli/render_preparation.h"
-#include "scheduler/cli/sets/job_file.h"
-#include "scheduler/cli/sets/render_set.h"
-#include "scheduler/cli/sets/set_estimate.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/estimate/estimate_text.h"
+#include "scheduler/estimate/render_estimate.h"
+#include "scheduler/files/program_path.h"
 #include "scheduler/record/film_image.h"
+#include "scheduler/record/pixel_text.h"
+#include "scheduler/run/option_hints.h"
+#include "scheduler/run/render_checkpoint.h"
+#include "scheduler/run/render_outputs.h"
+#include "scheduler/run/render_preparation.h"
+#include "scheduler/sets/job_file.h"
+#include "scheduler/sets/render_set.h"
+#include "scheduler/sets/set_estimate.h"
 #include "worker/keys/address_file.h"
 
 namespace penumbra {
 namespace {
 
-ExitCode estimate(const RenderOptions& options) {
-  const std::atomic<bool>& stop = install_stop_signal();
+ExitCode estimate(const RenderOptions& options, const std::atomic<bool>& stop) {
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
   const auto estimate = measure_estimate(options, *prepared, kEstimateSeconds, stop);
@@ -58,8 +57,8 @@ OneRender::Prepared prepare(const RenderOptions& options, bool show) {
   return prepared;
 }
 
-ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
-  const std::atomic<bool>& stop = install_stop_signal();
+ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line,
+                const std::atomic<bool>& stop) {
   const bool show = !options.quiet && !options.pixel;
   OneRender one(options, command_line, stop, show);
   if (const auto ran = one.run([&] { return prepare(options, show); }); !ran) return ran.error();
@@ -135,10 +134,11 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
         return print_error(checked.error()), kBadInput;
       const bool is_set =
           options->scenes.size() > 1 || !options->frames.empty() || is_job_file(options->scenes.front());
-      if (options->estimate) return is_set ? estimate_set(*options, *command) : estimate(*options);
       const std::atomic<bool>& stop = install_stop_signal();
+      if (options->estimate)
+        return is_set ? estimate_set(*options, *command, stop) : estimate(*options, stop);
       const ExitCode code =
-          is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
+          is_set ? render_set(*options, *command, command_line, stop) : render(*options, command_line, stop);
       return end_for_workers(*options, code, stop);
     };
   });

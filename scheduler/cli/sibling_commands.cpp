@@ -9,7 +9,7 @@
 
 #include "kernels/host/process.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/program_path.h"
+#include "scheduler/files/program_path.h"
 
 namespace penumbra {
 namespace {

@@ -6,6 +6,7 @@
 #include <climits>
 #include <filesystem>
 
+#include "kernels/host/text.h"
 #include "scenes/number.h"
 #include "scenes/settings.h"
 #include "scheduler/files/quoting.h"
@@ -43,8 +44,6 @@ MetadataValue recorded_value(const RenderOption& option, const std::vector<std::
 }
 
 }  // namespace
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string repeat_command(const RenderRecord& record, bool with_crop) {
   std::string command = "penumbra render " + shell_quoted_file(record.scene.file);

@@ -66,7 +66,4 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
                                                                    std::uint64_t film_hash,
                                                                    const RenderedSamples& rendered);
 
-/// The hash as 16 hexadecimal digits.
-std::string hash_text(std::uint64_t hash);
-
 }  // namespace penumbra

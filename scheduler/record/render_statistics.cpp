@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/process.h"
+#include "kernels/host/text.h"
 #include "scenes/number.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"

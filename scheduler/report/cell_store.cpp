@@ -7,6 +7,7 @@
 
 #include "kernels/host/atomic_file.h"
 #include "kernels/host/plain_file.h"
+#include "kernels/host/text.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/record/render_record.h"
 

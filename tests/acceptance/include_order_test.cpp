@@ -45,7 +45,7 @@ Graph included_files() {
   return files;
 }
 
-/// The first folders of a path: "scheduler/cli" of "scheduler/cli/sets/job_file.h" for two.
+/// The first folders of a path: "scheduler/cli" of "scheduler/sets/job_file.h" for two.
 std::string folders_of(const std::string& file, int count) {
   std::size_t end = 0;
   for (int i = 0; i < count; ++i) {

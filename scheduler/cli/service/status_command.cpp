@@ -8,9 +8,9 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
-#include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/terminal_screen.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/service/status_text.h"
 #include "worker/cli/help_text.h"
 
 namespace penumbra {

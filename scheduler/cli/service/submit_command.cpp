@@ -7,14 +7,14 @@
 
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/option_hints.h"
-#include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/submitted_render.h"
-#include "scheduler/cli/sets/render_arguments.h"
-#include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/render/option_checks.h"
+#include "scheduler/run/option_hints.h"
+#include "scheduler/run/render_preparation.h"
+#include "scheduler/sets/render_arguments.h"
+#include "scheduler/sets/set_plan.h"
 
 namespace penumbra {
 namespace {

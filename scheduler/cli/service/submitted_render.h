@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/cli/render_preparation.h"
-#include "scheduler/cli/sets/set_plan.h"
+#include "scheduler/run/render_preparation.h"
 #include "scheduler/service/spool.h"
 #include "scheduler/service/submission.h"
+#include "scheduler/sets/set_plan.h"
 
 namespace penumbra {
 

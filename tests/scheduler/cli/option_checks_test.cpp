@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "scenes/settings.h"
-#include "scheduler/cli/render_options.h"
-#include "scheduler/cli/report_options.h"
+#include "scheduler/report/report_options.h"
+#include "scheduler/run/render_options.h"
 #include "worker/cli/command_line.h"
 
 namespace penumbra {

@@ -1,5 +1,5 @@
 // The command that is called at the end of jobs, and that nothing in a job's name is executed by it.
-#include "scheduler/cli/service/end_hook.h"
+#include "scheduler/service/end_hook.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Tests the text that describes a service's state to users.
-#include "scheduler/cli/service/status_text.h"
+#include "scheduler/service/status_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

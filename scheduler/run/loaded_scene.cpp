@@ -1,0 +1,185 @@
+#include "scheduler/run/loaded_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+
+#include "kernels/host/console.h"
+#include "kernels/host/process.h"
+#include "scenes/device/hierarchy/hierarchy_cache.h"
+#include "scenes/device/media_book.h"
+#include "scenes/device/scene_inventory.h"
+#include "scenes/motion/scene_motion.h"
+#include "scenes/names.h"
+#include "scenes/scene_reader.h"
+#include "scenes/setting_rows.h"
+#include "scenes/settings.h"
+#include "scheduler/render/film_scale.h"
+#include "scheduler/render/frames.h"
+#include "scheduler/render/render_option.h"
+
+namespace penumbra {
+namespace {
+
+IntersectorChoice intersector_of(const std::string& name) {
+  if (name == "portable") return IntersectorChoice::kPortable;
+  if (name == "embree") return IntersectorChoice::kEmbree;
+  return IntersectorChoice::kAuto;
+}
+
+/// Splits name=value; the option parser has checked the form.
+std::vector<std::pair<std::string, std::string>> split_assignments(
+    const std::vector<std::string>& assignments) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& text : assignments) {
+    const std::size_t equals = text.find('=');
+    pairs.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return pairs;
+}
+
+/// Adds the settings that options set. Error if a --set gives another value to one of them, because one would
+/// have no effect.
+Expected<void> add_settings_of_options(const SceneOptions& options, ReadOptions& read) {
+  const auto set = read.settings;
+  for (const RenderOption& option : all_render_options())
+    for (const std::string& value : given_values(option, {.scene = options})) {
+      const bool keeps_scenes = option.sets == "sampler.type" && value == "scene";
+      if (option.sets.empty() || keeps_scenes) continue;
+      for (const auto& [key, text] : set)
+        if (to_snake_case(key) == option.sets && text != value)
+          return fail(fmt::format("{} {} and --set {}={} contradict each other; give one of them",
+                                  option.word(), value, key, text));
+      read.settings.emplace_back(option.sets, value);
+    }
+  return {};
+}
+
+/// Takes Sobol points where the scene has the independent sampler and no option asks for it. Files have that
+/// sampler mostly because it is the default of their formats, and its noise is larger ("Samplers" in
+/// kernels/MEASUREMENTS.md). Returns whether the sampler was replaced.
+bool replace_independent_sampler(const SceneOptions& options, SceneDescription& scene) {
+  if (scene.sampler.kind != SamplerKind::kIndependent || options.sampler || options.needs_independent)
+    return false;
+  for (const auto& [key, value] : split_assignments(options.settings))
+    if (to_snake_case(key) == "sampler.type") return false;
+  scene.sampler.kind = SamplerKind::kSobol;
+  return true;
+}
+
+/// The cache of hierarchies, unless it is not this user's alone. That is said once.
+std::filesystem::path own_hierarchy_cache() {
+  std::filesystem::path folder = default_hierarchy_cache();
+  const auto checked = check_cache_folder(folder);
+  if (checked) return folder;
+  static std::atomic_flag is_said;
+  if (!is_said.test_and_set()) print_warning(checked.error().message);
+  return {};
+}
+
+}  // namespace
+
+namespace {
+
+Expected<ReadOptions> read_options_of(const SceneOptions& options) {
+  ReadOptions read;
+  read.defines = split_assignments(options.defines);
+  read.settings = split_assignments(options.settings);
+  read.lenient = options.lenient;
+  read.strict = options.strict;
+  read.dialect = options.dialect;
+  read.clip = options.clip;
+  if (options.frame) {
+    read.time = frame_seconds(options);
+    read.variables = {{"frame", fmt::to_string(*options.frame)}, {"time", fmt::to_string(*read.time)}};
+  }
+  if (auto added = add_settings_of_options(options, read); !added) return std::unexpected(added.error());
+  return read;
+}
+
+/// The rate of the scene's file counts where no option says another.
+SceneOptions with_rate_of(const SceneDescription& scene, SceneOptions options) {
+  if (!options.fps && scene.motion != nullptr) options.fps = scene.motion->fps;
+  return options;
+}
+
+}  // namespace
+
+Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options) {
+  if (!options.frame) return {};
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  return set_time(scene, frame_seconds(with_rate_of(scene, options)), *read);
+}
+
+Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  auto scene = read_scene(options.file, *read);
+  if (scene && with_rate_of(*scene, options).fps != options.fps)
+    if (auto moved = go_to_frame(*scene, options); !moved) return std::unexpected(moved.error());
+  if (scene && options.frame && options.seed_by_frame) scene->sampler.seed += std::uint32_t(*options.frame);
+  if (scene && options.frame && scene->motion == nullptr && !scene->uses_variables)
+    scene->warnings.push_back(
+        fmt::format("{}: warning: nothing moves in the scene, and its file has neither $frame nor $time: all "
+                    "frames are alike",
+                    options.file));
+  if (scene && options.scale) {
+    scene->film = scaled_film(scene->film, *options.scale);
+    const Film& film = scene->film;
+    if (std::max(film.width, film.height) > kMaxFilmSide)
+      return fail(fmt::format("--scale: {} x {} pixels are more than {} a side", film.width, film.height,
+                              kMaxFilmSide));
+    if (auto checked = check_settings(*scene); !checked) return fail("--scale: " + checked.error().message);
+  }
+  return scene;
+}
+
+Expected<ReadScene> read_scene_to_render(const SceneOptions& options) {
+  auto description = read_scene_with_options(options);
+  if (!description) return std::unexpected(description.error());
+  const bool sampler_replaced = replace_independent_sampler(options, *description);
+  return ReadScene{std::move(*description), sampler_replaced};
+}
+
+Expected<LoadedScene> load_scene(const SceneOptions& options,
+                                 const std::function<void(SceneDescription&)>& adjust) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto read = read_scene_to_render(options);
+  if (!read) return std::unexpected(read.error());
+  if (adjust) adjust(read->description);
+  auto scene = build_scene(*read, options);
+  if (!scene) return scene;
+  scene->description = std::move(read->description);
+  scene->seconds = seconds_since(begin);
+  return scene;
+}
+
+Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& options) {
+  DeviceSceneOptions device_options;
+  device_options.intersector = intersector_of(options.intersector);
+  device_options.feature_layers = !options.no_features;
+  device_options.hierarchy_cache = own_hierarchy_cache();
+  MatteNames mattes;
+  if (options.cryptomatte) device_options.mattes = &mattes;
+  auto device = build_device_scene(read.description, device_options);
+  if (!device) return std::unexpected(device.error());
+  LoadedScene scene{{}, std::move(*device), {}, std::move(mattes), {}, 0, {}};
+  scene.boundary_names = boundary_names(read.description);
+  scene.summary = summarize(scene.device);
+  scene.sampler_replaced = read.sampler_replaced;
+  scene.fps = with_rate_of(read.description, options).fps.value_or(kFramesPerSecond);
+  return scene;
+}
+
+void reduce(LoadedScene& scene) { reduce(scene, scene.description); }
+
+void reduce(LoadedScene& scene, const SceneDescription& description) {
+  scene.center = scene_center(description);
+  scene.description = polygon_lights_of(description);
+  scene.description.motion.reset();
+}
+
+}  // namespace penumbra

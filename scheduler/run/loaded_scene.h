@@ -1,0 +1,60 @@
+// A scene loaded for a command: the description with the options applied, and the device scene.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/error.h"
+#include "scenes/device/device_scene_builder.h"
+#include "scenes/matte_names.h"
+#include "scenes/scene_description.h"
+#include "scheduler/render/frames.h"
+#include "scheduler/run/render_options.h"
+
+namespace penumbra {
+
+struct LoadedScene {
+  SceneDescription description;
+  DeviceScene device;
+  SceneSummary summary;
+  MatteNames mattes;                          ///< only with --cryptomatte
+  std::map<int, std::string> boundary_names;  ///< see boundary_names()
+  std::uint32_t asked_spp = 0;    ///< samples per pixel before a preview changed them; 0: it did not
+  bool sampler_replaced = false;  ///< the scene's independent sampler, by sobol
+  double seconds = 0;             ///< load time
+  double fps = kFramesPerSecond;  ///< of the options, or else of the scene
+  glm::dvec3 center{0.0};         ///< see scene_center; set by load_scene
+};
+
+/// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device
+/// scene, and two copies of the largest scenes would not fit into memory.
+void reduce(LoadedScene& scene);
+/// Gives the scene such a description without taking this one's shapes.
+void reduce(LoadedScene& scene, const SceneDescription& description);
+
+/// Reads the scene file and applies the options. The reader applies `-D` and `--set`; the others are applied
+/// here.
+Expected<SceneDescription> read_scene_with_options(const SceneOptions& options);
+
+/// Takes a scene that was read with the same options, but for the frame, to the frame of these.
+Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options);
+
+/// A description with what was chosen for it.
+struct ReadScene {
+  SceneDescription description;
+  bool sampler_replaced = false;  ///< see LoadedScene
+};
+
+/// The same as read_scene_with_options, and replaces an independent sampler that no option asks for.
+Expected<ReadScene> read_scene_to_render(const SceneOptions& options);
+
+/// Builds the device scene. The result has no description.
+Expected<LoadedScene> build_scene(const ReadScene& scene, const SceneOptions& options);
+
+/// Reads the scene and builds its device scene. `adjust`, which may be empty, changes the description before.
+Expected<LoadedScene> load_scene(const SceneOptions& options,
+                                 const std::function<void(SceneDescription&)>& adjust = {});
+
+}  // namespace penumbra

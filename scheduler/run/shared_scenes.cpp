@@ -1,0 +1,154 @@
+#include "scheduler/run/shared_scenes.h"
+
+#include <chrono>
+#include <utility>
+
+#include "kernels/host/process.h"
+#include "scenes/instances.h"
+#include "scenes/motion/scene_motion.h"
+#include "scenes/settings.h"
+
+namespace penumbra {
+namespace {
+
+/// Everything on which the scene depends: all options except the values of --spp and --seed.
+SceneOptions key_of(SceneOptions options) {
+  for (std::optional<std::uint32_t>* number : {&options.spp, &options.seed})
+    if (*number) *number = 0;
+  return options;
+}
+
+/// The same for all frames of a shot.
+SceneOptions shot_of(const SceneOptions& options) {
+  SceneOptions key = key_of(options);
+  key.frame.reset();
+  return key;
+}
+
+std::uint64_t bytes_of_geometry(const Geometry& geometry) {
+  const auto* mesh = std::get_if<Mesh>(&geometry);
+  if (mesh == nullptr) return sizeof geometry;
+  const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };
+  return bytes(mesh->positions) + bytes(mesh->normals) + bytes(mesh->texcoords) + bytes(mesh->colours) +
+         bytes(mesh->triangles) + bytes(mesh->face_colours);
+}
+
+/// The size of the description's large parts.
+std::uint64_t bytes_of(const SceneDescription& scene) {
+  std::uint64_t bytes = 0;
+  each_shape(scene, [&](const Shape& shape) { bytes += bytes_of_geometry(shape.geometry); });
+  if (scene.motion != nullptr)
+    for (const MovingShape& moving : scene.motion->shapes) bytes += bytes_of_geometry(moving.rest);
+  for (const auto& bitmap : scene.bitmaps) bytes += bitmap->words.size() * sizeof bitmap->words[0];
+  return bytes;
+}
+
+/// The size of the scene's large parts.
+std::uint64_t bytes_of_scene(const LoadedScene& scene) {
+  std::uint64_t bytes = scene.device.words.size() * sizeof(std::uint32_t);
+  for (const auto* names : {&scene.mattes.objects, &scene.mattes.materials})
+    for (const std::string& name : *names) bytes += sizeof name + name.size();
+  return bytes + scene.mattes.mattes.size() * sizeof(MatteNames::Matte);
+}
+
+/// What is added to the seed.
+std::uint32_t frame_in_seed(const SceneOptions& options) {
+  return options.seed_by_frame ? std::uint32_t(options.frame.value_or(0)) : 0;
+}
+
+/// Sets the number of samples and the seed of a shared description according to the options.
+Expected<void> take_samples(SceneDescription& scene, const SceneOptions& options) {
+  SamplerSettings& sampler = scene.sampler;
+  if (options.spp) sampler.spp = *options.spp;
+  if (options.seed) sampler.seed = *options.seed + frame_in_seed(options);
+  return check_settings(scene);
+}
+
+/// The same of a shared scene.
+Expected<void> take_samples(LoadedScene& scene, const SceneOptions& options) {
+  if (auto taken = take_samples(scene.description, options); !taken) return taken;
+  const SamplerSettings& sampler = scene.description.sampler;
+  scene.device.header.sampler.spp = sampler.spp;
+  scene.device.header.sampler.seed = sampler.seed;
+  return {};
+}
+
+}  // namespace
+
+SharedScenes::SharedScenes(const std::vector<const SceneOptions*>& renders, std::uint64_t most_bytes)
+    : most_bytes_(most_bytes) {
+  for (const SceneOptions* each : renders) {
+    ++scenes_[key_of(*each)].renders_to_come;
+    if (each->frame) ++shots_[shot_of(*each)].renders_to_come;
+  }
+}
+
+void SharedScenes::keep(const SceneOptions& options, Shot& shot, ReadScene scene) {
+  kept_bytes_ += shot.bytes = bytes_of(scene.description);
+  scene.description.sampler.seed -= frame_in_seed(options);
+  shot.scene = std::move(scene);
+}
+
+void SharedScenes::forget(Shot& shot) {
+  kept_bytes_ -= std::exchange(shot.bytes, 0);
+  shot.scene.reset();
+}
+
+Expected<LoadedScene> SharedScenes::load_frame(const SceneOptions& options, Shot& shot) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (!shot.scene) {
+    ++reads_;
+    auto read = read_scene_to_render(options);
+    if (!read) return std::unexpected(read.error());
+    const bool is_kept = !read->description.uses_variables && shot.renders_to_come > 0 &&
+                         bytes_of(read->description) <= most_bytes_ - kept_bytes_;
+    if (!is_kept) {
+      auto loaded = build_scene(*read, options);
+      if (loaded) reduce(*loaded, read->description);
+      if (loaded) loaded->seconds = seconds_since(begin);
+      return loaded;
+    }
+    keep(options, shot, std::move(*read));
+  }
+  ReadScene& scene = *shot.scene;
+  if (auto moved = go_to_frame(scene.description, options); !moved) return std::unexpected(moved.error());
+  const std::uint32_t seed = scene.description.sampler.seed;
+  if (auto taken = take_samples(scene.description, options); !taken) return std::unexpected(taken.error());
+  if (!options.seed) scene.description.sampler.seed += frame_in_seed(options);
+  auto loaded = build_scene(scene, options);
+  if (loaded) reduce(*loaded, scene.description);
+  scene.description.sampler.seed = seed;
+  if (loaded) loaded->seconds = seconds_since(begin);
+  return loaded;
+}
+
+Expected<LoadedScene> SharedScenes::load(const SceneOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Scene& scene = scenes_[key_of(options)];
+  const bool is_last = --scene.renders_to_come <= 0;
+  Shot* shot = options.frame ? &shots_[shot_of(options)] : nullptr;
+  if (shot != nullptr) --shot->renders_to_come;
+  if (!scene.loaded) {
+    if (shot == nullptr) ++reads_;
+    auto loaded = shot != nullptr ? load_frame(options, *shot) : load_scene(options);
+    if (shot != nullptr && shot->renders_to_come <= 0) forget(*shot);
+    if (!loaded) return loaded;
+    if (shot == nullptr) reduce(*loaded);
+    const std::uint64_t bytes = bytes_of_scene(*loaded);
+    if (!is_last && bytes <= most_bytes_ - kept_bytes_) {
+      scene.loaded = *loaded;
+      kept_bytes_ += scene.bytes = bytes;
+    }
+    return loaded;
+  }
+  LoadedScene loaded = is_last ? std::move(*scene.loaded) : *scene.loaded;
+  if (is_last) {
+    scene.loaded.reset();
+    kept_bytes_ -= scene.bytes;
+  }
+  if (auto taken = take_samples(loaded, options); !taken) return std::unexpected(taken.error());
+  loaded.seconds = seconds_since(begin);
+  return loaded;
+}
+
+}  // namespace penumbra
