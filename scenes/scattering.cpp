@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "scenes/names.h"
 #include "scenes/text.h"
 
 namespace penumbra {

@@ -117,6 +117,13 @@ Expected<glm::dmat4> without_scale(const glm::dmat4& transform) {
   return result;
 }
 
+Expected<glm::dmat4> camera_frame(const glm::dmat4& to_world) {
+  if (is_singular(to_world)) return fail("its transform is singular");
+  if (auto frame = without_scale(to_world)) return frame;
+  const glm::dvec3 eye(to_world[3]);
+  return look_at(eye, eye + glm::normalize(glm::dvec3(to_world[2])), glm::dvec3(to_world[1]));
+}
+
 glm::dvec3 transform_point(const glm::dmat4& transform, glm::dvec3 point) {
   return glm::dvec3(transform * glm::dvec4(point, 1.0));
 }

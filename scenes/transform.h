@@ -38,6 +38,10 @@ std::optional<double> uniform_scale(const glm::dmat4& transform, int axes = 3);
 /// The same frame with unit axes. Errors: the axes are not orthogonal.
 Expected<glm::dmat4> without_scale(const glm::dmat4& transform);
 
+/// The frame of a camera with this transform: the same frame with unit axes. If the axes are not orthogonal,
+/// the view direction and the half plane of +y are kept. Errors: the transform is singular.
+Expected<glm::dmat4> camera_frame(const glm::dmat4& to_world);
+
 glm::dvec3 transform_point(const glm::dmat4& transform, glm::dvec3 point);
 glm::dvec3 transform_vector(const glm::dmat4& transform, glm::dvec3 vector);
 

@@ -9,7 +9,6 @@
 #include "kernels/host/module.h"
 #include "scenes/gltf/data_address.h"
 #include "scenes/gltf/meshopt_module.h"
-#include "scenes/gltf/parser_input.h"
 
 namespace penumbra::gltf {
 namespace {
@@ -211,7 +210,7 @@ Expected<std::unique_ptr<Asset>> read_asset(const fs::path& file, const FileAcce
                                   problem.empty() ? "cannot be parsed as glTF" : one_line(problem)));
   for (const std::size_t accessor : input->without_view) asset->model.accessors[accessor].bufferView = -1;
   if (!input->without_view.empty()) asset->model.bufferViews.pop_back();
-  asset->has_animations = input->has_animations;
+  asset->animations = std::move(input->animations);
   for (ImageEntry& entry : input->images) {
     tinygltf::Image& image = asset->model.images.emplace_back();
     image.name = std::move(entry.name);

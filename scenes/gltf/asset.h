@@ -9,9 +9,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenes/file_access.h"
 #include "scenes/gltf/json_places.h"
+#include "scenes/gltf/parser_input.h"
 
 namespace penumbra::gltf {
 
@@ -22,7 +24,7 @@ struct Asset {
   /// The file's text; for a GLB file its JSON chunk.
   std::unique_ptr<SourceFile> json = std::make_unique<SourceFile>();
   tinygltf::Model model{};
-  bool has_animations = false;
+  std::vector<AnimationEntry> animations{};
 
   [[nodiscard]] SourceLocation place(std::initializer_list<JsonStep> path) const {
     return json_place(*json, path);

@@ -28,6 +28,7 @@ constexpr Extension kExtensions[] = {
     {"EXT_mesh_gpu_instancing", Handling::kRead},
     {"EXT_meshopt_compression", Handling::kRead},
     {"EXT_texture_webp", Handling::kRead},
+    {"KHR_animation_pointer", Handling::kRead},
     {"KHR_draco_mesh_compression", Handling::kRead},
     {"KHR_lights_punctual", Handling::kRead},
     {"KHR_materials_clearcoat", Handling::kRead},
@@ -50,7 +51,6 @@ constexpr Extension kExtensions[] = {
     {"AGI_stk_metadata", Handling::kNoVisibleEffect},
     {"EXT_mesh_features", Handling::kNoVisibleEffect},
     {"EXT_structural_metadata", Handling::kNoVisibleEffect},
-    {"KHR_animation_pointer", Handling::kNoVisibleEffect},
     {"KHR_audio", Handling::kNoVisibleEffect},
     {"KHR_interactivity", Handling::kNoVisibleEffect},
     {"KHR_materials_variants", Handling::kNoVisibleEffect},  // the default material is used

@@ -5,12 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "scenes/gltf/animation_reader.h"
 #include "scenes/gltf/asset.h"
+#include "scenes/gltf/deformation_reader.h"
 #include "scenes/gltf/extensions.h"
 #include "scenes/gltf/material_builder.h"
-#include "scenes/gltf/mesh_pose.h"
+#include "scenes/gltf/moving_nodes.h"
 #include "scenes/gltf/node_transforms.h"
 #include "scenes/gltf/primitive.h"
 #include "scenes/gltf/tangents.h"
@@ -24,24 +28,41 @@ namespace penumbra::gltf {
 namespace {
 
 constexpr std::size_t kMostShapes = 1000000;
+constexpr double kDefaultTime = 0.0;  ///< seconds, of a still
 
+KeyedValue<double> scaled(KeyedValue<double> keys, double factor) {
+  for (auto* numbers : {&keys.values, &keys.in_tangents, &keys.out_tangents})
+    for (double& number : *numbers) number *= factor;
+  return keys;
+}
+
+/// Where a primitive's mesh comes: its place now, and the node with which it moves.
+struct MeshPlace {
+  glm::dmat4 to_world{1.0};
+  std::optional<NodePlace> moving{};
+  int group = -1;  ///< that holds the shapes, or -1: the scene
+};
+
+/// `asset` shows the animation at the default time.
 class SceneBuilder {
  public:
-  SceneBuilder(const Asset& asset, const FileAccess& files, ReaderReport& report, SceneDescription& scene)
+  SceneBuilder(const Asset& asset, const Animation& animation, const FileAccess& files, ReaderReport& report,
+               SceneDescription& scene)
       : asset_(asset),
+        animation_(animation),
         report_(report),
         scene_(scene),
         textures_(asset, files, report, scene),
-        materials_(asset, report, textures_, scene) {}
+        materials_(asset, report, textures_, scene),
+        node_to_world_(world_transforms(asset)),
+        moving_(asset, animation, node_to_world_) {}
 
   void build() {
     check_extensions(asset_, report_);
-    node_to_world_ = world_transforms(asset_);
-    for (const int root : roots()) visit(root);
+    for (const int root : root_nodes(asset_, report_)) visit(root);
+    finish_motion();
     finish_camera();
     textures_.install();
-    if (asset_.has_animations)
-      report_.warn(asset_.place({"animations"}), "animations are ignored: nodes are where they rest");
     if (!is_lit()) {
       report_.warn(
           {asset_.json.get(), 0},
@@ -57,41 +78,22 @@ class SceneBuilder {
     return !scene_.emitters.empty() || has_area_light_ || (has_unlit_ && !has_lit_);
   }
 
-  /// The root nodes of the scene to show; in a file without scenes all nodes without a parent.
-  std::vector<int> roots() {
-    const tinygltf::Model& model = asset_.model;
-    if (!model.scenes.empty()) {
-      const int index = std::max(model.defaultScene, 0);
-      if (std::size_t(index) >= model.scenes.size()) {
-        report_.error(asset_.place({"scene"}), fmt::format("there is no scene {}", index));
-        return {};
-      }
-      if (model.scenes.size() > 1)
-        report_.warn(asset_.place({"scenes"}),
-                     fmt::format("of {} scenes number {} is shown", model.scenes.size(), index));
-      return model.scenes[std::size_t(index)].nodes;
-    }
-    std::vector<bool> is_child(model.nodes.size(), false);
-    for (const tinygltf::Node& node : model.nodes)
-      for (const int child : node.children)
-        if (child >= 0 && std::size_t(child) < is_child.size()) is_child[std::size_t(child)] = true;
-    std::vector<int> result;
-    for (std::size_t i = 0; i < is_child.size(); ++i)
-      if (!is_child[i]) result.push_back(int(i));
-    return result;
-  }
-
+  /// Of a node: what is above it hides it, or hides it at times.
+  struct Visibility {
+    bool ever = true;
+    std::vector<const KeyedValue<double>*> keys{};
+  };
   struct Pending {
     int node;
     glm::dmat4 parent;
-    bool visible;
+    Visibility visibility;
   };
 
   /// Traverses depth first without recursion, so that deep nesting cannot overflow the stack. A node that is
   /// reached twice is an error, and so are cycles.
   void visit(int root) {
     if (visited_.empty()) visited_.assign(asset_.model.nodes.size(), false);
-    std::vector<Pending> stack = {{root, glm::dmat4(1.0), true}};
+    std::vector<Pending> stack = {{root, glm::dmat4(1.0), {}}};
     while (!stack.empty() && !report_.full()) {
       const Pending next = stack.back();
       stack.pop_back();
@@ -110,14 +112,28 @@ class SceneBuilder {
       const auto local = local_transform(asset_, index, report_);
       if (!local) continue;
       const glm::dmat4 to_world = next.parent * *local;
-      const bool visible = next.visible && is_visible(node);
-      read_node(node, index, to_world, visible);
+      const Visibility visibility = visibility_of(node, index, next.visibility);
+      read_node(node, index, to_world, visibility);
       for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-        stack.push_back({*child, to_world, visible});
+        stack.push_back({*child, to_world, visibility});
     }
   }
 
   /// KHR_node_visibility also hides all descendants.
+  [[nodiscard]] Visibility visibility_of(const tinygltf::Node& node, std::size_t index,
+                                         Visibility above) const {
+    const auto keys = animation_.nodes.find(index);
+    if (keys != animation_.nodes.end() && keys->second.visible) {
+      const KeyedValue<double>& visible = *keys->second.visible;
+      if (visible.varies())
+        above.keys.push_back(&visible);
+      else
+        above.ever = above.ever && visible.values[0] != 0.0;
+    } else {
+      above.ever = above.ever && is_visible(node);
+    }
+    return above;
+  }
   static bool is_visible(const tinygltf::Node& node) {
     const auto found = node.extensions.find("KHR_node_visibility");
     if (found == node.extensions.end() || !found->second.Has("visible")) return true;
@@ -125,7 +141,8 @@ class SceneBuilder {
     return !visible.IsBool() || visible.Get<bool>();
   }
 
-  void read_node(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world, bool visible) {
+  void read_node(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world,
+                 const Visibility& visibility) {
     const auto there = [&](int wanted, std::size_t count, const char* what) {
       if (wanted < 0) return false;
       if (std::size_t(wanted) < count) return true;
@@ -138,42 +155,90 @@ class SceneBuilder {
     const int light = punctual != node.extensions.end() && punctual->second.Has("light")
                           ? punctual->second.Get("light").GetNumberAsInt()
                           : -1;
-    const bool has_light = there(light, asset_.model.lights.size(), "light") && visible;
-    const bool has_mesh = there(node.mesh, asset_.model.meshes.size(), "mesh") && visible;
+    const bool has_light = there(light, asset_.model.lights.size(), "light") && visibility.ever;
+    const bool has_mesh = there(node.mesh, asset_.model.meshes.size(), "mesh") && visibility.ever;
     // The joints of a skin place its mesh, not the node.
-    const bool is_flat = is_singular(to_world) && (has_camera || has_light || (has_mesh && node.skin < 0));
+    const bool is_flat = is_singular(to_world) && !moving_.moves(index) &&
+                         (has_camera || has_light || (has_mesh && node.skin < 0));
     if (is_flat && (has_camera || has_light || !keeps_areas(to_world)))
       return report_.warn(
           asset_.place({"nodes", index}),
           fmt::format("node {} is flattened by its transform, and what it holds is left out", index));
-    if (has_camera && cameras_++ == 0) read_camera(asset_, node.camera, to_world, report_, scene_);
-    if (has_light) read_light(asset_, light, to_world, report_, scene_);
-    if (has_mesh) place_mesh_of(node, index, to_world);
+    if (has_camera && cameras_++ == 0) place_camera(std::size_t(node.camera), index, to_world);
+    if (has_light) place_light(std::size_t(light), moving_place(index, to_world, visibility), to_world);
+    if (has_mesh) place_mesh_of(node, index, to_world, visibility);
   }
 
-  /// Whether any triangle keeps an area, that is, at most one axis is flattened.
-  static bool keeps_areas(const glm::dmat4& to_world) {
-    const glm::dmat3 m(to_world);
-    const auto area = [&](int i, int j) {
-      const double sides = glm::length(m[i]) * glm::length(m[j]);
-      return sides > 0.0 && glm::length(glm::cross(m[i], m[j])) > 1e-6 * sides;
+  /// The place of what moves with a node, or is not always visible there. Without a node it is in the world.
+  std::optional<NodePlace> moving_place(std::optional<std::size_t> node, const glm::dmat4& to_world,
+                                        const Visibility& visibility) {
+    const bool moves = node && moving_.moves(*node);
+    if (!moves && visibility.keys.empty()) return std::nullopt;
+    NodePlace place = moves ? NodePlace{moving_.index_of(*node)} : NodePlace{-1, to_world};
+    for (const KeyedValue<double>* visible : visibility.keys) place = moving_.shown_with(*visible, place);
+    return place;
+  }
+
+  void place_camera(std::size_t camera, std::size_t node, const glm::dmat4& to_world) {
+    const bool moves = moving_.moves(node);
+    // A camera that is flattened now may be seen through at another time.
+    read_camera(asset_, int(camera), moves && is_singular(to_world) ? glm::dmat4(1.0) : to_world, report_,
+                scene_);
+    const auto found = animation_.cameras.find(camera);
+    const CameraKeys keys = found != animation_.cameras.end() ? found->second : CameraKeys{};
+    MovingCamera moving;
+    if (varies(keys.yfov)) moving.fov = scaled(*keys.yfov, kDegrees);
+    // Negative values mean the same view.
+    const auto sign = [](const KeyedValue<double>& magnification) {
+      return magnification.values[0] < 0.0 ? -1.0 : 1.0;
     };
-    return area(0, 1) || area(1, 2) || area(2, 0);
+    const double aspect = double(scene_.film.width) / scene_.film.height;
+    if (varies(keys.xmag)) moving.scale_x = scaled(*keys.xmag, sign(*keys.xmag));
+    if (varies(keys.ymag)) moving.scale_y = scaled(*keys.ymag, sign(*keys.ymag) * aspect);
+    if (!moves && !moving.fov && !moving.scale_x && !moving.scale_y) return;
+    moving.place =
+        moves ? NodePlace{moving_.index_of(node), camera_space()} : NodePlace{-1, scene_.camera.to_world};
+    motion_.camera = std::move(moving);
   }
 
-  void place_mesh_of(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world) {
+  void place_light(std::size_t light, const std::optional<NodePlace>& place, const glm::dmat4& to_world) {
+    const std::size_t emitter = scene_.emitters.size();
+    read_light(asset_, int(light), place ? glm::dmat4(1.0) : to_world, report_, scene_);
+    const auto found = animation_.lights.find(light);
+    const LightKeys keys = found != animation_.lights.end() ? found->second : LightKeys{};
+    const bool changes = varies(keys.colour) || varies(keys.intensity);
+    if (emitter == scene_.emitters.size() || (!place && !changes)) return;
+    MovingEmitter moving{emitter, scene_.emitters[emitter], place.value_or(NodePlace{})};
+    if (changes) {
+      const tinygltf::Light& now = asset_.model.lights[light];
+      moving.colour = keys.colour.value_or(KeyedValue<glm::dvec3>::constant(colour_of(now)));
+      moving.strength =
+          scaled(keys.intensity.value_or(KeyedValue<double>::constant(now.intensity)), 1.0 / kLumensPerWatt);
+    }
+    motion_.emitters.push_back(std::move(moving));
+  }
+
+  void place_mesh_of(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world,
+                     const Visibility& visibility) {
     const auto instances = node_instances(asset_, node);
     if (!instances)
       return report_.error(asset_.place({"nodes", index}),
                            fmt::format("node {}: {}", index, instances.error().message));
-    if (!*instances) return read_mesh(node, index, to_world, false, scene_.shapes);
+    if (!*instances) {
+      // The joints of a skin place its mesh, not the node.
+      const bool skinned = node.skin >= 0;
+      const glm::dmat4 own = skinned ? glm::dmat4(1.0) : to_world;
+      const auto moving = moving_place(skinned ? std::nullopt : std::optional(index), own, visibility);
+      return read_mesh(node, index, {own, moving}, false, scene_.shapes);
+    }
+    const auto moving = moving_place(index, to_world, visibility);
     std::string name = node.name.empty() ? fmt::format("node {}", index) : node.name;
     // Mirrored instances have other normal maps.
     std::optional<int> groups[2];
     const auto group_of = [&](bool mirrored) {
       if (groups[mirrored]) return *groups[mirrored];
       ShapeGroup shapes{mirrored ? name + " (mirrored)" : name, {}, {}};
-      read_mesh(node, index, glm::dmat4(1.0), mirrored, shapes.shapes);
+      read_mesh(node, index, {.group = int(scene_.groups.size())}, mirrored, shapes.shapes);
       groups[mirrored] = shapes.shapes.empty() ? -1 : int(scene_.groups.size());
       if (!shapes.shapes.empty()) scene_.groups.push_back(std::move(shapes));
       return *groups[mirrored];
@@ -182,12 +247,15 @@ class SceneBuilder {
     std::size_t flat = 0;
     for (const glm::dmat4& instance : **instances) {
       const glm::dmat4 placed = to_world * instance;
-      if (is_singular(placed)) {
+      if (is_singular(moving ? instance : placed)) {
         ++flat;
         continue;
       }
       const int group = group_of(has_maps && is_mirror(placed));
-      if (group >= 0) scene_.instances.push_back({name, group, placed});
+      if (group < 0) continue;
+      if (moving)
+        motion_.instances.push_back({scene_.instances.size(), {moving->node, moving->to_node * instance}});
+      scene_.instances.push_back({name, group, placed});
     }
     if (flat > 0)
       report_.warn(asset_.place({"nodes", index}),
@@ -204,7 +272,7 @@ class SceneBuilder {
   }
 
   /// `mirrored`: further transforms mirror the shapes.
-  void read_mesh(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world, bool mirrored,
+  void read_mesh(const tinygltf::Node& node, std::size_t index, const MeshPlace& place, bool mirrored,
                  std::vector<Shape>& shapes) {
     const auto mesh_index = std::size_t(node.mesh);
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_index];
@@ -232,38 +300,48 @@ class SceneBuilder {
       if (shapes.size() >= kMostShapes) return report_.error(location, "more than a million shapes");
       MaterialUse where{.coloured = primitive.attributes.contains("COLOR_0")};
       const SurfaceOfMaterial& surface = materials_.surface(primitive.material, where);
-      auto posed = read_posed(node, mesh, primitive, surface.texcoord);
+      auto posed = read_posed(index, primitive, surface.texcoord, pose_);
       if (!posed) {
         report_.error(location, fmt::format("'{}': {}", name, posed.error().message));
         continue;
       }
-      check_opacity(primitive, location);
-      const glm::dmat4 placed = node.skin >= 0 ? glm::dmat4(1.0) : to_world;
+      warn_of_opacity(asset_, primitive, location, report_);
+      const auto add = [&](Mesh part, const SurfaceOfMaterial& with) {
+        add_mesh({std::move(part), posed->deformation}, with, place, location, name, shapes);
+      };
       if (!surface.has_normal_map) {
-        add_mesh(std::move(*posed), surface, placed, location, name, shapes);
+        add(std::move(posed->mesh), surface);
         continue;
       }
-      auto reversed =
-          reversed_triangles(primitive, *posed, mirrored != is_mirror(placed), node.skin >= 0, location);
+      auto reversed = reversed_triangles(primitive, posed->mesh, mirrored != is_mirror(place.to_world),
+                                         node.skin >= 0, location);
       if (!reversed) {
         report_.error(location, fmt::format("'{}': {}", name, reversed.error().message));
         continue;
       }
       const auto count = std::size_t(std::ranges::count(*reversed, true));
       if (count == 0) {
-        add_mesh(std::move(*posed), surface, placed, location, name, shapes);
+        add(std::move(posed->mesh), surface);
         continue;
       }
       where.mirrored = true;
       const SurfaceOfMaterial& other = materials_.surface(primitive.material, where);
       if (count == reversed->size()) {
-        add_mesh(std::move(*posed), other, placed, location, name, shapes);
+        add(std::move(posed->mesh), other);
         continue;
       }
       std::array<std::vector<std::size_t>, 2> parts;
       for (std::size_t t = 0; t < reversed->size(); ++t) parts[(*reversed)[t] ? 1 : 0].push_back(t);
-      add_mesh(part_of(*posed, parts[1]), other, placed, location, name, shapes);
-      add_mesh(part_of(*posed, parts[0]), surface, placed, location, name, shapes);
+      // What deforms keeps all vertices, which its targets and its skin count.
+      const auto part = [&](const std::vector<std::size_t>& triangles) {
+        if (posed->deformation == nullptr) return part_of(posed->mesh, triangles);
+        Mesh result = posed->mesh;
+        result.triangles.clear();
+        for (const std::size_t t : triangles) result.triangles.push_back(posed->mesh.triangles[t]);
+        return result;
+      };
+      add(part(parts[1]), other);
+      add(part(parts[0]), surface);
     }
   }
 
@@ -284,35 +362,16 @@ class SceneBuilder {
     return reversed;
   }
 
-  /// The mesh of a primitive in its rest pose: in its own space, or with a skin in world space.
-  Expected<Mesh> read_posed(const tinygltf::Node& node, const tinygltf::Mesh& mesh,
-                            const tinygltf::Primitive& primitive, int texcoord) {
-    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
-    if (!attributes) return std::unexpected(attributes.error());
-    auto posed = read_primitive(*attributes, primitive.mode, texcoord);
-    if (!posed) return posed;
-    const auto& weights = node.weights.empty() ? mesh.weights : node.weights;
-    if (const auto done = morph(asset_, primitive, weights, *posed); !done)
-      return std::unexpected(done.error());
-    if (node.skin < 0) return posed;
-    if (const auto done = apply_skin(asset_, *attributes, node.skin, node_to_world_, *posed); !done)
-      return std::unexpected(done.error());
-    return posed;
-  }
-
-  void add_mesh(Mesh mesh, const SurfaceOfMaterial& surface, glm::dmat4 to_world, SourceLocation location,
-                const std::string& name, std::vector<Shape>& shapes) {
-    if (is_singular(to_world)) {
-      // The normals of a flattened mesh are those of its plane.
-      for (glm::dvec3& position : mesh.positions) position = transform_point(to_world, position);
-      mesh.normals.clear();
-      to_world = glm::dmat4(1.0);
-    }
-    // A mirroring transform reverses glTF's winding. If there are normals, they determine it here.
-    const bool faceted = mesh.normals.empty();
-    if (faceted && is_mirror(to_world))
-      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-    if (!report_.place(mesh, to_world, faceted, name, location)) return;
+  void add_mesh(PosedMesh posed, const SurfaceOfMaterial& surface, const MeshPlace& place,
+                SourceLocation location, const std::string& name, std::vector<Shape>& shapes) {
+    Mesh& mesh = posed.mesh;
+    // What moves is placed when its time is known.
+    const bool moves = (place.moving || posed.deformation != nullptr) && !mesh.triangles.empty();
+    if (!moves && !place_now(mesh, place.to_world, name, location)) return;
+    if (moves)
+      motion_.shapes.push_back({place.group, shapes.size(), mesh,
+                                place.moving.value_or(NodePlace{-1, place.to_world}),
+                                std::move(posed.deformation)});
     Shape shape;
     shape.name = shape.id = name;
     shape.geometry = std::move(mesh);
@@ -332,18 +391,34 @@ class SceneBuilder {
     shapes.push_back(std::move(shape));
   }
 
-  /// The alpha of vertex colours is not supported.
-  void check_opacity(const tinygltf::Primitive& primitive, SourceLocation location) {
-    const auto colours = primitive.attributes.find("COLOR_0");
-    if (colours == primitive.attributes.end() || primitive.material < 0 ||
-        asset_.model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE")
-      return;
-    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
-    const auto values = attributes ? attributes->read("COLOR_0", 4, 4) : std::unexpected(attributes.error());
-    if (!values || !*values) return;
-    for (std::size_t i = 0; i < (*values)->count; ++i)
-      if ((*values)->at(i, 3) < 1.0)
-        return report_.warn_counted(location, "the opacity of vertices (the alpha of COLOR_0) is ignored");
+  /// Brings a mesh that does not move to the world. Returns whether it can be rendered.
+  bool place_now(Mesh& mesh, glm::dmat4 to_world, const std::string& name, SourceLocation location) {
+    if (is_singular(to_world)) {
+      // The normals of a flattened mesh are those of its plane.
+      for (glm::dvec3& position : mesh.positions) position = transform_point(to_world, position);
+      mesh.normals.clear();
+      to_world = glm::dmat4(1.0);
+    }
+    // A mirroring transform reverses glTF's winding. If there are normals, they determine it here.
+    const bool faceted = mesh.normals.empty();
+    if (faceted && is_mirror(to_world))
+      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    return report_.place(mesh, to_world, faceted, name, location);
+  }
+
+  void finish_motion() {
+    if (animation_.clip < 0 || report_.full()) return;
+    const bool moves =
+        !motion_.shapes.empty() || !motion_.instances.empty() || !motion_.emitters.empty() || motion_.camera;
+    if (!moves)
+      return report_.warn(asset_.place({"animations", std::size_t(animation_.clip)}),
+                          fmt::format("the animation '{}' moves nothing that is shown",
+                                      animation_.clips[std::size_t(animation_.clip)].name));
+    motion_.clips = animation_.clips;
+    motion_.clip = animation_.clip;
+    motion_.default_time = kDefaultTime;
+    motion_.nodes = moving_.nodes();
+    scene_.motion = std::make_shared<const SceneMotion>(std::move(motion_));
   }
 
   void finish_camera() {
@@ -354,15 +429,20 @@ class SceneBuilder {
         {asset_.json.get(), 0},
         "the file has no camera; the whole scene is seen from in front (Blender exports cameras with "
         "'Cameras')");
-    look_at_everything(scene_);
+    if (const auto done = look_at_everything(scene_); !done)
+      report_.error({asset_.json.get(), 0}, done.error().message);
   }
 
   const Asset& asset_;
+  const Animation& animation_;
   ReaderReport& report_;
   SceneDescription& scene_;
   TextureBuilder textures_;
   MaterialBuilder materials_;
-  std::vector<glm::dmat4> node_to_world_;
+  const std::vector<glm::dmat4> node_to_world_;
+  MovingNodes moving_;
+  const PoseReading pose_{asset_, animation_, node_to_world_, moving_};
+  SceneMotion motion_;
   std::vector<bool> visited_;
   int cameras_ = 0;
   bool has_area_light_ = false, has_unlit_ = false, has_lit_ = false;
@@ -375,9 +455,11 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   const auto asset = read_asset(file, reading.files);
   if (!asset) return std::unexpected(asset.error());
   reading.refuse_variables("glTF");
+  const Animation animation = read_animation(**asset, options.clip, reading.report);
+  show(animation, kDefaultTime, (*asset)->model);
   SceneDescription scene;
   scene.source = file.string();
-  SceneBuilder(**asset, reading.files, reading.report, scene).build();
+  SceneBuilder(**asset, animation, reading.files, reading.report, scene).build();
   return reading.finish(std::move(scene));
 }
 

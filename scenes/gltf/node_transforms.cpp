@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <utility>
@@ -13,10 +14,6 @@ namespace penumbra::gltf {
 namespace {
 
 constexpr double kRounding = 1e-6;  ///< of matrices that were multiplied in single precision
-
-glm::dvec3 vector_or(const std::vector<double>& numbers, double fallback) {
-  return numbers.empty() ? glm::dvec3(fallback) : glm::dvec3(numbers[0], numbers[1], numbers[2]);
-}
 
 /// Reads a node's transform. Returns what is wrong with its numbers, or null.
 const char* read_local(const tinygltf::Node& node, glm::dmat4& result) {
@@ -44,11 +41,47 @@ const char* read_local(const tinygltf::Node& node, glm::dmat4& result) {
 
 }  // namespace
 
+glm::dvec3 vector_or(const std::vector<double>& numbers, double fallback) {
+  return numbers.size() < 3 ? glm::dvec3(fallback) : glm::dvec3(numbers[0], numbers[1], numbers[2]);
+}
+
 glm::dmat4 transform_of_parts(const glm::dvec3& offset, const glm::dvec4& rotation, const glm::dvec3& scale) {
   glm::dquat q(rotation.w, rotation.x, rotation.y, rotation.z);
   const double length = glm::length(q);
   q = length > 0.0 && std::isfinite(length) ? q / length : glm::dquat(1.0, 0.0, 0.0, 0.0);
   return translation(offset) * glm::mat4_cast(q) * scaling(scale);
+}
+
+std::vector<int> root_nodes(const Asset& asset, ReaderReport& report) {
+  const tinygltf::Model& model = asset.model;
+  if (!model.scenes.empty()) {
+    const int index = std::max(model.defaultScene, 0);
+    if (std::size_t(index) >= model.scenes.size()) {
+      report.error(asset.place({"scene"}), fmt::format("there is no scene {}", index));
+      return {};
+    }
+    if (model.scenes.size() > 1)
+      report.warn(asset.place({"scenes"}),
+                  fmt::format("of {} scenes number {} is shown", model.scenes.size(), index));
+    return model.scenes[std::size_t(index)].nodes;
+  }
+  std::vector<bool> is_child(model.nodes.size(), false);
+  for (const tinygltf::Node& node : model.nodes)
+    for (const int child : node.children)
+      if (child >= 0 && std::size_t(child) < is_child.size()) is_child[std::size_t(child)] = true;
+  std::vector<int> result;
+  for (std::size_t i = 0; i < is_child.size(); ++i)
+    if (!is_child[i]) result.push_back(int(i));
+  return result;
+}
+
+bool keeps_areas(const glm::dmat4& transform) {
+  const glm::dmat3 m(transform);
+  const auto area = [&](int i, int j) {
+    const double sides = glm::length(m[i]) * glm::length(m[j]);
+    return sides > 0.0 && glm::length(glm::cross(m[i], m[j])) > 1e-6 * sides;
+  };
+  return area(0, 1) || area(1, 2) || area(2, 0);
 }
 
 std::optional<glm::dmat4> local_transform(const Asset& asset, std::size_t node, ReaderReport& report) {
@@ -60,30 +93,42 @@ std::optional<glm::dmat4> local_transform(const Asset& asset, std::size_t node, 
   return result;
 }
 
-std::vector<glm::dmat4> world_transforms(const Asset& asset) {
+std::optional<glm::dmat4> local_transform(const tinygltf::Node& node) {
+  glm::dmat4 result(1.0);
+  return read_local(node, result) == nullptr ? std::optional(result) : std::nullopt;
+}
+
+std::vector<int> node_parents(const Asset& asset) {
   const auto& nodes = asset.model.nodes;
-  std::vector<glm::dmat4> local(nodes.size(), glm::dmat4(1.0));
   std::vector<int> parent(nodes.size(), -1);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (read_local(nodes[i], local[i]) != nullptr) local[i] = glm::dmat4(1.0);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
     for (const int child : nodes[i].children)
       if (child >= 0 && std::size_t(child) < nodes.size()) parent[std::size_t(child)] = int(i);
-  }
-  enum class State { kNew, kBelow, kDone };
-  std::vector<State> state(nodes.size(), State::kNew);
-  std::vector<glm::dmat4> world = local;
+  // The walk from which each node was reached first. A parent of the same walk closes a cycle.
+  std::vector<std::size_t> walk(nodes.size(), nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (auto at = i; walk[at] == nodes.size();) {
+      walk[at] = i;
+      if (parent[at] >= 0 && walk[std::size_t(parent[at])] == i) parent[at] = -1;
+      if (parent[at] >= 0) at = std::size_t(parent[at]);
+    }
+  return parent;
+}
+
+std::vector<glm::dmat4> world_transforms(const Asset& asset) {
+  const auto& nodes = asset.model.nodes;
+  const std::vector<int> parent = node_parents(asset);
+  std::vector<glm::dmat4> world(nodes.size(), glm::dmat4(1.0));
+  std::vector<bool> done(nodes.size(), false);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     // Follow the parents up to a node that is done, then go back.
     std::vector<std::size_t> chain;
-    for (int at = int(i); at >= 0 && state[std::size_t(at)] == State::kNew; at = parent[std::size_t(at)]) {
-      state[std::size_t(at)] = State::kBelow;
+    for (int at = int(i); at >= 0 && !done[std::size_t(at)]; at = parent[std::size_t(at)])
       chain.push_back(std::size_t(at));
-    }
     for (auto at = chain.rbegin(); at != chain.rend(); ++at) {
-      const int above = parent[*at];
-      if (above >= 0 && state[std::size_t(above)] == State::kDone)
-        world[*at] = world[std::size_t(above)] * local[*at];
-      state[*at] = State::kDone;
+      const glm::dmat4 local = local_transform(nodes[*at]).value_or(glm::dmat4(1.0));
+      world[*at] = parent[*at] >= 0 ? world[std::size_t(parent[*at])] * local : local;
+      done[*at] = true;
     }
   }
   return world;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "scenes/gltf/data_address.h"
@@ -15,6 +17,14 @@ using nlohmann::json;
 std::string text_of(const json& object, const char* name) {
   const auto found = object.find(name);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// A whole number, or -1.
+int index_of(const json& object, const char* name) {
+  const auto found = object.find(name);
+  const bool is_index = found != object.end() && found->is_number_unsigned() &&
+                        found->get<std::uint64_t>() <= std::uint64_t(std::numeric_limits<int>::max());
+  return is_index ? found->get<int>() : -1;
 }
 
 /// Removes an array from the root and returns it; empty if there is none.
@@ -37,7 +47,7 @@ class Preparation {
     ParserInput input;
     if (const auto done = take_buffers(root, input); !done) return std::unexpected(done.error());
     if (const auto done = take_images(root, input); !done) return std::unexpected(done.error());
-    input.has_animations = !take(root, "animations").empty();
+    if (const auto done = take_animations(root, input); !done) return std::unexpected(done.error());
     give_views(root, input);
     input.text = root.dump(-1, ' ', false, json::error_handler_t::replace);
     return input;
@@ -84,6 +94,41 @@ class Preparation {
       if (image.contains("bufferView") && image["bufferView"].is_number_integer())
         entry.view = image["bufferView"].get<int>();
       input.images.push_back(std::move(entry));
+    }
+    return {};
+  }
+
+  Expected<void> take_animations(json& root, ParserInput& input) const {
+    const json animations = take(root, "animations");
+    if (!animations.is_array()) return wrong({"animations"}, "'animations' is an array");
+    for (std::size_t i = 0; i < animations.size(); ++i) {
+      const json& animation = animations[i];
+      AnimationEntry& entry = input.animations.emplace_back();
+      for (const char* name : {"samplers", "channels"}) {
+        if (!animation.is_object() || !animation.contains(name) || !animation[name].is_array())
+          return wrong({"animations", i},
+                       "an animation is an object with the arrays 'channels' and 'samplers'");
+        for (std::size_t k = 0; k < animation[name].size(); ++k)
+          if (!animation[name][k].is_object())
+            return wrong({"animations", i, name, k}, fmt::format("'{}' are objects", name));
+      }
+      entry.name = text_of(animation, "name");
+      for (const json& sampler : animation["samplers"]) {
+        const std::string interpolation =
+            sampler.contains("interpolation") ? text_of(sampler, "interpolation") : "LINEAR";
+        entry.samplers.push_back({index_of(sampler, "input"), index_of(sampler, "output"), interpolation});
+      }
+      for (std::size_t k = 0; k < animation["channels"].size(); ++k) {
+        const json& channel = animation["channels"][k];
+        if (!channel.contains("target") || !channel["target"].is_object())
+          return wrong({"animations", i, "channels", k}, "a channel has a 'target', an object");
+        const json& target = channel["target"];
+        std::string pointer;
+        if (const json::json_pointer at("/extensions/KHR_animation_pointer"); target.contains(at))
+          pointer = text_of(target[at], "pointer");
+        entry.channels.push_back(
+            {index_of(channel, "sampler"), index_of(target, "node"), text_of(target, "path"), pointer});
+      }
     }
     return {};
   }

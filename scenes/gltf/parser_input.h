@@ -20,13 +20,30 @@ struct ImageEntry {
   int view = -1;  ///< -1: none
 };
 
+/// An animation as the file has it. Indices may lead nowhere.
+struct AnimationEntry {
+  struct Sampler {
+    int input = -1, output = -1;  ///< accessors
+    std::string interpolation = "LINEAR";
+  };
+  struct Channel {
+    int sampler = -1;
+    int node = -1;          ///< -1: none
+    std::string path{};     ///< "translation", for example
+    std::string pointer{};  ///< of KHR_animation_pointer; else empty
+  };
+  std::string name{};
+  std::vector<Sampler> samplers{};
+  std::vector<Channel> channels{};
+};
+
 /// The JSON for the parser, and what was removed from it.
 struct ParserInput {
   std::string text;
   std::vector<BufferEntry>
       buffers{};  ///< tinygltf supports few media types, and requires files of exactly the stated length
-  std::vector<ImageEntry> images{};  ///< images that no texture uses are never read
-  bool has_animations = false;       ///< animations are ignored
+  std::vector<ImageEntry> images{};          ///< images that no texture uses are never read
+  std::vector<AnimationEntry> animations{};  ///< the parser requires targets that are nodes
   /// Index accessors without a buffer view. They occur in compressed and sparse meshes, but tinygltf rejects
   /// them. Here they get an additional buffer view, the last one.
   std::vector<std::size_t> without_view{};

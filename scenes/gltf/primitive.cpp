@@ -11,6 +11,20 @@ bool is_surface(const tinygltf::Primitive& primitive) {
          primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP || primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
+void warn_of_opacity(const Asset& asset, const tinygltf::Primitive& primitive, SourceLocation location,
+                     ReaderReport& report) {
+  const auto colours = primitive.attributes.find("COLOR_0");
+  if (colours == primitive.attributes.end() || primitive.material < 0 ||
+      asset.model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE")
+    return;
+  const auto attributes = PrimitiveAttributes::open(asset, primitive);
+  const auto values = attributes ? attributes->read("COLOR_0", 4, 4) : std::unexpected(attributes.error());
+  if (!values || !*values) return;
+  for (std::size_t i = 0; i < (*values)->count; ++i)
+    if ((*values)->at(i, 3) < 1.0)
+      return report.warn_counted(location, "the opacity of vertices (the alpha of COLOR_0) is ignored");
+}
+
 Expected<Mesh> read_primitive(const PrimitiveAttributes& attributes, int mode, int texcoord) {
   const std::size_t count = attributes.vertices();
   const auto positions = attributes.read("POSITION", 3, 3);

@@ -7,13 +7,14 @@
 #include <limits>
 #include <numbers>
 
+#include "scenes/motion/scene_motion.h"
 #include "scenes/punctual_lights.h"
 #include "scenes/transform.h"
 
 namespace penumbra::gltf {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr int kLooks = 9;         ///< the times at which a moving scene is looked at
 constexpr int kMostSide = 16384;  ///< largest film size that follows from an aspect ratio
 
 /// glTF has no resolution, so the film's height is kept. False if the width would be 0 or too large.
@@ -26,20 +27,18 @@ bool set_width(double aspect, SceneDescription& scene) {
 
 }  // namespace
 
+glm::dmat4 camera_space() { return scaling(glm::dvec3(-1.0, 1.0, -1.0)); }
+
 void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, ReaderReport& report,
                  SceneDescription& scene) {
   const SourceLocation location = asset.place({"cameras", std::size_t(camera)});
   const tinygltf::Camera& gltf = asset.model.cameras[std::size_t(camera)];
-  // Here +x points to the left of the image and +z is the view direction.
-  const glm::dmat4 facing = to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0));
-  auto frame = without_scale(facing);
-  if (!frame) {
+  const glm::dmat4 facing = to_world * camera_space();
+  if (!without_scale(facing))
     report.warn(location,
                 fmt::format("camera {}: nodes above it shear it; its view and its upper half plane are kept",
                             camera));
-    const glm::dvec3 eye(facing[3]);
-    frame = look_at(eye, eye + glm::normalize(glm::dvec3(facing[2])), glm::dvec3(facing[1]));
-  }
+  const auto frame = camera_frame(facing);
   if (!frame) return report.error(location, fmt::format("camera {}: {}", camera, frame.error().message));
   scene.camera.to_world = *frame;
   if (gltf.type == "orthographic") {
@@ -81,7 +80,7 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
     report.error(location, fmt::format("an image {} times as wide as high", view.aspectRatio));
 }
 
-void look_at_everything(SceneDescription& scene) {
+Expected<void> look_at_everything(SceneDescription& scene) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
   const auto enclose = [&](const std::vector<Shape>& shapes, const glm::dmat4& to_world) {
     for (const Shape& shape : shapes)
@@ -92,10 +91,17 @@ void look_at_everything(SceneDescription& scene) {
           high = glm::max(high, placed);
         }
   };
-  enclose(scene.shapes, glm::dmat4(1.0));
-  for (const ShapeInstance& instance : scene.instances)
-    enclose(scene.groups[std::size_t(instance.group)].shapes, instance.to_world);
-  if (!(low.x <= high.x)) return;
+  const auto moving = scene.motion != nullptr ? time_range(*scene.motion) : std::nullopt;
+  for (int look = 0; look < (moving ? kLooks : 1); ++look) {
+    if (moving) {
+      const double t = double(look) / (kLooks - 1);
+      if (auto done = set_time(scene, (1.0 - t) * moving->first + t * moving->second); !done) return done;
+    }
+    enclose(scene.shapes, glm::dmat4(1.0));
+    for (const ShapeInstance& instance : scene.instances)
+      if (!instance.hidden) enclose(scene.groups[std::size_t(instance.group)].shapes, instance.to_world);
+  }
+  if (!(low.x <= high.x)) return {};
   const double radius = std::max(0.5 * glm::length(high - low), 1e-6);
   constexpr double kFov = 40.0;
   const glm::dvec3 middle = 0.5 * (low + high);
@@ -106,6 +112,13 @@ void look_at_everything(SceneDescription& scene) {
   scene.camera.fov_axis = FovAxis::kSmaller;
   scene.camera.near_clip = 1e-3 * radius;
   scene.camera.far_clip = 1e3 * radius;
+  return {};
+}
+
+glm::dvec3 colour_of(const tinygltf::Light& light) {
+  glm::dvec3 colour(1.0);
+  for (std::size_t c = 0; c < 3 && c < light.color.size(); ++c) colour[int(c)] = light.color[c];
+  return colour;
 }
 
 void read_light(const Asset& asset, int light, const glm::dmat4& to_world, ReaderReport& report,
@@ -124,9 +137,7 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
                               "it is left out");
   punctual.position = glm::dvec3(to_world[3]);
   punctual.direction = glm::normalize(-glm::dvec3(to_world[2]));
-  glm::dvec3 colour(1.0);
-  for (std::size_t c = 0; c < 3 && c < gltf.color.size(); ++c) colour[int(c)] = gltf.color[c];
-  const glm::dvec3 strength = colour * (gltf.intensity / kLumensPerWatt);
+  const glm::dvec3 strength = colour_of(gltf) * (gltf.intensity / kLumensPerWatt);
   for (int c = 0; c < 3; ++c)
     if (!(strength[c] >= 0.0 && strength[c] < 1e37))
       return report.error(location,

@@ -8,10 +8,10 @@
 namespace penumbra {
 
 void morph(std::span<const MorphTarget> targets, const Weights& weights, Mesh& mesh) {
-  const auto add = [](const auto& changes, double weight, auto& to) {
+  const auto add = [](const std::vector<glm::dvec3>& changes, double weight, auto& to) {
     using Vector = std::decay_t<decltype(to[0])>;
     for (std::size_t i = 0; i < std::min(changes.size(), to.size()); ++i)
-      to[i] += Vector(weight * glm::dvec3(changes[i]));
+      to[i] += Vector(weight * changes[i]);
   };
   for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
     if (weights[t] == 0.0) continue;

@@ -15,7 +15,7 @@ struct Mesh;
 
 struct MorphTarget {
   std::vector<glm::dvec3> positions;  ///< change of each position for a weight of 1; empty: none
-  std::vector<glm::vec3> normals;     ///< likewise of each normal
+  std::vector<glm::dvec3> normals;    ///< likewise of each normal
 };
 
 /// Joints with their weights for each vertex.

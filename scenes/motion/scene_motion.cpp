@@ -7,6 +7,7 @@
 
 #include "scenes/instances.h"
 #include "scenes/mesh_tools.h"
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra {
@@ -72,19 +73,36 @@ class Pose {
         apply_skin(deformation->skin, joints, mesh);
       }
     }
-    if (is_singular(placed)) return Mesh{};
+    const auto vanishes = [&](const glm::uvec3& t) {
+      const glm::dvec3 a = transform_point(placed, mesh.positions[t.x]);
+      return glm::length(glm::cross(transform_point(placed, mesh.positions[t.y]) - a,
+                                    transform_point(placed, mesh.positions[t.z]) - a)) <= kSmallestCross;
+    };
+    if (std::ranges::all_of(mesh.triangles, vanishes)) return Mesh{};
+    glm::dmat4 to_world = placed;
+    if (is_singular(placed)) {
+      // The normals of a flattened mesh are those of its plane.
+      for (glm::dvec3& position : mesh.positions) position = transform_point(placed, position);
+      mesh.normals.clear();
+      to_world = glm::dmat4(1.0);
+    }
     // A mirroring transform reverses the winding; normals, where there are any, determine it.
-    if (mesh.normals.empty() && is_mirror(placed))
+    if (mesh.normals.empty() && is_mirror(to_world))
       for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-    if (auto done = place_mesh(mesh, placed, mesh.normals.empty() && moving.is_faceted); !done)
+    if (auto done = place_mesh(mesh, to_world, mesh.normals.empty() && moving.is_faceted); !done)
       return std::unexpected(done.error());
-    return mesh;
+    return mesh.triangles.empty() ? Mesh{} : mesh;
   }
 
   Expected<void> pose(const MovingEmitter& moving) {
     Emitter& emitter = scene_.emitters.at(moving.emitter);
     emitter = moving.rest;
-    place(emitter, to_world(moving.place));
+    const glm::dmat4 placed = to_world(moving.place);
+    if (is_singular(placed)) {
+      set_strength(emitter, glm::vec3(0.0f));
+      return {};
+    }
+    place(emitter, placed);
     if (!moving.colour && !moving.strength) return {};
     const glm::dvec3 strength = (moving.colour ? value_at(*moving.colour, time_) : glm::dvec3(1.0)) *
                                 (moving.strength ? value_at(*moving.strength, time_) : 1.0);
@@ -119,7 +137,7 @@ class Pose {
   Expected<void> pose(const MovingCamera& moving) {
     CameraSettings& camera = scene_.camera;
     const glm::dmat4 placed = to_world(moving.place);
-    const auto frame = is_singular(placed) ? fail("its transform is singular") : without_scale(placed);
+    const auto frame = camera_frame(placed);
     if (!frame) return fail_at("camera", frame.error().message);
     camera.to_world = *frame;
     const auto set = [&](const std::optional<KeyedValue<double>>& keys, double& value) {

@@ -76,9 +76,11 @@ std::vector<glm::dmat4> nodes_to_world(const SceneMotion& motion, double time);
 std::optional<std::pair<double, double>> time_range(const SceneMotion& motion);
 
 /// Takes everything that moves to a time. What a scene shows depends on the time alone, not on earlier ones.
-/// A shape or an instance that is flattened at that time is left out: a mesh without triangles, a hidden
-/// instance. Does nothing if the scene has no motion. Errors: a sphere, disk or cylinder that would no
-/// longer be one; a mesh that reaches too far; a camera that is sheared or flattened; an intensity below 0.
+/// What is flattened at that time is left out: a shape becomes a mesh without triangles, an instance hidden,
+/// a light black. Only a mesh that becomes flat, and still has an area, is shown as that. A camera that is
+/// sheared keeps its view direction, see camera_frame. Does nothing if the scene has no motion. Errors: a
+/// sphere, disk or cylinder that would no longer be one; a mesh that reaches too far; a camera that is
+/// flattened; an intensity below 0.
 Expected<void> set_time(SceneDescription& scene, double time);
 
 /// Which of the scene's own shapes move.
