@@ -429,8 +429,7 @@ class SceneBuilder {
         {asset_.json.get(), 0},
         "the file has no camera; the whole scene is seen from in front (Blender exports cameras with "
         "'Cameras')");
-    if (const auto done = look_at_everything(scene_); !done)
-      report_.error({asset_.json.get(), 0}, done.error().message);
+    look_at_everything(scene_);
   }
 
   const Asset& asset_;

@@ -80,7 +80,7 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
     report.error(location, fmt::format("an image {} times as wide as high", view.aspectRatio));
 }
 
-Expected<void> look_at_everything(SceneDescription& scene) {
+void look_at_everything(SceneDescription& scene) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
   const auto enclose = [&](const std::vector<Shape>& shapes, const glm::dmat4& to_world) {
     for (const Shape& shape : shapes)
@@ -95,13 +95,14 @@ Expected<void> look_at_everything(SceneDescription& scene) {
   for (int look = 0; look < (moving ? kLooks : 1); ++look) {
     if (moving) {
       const double t = double(look) / (kLooks - 1);
-      if (auto done = set_time(scene, (1.0 - t) * moving->first + t * moving->second); !done) return done;
+      // A time that cannot be shown is an error once it is asked for.
+      if (!set_time(scene, (1.0 - t) * moving->first + t * moving->second)) continue;
     }
     enclose(scene.shapes, glm::dmat4(1.0));
     for (const ShapeInstance& instance : scene.instances)
       if (!instance.hidden) enclose(scene.groups[std::size_t(instance.group)].shapes, instance.to_world);
   }
-  if (!(low.x <= high.x)) return {};
+  if (!(low.x <= high.x)) return;
   const double radius = std::max(0.5 * glm::length(high - low), 1e-6);
   constexpr double kFov = 40.0;
   const glm::dvec3 middle = 0.5 * (low + high);
@@ -112,7 +113,6 @@ Expected<void> look_at_everything(SceneDescription& scene) {
   scene.camera.fov_axis = FovAxis::kSmaller;
   scene.camera.near_clip = 1e-3 * radius;
   scene.camera.far_clip = 1e3 * radius;
-  return {};
 }
 
 glm::dvec3 colour_of(const tinygltf::Light& light) {

@@ -23,8 +23,8 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
                  SceneDescription& scene);
 
 /// Sets a camera that sees the whole scene from the front, for files without a camera; if it moves, at
-/// several times of its animation. It is then shown at another time. Errors: those of set_time.
-Expected<void> look_at_everything(SceneDescription& scene);
+/// several times of its animation. It is then shown at another time.
+void look_at_everything(SceneDescription& scene);
 
 /// The colour of a light of KHR_lights_punctual.
 glm::dvec3 colour_of(const tinygltf::Light& light);

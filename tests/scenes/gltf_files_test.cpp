@@ -144,16 +144,6 @@ TEST_F(GltfFiles, NodesOfAFileWithoutScenesAreShown) {
   EXPECT_EQ(mesh(scene).positions[1], glm::dvec3(1, 0, 5));
 }
 
-TEST_F(GltfFiles, AnimationsOfAnyTargetAreIgnored) {
-  EXPECT_THAT(
-      warnings(good_gltf(triangle().text(one_mesh(
-          kTriangle,
-          R"(, "extensionsUsed": ["KHR_animation_pointer"], "animations": [{"channels": [{"sampler": 0,
-"target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/0/weights"}}}}],
-"samplers": [{"input": 0, "output": 1}]}])")))),
-      HasSubstr("animations are ignored"));
-}
-
 TEST_F(GltfFiles, OtherVersionsAreNamed) {
   EXPECT_THAT(gltf_error(R"({"asset": {"version": "1.0"}, "nodes": {"a": {}}})"),
               AllOf(HasSubstr("scene.gltf:1:"), HasSubstr("glTF version '1.0' is not read; 2.0 is")));

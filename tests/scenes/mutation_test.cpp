@@ -374,8 +374,9 @@ constexpr const char* kEverythingOfGltf =
 "KHR_materials_transmission": {"transmissionFactor": 0.5}}}],
 "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 100, "color": [1, 1, 0.5]}]}})";
 
-/// A skin, morph targets, instances, indices that are sparse alone, another model of materials.
-GltfFile resting_gltf() {
+/// A skin, morph targets, instances, and keys of them all; indices that are sparse alone, another model of
+/// materials.
+GltfFile moving_gltf() {
   GltfFile file;
   file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
   file.accessor<std::uint8_t>("VEC4", {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, 3);
@@ -393,10 +394,15 @@ GltfFile resting_gltf() {
       R"({{"componentType": 5123, "count": 3, "type": "SCALAR", "sparse": {{"count": 2,
  "indices": {{"bufferView": {}, "componentType": 5121}}, "values": {{"bufferView": {}}}}}}})",
       where, what));
+  file.accessor<float>("SCALAR", {0, 1.5f}, 2);
+  file.accessor<float>("SCALAR", {0, 0.25f, 1, 2, 0.75f, 0}, 6);
   return file;
 }
-constexpr const char* kRestingGltf =
-    R"("scenes": [{"nodes": [0, 1, 3]}], "extensionsRequired": ["EXT_mesh_gpu_instancing"], "animations": [{"channels": []}],
+constexpr const char* kMovingGltf =
+    R"("scenes": [{"nodes": [0, 1, 3]}], "extensionsRequired": ["EXT_mesh_gpu_instancing"], "animations": [{"channels": [
+{"sampler": 0, "target": {"node": 1, "path": "translation"}}, {"sampler": 1, "target": {"node": 3, "path": "weights"}},
+{"sampler": 2, "target": {"node": 3, "path": "rotation"}}], "samplers": [{"input": 8, "output": 6},
+{"input": 8, "output": 9, "interpolation": "CUBICSPLINE"}, {"input": 8, "output": 5, "interpolation": "STEP"}]}],
 "nodes": [{"mesh": 0, "skin": 0}, {"children": [2], "translation": [0, 0, 7]}, {"translation": [0, 0, 3], "scale": [2, 2, 2]},
 {"mesh": 1, "weights": [1], "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"ROTATION": 5, "SCALE": 6}},
 "KHR_node_visibility": {"visible": true}}}],
@@ -407,11 +413,11 @@ constexpr const char* kRestingGltf =
 "materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.25, 0, 0.5],
 "specularGlossinessTexture": {"index": 0}}}}, {"extensions": {"KHR_materials_unlit": {}}}])";
 
-TEST(MutatedGltf, AtRest) {
+TEST(MutatedGltf, Moving) {
   const TemporaryFolder folder;
   const std::vector<std::uint8_t> texels = {51, 102, 153, 0, 204, 255, 0, 128};
   write_text(folder / "t.tga", tga_file(2, 1, 4, texels));
-  write_text(folder / "scene.gltf", resting_gltf().text(kRestingGltf));
+  write_text(folder / "scene.gltf", moving_gltf().text(kMovingGltf));
   const auto whole = read_scene(folder / "scene.gltf", {.confine_to = folder.path()});
   ASSERT_TRUE(whole) << whole.error().message;
   EXPECT_EQ(whole->shapes.size(), 1u);

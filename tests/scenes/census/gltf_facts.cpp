@@ -165,7 +165,7 @@ std::string gltf_text(const Row& row) {
       const int time = file.accessor<float>("SCALAR", {0}, 1);
       const int value = file.accessor<float>("VEC3", {0, 0, 0}, 1);
       members.push_back(fmt::format(
-          R"("animations": [{{"samplers": [{{"input": {}, "output": {}}}], "channels": [{{"sampler": 0, "target": {{"node": 1, "path": "translation"}}}}]}}])",
+          R"("animations": [{{"samplers": [{{"input": {}, "output": {}}}], "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}}]}}])",
           time, value));
     }
   }
