@@ -86,6 +86,20 @@ TEST(Transform, KnowsMirrorsAndSimilarities) {
   EXPECT_TRUE(is_mirror(without_scale(scaling({2, -3, 4})).value()));
 }
 
+TEST(Transform, FramesOfCamerasKeepTheirView) {
+  const glm::dmat4 rigid = translation({5, 6, 7}) * rotation({1, 2, 3}, 40);
+  for (int axis = 0; axis < 4; ++axis)
+    expect_near(glm::dvec3(camera_frame(rigid * scaling({2, 3, 4})).value()[axis]), glm::dvec3(rigid[axis]));
+  glm::dmat4 shear = rigid;
+  shear[1] += 0.5 * rigid[2] + 0.25 * rigid[0];
+  const glm::dmat4 frame = camera_frame(shear).value();
+  expect_near(glm::dvec3(frame[2]), glm::dvec3(rigid[2]));
+  EXPECT_TRUE(uniform_scale(frame));
+  EXPECT_NEAR(glm::dot(glm::dvec3(frame[0]), glm::dvec3(shear[1])), 0.0, 1e-12);
+  EXPECT_GT(glm::dot(glm::dvec3(frame[1]), glm::dvec3(shear[1])), 0.0);
+  EXPECT_FALSE(camera_frame(scaling({1, 0, 1})));
+}
+
 TEST(NormalMatrix, IsTheInverseTranspose) {
   const glm::dmat4 m = translation({5, 6, 7}) * rotation({1, 2, 3}, 40) * scaling({2, -3, 0.5});
   const glm::dvec3 n(0.3, -0.5, 0.8);
