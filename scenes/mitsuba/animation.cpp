@@ -3,34 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <string_view>
+#include <utility>
 
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
 namespace {
-
-/// M = rotation * stretch; the rotation does not mirror.
-struct PolarParts {
-  glm::dquat rotation;
-  glm::dmat3 stretch;
-};
-
-/// The orthogonal matrix nearest to M, found by averaging M and its inverse transpose until it no longer
-/// changes (Higham 1986). M must not be singular.
-PolarParts polar_parts(const glm::dmat3& m) {
-  glm::dmat3 q = m;
-  for (int step = 0; step < 100; ++step) {
-    const glm::dmat3 next = 0.5 * (q + glm::transpose(glm::inverse(q)));
-    double change = 0.0;
-    for (int column = 0; column < 3; ++column) change += glm::length(next[column] - q[column]);
-    q = next;
-    if (change < 1e-15) break;
-  }
-  if (glm::determinant(q) < 0.0) q = -q;
-  return {glm::normalize(glm::quat_cast(q)), glm::transpose(q) * m};
-}
 
 double number_of(const Object* sensor, std::string_view name) {
   if (sensor == nullptr) return 0.0;
@@ -42,7 +22,9 @@ double number_of(const Object* sensor, std::string_view name) {
   return 0.0;
 }
 
-double shutter_opens(const Object* sensor) { return number_of(sensor, "shutter_open"); }
+bool can_move(const Object& object) {
+  return object.tag == "sensor" || object.tag == "shape" || object.tag == "emitter";
+}
 
 }  // namespace
 
@@ -50,48 +32,112 @@ Shutter shutter_of(const Context& context) {
   for (const Child& child : context.tree.scene.children) {
     const Object* object = child.object;
     if (object == nullptr || object->tag != "sensor") continue;
-    const double open = shutter_opens(object);
+    const double open = number_of(object, "shutter_open");
     return {open, std::max(open, number_of(object, "shutter_close"))};
   }
   return {};
 }
 
-glm::dmat4 transform_at(const AnimationValue& animation, double time) {
-  const std::vector<AnimationValue::Key>& keys = animation.keys;
-  const auto after = std::ranges::find_if(keys, [&](const auto& key) { return key.time > time; });
-  if (after == keys.begin()) return keys.front().transform;
-  if (after == keys.end()) return keys.back().transform;
-  const AnimationValue::Key &from = *(after - 1), &to = *after;
-  const double t = (time - from.time) / (to.time - from.time);
-  if (t == 0.0) return from.transform;
-  const PolarParts a = polar_parts(glm::dmat3(from.transform)), b = polar_parts(glm::dmat3(to.transform));
-  const glm::dmat3 stretch = (1.0 - t) * a.stretch + t * b.stretch;
-  glm::dmat4 result(glm::mat3_cast(glm::slerp(a.rotation, b.rotation, t)) * stretch);
-  result[3] = (1.0 - t) * from.transform[3] + t * to.transform[3];
-  return result;
-}
-
-void freeze_animations(const Context& context, const Object* sensor) {
-  const double time = shutter_opens(sensor);
-  std::size_t count = 0;
-  SourceLocation first;
+Animations::Animations(const Context& context, const Object* sensor) {
+  motion_.default_time = number_of(sensor, "shutter_open");
   for (Object& object : context.tree.objects) {
     for (Parameter& parameter : object.parameters) {
-      const auto* animation = std::get_if<AnimationValue>(&parameter.value);
+      auto* animation = std::get_if<AnimationValue>(&parameter.value);
       if (animation == nullptr) continue;
-      if (count++ == 0) first = parameter.location;
-      const glm::dmat4 frozen = transform_at(*animation, time);
-      if (is_singular(frozen))
-        context.diagnostics.error(
-            parameter.location, fmt::format("the transform is singular at time {}, between two keys", time));
-      parameter.value = frozen;
+      std::vector<TransformKey> keys = std::move(animation->keys);
+      parameter.value = keys.front().transform;
       if (object.tag == "shape" && parameter.name == "animation") parameter.name = "to_world";
+      auto parts = keyed_transform(keys);
+      if (!parts) {
+        context.diagnostics.error(parameter.location, parts.error().message);
+        continue;
+      }
+      if (!parts->varies()) continue;
+      const glm::dmat4 shown = transform_at(*parts, time());
+      parameter.value = shown;
+      if (can_move(object) && parameter.name == "to_world")
+        animations_.emplace(&object, Animation{std::move(keys), std::move(*parts), shown});
+      else
+        context.diagnostics.warn(
+            parameter.location,
+            fmt::format(
+                "sensors, shapes and emitters move; the {} of a {} is as at {} s, when the shutter opens",
+                parameter.name, object.tag, time()));
     }
   }
-  if (count > 0)
-    context.diagnostics.warn(
-        first, fmt::format("nothing moves in Penumbra: {} as at time {}, when the shutter opens",
-                           count == 1 ? "the animation is" : fmt::format("{} animations are", count), time));
+}
+
+Animations::Animation* Animations::find(const Object& object) {
+  const auto found = animations_.find(&object);
+  return found != animations_.end() ? &found->second : nullptr;
+}
+
+int Animations::node_of(Animation& animation) {
+  if (animation.node < 0) {
+    animation.node = int(motion_.nodes.size());
+    motion_.nodes.push_back({.keys = animation.parts});
+  }
+  return animation.node;
+}
+
+std::span<const TransformKey> Animations::keys_of(const Object& object) const {
+  const auto found = animations_.find(&object);
+  return found != animations_.end() ? std::span<const TransformKey>(found->second.keys)
+                                    : std::span<const TransformKey>();
+}
+
+void Animations::add_camera(const Object& sensor, const SceneDescription& scene) {
+  Animation* animation = find(sensor);
+  if (animation == nullptr) return;
+  MovingCamera camera{{node_of(*animation), glm::dmat4(1.0)}};
+  if (scene.camera.projection == Projection::kOrthographic) {
+    // The axes are at right angles, so that their lengths change as linearly as the stretch does.
+    KeyedValue<double> x, y;
+    for (const auto& [time, transform] : animation->keys) {
+      x.times.push_back(time);
+      y.times.push_back(time);
+      x.values.push_back(glm::length(glm::dvec3(transform[0])));
+      y.values.push_back(glm::length(glm::dvec3(transform[1])));
+    }
+    camera.scale_x = std::move(x);
+    camera.scale_y = std::move(y);
+  }
+  motion_.camera = std::move(camera);
+}
+
+void Animations::add_emitters(const Object& emitter, std::size_t first, const SceneDescription& scene) {
+  Animation* animation = find(emitter);
+  if (animation == nullptr) return;
+  for (std::size_t i = first; i < scene.emitters.size(); ++i)
+    if (!std::holds_alternative<ConstantEnvironment>(scene.emitters[i]))
+      motion_.emitters.push_back({.emitter = i, .place = place_of(*animation)});
+}
+
+void Animations::add_shape(const Object& shape, int group, std::size_t index, bool computed_normals) {
+  if (Animation* animation = find(shape))
+    motion_.shapes.push_back(
+        {.group = group, .shape = index, .place = place_of(*animation), .is_faceted = !computed_normals});
+}
+
+void Animations::add_instance(const Object& instance, std::size_t index) {
+  if (Animation* animation = find(instance))
+    motion_.instances.push_back({index, {node_of(*animation), glm::dmat4(1.0)}});
+}
+
+void Animations::install(SceneDescription& scene) {
+  if (motion_.shapes.empty() && motion_.instances.empty() && motion_.emitters.empty() && !motion_.camera)
+    return;
+  for (MovingEmitter& moving : motion_.emitters) moving.rest = scene.emitters[moving.emitter];
+  for (MovingShape& moving : motion_.shapes) {
+    moving.rest =
+        (moving.group < 0 ? scene.shapes : scene.groups[std::size_t(moving.group)].shapes)[moving.shape]
+            .geometry;
+    // They are computed again at each time, because a stretch changes them.
+    if (auto* mesh = std::get_if<Mesh>(&moving.rest); mesh != nullptr && !moving.is_faceted)
+      mesh->normals.clear();
+  }
+  scene.time = motion_.default_time;
+  scene.motion = std::make_shared<const SceneMotion>(std::move(motion_));
 }
 
 }  // namespace penumbra::mitsuba

@@ -1,16 +1,14 @@
-// Animated transforms. The renderer has no motion, so each animation is evaluated at the time when the
-// shutter opens.
+// Animated transforms of sensors, shapes, instances and emitters.
 #pragma once
 
+#include <map>
+#include <span>
+#include <vector>
+
 #include "scenes/mitsuba/plugin.h"
+#include "scenes/motion/scene_motion.h"
 
 namespace penumbra::mitsuba {
-
-/// The transform at a time between two keys. The polar decomposition of each key (Shoemake and Duff 1992,
-/// "Matrix animation and polar decomposition") is interpolated: translations and stretches linearly,
-/// rotations by spherical linear interpolation. Before the first key it is the first, after the last key the
-/// last.
-glm::dmat4 transform_at(const AnimationValue& animation, double time);
 
 /// The times between which a sensor sees the scene, `open` at most `close`.
 struct Shutter {
@@ -19,8 +17,43 @@ struct Shutter {
 /// That of the first sensor; none: both are 0.
 Shutter shutter_of(const Context& context);
 
-/// Replaces every animation of the scene by its transform at the sensor's `shutter_open`, with one warning
-/// for all. The animation of an instance may be named `animation`.
-void freeze_animations(const Context& context, const Object* sensor);
+/// The animations of a file. While the scene is built, each object is where it is when the shutter opens.
+class Animations {
+ public:
+  /// Replaces every animation by its transform at that time. The animation of an instance may be named
+  /// `animation`. Animations of other objects than sensors, shapes and emitters stay so, with a warning.
+  Animations(const Context& context, const Object* sensor);
+
+  /// The time at which the scene is built.
+  [[nodiscard]] double time() const { return motion_.default_time; }
+  /// The keys of an object that moves, at least two; else none.
+  [[nodiscard]] std::span<const TransformKey> keys_of(const Object& object) const;
+
+  // Each of these adds what was built for the object, if it moves.
+  void add_camera(const Object& sensor, const SceneDescription& scene);
+  void add_emitters(const Object& emitter, std::size_t first, const SceneDescription& scene);
+  /// `computed_normals`: those of a mesh are not its file's.
+  void add_shape(const Object& shape, int group, std::size_t index, bool computed_normals);
+  void add_instance(const Object& instance, std::size_t index);
+
+  /// Gives the finished scene its motion, if anything moves.
+  void install(SceneDescription& scene);
+
+ private:
+  struct Animation {
+    std::vector<TransformKey> keys;
+    KeyedTransform parts;
+    glm::dmat4 shown;  ///< when the shutter opens
+    int node = -1;     ///< of the motion; -1: not yet
+  };
+  /// Null: it does not move.
+  Animation* find(const Object& object);
+  int node_of(Animation& animation);
+  /// The place of what was built with the transform `shown`.
+  NodePlace place_of(Animation& animation) { return {node_of(animation), glm::inverse(animation.shown)}; }
+
+  std::map<const Object*, Animation> animations_;
+  SceneMotion motion_;
+};
 
 }  // namespace penumbra::mitsuba

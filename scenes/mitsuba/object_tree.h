@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "scenes/diagnostic.h"
+#include "scenes/motion/keyed_transform.h"
 #include "scenes/spectrum.h"
 
 namespace penumbra::mitsuba {
@@ -32,13 +33,9 @@ struct SpectrumValue {
   std::string filename;
 };
 
-/// <animation>: at least one transform, with ascending times.
+/// <animation>: keys that keyed_transform accepts.
 struct AnimationValue {
-  struct Key {
-    double time;
-    glm::dmat4 transform;
-  };
-  std::vector<Key> keys;
+  std::vector<TransformKey> keys;
 };
 
 /// <integer>, <float>, <boolean>, <string>, <point> or <vector>, <rgb> or <srgb>, <spectrum>, <transform>,

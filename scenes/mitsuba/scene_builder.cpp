@@ -89,7 +89,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   const Object* sensor = sensors.empty() ? nullptr : sensors.front();
   if (sensors.size() > 1)
     root.warn(fmt::format("the scene has {} sensors; the first is rendered", sensors.size()));
-  freeze_animations(context, sensor);
+  Animations animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
   for (const auto& [key, value] : context.settings)
     if (to_snake_case(key) == "integrator.type")
@@ -98,19 +98,23 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   MediumReader media(context);
   context.media = &media;
   if (sensor != nullptr) {
-    read_sensor(context, *sensor, scene);
+    read_sensor(context, *sensor, animations.keys_of(*sensor), scene);
+    animations.add_camera(*sensor, scene);
   }
   MaterialReader materials(context);
   for (const Object* bsdf : root.nested("bsdf")) materials.read(*bsdf);
-  ShapeReader shapes(context, files, materials, scene);
+  ShapeReader shapes(context, files, materials, animations, scene);
   for (const Object* shape : root.nested("shape")) {
     if (context.diagnostics.full()) break;
     shapes.read(*shape);
   }
   bool all_known = true;
   SkyReader sky;
-  for (const Object* light : root.nested("emitter"))
+  for (const Object* light : root.nested("emitter")) {
+    const std::size_t first = scene.emitters.size();
     all_known = read_emitter(context, *light, scene, sky) && all_known;
+    animations.add_emitters(*light, first, scene);
+  }
   // Adds light from all directions, so that something is visible: an unknown emitter may have been the only
   // one.
   if (!all_known && std::ranges::none_of(scene.emitters, is_sky))
@@ -122,6 +126,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   root.finish();
   textures.install(scene);
   if (sensor == nullptr) place_sensor(context, scene);
+  shapes.add_motion();
+  animations.install(scene);
   if (!context.diagnostics.failed()) shapes.check_textures();
   return scene;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/mitsuba/medium_reader.h"
 #include "scenes/mitsuba/sensor_parameters.h"
@@ -62,7 +63,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
     scene.camera.far_clip = scene.camera.near_clip + length;
   }
   if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
-    plugin.warn("nothing moves in Penumbra, so shutter_close has no effect, but on a timed_sunsky");
+    plugin.warn("an image is of one instant, so shutter_close has no effect, but on a timed_sunsky");
   plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
   if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
   plugin.accept({"cone_scale"});  // about texture filtering, which does not exist here
@@ -216,12 +217,28 @@ constexpr SensorPlugin kSensors[] = {{"perspective", read_perspective},
                                      {"telecentric", read_telecentric},
                                      {"perspective_rdist", read_distorted_perspective}};
 
+/// Reports keys at which the camera would be sheared.
+void check_keys(const PluginReader& plugin, std::span<const TransformKey> keys,
+                const CameraSettings& camera) {
+  for (const auto& [time, transform] : keys)
+    if (const auto frame = without_scale(transform); !frame)
+      return plugin.wrong("to_world", fmt::format("at {} s {}", time, frame.error().message));
+  const auto length = [](const TransformKey& key) { return glm::length(glm::dvec3(key.transform[2])); };
+  if (camera.projection == Projection::kOrthographic &&
+      std::ranges::any_of(keys, [&](const TransformKey& key) {
+        return std::abs(length(key) - length(keys.front())) > 1e-6 * length(key);
+      }))
+    plugin.warn("near_clip stays as when the shutter opens, while the scale along the view changes");
+}
+
 }  // namespace
 
-void read_sensor(const Context& context, const Object& object, SceneDescription& scene) {
+void read_sensor(const Context& context, const Object& object, std::span<const TransformKey> keys,
+                 SceneDescription& scene) {
   PluginReader plugin(context, object);
   const SensorPlugin* known = find_plugin(kSensors, object.type);
   (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
+  check_keys(plugin, keys, scene.camera);
   const Object* film = plugin.only_nested("film");
   const Object* sampler = plugin.only_nested("sampler");
   if (const Object* medium = plugin.only_nested("medium"))

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <type_traits>
 
 #include "kernels/host/parallel.h"
 #include "scenes/heightfield.h"
@@ -30,8 +33,29 @@ struct ShapeInput {
   const FileAccess& files;
   MeshesAhead& meshes;
   PluginReader& plugin;
-  bool& flip_normals;  ///< reading the geometry may toggle it
+  bool& flip_normals;                  ///< reading the geometry may toggle it
+  std::span<const TransformKey> keys;  ///< of its to_world, if that moves
+  bool& computed_normals;              ///< set for a mesh whose normals are not its file's
 };
+
+/// Whether that is so of the transform, and of all keys of one that moves.
+template <typename Condition>
+bool always(const ShapeInput& input, const glm::dmat4& to_world, const Condition& holds) {
+  return holds(to_world) &&
+         std::ranges::all_of(input.keys, [&](const TransformKey& key) { return holds(key.transform); });
+}
+
+/// Whether lengths change between the keys.
+bool stretches(std::span<const TransformKey> keys) {
+  return std::ranges::any_of(keys, [&](const TransformKey& key) {
+    const glm::dmat3 m(key.transform), first(keys.front().transform);
+    const glm::dmat3 squares = glm::transpose(m) * m, before = glm::transpose(first) * first;
+    const double size = std::max({before[0].x, before[1].y, before[2].z});
+    for (int i = 0; i < 3; ++i)
+      if (!(glm::length(squares[i] - before[i]) < 1e-6 * size)) return true;
+    return false;
+  });
+}
 
 void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
                 const FaceFindings& faces, std::string_view file) {
@@ -111,6 +135,7 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
   const bool faceted = given.face_normals || read.face_normals ||
                        (input.context.tree.faceted_without_normals && mesh.normals.empty());
   const bool has_edges = given.max_smooth_angle > 0;
+  input.computed_normals = mesh.normals.empty() && !faceted && !has_edges;
   const auto cleaning = place_mesh(mesh, given.to_world, faceted || has_edges);
   if (!cleaning) {
     input.plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
@@ -153,6 +178,7 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
 struct MeshPart {
   std::string material;  ///< the name in `usemtl`; empty: none
   Mesh mesh;
+  bool computed_normals;  ///< see ShapeInput
 };
 std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   const auto given = read_parameters<ObjShape>(input);
@@ -168,7 +194,8 @@ std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   std::vector<MeshPart> parts;
   for (ObjGroup& group : model->groups) {
     auto mesh = placed_mesh(input, given, {.mesh = std::move(group.mesh), .faces = std::move(group.faces)});
-    if (mesh && !mesh->triangles.empty()) parts.push_back({group.material.name, std::move(*mesh)});
+    if (mesh && !mesh->triangles.empty())
+      parts.push_back({group.material.name, std::move(*mesh), input.computed_normals});
   }
   if (parts.empty() && !input.context.diagnostics.failed()) warn_of_no_triangles(input, given.filename);
   return parts;
@@ -199,7 +226,7 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
     return std::nullopt;
   }
   const auto scale = uniform_scale(to_world);
-  if (!scale) {
+  if (!always(input, to_world, [](const glm::dmat4& m) { return uniform_scale(m).has_value(); })) {
     plugin.wrong("to_world", "a sphere's transform must scale all directions alike");
     return std::nullopt;
   }
@@ -216,7 +243,8 @@ std::optional<Geometry> read_disk(const ShapeInput& input) {
   PluginReader& plugin = input.plugin;
   const glm::dmat4 to_world = read_parameters<DiskShape>(input).to_world;
   const auto radius = uniform_scale(to_world, 2);
-  if (!radius) return checked(plugin, make_elliptic_disk(to_world));
+  if (!always(input, to_world, [](const glm::dmat4& m) { return uniform_scale(m, 2).has_value(); }))
+    return checked(plugin, make_elliptic_disk(to_world));
   const auto [x_axis, y_axis] = frame_axes(to_world);
   const Disk disk{transform_point(to_world, glm::dvec3(0.0)),
                   glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius, x_axis,
@@ -246,7 +274,8 @@ std::optional<Geometry> read_cylinder(const ShapeInput& input) {
                      {1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x},
                      {b, sign + axis.y * axis.y * a, -axis.y}};
   const auto placed = placed_cylinder(own, given.to_world);
-  if (!placed) {
+  if (!always(input, given.to_world,
+              [&](const glm::dmat4& m) { return placed_cylinder(own, m).has_value(); })) {
     plugin.wrong("to_world", "a cylinder's transform must scale all directions across its axis alike");
     return std::nullopt;
   }
@@ -302,11 +331,14 @@ std::optional<Geometry> read_tessellated(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
   const auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
+  if (!std::is_same_v<Parameters, SdfGridShape> && stretches(input.keys))
+    input.plugin.warn("its radii, which transforms do not change, grow and shrink as it moves");
   auto made = tessellated(input.plugin, given, *file);
   if (!made) {
     report_mesh_error(input, made.error());
     return std::nullopt;
   }
+  input.computed_normals = made->mesh.normals.empty();
   const auto cleaning = place_mesh(made->mesh, made->to_world, false);
   if (!cleaning) {
     input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, cleaning.error().message));
@@ -339,10 +371,11 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
 }  // namespace
 
 ShapeReader::ShapeReader(const Context& context, const FileAccess& files, MaterialReader& materials,
-                         SceneDescription& scene)
+                         Animations& animations, SceneDescription& scene)
     : context_(context),
       files_(files),
       materials_(materials),
+      animations_(animations),
       scene_(scene),
       meshes_(meshes_named(), files, unsigned(core_count()) - 1) {}
 
@@ -369,11 +402,13 @@ void ShapeReader::read(const Object& object) {
     group_of(object);
     return;
   }
-  Holder holder{std::move(scene_.shapes), std::move(scene_.instances), std::move(objects_)};
+  Holder holder{std::move(scene_.shapes), std::move(scene_.instances), std::move(sources_),
+                std::move(instance_objects_)};
   read_into(object, holder);
   scene_.shapes = std::move(holder.shapes);
   scene_.instances = std::move(holder.instances);
-  objects_ = std::move(holder.objects);
+  sources_ = std::move(holder.sources);
+  instance_objects_ = std::move(holder.instance_objects);
 }
 
 void ShapeReader::read_into(const Object& object, Holder& holder) {
@@ -416,7 +451,9 @@ void ShapeReader::read_instance(const Object& object, Holder& holder) {
   if (group == nullptr || group->type != ShapeGroupShape::kPlugin)
     return plugin.wrong("an instance needs a <shape type=\"shapegroup\">, or a <ref> to one");
   const int index = group_of(*group);
-  if (index >= 0) holder.instances.push_back({name_of(object), index, parameters.to_world});
+  if (index < 0) return;
+  holder.instances.push_back({name_of(object), index, parameters.to_world});
+  holder.instance_objects.push_back(&object);
 }
 
 int ShapeReader::group_of(const Object& object) {
@@ -434,7 +471,14 @@ int ShapeReader::group_of(const Object& object) {
   reading_.erase(&object);
   const int index = int(scene_.groups.size());
   scene_.groups.push_back({name_of(object), std::move(holder.shapes), std::move(holder.instances)});
-  group_objects_.push_back(std::move(holder.objects));
+  group_sources_.push_back(std::move(holder.sources));
+  for (const Object* inside : holder.instance_objects)
+    if (!animations_.keys_of(*inside).empty())
+      context_.diagnostics.warn(
+          inside->location,
+          fmt::format("an instance within a group does not move; it is as at {} s, when the "
+                      "shutter opens",
+                      animations_.time()));
   groups_.emplace(&object, index);
   return index;
 }
@@ -453,7 +497,9 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   Shape shape;
   shape.name = name_of(object);
   shape.id = object.id;
-  auto geometry = known->read({context_, files_, meshes_, plugin, shape.flip_normals});
+  Source source{&object};
+  auto geometry = known->read({context_, files_, meshes_, plugin, shape.flip_normals,
+                               animations_.keys_of(object), source.computed_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, shape, scene_);
@@ -467,7 +513,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
   shape.material = materials_.id_of(bsdf);
   holder.shapes.push_back(std::move(shape));
-  holder.objects.push_back(&object);
+  holder.sources.push_back(source);
 }
 
 /// Whether its BSDFs are assigned by name to the materials of its file, as in Mitsuba 0.6: there are several,
@@ -488,7 +534,9 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   Shape whole;
   whole.name = name_of(object);
   whole.id = object.id;
-  std::vector<MeshPart> parts = read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals});
+  Source source{&object};
+  std::vector<MeshPart> parts = read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals,
+                                                animations_.keys_of(object), source.computed_normals});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, whole, scene_);
@@ -516,7 +564,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
     std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
     shape.material = materials_.id_of(bsdf);
     holder.shapes.push_back(std::move(shape));
-    holder.objects.push_back(&object);
+    holder.sources.push_back({&object, part.computed_normals});
   }
   for (const auto& [name, bsdf] : by_name)
     if (!parts.empty() && !used.contains(name))
@@ -524,32 +572,43 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
 }
 
 void ShapeReader::check_textures() const {
-  const auto check = [&](const std::vector<Shape>& shapes, const std::vector<const Object*>& objects) {
+  const auto check = [&](const std::vector<Shape>& shapes, const std::vector<Source>& sources) {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const TextureNeeds missing = missing_for_textures(scene_, shapes[i]);
       const std::string& name = shapes[i].name;
       if (missing.coordinates) {
         context_.diagnostics.warn(
-            objects[i]->location,
+            sources[i].object->location,
             fmt::format("shape '{}' has textures, but no texture coordinates; those of each triangle are its "
                         "barycentric ones",
                         name));
       }
       for (const MeshAttribute attribute : missing.attributes) {
-        const MeshAttributeNames names = mesh_attribute_names(context_, *objects[i]);
+        const MeshAttributeNames names = mesh_attribute_names(context_, *sources[i].object);
         const std::string shown =
             attribute == MeshAttribute::kFaceColour ? "face_" + names.face : "vertex_" + names.vertex;
         const std::string text =
             fmt::format("a texture shows '{}' of the shape '{}', which has none", shown, name);
         if (context_.lenient)
-          context_.diagnostics.warn(objects[i]->location, text + "; it is black");
+          context_.diagnostics.warn(sources[i].object->location, text + "; it is black");
         else
-          context_.diagnostics.error(objects[i]->location, text);
+          context_.diagnostics.error(sources[i].object->location, text);
       }
     }
   };
-  check(scene_.shapes, objects_);
-  for (std::size_t g = 0; g < scene_.groups.size(); ++g) check(scene_.groups[g].shapes, group_objects_[g]);
+  check(scene_.shapes, sources_);
+  for (std::size_t g = 0; g < scene_.groups.size(); ++g) check(scene_.groups[g].shapes, group_sources_[g]);
+}
+
+void ShapeReader::add_motion() {
+  const auto add = [&](int group, const std::vector<Source>& sources) {
+    for (std::size_t i = 0; i < sources.size(); ++i)
+      animations_.add_shape(*sources[i].object, group, i, sources[i].computed_normals);
+  };
+  add(-1, sources_);
+  for (std::size_t g = 0; g < group_sources_.size(); ++g) add(int(g), group_sources_[g]);
+  for (std::size_t i = 0; i < instance_objects_.size(); ++i)
+    animations_.add_instance(*instance_objects_[i], i);
 }
 
 }  // namespace penumbra::mitsuba

@@ -7,6 +7,7 @@
 
 #include "scenes/file_access.h"
 #include "scenes/meshes_ahead.h"
+#include "scenes/mitsuba/animation.h"
 #include "scenes/mitsuba/material_reader.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/scene_description.h"
@@ -16,7 +17,7 @@ namespace penumbra::mitsuba {
 class ShapeReader {
  public:
   ShapeReader(const Context& context, const FileAccess& files, MaterialReader& materials,
-              SceneDescription& scene);
+              Animations& animations, SceneDescription& scene);
 
   /// Reads `object`, a shape of the scene itself, into the scene. Problems are reported. A mesh in which no
   /// triangle has area is left out, with a warning. A shape group becomes visible only through its instances.
@@ -26,12 +27,21 @@ class ShapeReader {
   /// all textures were added to the scene.
   void check_textures() const;
 
+  /// Adds the shapes and instances that move to the animations. Call it when all shapes were read.
+  void add_motion();
+
  private:
+  /// The object from which a shape or an instance was read.
+  struct Source {
+    const Object* object = nullptr;
+    bool computed_normals = false;  ///< those of a mesh are not its file's
+  };
   /// The container to which shapes and instances are added: the scene or a group.
   struct Holder {
     std::vector<Shape> shapes;
     std::vector<ShapeInstance> instances;
-    std::vector<const Object*> objects;  ///< for each shape the object from which it was read
+    std::vector<Source> sources = {};                  ///< for each shape
+    std::vector<const Object*> instance_objects = {};  ///< for each instance
   };
 
   [[nodiscard]] std::vector<MeshRequest> meshes_named() const;
@@ -49,12 +59,14 @@ class ShapeReader {
   const Context& context_;
   const FileAccess& files_;
   MaterialReader& materials_;
+  Animations& animations_;
   SceneDescription& scene_;
   MeshesAhead meshes_;
   std::map<const Object*, int> groups_;
   std::set<const Object*> reading_;
-  std::vector<const Object*> objects_;                     ///< for each of the scene's shapes
-  std::vector<std::vector<const Object*>> group_objects_;  ///< for each of a group's shapes
+  std::vector<Source> sources_;                     ///< for each of the scene's shapes
+  std::vector<const Object*> instance_objects_;     ///< for each of its instances
+  std::vector<std::vector<Source>> group_sources_;  ///< for each of a group's shapes
 };
 
 }  // namespace penumbra::mitsuba

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "scenes/mitsuba/value_reader.h"
+#include "scenes/motion/keyed_transform.h"
 #include "scenes/names.h"
 #include "scenes/number.h"
 #include "scenes/transform.h"
@@ -151,6 +152,7 @@ std::optional<AnimationValue> read_animation(const ElementReader& element) {
   }
   if (!good) return std::nullopt;
   if (animation.keys.empty()) return element.wrong("<animation> holds at least one <transform time=\"…\">");
+  if (const auto keyed = keyed_transform(animation.keys); !keyed) return element.wrong(keyed.error().message);
   return animation;
 }
 

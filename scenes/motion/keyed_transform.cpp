@@ -57,6 +57,11 @@ Expected<KeyedTransform> keyed_transform(std::span<const TransformKey> keys) {
       return fail(fmt::format("key {}: times must ascend: {} comes after {}", i + 1, time, times.back()));
     if (!is_finite(transform)) return fail(fmt::format("key {}: its transform must be finite", i + 1));
     if (is_singular(transform)) return fail(fmt::format("key {}: its transform is singular", i + 1));
+    if (i > 0 && is_mirror(transform) != is_mirror(keys[i - 1].transform))
+      return fail(
+          fmt::format("keys {} and {}: one mirrors and the other does not, so that between them there "
+                      "is a time without any size",
+                      i, i + 1));
     times.push_back(time);
     const PolarParts parts = polar_parts(glm::dmat3(transform));
     result.translation.values.emplace_back(transform[3]);

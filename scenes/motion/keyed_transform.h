@@ -29,7 +29,8 @@ struct TransformKey {
 /// Keys that are matrices. Each is decomposed into a rotation and a symmetric stretch (polar decomposition:
 /// Shoemake and Duff 1992, "Matrix animation and polar decomposition"), and all parts are interpolated
 /// linearly. Errors, which name the key: no keys; times that are not finite or do not ascend; a transform
-/// that is singular or has numbers that are not finite.
+/// that is singular or has numbers that are not finite; one that mirrors while that before it does not, or
+/// the reverse: between them everything would be flattened to nothing.
 Expected<KeyedTransform> keyed_transform(std::span<const TransformKey> keys);
 
 /// A transform whose parent may move as well.

@@ -185,7 +185,7 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
   sky.image = resampled(context, *image);
   sky.scale = float(emitted_scale(context, parameters, location) *
                     factor_of(context, parameters, "illuminance", illuminance_of(*image, file)));
-  sky.to_world = glm::dmat4(glm::dmat3(state.ctm));
+  sky.to_world = glm::dmat4(glm::dmat3(state.ctm.start));
   context.scene.emitters.emplace_back(std::move(sky));
 }
 
@@ -221,7 +221,7 @@ void read_projection(Context& context, TextureReader& textures, Parameters& para
   const int finer = std::max(1, 512 / std::max(image->width, image->height));
   const Beam beam =
       beam_of_texels(finer, [&](const glm::dvec3& colour) { return balanced(context, colour); });
-  add_beam(context, textures, file, beam, glm::dvec3(factor * strength), state.ctm, location);
+  add_beam(context, textures, file, beam, glm::dvec3(factor * strength), state.ctm.start, location);
 }
 
 void read_goniometric(Context& context, TextureReader& textures, Parameters& parameters,
@@ -233,7 +233,7 @@ void read_goniometric(Context& context, TextureReader& textures, Parameters& par
     strength *= factor_of(context, parameters, "power", 4 * kPi);
     PunctualLight light;
     light.strength = glm::vec3(strength);
-    light.position = transform_point(state.ctm, glm::dvec3(0.0));
+    light.position = transform_point(state.ctm.start, glm::dvec3(0.0));
     return add_punctual_light(light, context.scene);
   }
   const auto image = textures.image(file, parameters.location("filename", location));
@@ -262,7 +262,7 @@ void read_goniometric(Context& context, TextureReader& textures, Parameters& par
       const Beam beam = beam_of(side, side, 1.0, [&](int, int, const glm::dvec3& at) {
         return directions.towards(glm::dmat3(face) * at);
       });
-      add_beam(context, textures, file, beam, strength, state.ctm * exchanged * face, location);
+      add_beam(context, textures, file, beam, strength, state.ctm.start * exchanged * face, location);
     }
 }
 

@@ -19,7 +19,8 @@ void read_point(Context& context, Parameters& parameters, const GraphicsState& s
   PunctualLight light;
   light.strength = emitted(context, parameters, "I", location);
   light.strength *= float(factor_of(context, parameters, "power", 4 * kPi));
-  light.position = transform_point(state.ctm, parameters.point("from", glm::dvec3(0.0), context.report));
+  light.position =
+      transform_point(state.ctm.start, parameters.point("from", glm::dvec3(0.0), context.report));
   add_punctual_light(light, context.scene);
 }
 
@@ -28,8 +29,8 @@ std::optional<glm::dvec3> direction_of(Context& context, Parameters& parameters,
                                        SourceLocation location, glm::dvec3& from) {
   from = parameters.point("from", glm::dvec3(0.0), context.report);
   const glm::dvec3 to = parameters.point("to", glm::dvec3(0.0, 0.0, 1.0), context.report);
-  const glm::dvec3 way = transform_vector(state.ctm, to - from);
-  from = transform_point(state.ctm, from);
+  const glm::dvec3 way = transform_vector(state.ctm.start, to - from);
+  from = transform_point(state.ctm.start, from);
   if (glm::length(way) > 0.0 && glm::length(way) < 1e150) return glm::normalize(way);
   context.report.error(location, "'from' and 'to' of a light must differ");
   return std::nullopt;

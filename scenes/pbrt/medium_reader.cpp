@@ -167,7 +167,7 @@ std::optional<glm::dmat4> MediumReader::grid_place(Parameters& parameters, const
   const glm::dvec3 a = parameters.point("p0", glm::dvec3(0.0), context_.report),
                    b = parameters.point("p1", glm::dvec3(1.0), context_.report);
   const glm::dvec3 low = glm::min(a, b);
-  const glm::dmat4 to_world = state.ctm * translation(low) * scaling(glm::max(a, b) - low);
+  const glm::dmat4 to_world = state.ctm.start * translation(low) * scaling(glm::max(a, b) - low);
   if (!is_singular(to_world)) return to_world;
   context_.report.error(location, "the box of this grid, from p0 to p1, is flat");
   return std::nullopt;
@@ -321,7 +321,7 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
       report.error(place, fmt::format("'{}' holds {}; densities must be at least 0", name, value));
       return std::nullopt;
     }
-  const glm::dmat4 to_world = state.ctm * translation(file->low) * scaling(file->high - file->low);
+  const glm::dmat4 to_world = state.ctm.start * translation(file->low) * scaling(file->high - file->low);
   if (is_singular(to_world)) {
     report.error(place, fmt::format("the box of '{}' is flat", name));
     return std::nullopt;

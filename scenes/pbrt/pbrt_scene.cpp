@@ -96,12 +96,16 @@ class SceneParser {
 
   // --- Transforms
 
-  void identity(const Token&) { state_.ctm = glm::dmat4(1.0); }
+  void identity(const Token&) {
+    state_.active.change(state_.ctm, [](const glm::dmat4&) { return glm::dmat4(1.0); });
+  }
   void set_transform(const Token& token) {
-    if (const auto m = read_transform(token, tokens_, report_)) state_.ctm = *m;
+    if (const auto m = read_transform(token, tokens_, report_))
+      state_.active.change(state_.ctm, [&](const glm::dmat4&) { return *m; });
   }
   void concat_transform(const Token& token) {
-    if (const auto m = read_transform(token, tokens_, report_)) state_.ctm = state_.ctm * *m;
+    if (const auto m = read_transform(token, tokens_, report_))
+      state_.active.change(state_.ctm, [&](const glm::dmat4& before) { return before * *m; });
   }
   void coordinate_system(const Token&) { systems_[quoted("a name")] = state_.ctm; }
   void coord_sys_transform(const Token& token) {
@@ -111,11 +115,30 @@ class SceneParser {
       return report_.error(token.location, fmt::format("there is no coordinate system '{}'", name));
     state_.ctm = found->second;
   }
-  void active_transform(const Token& token) {
-    tokens_.next();
-    report_.warn_counted(token.location, "ActiveTransform is ignored: everything is where it ends up");
+  void active_transform(const Token&) {
+    const Token which = tokens_.next();
+    const bool all = which.text == "All";
+    if (which.kind == TokenKind::kWord && (all || which.text == "StartTime" || which.text == "EndTime"))
+      state_.active = {all || which.text == "StartTime", all || which.text == "EndTime"};
+    else
+      report_.error(which.location, "ActiveTransform is StartTime, EndTime or All");
   }
-  void transform_times(const Token&) { static_cast<void>(read_numbers(2, tokens_, report_)); }
+  void transform_times(const Token& token) {
+    const auto times = read_numbers(2, tokens_, report_);
+    if (!times) return;
+    if (world_) return report_.error(token.location, "TransformTimes belongs before WorldBegin");
+    if (!((*times)[1] > (*times)[0]))
+      return report_.error(
+          token.location,
+          fmt::format("TransformTimes: the end, {}, must be after the start, {}", (*times)[1], (*times)[0]));
+    context_.motion.set_times((*times)[0], (*times)[1]);
+  }
+  /// As in pbrt, only shapes, objects and the camera move.
+  void warn_of_motion(const Token& token, const char* what) {
+    if (state_.ctm.moves())
+      report_.warn_counted(token.location,
+                           fmt::format("{} do not move, as in pbrt: they are as at the start", what));
+  }
 
   // --- Blocks
 
@@ -185,17 +208,21 @@ class SceneParser {
     if (world_) return report_.error(token.location, "a second WorldBegin");
     world_ = true;
     check_exposure(context_, token.location);
-    state_.ctm = glm::dmat4(1.0);
+    state_.ctm = {};
+    state_.active = {};
     systems_["world"] = state_.ctm;
   }
   void camera(const Token& token) {
     camera_.type = quoted("a type");
     camera_.parameters = parameters();
     camera_.camera_from_world = state_.ctm;
+    const auto inverse = [](const glm::dmat4& m) {
+      return is_singular(m) ? glm::dmat4(1.0) : glm::inverse(m);
+    };
     camera_.media = state_.media;
     camera_.location = token.location;
     read_shutter(context_, camera_);
-    systems_["camera"] = is_singular(state_.ctm) ? glm::dmat4(1.0) : glm::inverse(state_.ctm);
+    systems_["camera"] = {inverse(state_.ctm.start), inverse(state_.ctm.end)};
   }
   void film(const Token& token) {
     if (state_.colour_space != "srgb")
@@ -240,7 +267,8 @@ class SceneParser {
   }
   void texture(const Token& token) {
     const std::string name = quoted("a name"), kind = quoted("float or spectrum"), type = quoted("a type");
-    textures_.read(name, kind, type, parameters_with("texture"), state_.ctm, token.location);
+    warn_of_motion(token, "textures");
+    textures_.read(name, kind, type, parameters_with("texture"), state_.ctm.start, token.location);
   }
   void material(const Token& token) {
     const std::string type = quoted("a type");
@@ -263,7 +291,9 @@ class SceneParser {
   void light_source(const Token& token) {
     const std::string type = quoted("a type");
     Parameters given = parameters_with("light");
-    if (in_world(token)) read_light(context_, textures_, type, given, state_, token.location);
+    if (!in_world(token)) return;
+    warn_of_motion(token, "lights");
+    read_light(context_, textures_, type, given, state_, token.location);
   }
   void area_light_source(const Token& token) {
     const std::string type = quoted("a type");
@@ -279,6 +309,7 @@ class SceneParser {
   void make_named_medium(const Token& token) {
     const std::string name = quoted("a name");
     Parameters given = parameters_with("medium");
+    warn_of_motion(token, "media");
     media_.make(name, given, state_, token.location);
   }
   /// A single name stands for both sides, as in pbrt.
@@ -310,6 +341,7 @@ class SceneParser {
       shapes_.finish();
       context_.scene.camera_medium = media_.install(camera_.media.outside, camera_.media.location);
       if (media_.any_installed()) follow_media();
+      context_.motion.install(context_.scene);
     }
     textures_.install();
   }
@@ -351,7 +383,7 @@ class SceneParser {
   GraphicsState state_;
   std::vector<Block> stack_;
   std::vector<Import> imports_;
-  std::map<std::string, glm::dmat4> systems_;
+  std::map<std::string, TransformPair> systems_;
   CameraDirective camera_;
   bool world_ = false;
   IntegratorDirective integrator_;  ///< pbrt's default is volpath

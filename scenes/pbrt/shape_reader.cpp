@@ -365,7 +365,9 @@ void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const
       mesh != nullptr && use.faces != Faces::kWhole &&
       (mesh->texcoords.empty() || (state.area_light != nullptr && state.area_light->power));
   const std::vector<glm::uvec3> before = has_faces ? mesh->triangles : std::vector<glm::uvec3>();
-  if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
+  const auto placement = context_.motion.place(state.ctm, location, context_.report);
+  if (!placement || !place(shape, *placement, state.ctm, type == "loopsubdiv", location)) return;
+  use.placement = *placement;
   if (has_faces) use.origins = origins_of(before, mesh->triangles);
   if (state.area_light != nullptr)
     add_lights(std::move(shape), use, *state.area_light);
@@ -420,7 +422,8 @@ void ShapeReader::end_object() {
   object_ = -1;
 }
 
-void ShapeReader::place_object(const std::string& name, const glm::dmat4& to_world, SourceLocation location) {
+void ShapeReader::place_object(const std::string& name, const TransformPair& to_world,
+                               SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto found = objects_.find(name);
   if (found == objects_.end()) {
@@ -432,18 +435,36 @@ void ShapeReader::place_object(const std::string& name, const glm::dmat4& to_wor
   std::vector<ShapeInstance>& instances = context_.scene.instances;
   if (instances.size() >= kMaxInstances)
     return report.error(location, fmt::format("more than {} instances", kMaxInstances));
-  if (is_singular(to_world))
+  if (is_singular(to_world.start) || is_singular(to_world.end))
     return report.error(location, fmt::format("the transform of this instance of '{}' flattens it", name));
-  instances.push_back({fmt::format("{} at {}", name, describe(location)), found->second, to_world});
+  const auto placement = context_.motion.place(to_world, location, report);
+  if (!placement) return;
+  if (placement->node >= 0)
+    context_.motion.motion.instances.push_back({instances.size(), {placement->node, glm::dmat4(1.0)}});
+  instances.push_back({fmt::format("{} at {}", name, describe(location)), found->second, placement->shown});
 }
 
 void ShapeReader::finish() {
   finish_curves();
   SceneDescription& scene = context_.scene;
-  for (std::size_t i = 0; i < uses_.size(); ++i) finish(scene.shapes[i], uses_[i]);
+  const auto finish_all = [&](int group, std::vector<Shape>& shapes, std::vector<Use>& uses) {
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      finish(shapes[i], uses[i]);
+      if (uses[i].placement.node >= 0) move(group, i, shapes[i], uses[i]);
+    }
+  };
+  finish_all(-1, scene.shapes, uses_);
   for (std::size_t g = 0; g < group_uses_.size(); ++g)
-    for (std::size_t i = 0; i < group_uses_[g].size(); ++i)
-      finish(scene.groups[g].shapes[i], group_uses_[g][i]);
+    finish_all(int(g), scene.groups[g].shapes, group_uses_[g]);
+}
+
+void ShapeReader::move(int group, std::size_t index, const Shape& shape, const Use& use) {
+  // A mesh that was made smooth has its normals.
+  context_.motion.motion.shapes.push_back(
+      {.group = group, .shape = index, .rest = shape.geometry, .place = use.placement.place()});
+  if (shape.radiance)
+    context_.report.warn_counted(use.location,
+                                 "area lights on shapes that move, move with them; pbrt refuses them");
 }
 
 TexturedNumber ShapeReader::alpha_of(const Use& use) {
@@ -557,12 +578,17 @@ void ShapeReader::map_textures(Shape& shape, const Use& use) {
                          fmt::format("the textures of '{}' are mapped in different ways", shape.name),
                          "they are mapped as the first that is not by uv");
   }
+  if (use.placement.node >= 0)
+    report.warn_counted(use.location, "textures mapped by position move with their shapes");
   map_mesh(*mesh, *mapping);
 }
 
 /// Transforms the shape to world space, or to the space of its object. A mesh without normals becomes
-/// `smooth` or faceted. Returns whether it can be rendered.
-bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
+/// `smooth` or faceted. Returns whether it can be rendered. `keys`: the same transform at the start and at
+/// the end; a shape that one of them makes another kind is a mesh at all times.
+bool ShapeReader::place(Shape& shape, const Placement& placement, const TransformPair& keys, bool smooth,
+                        SourceLocation location) {
+  const glm::dmat4& to_world = placement.shown;
   ReaderReport& report = context_.report;
   const auto wrong = [&](std::string_view message) {
     report.error(location, message);
@@ -571,7 +597,8 @@ bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, S
   if (is_singular(to_world)) return wrong("the transform of this shape flattens it");
   if (++shape_count_ > kMostShapes || triangles_ > kMostTriangles)
     return wrong(fmt::format("more than {} shapes or {} triangles", kMostShapes, kMostTriangles));
-  if (is_stretched(shape.geometry, to_world)) shape.geometry = mesh_of(shape.geometry);
+  for (const glm::dmat4& each : {to_world, keys.start, keys.end})
+    if (is_stretched(shape.geometry, each)) shape.geometry = mesh_of(shape.geometry);
   const auto [x_axis, y_axis] = frame_axes(to_world);
   if (auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     const bool faceted = mesh->normals.empty() && !smooth;

@@ -29,7 +29,7 @@ class ShapeReader {
   void begin_object(const std::string& name, SourceLocation location);
   void end_object();
   [[nodiscard]] bool in_object() const { return object_ >= 0; }
-  void place_object(const std::string& name, const glm::dmat4& to_world, SourceLocation location);
+  void place_object(const std::string& name, const TransformPair& to_world, SourceLocation location);
 
   /// Assigns materials and media to all shapes. Call it when both are known.
   void finish();
@@ -59,6 +59,7 @@ class ShapeReader {
     MediumNames media;
     SourceLocation location;
     std::vector<TriangleOrigin> origins = {};  ///< of a mesh without texture coordinates
+    Placement placement = {};
   };
   /// Consecutive curves with the same graphics state. They become one mesh when another shape follows.
   struct Curves {
@@ -70,12 +71,14 @@ class ShapeReader {
   void add_lights(Shape shape, const Use& use, const AreaLight& light);
   void add_part(Shape shape, Use use);
   void finish_curves();
-  bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
+  bool place(Shape& shape, const Placement& placement, const TransformPair& keys, bool smooth,
+             SourceLocation location);
   void make_emit(Shape& shape, const AreaLight& light, double area);
   void cut_emission(Shape& shape, const Use& use, const TexturedNumber& alpha);
   void set_coordinates(Shape& shape, const Use& use);
   TexturedNumber alpha_of(const Use& use);
   void finish(Shape& shape, Use& use);
+  void move(int group, std::size_t index, const Shape& shape, const Use& use);
   void map_textures(Shape& shape, const Use& use);
   std::pair<int, int> materials_of(const Use& use, const TexturedNumber& alpha);
   std::vector<Shape>& shapes();

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scenes/material_tree.h"
+#include "scenes/pbrt/active_transform.h"
 #include "scenes/pbrt/parameters.h"
 #include "scenes/reader_report.h"
 
@@ -49,7 +50,8 @@ struct AreaLight {
 };
 
 struct GraphicsState {
-  glm::dmat4 ctm{1.0};
+  TransformPair ctm;
+  ActiveTransforms active;
   bool reverse_orientation = false;
   int material = kDefaultMaterial;  ///< number of MaterialReader
   std::string material_name = "default";
@@ -71,6 +73,7 @@ struct Context {
   const FileAccess& files;
   std::filesystem::path folder;
   SceneDescription& scene;
+  MotionReader motion = {};
   double shutter_time = 1.0;  ///< of the camera
   double sensitivity = 1.0;   ///< of the film, by its iso
   glm::dmat3 balance{1.0};    ///< of the film: its white balance, which the lights get

@@ -93,6 +93,7 @@ void read_shutter(Context& context, CameraDirective& camera) {
   const double open = camera.parameters.number("shutteropen", 0.0, report),
                close = camera.parameters.number("shutterclose", 1.0, report);
   context.shutter_time = std::abs(close - open);  // pbrt swaps them
+  context.motion.show_at(std::min(open, close));
   if (context.shutter_time > 0.0 && context.shutter_time < 1e30) return;
   report.error(
       camera.parameters.location("shutterclose", camera.location),
@@ -181,6 +182,42 @@ std::optional<StraightCamera> straightened(const CameraAxes& axes, const Window&
   return result;
 }
 
+/// Makes the camera, as it was read, move. A stretch that grows changes lens, focus and an orthographic view
+/// as linearly.
+void move_camera(Context& context, const TransformPair& keys, int node, SourceLocation location) {
+  const CameraSettings& shown = context.scene.camera;
+  const auto wrong = [&](const char* message) { context.report.error(location, message); };
+  const glm::dmat4 to_right =
+      scaling(glm::dvec3(-1.0, 1.0, 1.0));  // pbrt's +x points to the right of the image
+  MovingCamera moving{{node, to_right}};
+  glm::dvec3 sizes[2];
+  for (int i = 0; i < 2; ++i) {
+    const glm::dmat4& key = i == 0 ? keys.start : keys.end;
+    if (!without_scale(key)) return wrong("the transform of a camera that moves must not shear its film");
+    for (int axis = 0; axis < 3; ++axis) sizes[i][axis] = glm::length(glm::dvec3(key[axis]));
+  }
+  const bool parallel = shown.projection == Projection::kOrthographic;
+  const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); };
+  if (!parallel && !(same(sizes[0].x / sizes[0].z, sizes[1].x / sizes[1].z) &&
+                     same(sizes[0].y / sizes[0].z, sizes[1].y / sizes[1].z)))
+    return wrong("the transform of a camera that moves must not change its angle of view");
+  const auto& node_keys = context.motion.motion.nodes[std::size_t(node)].keys;
+  const glm::dmat4 now = transform_at(*node_keys, context.motion.motion.default_time);
+  const auto scaled = [&](double value, int axis, std::optional<KeyedValue<double>>& to) {
+    if (same(sizes[0][axis], sizes[1][axis])) return;
+    const double one = value / glm::length(glm::dvec3(now[axis]));
+    to = KeyedValue<double>{.times = node_keys->translation.times,
+                            .values = {one * sizes[0][axis], one * sizes[1][axis]}};
+  };
+  scaled(shown.aperture_radius, 0, moving.aperture_radius);
+  scaled(shown.focus_distance, 2, moving.focus_distance);
+  if (parallel) {
+    scaled(shown.scale_x, 0, moving.scale_x);
+    scaled(shown.scale_y, 1, moving.scale_y);
+  }
+  context.motion.motion.camera = std::move(moving);
+}
+
 }  // namespace
 
 void read_camera(Context& context, CameraDirective& camera) {
@@ -188,8 +225,12 @@ void read_camera(Context& context, CameraDirective& camera) {
   CameraSettings& ours = context.scene.camera;
   Parameters& parameters = camera.parameters;
   const SourceLocation location = camera.location;
-  if (is_singular(camera.camera_from_world))
+  const auto& [at_start, at_end] = camera.camera_from_world;
+  if (is_singular(at_start) || is_singular(at_end))
     return report.error(location, "the camera's transform flattens everything");
+  const TransformPair keys{glm::inverse(at_start), glm::inverse(at_end)};
+  const auto placed = context.motion.place(keys, location, report);
+  if (!placed) return;
   ours.near_clip = 1e-2;
   ours.far_clip = 1e30;
   const bool orthographic = camera.type == "orthographic";
@@ -212,7 +253,7 @@ void read_camera(Context& context, CameraDirective& camera) {
   // through the film: it is a perspective camera whose window is in the plane of focus.
   const bool parallel = orthographic && lens == 0.0;
   const double tangent = orthographic ? 1.0 / focus : std::tan(fov * std::numbers::pi / 360.0);
-  const glm::dmat4 to_world = glm::inverse(camera.camera_from_world);
+  const glm::dmat4& to_world = placed->shown;
   const CameraAxes axes{glm::dvec3(to_world[0]), glm::dvec3(to_world[1]), glm::dvec3(to_world[2]),
                         glm::dvec3(to_world[3])};
   const auto straight = straightened(axes, *window, parallel, tangent);
@@ -246,6 +287,7 @@ void read_camera(Context& context, CameraDirective& camera) {
     report.warn(location, "the transform makes the lens an ellipse; it is a disk as wide");
   ours.aperture_radius = lens * right;
   ours.focus_distance = focus * straight->depth;
+  if (placed->node >= 0) move_camera(context, keys, placed->node, location);
   parameters.finish("the camera", report);
 }
 

@@ -9,7 +9,7 @@ namespace penumbra::pbrt {
 struct CameraDirective {
   std::string type = "perspective";
   Parameters parameters;
-  glm::dmat4 camera_from_world{1.0};
+  TransformPair camera_from_world;
   MediumNames media;
   SourceLocation location;
 };
