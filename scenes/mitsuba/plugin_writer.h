@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "scenes/mitsuba/texture_reader.h"
+#include "scenes/motion/keyed_transform.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
@@ -75,14 +77,23 @@ class XmlText {
   [[nodiscard]] int least_texture() const { return least_texture_; }
   void append(const XmlText& other) { text_ += other.text_; }
   void transform(std::string_view name, const glm::dmat4& m) {
-    std::string rows;
-    for (int i = 0; i < 4; ++i)
-      for (int k = 0; k < 4; ++k) rows += fmt::format("{}{}", rows.empty() ? "" : " ", m[k][i]);
-    line(fmt::format("<transform name=\"{}\"><matrix value=\"{}\"/></transform>", name, rows));
+    line(fmt::format("<transform name=\"{}\"><matrix value=\"{}\"/></transform>", name, rows_of(m)));
+  }
+  void animation(std::string_view name, std::span<const TransformKey> keys) {
+    line(fmt::format("<animation name=\"{}\">", name));
+    for (const auto& [time, m] : keys)
+      line(fmt::format("  <transform time=\"{}\"><matrix value=\"{}\"/></transform>", time, rows_of(m)));
+    line("</animation>");
   }
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
+  static std::string rows_of(const glm::dmat4& m) {
+    std::string rows;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 4; ++k) rows += fmt::format("{}{}", rows.empty() ? "" : " ", m[k][i]);
+    return rows;
+  }
   void tell(std::string_view parameter) const {
     if (on_use_ && !tags_.empty()) on_use_(tags_.back(), types_.back(), parameter);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +19,7 @@
 #include "scenes/mitsuba/mitsuba3_limits.h"
 #include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/mitsuba/written_motion.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"
@@ -49,19 +51,23 @@ class SceneWriter {
       const std::vector<Shape>& shapes = scene_.groups[i].shapes;
       if (std::ranges::all_of(shapes, emits)) continue;
       xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
-      for (const Shape& shape : shapes) {
-        if (emits(shape)) continue;
-        if (auto done = put_shape(shape, false); !done) return std::unexpected(done.error());
+      for (std::size_t k = 0; k < shapes.size(); ++k) {
+        if (emits(shapes[k])) continue;
+        if (auto done = put_shape(shapes[k], course_of({}, int(i), k), false); !done)
+          return std::unexpected(done.error());
       }
       xml_.close();
     }
-    for (const std::vector<Shape>* shapes : {&scene_.shapes, &*emitters})
-      for (const Shape& shape : *shapes)
-        if (auto done = put_shape(shape); !done) return std::unexpected(done.error());
+    for (std::size_t k = 0; k < scene_.shapes.size(); ++k)
+      if (auto done = put_shape(scene_.shapes[k], course_of({}, -1, k)); !done)
+        return std::unexpected(done.error());
+    if (auto done = put_placed_emitters(*placed, *emitters); !done) return std::unexpected(done.error());
     for (const PlacedGroup& each : *placed)
       if (!std::ranges::all_of(scene_.groups[std::size_t(each.group)].shapes, emits)) put_instance(each);
-    for (const Emitter& emitter : scene_.emitters)
-      if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done)
+    if (std::ranges::any_of(scene_.instances, &ShapeInstance::hidden))
+      remark(fmt::format("instances without a size at {} s are left out", scene_.time));
+    for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+      if (auto done = std::visit([&](const auto& e) { return put_emitter(e, i); }, scene_.emitters[i]); !done)
         return std::unexpected(done.error());
     files_.push_back({file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n"});
     return std::move(files_);
@@ -213,6 +219,103 @@ class SceneWriter {
     xml_.close();
   }
 
+  void remark(std::string text) {
+    if (std::ranges::find(refused_, text) == refused_.end()) refused_.push_back(std::move(text));
+  }
+
+  /// Writes a transform over time, or if it does not change a plain one.
+  void put_motion(const std::function<glm::dmat4(double)>& at, std::span<const double> times,
+                  std::string_view what) {
+    const auto made = written_keys(at, times);
+    if (!made)
+      remark(fmt::format("{} is as at {} s: its motion is none for keys of matrices: {}", what, scene_.time,
+                         made.error().message));
+    const bool moves = made && std::ranges::any_of(made->keys, [&](const TransformKey& key) {
+                         return key.transform != made->keys.front().transform;
+                       });
+    if (!moves) return xml_.transform("to_world", affine(at(scene_.time)));
+    remark("Mitsuba 3 has no <animation>, which was in Mitsuba 0.6");
+    if (!made->exact) remark(fmt::format("between its keys the motion of {} is approximate", what));
+    xml_.animation("to_world", made->keys);
+  }
+  /// The same for what is placed by `end` on a course.
+  void put_motion(const Course& course, const glm::dmat4& end, std::string_view what) {
+    const SceneMotion& motion = *scene_.motion;
+    put_motion([&](double time) { return course.at(motion, time) * end; }, course.times(motion), what);
+  }
+
+  /// A shape that moves.
+  struct MovingCourse : Course {
+    Geometry geometry;       ///< a mesh: at the course's end
+    glm::dmat4 end{1.0};     ///< from another geometry's space to the course's end
+    bool is_smooth = false;  ///< a mesh without normals gets some when it is read
+  };
+  /// That of a shape of a group, or of the scene, from the end of the course before it. Nothing if neither
+  /// moves, or if the shape deforms.
+  std::optional<MovingCourse> course_of(Course before, int group, std::size_t index) {
+    if (scene_.motion == nullptr) return std::nullopt;
+    const auto found = std::ranges::find_if(scene_.motion->shapes, [&](const MovingShape& moving) {
+      return moving.group == group && moving.shape == index;
+    });
+    const bool is_own = found != scene_.motion->shapes.end();
+    if (!is_own && before.steps.empty()) return std::nullopt;
+    const Shape& shape = (group < 0 ? scene_.shapes : scene_.groups[std::size_t(group)].shapes)[index];
+    if (is_own && found->deformation != nullptr) {
+      remark(fmt::format("the mesh '{}' deforms; it is as at {} s", shape.name, scene_.time));
+      return std::nullopt;
+    }
+    MovingCourse course;
+    course.steps = std::move(before.steps);
+    course.geometry = is_own ? found->rest : shape.geometry;
+    course.is_smooth = is_own && !found->is_faceted;
+    if (is_own) course.steps.push_back(found->place);
+    const bool mirrors = is_mirror(course.at(*scene_.motion, scene_.time));
+    const glm::dmat4 end = course.take_end();
+    if (auto* mesh = std::get_if<Mesh>(&course.geometry)) {
+      for (glm::dvec3& p : mesh->positions) p = transform_point(end, p);
+      const glm::dmat3 matrix = normal_matrix(end);
+      for (glm::vec3& n : mesh->normals) n = glm::vec3(glm::normalize(matrix * glm::dvec3(n)));
+      // The reader keeps the winding of meshes without normals, whatever mirrors them.
+      if (mesh->normals.empty() && mirrors)
+        for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
+    } else {
+      course.end = end;
+    }
+    return course;
+  }
+
+  /// The place of an instance that moves, and of a group inside it.
+  [[nodiscard]] Course course_of(const PlacedGroup& placed) const {
+    if (scene_.motion == nullptr) return {};
+    for (const MovingInstance& moving : scene_.motion->instances)
+      if (moving.instance == placed.instance) {
+        const glm::dmat4& now = scene_.instances[placed.instance].to_world;
+        Course course{{moving.place}};
+        if (placed.to_world != now) course.steps.push_back({-1, glm::inverse(now) * placed.to_world});
+        return course;
+      }
+    return {};
+  }
+
+  /// `emitters`: see placed_emitters.
+  Expected<void> put_placed_emitters(std::span<const PlacedGroup> placed, std::span<const Shape> emitters) {
+    std::size_t next = 0;
+    for (const PlacedGroup& place : placed) {
+      const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
+      for (std::size_t k = 0; k < shapes.size(); ++k) {
+        if (!emits(shapes[k])) continue;
+        Course before = course_of(place);
+        auto course = course_of(before, place.group, k);
+        if (course && before.steps.empty()) {  // an instance that does not move, of a shape that does
+          before.steps.push_back({-1, place.to_world});
+          course = course_of(std::move(before), place.group, k);
+        }
+        if (auto done = put_shape(emitters[next++], std::move(course)); !done) return done;
+      }
+    }
+    return {};
+  }
+
   void put_medium(int index, std::string_view name) {
     if (index != kNoMedium) xml_.reference(fmt::format("medium-{}", index), name);
   }
@@ -235,8 +338,7 @@ class SceneWriter {
       const bool of_lens = name.starts_with("blade") || name.starts_with("refocus");
       if (lens || !of_lens) put_setting(setting, plain, name);
     }
-    xml_.transform("to_world",
-                   flat ? camera.to_world * scaling({camera.scale_x, camera.scale_y, 1.0}) : camera.to_world);
+    put_camera_place(flat);
     // Mitsuba 3's name of the sampler. Only Sobol's differs, and Halton points are no longer available there.
     const bool sobol = scene_.sampler.kind == SamplerKind::kSobol;
     xml_.open("sampler", sobol ? "ldsampler" : print_setting(scene_, "sampler.type"));
@@ -246,6 +348,36 @@ class SceneWriter {
     put_film(plain);
     put_medium(scene_.camera_medium, "medium");
     xml_.close();
+  }
+
+  void put_camera_place(bool flat) {
+    const CameraSettings& camera = scene_.camera;
+    if (scene_.motion != nullptr && scene_.time != 0.0)
+      for (const char* name : {"shutter_open", "shutter_close"})
+        xml_.value("float", name, fmt::format("{}", scene_.time));
+    const auto placed = [&](const glm::dmat4& frame, double x, double y) {
+      return flat ? frame * scaling({x, y, 1.0}) : frame;
+    };
+    const glm::dmat4 now = placed(camera.to_world, camera.scale_x, camera.scale_y);
+    if (scene_.motion == nullptr || !scene_.motion->camera) return xml_.transform("to_world", now);
+    const MovingCamera& moving = *scene_.motion->camera;
+    const Course course{{moving.place}};
+    std::vector<double> times = course.times(*scene_.motion);
+    if (flat)
+      for (const auto* keys : {&moving.scale_x, &moving.scale_y})
+        if (*keys) times.insert(times.end(), (*keys)->times.begin(), (*keys)->times.end());
+    std::ranges::sort(times);
+    times.erase(std::ranges::unique(times).begin(), times.end());
+    const auto at = [&](double time) {
+      const auto frame = without_scale(course.at(*scene_.motion, time));
+      const auto scale = [&](const auto& keys, double value) { return keys ? value_at(*keys, time) : value; };
+      return placed(frame ? *frame : camera.to_world, scale(moving.scale_x, camera.scale_x),
+                    scale(moving.scale_y, camera.scale_y));
+    };
+    put_motion(at, times, "the sensor");
+    const auto varies = [](const auto& keys) { return keys && keys->varies(); };
+    if (varies(moving.fov) || varies(moving.focus_distance) || varies(moving.aperture_radius))
+      remark(fmt::format("the sensor's angle of view, focus and aperture are as at {} s", scene_.time));
   }
 
   void put_film(const RenderSettings& plain) {
@@ -475,36 +607,66 @@ class SceneWriter {
 
   void put_instance(const PlacedGroup& placed) {
     xml_.open("shape", InstanceShape::kPlugin);
-    xml_.transform("to_world", placed.to_world);
+    if (const Course course = course_of(placed); !course.steps.empty())
+      put_motion(course, glm::dmat4(1.0),
+                 fmt::format("the instance '{}'", scene_.instances[placed.instance].name));
+    else
+      xml_.transform("to_world", placed.to_world);
     xml_.reference(fmt::format("group-{}", placed.group));
     xml_.close();
   }
 
   /// Groups have no emitters; black ones are left out there.
-  Expected<void> put_shape(const Shape& shape, bool with_emitter = true) {
+  Expected<void> put_shape(const Shape& shape, const std::optional<MovingCourse>& course,
+                           bool with_emitter = true) {
+    const Geometry& geometry = course ? course->geometry : shape.geometry;
+    const std::string what = fmt::format("the shape '{}'", shape.name);
+    // Writes the frame of a shape, and returns where in it the shape is. If the shape moves, its centre is
+    // not put into the keys: a translation before a turn would be interpolated otherwise.
+    const auto put_frame = [&](const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z, double size,
+                               const glm::dvec3& at, bool has_center) {
+      glm::dmat4 frame(glm::dvec4(size * x, 0), glm::dvec4(size * y, 0), glm::dvec4(size * z, 0),
+                       glm::dvec4(at, 1));
+      if (!course) return xml_.transform("to_world", frame), glm::dvec3(0.0);
+      frame = course->end * frame;
+      glm::dvec3 center(0.0);
+      if (has_center) {
+        center = glm::inverse(glm::dmat3(frame)) * glm::dvec3(frame[3]);
+        frame[3] = glm::dvec4(0, 0, 0, 1);
+      }
+      return put_motion(*course, frame, what), center;
+    };
     bool flipped = shape.flip_normals;
     const std::string own = shape.id.empty() ? "" : new_id(shape.id, fmt::format("shape-{}", ids_.size())),
                       id = own.empty() ? "" : fmt::format(" id=\"{}\"", escaped(own));
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
       const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
       files_.push_back({file_.parent_path() / name, ply_of(*mesh)});
       xml_.open("shape", PlyShape::kPlugin, id);
       xml_.value("string", "filename", name);
-      if (mesh->normals.empty()) xml_.value("boolean", "face_normals", "true");
-    } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+      if (mesh->normals.empty() && !(course && course->is_smooth))
+        xml_.value("boolean", "face_normals", "true");
+      if (course) put_motion(*course, glm::dmat4(1.0), what);
+    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
       xml_.open("shape", SphereShape::kPlugin, id);
-      put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center);
+      const glm::dvec3 center =
+          put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center, true);
+      if (center != glm::dvec3(0.0))
+        xml_.value("point", "center", fmt::format("{}, {}, {}", center.x, center.y, center.z));
       xml_.value("float", "radius", fmt::format("{}", sphere->radius));
       // The reader turns it inside out if its transform mirrors.
       if (glm::dot(glm::cross(sphere->x_axis, sphere->y_axis), sphere->z_axis) < 0) flipped = !flipped;
-    } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+      if (course && is_mirror(course->at(*scene_.motion, scene_.time) * course->end)) flipped = !flipped;
+    } else if (const auto* disk = std::get_if<Disk>(&geometry)) {
       xml_.open("shape", DiskShape::kPlugin, id);
-      put_frame(disk->x_axis, disk->y_axis, disk->normal, disk->radius, disk->center);
-    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+      put_frame(disk->x_axis, disk->y_axis, disk->normal, disk->radius, disk->center, false);
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
       xml_.open("shape", CylinderShape::kPlugin, id);
-      put_frame(cylinder->x_axis, cylinder->y_axis, cylinder->axis, 1.0, cylinder->center);
+      const glm::dvec3 p0 =
+          put_frame(cylinder->x_axis, cylinder->y_axis, cylinder->axis, 1.0, cylinder->center, true);
       xml_.value("float", "radius", fmt::format("{}", cylinder->radius));
-      xml_.value("point", "p1", fmt::format("0, 0, {}", cylinder->length));
+      if (p0 != glm::dvec3(0.0)) xml_.value("point", "p0", fmt::format("{}, {}, {}", p0.x, p0.y, p0.z));
+      xml_.value("point", "p1", fmt::format("{}, {}, {}", p0.x, p0.y, p0.z + cylinder->length));
     }
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
@@ -529,14 +691,32 @@ class SceneWriter {
     return {};
   }
 
-  void put_frame(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z, double size,
-                 const glm::dvec3& at) {
-    xml_.transform("to_world", glm::dmat4(glm::dvec4(size * x, 0), glm::dvec4(size * y, 0),
-                                          glm::dvec4(size * z, 0), glm::dvec4(at, 1)));
+  /// Writes how an emitter moves, and takes its place out of its parameters.
+  template <typename Light>
+  void put_emitter_motion(const MovingEmitter& moving, Light& light) {
+    if (moving.colour || moving.strength)
+      remark(fmt::format("the strength of an emitter '{}' is that at {} s", Light::kPlugin, scene_.time));
+    const auto& rest = std::get<Light>(moving.rest);
+    Course course{{moving.place}};
+    const glm::dmat4 end = course.take_end();
+    const std::string what = fmt::format("an emitter '{}'", Light::kPlugin);
+    if (course.times(*scene_.motion).empty()) return;
+    if constexpr (std::is_same_v<Light, PointLight>) {
+      put_motion(course, translation(transform_point(end, rest.position)), what);
+      light.position = Light{}.position;
+    } else if constexpr (std::is_same_v<Light, DirectionalLight>) {
+      const auto frame = look_at(glm::dvec3(0.0), transform_vector(end, rest.direction), std::nullopt);
+      if (!frame) return;
+      put_motion(course, *frame, what);
+      light.direction = Light{}.direction;
+    } else if constexpr (!std::is_same_v<Light, ConstantEnvironment>) {
+      put_motion(course, end * rest.to_world, what);
+      light.to_world = Light{}.to_world;
+    }
   }
 
   template <typename Light>
-  Expected<void> put_emitter(Light light) {
+  Expected<void> put_emitter(Light light, std::size_t index) {
     xml_.open("emitter", Light::kPlugin);
     if constexpr (requires { light.image; }) {
       if (light.image->contents == nullptr && !fs::exists(light.image->name))
@@ -544,6 +724,9 @@ class SceneWriter {
                                 light.image->name));
       light.filename = image_file(*light.image);
     }
+    if (scene_.motion != nullptr)
+      for (const MovingEmitter& moving : scene_.motion->emitters)
+        if (moving.emitter == index) put_emitter_motion(moving, light);
     put_parameters(xml_, light);
     xml_.close();
     return {};
