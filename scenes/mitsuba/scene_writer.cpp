@@ -31,7 +31,12 @@ namespace fs = std::filesystem;
 
 class SceneWriter {
  public:
-  SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
+  SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {
+    if (scene.motion == nullptr) return;
+    for (const MovingShape& moving : scene.motion->shapes)
+      moving_shapes_[{moving.group, moving.shape}] = &moving;
+    for (const MovingInstance& moving : scene.motion->instances) moving_instances_[moving.instance] = &moving;
+  }
 
   Expected<std::vector<SceneFile>> write() {
     for (const SceneTexture& texture : scene_.textures)
@@ -72,8 +77,20 @@ class SceneWriter {
     files_.push_back({file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n"});
     return std::move(files_);
   }
-  /// What Mitsuba 3 cannot read of it, each thing once.
-  [[nodiscard]] const std::vector<std::string>& refused() const { return refused_; }
+  /// What Mitsuba 3 cannot read of it, each thing once, and what is approximate.
+  [[nodiscard]] std::vector<std::string> remarks() const {
+    std::vector<std::string> all = refused_;
+    const auto others = [](const auto& list) {
+      return list.size() == 1 ? "" : fmt::format(", and {} more", list.size() - 1);
+    };
+    if (!approximate_.empty())
+      all.push_back(fmt::format("between its keys the motion of {}{}, is approximate",
+                                approximate_.front().first, others(approximate_)));
+    if (!stays_.empty())
+      all.push_back(fmt::format("{}{}: as at {} s, because keys of matrices cannot have its motion: {}",
+                                stays_.front().first, others(stays_), scene_.time, stays_.front().second));
+    return all;
+  }
 
  private:
   /// Writes a setting that differs from the value of a file without it.
@@ -227,15 +244,13 @@ class SceneWriter {
   void put_motion(const std::function<glm::dmat4(double)>& at, std::span<const double> times,
                   std::string_view what) {
     const auto made = written_keys(at, times);
-    if (!made)
-      remark(fmt::format("{} is as at {} s: its motion is none for keys of matrices: {}", what, scene_.time,
-                         made.error().message));
+    if (!made) stays_.emplace_back(what, made.error().message);
     const bool moves = made && std::ranges::any_of(made->keys, [&](const TransformKey& key) {
                          return key.transform != made->keys.front().transform;
                        });
     if (!moves) return xml_.transform("to_world", affine(at(scene_.time)));
     remark("Mitsuba 3 has no <animation>, which was in Mitsuba 0.6");
-    if (!made->exact) remark(fmt::format("between its keys the motion of {} is approximate", what));
+    if (!made->exact) approximate_.emplace_back(what, "");
     xml_.animation("to_world", made->keys);
   }
   /// The same for what is placed by `end` on a course.
@@ -253,12 +268,10 @@ class SceneWriter {
   /// That of a shape of a group, or of the scene, from the end of the course before it. Nothing if neither
   /// moves, or if the shape deforms.
   std::optional<MovingCourse> course_of(Course before, int group, std::size_t index) {
-    if (scene_.motion == nullptr) return std::nullopt;
-    const auto found = std::ranges::find_if(scene_.motion->shapes, [&](const MovingShape& moving) {
-      return moving.group == group && moving.shape == index;
-    });
-    const bool is_own = found != scene_.motion->shapes.end();
+    const auto known = moving_shapes_.find({group, index});
+    const bool is_own = known != moving_shapes_.end();
     if (!is_own && before.steps.empty()) return std::nullopt;
+    const MovingShape* found = is_own ? known->second : nullptr;
     const Shape& shape = (group < 0 ? scene_.shapes : scene_.groups[std::size_t(group)].shapes)[index];
     if (is_own && found->deformation != nullptr) {
       remark(fmt::format("the mesh '{}' deforms; it is as at {} s", shape.name, scene_.time));
@@ -269,7 +282,9 @@ class SceneWriter {
     course.geometry = is_own ? found->rest : shape.geometry;
     course.is_smooth = is_own && !found->is_faceted;
     if (is_own) course.steps.push_back(found->place);
-    const bool mirrors = is_mirror(course.at(*scene_.motion, scene_.time));
+    const glm::dmat4 now = course.at(*scene_.motion, scene_.time);
+    if (is_singular(now)) return std::nullopt;  // it is left out
+    const bool mirrors = is_mirror(now);
     const glm::dmat4 end = course.take_end();
     if (auto* mesh = std::get_if<Mesh>(&course.geometry)) {
       for (glm::dvec3& p : mesh->positions) p = transform_point(end, p);
@@ -286,15 +301,12 @@ class SceneWriter {
 
   /// The place of an instance that moves, and of a group inside it.
   [[nodiscard]] Course course_of(const PlacedGroup& placed) const {
-    if (scene_.motion == nullptr) return {};
-    for (const MovingInstance& moving : scene_.motion->instances)
-      if (moving.instance == placed.instance) {
-        const glm::dmat4& now = scene_.instances[placed.instance].to_world;
-        Course course{{moving.place}};
-        if (placed.to_world != now) course.steps.push_back({-1, glm::inverse(now) * placed.to_world});
-        return course;
-      }
-    return {};
+    const auto known = moving_instances_.find(placed.instance);
+    if (known == moving_instances_.end()) return {};
+    const glm::dmat4& now = scene_.instances[placed.instance].to_world;
+    Course course{{known->second->place}};
+    if (placed.to_world != now) course.steps.push_back({-1, glm::inverse(now) * placed.to_world});
+    return course;
   }
 
   /// `emitters`: see placed_emitters.
@@ -369,7 +381,8 @@ class SceneWriter {
     std::ranges::sort(times);
     times.erase(std::ranges::unique(times).begin(), times.end());
     const auto at = [&](double time) {
-      const auto frame = without_scale(course.at(*scene_.motion, time));
+      const glm::dmat4 there = course.at(*scene_.motion, time);
+      const auto frame = is_singular(there) ? fail("singular") : without_scale(there);
       const auto scale = [&](const auto& keys, double value) { return keys ? value_at(*keys, time) : value; };
       return placed(frame ? *frame : camera.to_world, scale(moving.scale_x, camera.scale_x),
                     scale(moving.scale_y, camera.scale_y));
@@ -701,8 +714,12 @@ class SceneWriter {
     const glm::dmat4 end = course.take_end();
     const std::string what = fmt::format("an emitter '{}'", Light::kPlugin);
     if (course.times(*scene_.motion).empty()) return;
+    if (!std::is_same_v<Light, PointLight> && is_singular(course.at(*scene_.motion, scene_.time))) return;
     if constexpr (std::is_same_v<Light, PointLight>) {
-      put_motion(course, translation(transform_point(end, rest.position)), what);
+      const auto at = [&](double time) {
+        return translation(transform_point(course.at(*scene_.motion, time) * end, rest.position));
+      };
+      put_motion(at, course.times(*scene_.motion), what);
       light.position = Light{}.position;
     } else if constexpr (std::is_same_v<Light, DirectionalLight>) {
       const auto frame = look_at(glm::dvec3(0.0), transform_vector(end, rest.direction), std::nullopt);
@@ -734,7 +751,11 @@ class SceneWriter {
 
   const SceneDescription& scene_;
   const fs::path file_;
+  std::map<std::pair<int, std::size_t>, const MovingShape*> moving_shapes_;  ///< by group and index
+  std::map<std::size_t, const MovingInstance*> moving_instances_;
   std::vector<std::string> refused_;
+  /// What moves otherwise between its keys, and what does not move; with the reason.
+  std::vector<std::pair<std::string, std::string>> approximate_, stays_;
   XmlText xml_ = new_text();
   std::vector<SceneFile> files_;
   int meshes_ = 0;                                       ///< number of meshes so far
@@ -751,7 +772,7 @@ Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene, cons
                                              std::vector<std::string>* refused) {
   SceneWriter writer(scene, file);
   auto files = writer.write();
-  if (refused != nullptr) *refused = writer.refused();
+  if (refused != nullptr) *refused = writer.remarks();
   return files;
 }
 

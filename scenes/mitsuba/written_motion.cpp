@@ -73,10 +73,15 @@ glm::dmat4 affine(glm::dmat4 m) {
 }
 
 glm::dmat4 Course::at(const SceneMotion& motion, double time) const {
-  const std::vector<glm::dmat4> nodes = nodes_to_world(motion, time);
   glm::dmat4 result(1.0);
-  for (const NodePlace& step : steps)
-    result = result * (step.node < 0 ? step.to_node : nodes[std::size_t(step.node)] * step.to_node);
+  for (const NodePlace& step : steps) {
+    glm::dmat4 place = step.to_node;
+    for (int i = step.node; i >= 0; i = motion.nodes[std::size_t(i)].parent) {
+      const MovingNode& node = motion.nodes[std::size_t(i)];
+      place = (node.keys ? transform_at(*node.keys, time) : node.to_parent) * place;
+    }
+    result = result * place;
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/instances.h"
+#include "scenes/motion/motion_facts.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/transform.h"
 #include "tests/scenes/mitsuba_text.h"
@@ -265,6 +266,34 @@ TEST_F(MitsubaAnimations, ShapesOfGroupsAndTheirInstancesMove) {
   expect_near(half.instances.at(0).to_world, translation({0, 1, 0}));
   EXPECT_EQ(half.instances.at(1).to_world, glm::dmat4(1.0));
   EXPECT_EQ(moving_instances(s), (std::vector<bool>{true, true}));
+}
+
+TEST_F(MitsubaAnimations, WhatMovesIsCounted) {
+  const std::string moves = animation("to_world", kAnimationKeys);
+  const SceneDescription s =
+      good("<sensor type='orthographic'>" + animation("to_world", key(0, "") + key(1, "<scale x='2'/>")) +
+           "</sensor>" + group(in("shape", "sphere", moves) + in("shape", "cube")) +
+           in("shape", "instance", "<ref id='g'/>" + moves) + in("shape", "instance", "<ref id='g'/>") +
+           in("shape", "cube", moves) + in("shape", "cube") + in("emitter", "point", moves) +
+           in("emitter", "spot"));
+  const auto facts = motion_facts(s);
+  ASSERT_TRUE(facts);
+  EXPECT_EQ(facts->shapes, 2u);
+  EXPECT_EQ(facts->instances, 1u);
+  EXPECT_EQ(facts->emitters, 1u);
+  EXPECT_EQ(facts->meshes_that_deform, 0u);
+  EXPECT_TRUE(facts->camera);
+  EXPECT_THAT(facts->camera_numbers, ElementsAre("scale_x"));
+  EXPECT_EQ(facts->times, std::pair(0.0, 3.0));
+  EXPECT_FALSE(motion_facts(good(in("shape", "cube"))));
+}
+
+TEST(FramesBetween, AreWholeFramesOfTheTimes) {
+  EXPECT_EQ(frames_between({0, 2.5}, 24), std::pair(0.0, 60.0));
+  EXPECT_EQ(frames_between({0.5, 0.9}, 10), std::pair(5.0, 9.0));
+  EXPECT_EQ(frames_between({0.51, 0.89}, 10), std::pair(6.0, 8.0));
+  EXPECT_EQ(frames_between({-1, double(1.0f / 24 * 31)}, 24), std::pair(-24.0, 31.0));
+  EXPECT_EQ(frames_between({0.51, 0.59}, 10), std::nullopt);
 }
 
 TEST_F(MitsubaAnimations, WhatDoesNotVaryDoesNotMove) {
