@@ -66,6 +66,12 @@ std::optional<std::size_t> number_in(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
 }
 
+/// What a channel changes, as a pointer of KHR_animation_pointer.
+std::string target_of(const AnimationEntry::Channel& channel) {
+  return channel.path == "pointer" ? channel.pointer
+                                   : fmt::format("/nodes/{}/{}", channel.node, channel.path);
+}
+
 class ClipReader {
  public:
   ClipReader(const Asset& asset, std::size_t clip, ReaderReport& report, Animation& animation)
@@ -85,8 +91,7 @@ class ClipReader {
       }
       // A target without a node may belong to an extension (glTF 2.0, 3.11).
       if (!is_pointer_ && channel.node < 0) continue;
-      const std::string target =
-          is_pointer_ ? channel.pointer : fmt::format("/nodes/{}/{}", channel.node, channel.path);
+      const std::string target = target_of(channel);
       if (!targets_.insert(target).second) {
         wrong(fmt::format("two channels of the animation change '{}'", target));
         continue;
@@ -271,6 +276,23 @@ Clip clip_of(const Asset& asset, std::size_t index) {
   return clip;
 }
 
+/// The first clip, and each that changes nothing which one before it changes. Blender writes a clip for each
+/// object that moves.
+std::vector<std::size_t> compatible_clips(const Asset& asset) {
+  std::vector<std::size_t> clips;
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < asset.animations.size(); ++i) {
+    std::set<std::string> targets;
+    for (const AnimationEntry::Channel& channel : asset.animations[i].channels)
+      targets.insert(target_of(channel));
+    if (std::ranges::any_of(targets, [&](const std::string& target) { return taken.contains(target); }))
+      continue;
+    taken.merge(targets);
+    clips.push_back(i);
+  }
+  return clips;
+}
+
 std::vector<double> numbers_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
@@ -294,12 +316,19 @@ Animation read_animation(const Asset& asset, std::string_view clip, ReaderReport
                  fmt::format("there is no animation '{}'{}", clip, known_names(clip, names, "The file has")));
     return result;
   }
-  if (clip.empty() && names.size() > 1)
+  const std::vector<std::size_t> shown =
+      clip.empty() ? compatible_clips(asset) : std::vector<std::size_t>{chosen};
+  if (clip.empty() && shown.size() < names.size())
     report.warn(asset.place({"animations"}),
-                fmt::format("of {} animations '{}' is shown (--clip NAME shows another): {}", names.size(),
-                            names[chosen], list_names(names)));
+                fmt::format("of {} animations {} shown, '{}'{}; --clip NAME shows one: {}", names.size(),
+                            shown.size() == 1 ? "one is" : fmt::format("{} are", shown.size()), names[chosen],
+                            shown.size() == 1 ? "" : " and those that change nothing that is changed already",
+                            list_names(names)));
   result.clip = int(chosen);
-  ClipReader(asset, chosen, report, result).read();
+  for (const std::size_t each : shown) {
+    result.clips[each].is_shown = true;
+    ClipReader(asset, each, report, result).read();
+  }
   return result;
 }
 

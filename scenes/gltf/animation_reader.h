@@ -34,19 +34,20 @@ struct LightKeys {
   std::optional<KeyedValue<double>> intensity = {};
 };
 
-/// A clip: the keys of everything that it targets, by its index in the file.
+/// The keys of everything that the shown clips target, by its index in the file.
 struct Animation {
   std::vector<Clip> clips = {};  ///< all of the file; unnamed ones have their number as name
-  int clip = -1;                 ///< the one whose keys are here; -1: the file has none
+  int clip = -1;                 ///< the first whose keys are here; -1: the file has none
   std::map<std::size_t, NodeKeys> nodes = {};
   std::map<std::size_t, CameraKeys> cameras = {};
   std::map<std::size_t, LightKeys> lights = {};
 };
 
-/// Reads the clip of this name or, where no name fits, of this number; if `clip` is empty, the first. Reports
-/// with their place: no such clip; channels that glTF 2.0 (3.11) or KHR_animation_pointer forbid; keys that
-/// are missing, not finite, before 0 s or do not ascend, or values that their target cannot have. Targets
-/// that this renderer cannot change are warned of.
+/// Reads the clip of this name or, where no name fits, of this number; if `clip` is empty, the first
+/// and those that change nothing that one before them changes. Reports with their place: no such clip;
+/// channels that glTF 2.0 (3.11) or KHR_animation_pointer forbid; keys that are missing, not finite, before 0
+/// s or do not ascend, or values that their target cannot have. Targets that this renderer cannot change are
+/// warned of.
 Animation read_animation(const Asset& asset, std::string_view clip, ReaderReport& report);
 
 /// Gives the file's nodes, cameras and lights the values that they have at a time, in seconds.

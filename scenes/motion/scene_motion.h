@@ -55,11 +55,12 @@ struct MovingCamera {
 struct Clip {
   std::string name;
   double first = 0.0, last = 0.0;  ///< seconds of the first and the last key
+  bool is_shown = false;           ///< whether its keys are here
 };
 
 struct SceneMotion {
   std::vector<Clip> clips = {};    ///< all of the file
-  int clip = -1;                   ///< the one that is here; -1: the format has none
+  int clip = -1;                   ///< the first that is here; -1: the format has none
   std::optional<double> fps = {};  ///< frames per second that the file asks for
   double default_time = 0.0;       ///< at which the scene is shown unless a time is asked for
   std::vector<MovingNode> nodes = {};

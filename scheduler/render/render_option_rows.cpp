@@ -66,8 +66,10 @@ void add_frame_rows(std::vector<RenderOption>& all) {
       .matters = [](const RenderRequest& request) { return request.scene.frame.has_value(); };
   frames.add("--frame-offset", "N", AT(scene.frame_offset), {}, "Add N to the frame before its time is taken")
       .matters = [](const RenderRequest& request) { return request.scene.frame_offset != 0; };
-  frames.add("--clip", "NAME", AT(scene.clip), {},
-             "Animation of a glTF file (default: its first; `penumbra info` lists them)");
+  frames.add(
+      "--clip", "NAME", AT(scene.clip), {},
+      "Animation of a glTF file (default: the first, and those that change other things; `penumbra info` "
+      "lists them)");
   RenderOption& seed = frames.add("--seed-per-frame", "MODE", AT(scene.seed_by_frame), {},
                                   "fixed: all frames have the same seed; frame: the frame is added to it");
   seed.kind = OptionKind::kText;

@@ -167,10 +167,13 @@ TEST_F(GltfMotion, ClipsAreChosenByNameOrNumber) {
                   clip({{of_node(0, "translation"), run}}, "run"), clip({{of_node(0, "scale"), run}}))));
   SceneDescription first = good_gltf(text);
   EXPECT_THAT(warnings(first),
-              HasSubstr("of 3 animations 'walk' is shown (--clip NAME shows another): walk, run, 2"));
+              HasSubstr("of 3 animations 2 are shown, 'walk' and those that change nothing that is changed "
+                        "already; --clip NAME shows one: walk, run, 2"));
   expect_near(vertex(first, 1, 0), {1, 0, 0}, 0.0);
   ASSERT_EQ(first.motion->clips.size(), 3u);
   EXPECT_EQ(first.motion->clip, 0);
+  EXPECT_FALSE(first.motion->clips[1].is_shown);
+  EXPECT_TRUE(first.motion->clips[2].is_shown) << "it changes the scale alone";
   EXPECT_EQ(first.motion->clips[1].last, 4.0);
   for (const char* name : {"run", "1"}) {
     SceneDescription other = good_gltf(text, {.clip = name});
