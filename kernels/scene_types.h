@@ -370,9 +370,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, slope)
 
 // An inner node of the wide BVH. Child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is
-// any leaf with an inverted box. Leaf numbers below `triangle_leaves.count` are triangle leaves, the next
-// `quadric_leaves.count` are quadric leaves, the rest are instances. Only the subtree of node 0 has
-// instances.
+// any leaf with an inverted box. Leaf numbers below FIRST_QUADRIC_LEAF are triangle leaves, then come quadric
+// leaves, from FIRST_INSTANCE_LEAF on instances, so that a tree's nodes are the same whatever other trees
+// there are. Only the subtree of node 0 has instances.
 #define BVH_NODE_FIELDS(F)                                           \
   F(float, bounds[6][BVH_WIDTH]) /* minimum x, y, z, then maximum */ \
   F(int, child[BVH_WIDTH])

@@ -25,6 +25,7 @@ SceneBounds bounds_of(std::span<const Shape> shapes) {
 
 SceneBounds bounds_of(const SceneBounds& box, const glm::dmat4& to_world) {
   SceneBounds bounds;
+  if (box.empty()) return bounds;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 p((corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
                        (corner & 4) != 0 ? box.high.z : box.low.z);
@@ -37,12 +38,9 @@ SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup
   SceneBounds bounds = bounds_of(scene.shapes);
   std::vector<SceneBounds> groups;
   for (const ShapeGroup& group : scene.groups) groups.push_back(bounds_of(group.shapes));
-  for (const PlacedGroup& place : placed) {
-    const SceneBounds there = bounds_of(groups[std::size_t(place.group)], place.to_world);
-    bounds.include(there.low);
-    bounds.include(there.high);
-  }
-  if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
+  for (const PlacedGroup& place : placed)
+    bounds.include(bounds_of(groups[std::size_t(place.group)], place.to_world));
+  if (bounds.empty()) bounds.include(glm::dvec3(scene.camera.to_world[3]));
   return bounds;
 }
 

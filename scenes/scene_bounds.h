@@ -16,13 +16,18 @@ struct SceneBounds {
     low = glm::min(low, p - reach);
     high = glm::max(high, p + reach);
   }
+  void include(const SceneBounds& other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+  }
+  [[nodiscard]] bool empty() const { return low.x > high.x; }
   [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
 };
 
 /// Empty if there are no shapes.
 SceneBounds bounds_of(std::span<const Shape> shapes);
 
-/// The bounding box of the transformed box.
+/// The bounding box of the transformed box; empty if that is empty.
 SceneBounds bounds_of(const SceneBounds& box, const glm::dmat4& to_world);
 
 /// The bounding box of the scene. An instance is bounded by the transformed box of its group. A scene without

@@ -88,14 +88,10 @@ bool WorkerPieces::may_have(const AssetPiece& piece) {
   return held_.contains(piece.hash) || cache_.may_have(piece);
 }
 
-std::optional<std::vector<std::uint8_t>> WorkerPieces::read(const AssetPiece& piece) {
-  if (const auto held = held_.find(piece.hash); held != held_.end())
-    return std::vector<std::uint8_t>(held->second.begin(), held->second.end());
-  return cache_.read(piece);
-}
-
-void WorkerPieces::reject(const AssetPiece& piece) {
-  if (held_.erase(piece.hash) == 0) cache_.reject(piece);
+std::span<const std::uint8_t> WorkerPieces::held(const AssetPiece& piece) {
+  const auto held = held_.find(piece.hash);
+  return held == held_.end() || held->second.size() != piece.size ? std::span<const std::uint8_t>()
+                                                                  : held->second;
 }
 
 }  // namespace penumbra

@@ -66,8 +66,11 @@ class WorkerPieces final : public PieceStore {
 
   bool may_have(const AssetPiece& piece) override;
   void expect(std::uint64_t missing, std::uint64_t total) override { cache_.expect(missing, total); }
-  std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) override;
-  void reject(const AssetPiece& piece) override;
+  std::span<const std::uint8_t> held(const AssetPiece& piece) override;
+  std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) override {
+    return cache_.read(piece);
+  }
+  void reject(const AssetPiece& piece) override { cache_.reject(piece); }
   void keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) override {
     cache_.keep(piece, bytes);
   }

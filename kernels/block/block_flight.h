@@ -50,7 +50,8 @@ FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, PRIVA
   const bool leaf = entry < 0, ended = f->top == 0;
   GLOBAL const char* table =
       leaf ? (GLOBAL const char*)scene->triangle_leaves : (GLOBAL const char*)scene->nodes;
-  const ulong record = (ulong)(uint)(leaf ? ~entry : entry) * (leaf ? sizeof(TriangleLeaf) : sizeof(BvhNode));
+  const int index = leaf ? ~entry & (FIRST_QUADRIC_LEAF - 1) : entry;
+  const ulong record = (ulong)(uint)index * (leaf ? sizeof(TriangleLeaf) : sizeof(BvhNode));
   PREFETCH(table, record);
   PREFETCH(table, record + CACHE_LINE);
   PREFETCH(table, record + 2 * CACHE_LINE);

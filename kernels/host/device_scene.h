@@ -21,9 +21,20 @@ namespace penumbra {
 constexpr int kBlockPaths = 2048;
 constexpr std::uint32_t kMaxSamplesPerUnit = 4096;  ///< a block holds all samples of a pixel at once
 
+/// In a scene with motion: how many records at the beginning of these tables belong to what never moves. The
+/// tree over them needs no change in another frame.
+struct StillRecords {
+  int triangles = 0, quadrics = 0;                         ///< those of still groups and of the scene itself
+  int groups = 0, instances = 0;                           ///< the scene itself is the first group
+  int nodes = 0, triangle_leaves = 0, quadric_leaves = 0;  ///< 0: not built
+  int root_children = 0;                                   ///< the first ones of node 0
+  double extent = 0;  ///< of the whole scene, for which the instances' bounds have margins
+};
+
 struct DeviceScene {
   SceneHeader header{};
   AlignedVector<std::uint32_t> words;  ///< the tables, at the offsets in the header
+  StillRecords still{};                ///< for the builder of another frame; not serialised
 
   /// Serialised form: `head` (magic number, version and header), then `body` (the words), little-endian.
   [[nodiscard]] std::vector<std::uint8_t> serialize() const;

@@ -176,7 +176,8 @@ class Checker {
             "linearly transformed cosines without their tables");
     require((h_.families & families_with(TRANSMITS) & ~families_with(FREE)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
-    require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
+    require((h_.tables.quadrics.count == 0 && h_.tables.quadric_leaves.count == 0) || has(FEATURE_QUADRICS),
+            "quadrics without their feature bit");
     constexpr std::uint64_t kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED,
                                               FEATURE_OCCLUSION};
     require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),

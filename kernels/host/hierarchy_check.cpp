@@ -9,9 +9,16 @@
 namespace penumbra {
 namespace {
 
+bool is_leaf(const HierarchyTables& hierarchy, int instances, int leaf) {
+  if (leaf >= FIRST_INSTANCE_LEAF) return leaf - FIRST_INSTANCE_LEAF < instances;
+  if (leaf >= FIRST_QUADRIC_LEAF)
+    return std::size_t(leaf - FIRST_QUADRIC_LEAF) < hierarchy.quadric_leaves.size();
+  return std::size_t(leaf) < hierarchy.triangle_leaves.size();
+}
+
 /// Children come after their only parent, in empty slots too, so that every traversal ends. The subtree of a
 /// group has no instances.
-std::string node_problem(const HierarchyTables& hierarchy, std::int64_t shapes) {
+std::string node_problem(const HierarchyTables& hierarchy) {
   const std::span<const BvhNode> nodes = hierarchy.nodes;
   const std::span<const int> roots = hierarchy.roots;
   const int count = int(nodes.size());
@@ -28,10 +35,10 @@ std::string node_problem(const HierarchyTables& hierarchy, std::int64_t shapes) 
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (depth[i] == 0) return "a BVH node has no parent";
     if (depth[i] > BVH_MAX_DEPTH) return "the hierarchy is too deep";
-    const std::int64_t leaves = shapes + (in_group[i] ? 0 : hierarchy.instances);
+    const int instances = in_group[i] ? 0 : hierarchy.instances;
     for (const int child : nodes[i].child) {
       if (child < 0) {
-        if (~child >= leaves) return "a BVH node names a leaf that is not there";
+        if (!is_leaf(hierarchy, instances, ~child)) return "a BVH node names a leaf that is not there";
         continue;
       }
       if (child <= int(i) || child >= count) return "a BVH node names a child that is not there";
@@ -57,9 +64,9 @@ bool are_there(std::span<const Leaf> leaves, std::int64_t first, std::int64_t en
 
 std::string hierarchy_problem(const HierarchyTables& hierarchy) {
   if (hierarchy.nodes.empty()) return "a hierarchy without a root";
-  const auto shapes = std::int64_t(hierarchy.triangle_leaves.size() + hierarchy.quadric_leaves.size());
-  if (shapes == 0) return "a hierarchy without leaves";
-  if (std::string problem = node_problem(hierarchy, shapes); !problem.empty()) return problem;
+  if (hierarchy.triangle_leaves.empty() && hierarchy.quadric_leaves.empty())
+    return "a hierarchy without leaves";
+  if (std::string problem = node_problem(hierarchy); !problem.empty()) return problem;
   const std::int64_t triangles = hierarchy.triangles;
   if (!are_there(hierarchy.triangle_leaves, 0, triangles))
     return "a BVH leaf names a triangle that is not there";

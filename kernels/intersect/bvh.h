@@ -169,9 +169,8 @@ FN float quadric_distance(const PRIVATE Scene* scene, int primitive, const PRIVA
 /// The closest of the leaf's hits and `best`. `any_length`: see quadric_distance.
 FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best,
                       bool any_length) {
-  if (HAS(QUADRICS) && leaf >= scene->header.tables.triangle_leaves.count) {
-    GLOBAL const QuadricLeaf* quadrics =
-        scene->quadric_leaves + (leaf - scene->header.tables.triangle_leaves.count);
+  if (HAS(QUADRICS) && leaf >= FIRST_QUADRIC_LEAF) {
+    GLOBAL const QuadricLeaf* quadrics = scene->quadric_leaves + (leaf - FIRST_QUADRIC_LEAF);
     for (int j = 0; j < BVH_WIDTH; j++) {
       const int primitive = quadrics->primitive[j];
       if (primitive < 0) continue;
@@ -214,9 +213,7 @@ FN Traversal start_traversal(vec3 o, vec3 d, int skip, int skip_instance, bool i
 }
 
 /// The instance of a leaf, or a negative number.
-FN int instance_of_leaf(const PRIVATE Scene* scene, int leaf) {
-  return leaf - scene->header.tables.triangle_leaves.count - scene->header.tables.quadric_leaves.count;
-}
+FN int instance_of_leaf(int leaf) { return leaf - FIRST_INSTANCE_LEAF; }
 
 /// Enters the instance. Returns the root node of its group.
 FN int enter_instance(const PRIVATE Scene* scene, PRIVATE Traversal* t, int instance, int skip_instance,
@@ -276,7 +273,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
         continue;
       }
     } else {
-      const int instance = HAS(INSTANCES) && instances ? instance_of_leaf(scene, ~entry) : -1;
+      const int instance = HAS(INSTANCES) && instances ? instance_of_leaf(~entry) : -1;
       if (HAS(INSTANCES) && instance >= 0) {
         entry = enter_instance(scene, &at, instance, skip_instance, top);
         continue;
@@ -310,7 +307,7 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
   stack[top++] = 0;
   while (top > 0) {
     int entry = stack[--top];
-    const int instance = (HAS(INSTANCES) && instances && entry < 0) ? instance_of_leaf(scene, ~entry) : -1;
+    const int instance = (HAS(INSTANCES) && instances && entry < 0) ? instance_of_leaf(~entry) : -1;
     if (HAS(INSTANCES) && instance >= 0) entry = enter_instance(scene, &at, instance, skip_instance, top);
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;

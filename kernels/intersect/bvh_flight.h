@@ -108,7 +108,7 @@ FN void find_any_hit(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
 
 FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
   const int number = ~f->entry;
-  if (HAS(QUADRICS) && number >= scene->header.tables.triangle_leaves.count) {
+  if (HAS(QUADRICS) && number >= FIRST_QUADRIC_LEAF) {
     Hit best = no_hit(f->t);
     best.primitive = f->primitive;
     best = intersect_leaf(scene, number, &f->ray, best, false);

@@ -114,7 +114,7 @@ FN int packet_end(const PRIVATE RayPacket* p) {
 STAGE void intersect_packet_leaf(const PRIVATE Scene* scene, int number, const PRIVATE BvhRay* lead,
                                  PRIVATE RayPacket* p, const PRIVATE float* dx, const PRIVATE float* dy,
                                  const PRIVATE float* dz) {
-  if (HAS(QUADRICS) && number >= scene->header.tables.triangle_leaves.count) {
+  if (HAS(QUADRICS) && number >= FIRST_QUADRIC_LEAF) {
     for (int j = 0; j < LANES; j++) {
       if (p->t[j] <= 0.0f) continue;
       const BvhRay ray =

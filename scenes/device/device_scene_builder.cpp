@@ -6,6 +6,7 @@
 #include <bit>
 #include <climits>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
+#include "scenes/device/moving_parts.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
@@ -56,18 +58,25 @@ bool sees_sky(const SceneHeader& h) {
 
 class SceneBuilder {
  public:
-  SceneBuilder(const SceneDescription& scene, const DeviceSceneOptions& options)
+  SceneBuilder(const SceneDescription& scene, const DeviceSceneOptions& options, bool with_hidden_groups)
       : scene_(scene),
         options_(options),
+        moving_(moving_parts(scene)),
+        with_hidden_groups_(with_hidden_groups),
         lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
         light_textures_(scene, records_, {}) {
     if (auto placed = place_groups(scene))
       placed_ = std::move(*placed);
     else
       problem_ = placed.error().message;
-    const SceneBounds bounds = bounds_of(scene, placed_);
-    center_ = bounds.center();
-    radius_ = 0.5 * glm::length(bounds.high - bounds.low);
+    const auto moves = [this](const PlacedGroup& place) { return bool(moving_.instances[place.instance]); };
+    std::vector<PlacedGroup> moving;
+    std::ranges::copy_if(placed_, std::back_inserter(moving), moves);
+    std::erase_if(placed_, moves);
+    still_placed_ = placed_.size();
+    placed_.insert(placed_.end(), moving.begin(), moving.end());
+    center_ = origin_of(scene, moving_, placed_);
+    radius_ = radius_about(center_, scene, moving_, placed_);
     if (options.mattes != nullptr) mattes_.emplace(scene);
     media_.emplace(scene, placed_);
     lights_.set_textures(light_textures_);
@@ -81,13 +90,8 @@ class SceneBuilder {
       return fail(scene_.source + ": " + done.error().message);
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     reserve_triangles();
-    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
-      if (mattes_) matte_ = mattes_->of_shape(i);
-      boundary_ = media_->of_shape(i);
-      shape_ = int(i) + 1;
-      add_shape(scene_.shapes[i]);
-    }
-    add_instances();
+    add_all_shapes();
+    if (is_short_of_instances_) return DeviceScene();
     add_other_lights();
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
@@ -127,11 +131,15 @@ class SceneBuilder {
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
     if (Expected<void> done = trace_pilot_rays(); !done) return std::unexpected(done.error());
+    if (!records_.nodes.empty()) out_.still = hierarchies_.built();
     store(std::move(records_), out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
     return std::move(out_);
   }
+
+  /// Whether the scene must be built again without hidden groups.
+  [[nodiscard]] bool is_short_of_instances() const { return is_short_of_instances_; }
 
  private:
   void need(std::uint64_t feature) { h_.features |= feature; }
@@ -300,46 +308,130 @@ class SceneBuilder {
       records_.vertex_colours.push_back(triangle_colours(mesh, attribute, corner, triangle));
   }
 
-  /// Adds each group's shapes once, except emitting ones. Those are copied for every instance, because each
-  /// copy is a light of its own.
-  void add_instances() {
-    if (placed_.empty()) return;
-    add_instances_of_emitters();
-    records_.groups.push_back({0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())});
-    std::vector<int> index(scene_.groups.size(), -1);
-    std::vector<SceneBounds> bounds(scene_.groups.size());
-    for (const PlacedGroup& place : placed_) {
-      const auto g = std::size_t(place.group);
-      if (index[g] == -1) {
-        bounds[g] = bounds_of(scene_.groups[g].shapes);
-        index[g] = add_group(place.group, bounds[g].center());
-      }
-      if (index[g] == 0) continue;
-      check_reach(place, bounds[g]);
-      records_.instances.push_back(instance(place, index[g], bounds[g].center()));
-      if (mattes_) records_.instance_mattes.push_back(mattes_->first_of(place));
+  /// Adds the scene's shapes, and each group's shapes once, except emitting ones. Those are copied for every
+  /// instance, because each copy is a light of its own. If something moves, what is still comes first: the
+  /// groups whose shapes are still, then still shapes and emitters.
+  void add_all_shapes() {
+    if (mattes_)
+      for (std::size_t i = 0; i < scene_.shapes.size(); ++i) shape_mattes_.push_back(mattes_->of_shape(i));
+    records_.groups.emplace_back();
+    group_index_.assign(scene_.groups.size(), -1);
+    group_bounds_.resize(scene_.groups.size());
+    const bool split = moving_.any();
+    if (split) add_groups(groups_in_order(false));
+    StillRecords still{.groups = int(records_.groups.size())};
+    PrimitiveGroup own{};
+    own.first_triangle = int(records_.triangles.size());
+    own.first_quadric = int(records_.quadrics.size());
+    add_own_shapes(false);
+    const std::vector<Shape> emitters = emitters_of_instances();
+    const std::size_t next = add_emitters(std::span(placed_).first(still_placed_), emitters, 0);
+    still.triangles = int(records_.triangles.size());
+    still.quadrics = int(records_.quadrics.size());
+    add_own_shapes(true);
+    add_emitters(std::span(placed_).subspan(still_placed_), emitters, next);
+    own.triangle_count = int(records_.triangles.size()) - own.first_triangle;
+    own.quadric_count = int(records_.quadrics.size()) - own.first_quadric;
+    records_.groups[0] = own;
+    add_groups(split ? groups_in_order(true) : placed_groups());
+    add_instances(still);
+    if (split && still.triangles + still.quadrics > 0) {
+      hierarchies_.set_still(still);
+      out_.still = still;
     }
-    if (!records_.instances.empty()) need(FEATURE_INSTANCES);
-    if (records_.instances.empty()) records_.groups.clear();
   }
 
-  void add_instances_of_emitters() {
-    if (!problem_.empty()) return;
-    const auto emitters = placed_emitters(scene_, placed_, emits);
-    if (!emitters) problem_ = emitters.error().message;
-    if (!emitters) return;
-    // In the order of their placement.
-    std::size_t next = 0;
+  void add_own_shapes(bool moves) {
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
+      if (moving_.shapes[i] != moves) continue;
+      if (mattes_) matte_ = shape_mattes_[i];
+      boundary_ = media_->of_shape(i);
+      shape_ = int(i) + 1;
+      add_shape(scene_.shapes[i]);
+    }
+  }
+
+  /// The groups that are instanced and whose shapes all are still, or of whose shapes some move. A group
+  /// whose instances are hidden at this time is there, too: with it the tables of other frames stay equal.
+  [[nodiscard]] std::vector<int> groups_in_order(bool move) const {
+    if (placed_.empty()) return {};
+    std::vector<bool> used(scene_.groups.size(), false);
+    for (const PlacedGroup& place : placed_) used[std::size_t(place.group)] = true;
+    if (with_hidden_groups_)
+      for (const ShapeInstance& instance : scene_.instances) used[std::size_t(instance.group)] = true;
+    // A group may hold instances of groups before it.
+    for (std::size_t g = used.size(); g-- > 0;)
+      if (used[g])
+        for (const ShapeInstance& inside : scene_.groups[g].instances) used[std::size_t(inside.group)] = true;
+    std::vector<int> groups;
+    for (std::size_t g = 0; g < used.size(); ++g)
+      if (used[g] && moving_.groups[g] == move) groups.push_back(int(g));
+    return groups;
+  }
+
+  /// In the order of their first instances.
+  [[nodiscard]] std::vector<int> placed_groups() const {
+    std::vector<bool> known(scene_.groups.size(), false);
+    std::vector<int> groups;
     for (const PlacedGroup& place : placed_) {
+      if (!known[std::size_t(place.group)]) groups.push_back(place.group);
+      known[std::size_t(place.group)] = true;
+    }
+    return groups;
+  }
+
+  void add_groups(const std::vector<int>& groups) {
+    for (const int group : groups) {
+      const auto g = std::size_t(group);
+      group_bounds_[g] = bounds_of(scene_.groups[g].shapes);
+      group_index_[g] = add_group(group, group_bounds_[g].center());
+    }
+  }
+
+  void add_instances(StillRecords& still) {
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+      if (i == still_placed_) still.instances = int(records_.instances.size());
+      const PlacedGroup& place = placed_[i];
+      const auto g = std::size_t(place.group);
+      if (group_index_[g] == 0) continue;
+      check_reach(place, group_bounds_[g]);
+      records_.instances.push_back(instance(place, group_index_[g], group_bounds_[g].center()));
+      if (mattes_) records_.instance_mattes.push_back(mattes_->first_of(place));
+    }
+    if (still_placed_ == placed_.size()) still.instances = int(records_.instances.size());
+    if (!records_.instances.empty()) {
+      need(FEATURE_INSTANCES);
+      return;
+    }
+    // Without instances all primitives are the scene's own.
+    is_short_of_instances_ = records_.groups.size() > 1;
+    records_.groups.clear();
+  }
+
+  /// The emitting shapes of groups, for each instance, in the order of `placed_`.
+  std::vector<Shape> emitters_of_instances() {
+    if (!problem_.empty()) return {};
+    auto emitters = placed_emitters(scene_, placed_, emits);
+    if (emitters) return std::move(*emitters);
+    problem_ = emitters.error().message;
+    return {};
+  }
+
+  /// Adds the emitters of these placements, which are those from `next` on. Returns the next one.
+  std::size_t add_emitters(std::span<const PlacedGroup> placed, const std::vector<Shape>& emitters,
+                           std::size_t next) {
+    if (!problem_.empty()) return next;
+    for (const PlacedGroup& place : placed) {
       const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
       for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (!emits(shapes[i])) continue;
         if (mattes_) matte_ = mattes_->of_placed(place, shapes[i]);
         boundary_ = media_->of_group(place.group, i);
         shape_ = first_shape(place.group) + int(i);
-        add_shape((*emitters)[next++]);
+        add_shape(emitters[next++]);
       }
     }
+    return next;
   }
 
   /// Returns the index of the group's record, or 0 if all of its shapes emit.
@@ -576,12 +668,18 @@ class SceneBuilder {
 
   const SceneDescription& scene_;
   const DeviceSceneOptions& options_;
-  const HierarchyCache hierarchies_{options_.hierarchy_cache};
+  const MovingParts moving_;
+  const bool with_hidden_groups_;
+  HierarchySource hierarchies_{options_.hierarchy_cache, options_.earlier};
   DeviceScene out_;
   SceneHeader& h_ = out_.header;
   glm::dvec3 center_{0};
   double radius_ = 0;
-  std::vector<PlacedGroup> placed_;
+  std::vector<PlacedGroup> placed_;  ///< the still ones first
+  std::size_t still_placed_ = 0;
+  bool is_short_of_instances_ = false;  ///< there are groups, but no instance of them has primitives
+  std::vector<int> group_index_;        ///< of a group's record; -1: none; 0: it has no primitives
+  std::vector<SceneBounds> group_bounds_;
   std::optional<glm::dvec3> in_group_;  ///< the centre of the group whose shapes are being added
   LightBuilder lights_;
   SceneRecords records_;
@@ -589,7 +687,8 @@ class SceneBuilder {
   /// Attributes shown by textures, in the order of a triangle's colours.
   std::vector<MeshAttribute> attributes_;
   std::optional<MatteBook> mattes_;
-  int matte_ = 0;  ///< of the shape that is being added
+  std::vector<int> shape_mattes_;  ///< of the scene's own shapes
+  int matte_ = 0;                  ///< of the shape that is being added
   std::vector<int> quadric_mattes_;
   int shape_ = 0;  ///< the number of the shape that is being added
   std::vector<int> quadric_shapes_;
@@ -603,11 +702,13 @@ class SceneBuilder {
 
 glm::dvec3 scene_center(const SceneDescription& scene) {
   const auto placed = place_groups(scene);
-  return bounds_of(scene, placed ? *placed : std::vector<PlacedGroup>()).center();
+  return origin_of(scene, moving_parts(scene), placed ? *placed : std::vector<PlacedGroup>());
 }
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
-  auto built = SceneBuilder(scene, options).build();
+  SceneBuilder builder(scene, options, true);
+  auto built = builder.build();
+  if (builder.is_short_of_instances()) built = SceneBuilder(scene, options, false).build();
   if (!built) return built;
   // Report it here, not by every worker that would refuse the scene.
   if (const auto checked = check_device_scene(*built); !checked)

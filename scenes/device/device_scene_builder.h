@@ -21,9 +21,14 @@ struct DeviceSceneOptions {
   bool surface_uv = false;  ///< keep texture coordinates and tangents of all surfaces, even without textures
   std::filesystem::path hierarchy_cache = {};  ///< see HierarchyCache; empty: none
   MatteNames* mattes = nullptr;  ///< if not null, receives the mattes, and the kernels count them
+  /// Another frame's device scene, or null. What is equal there need not be made again. The result is the
+  /// same, whatever scene it is.
+  const DeviceScene* earlier = nullptr;
 };
 
-/// The centre of the scene's bounding box. Positions in the device scene are relative to it.
+/// The centre of the bounding box of what is still, or of everything if all moves. Positions in the device
+/// scene are relative to it, so those of what is still are the same in all frames. What moves is at most
+/// twice as far away as from the centre of everything, so it loses at most one bit of precision.
 glm::dvec3 scene_center(const SceneDescription& scene);
 
 /// Builds the device scene. Positions are in single precision relative to the scene's centre, which is

@@ -1,6 +1,7 @@
 #include "scenes/device/intersector.h"
 
 #include <array>
+#include <cstring>
 #include <map>
 #include <span>
 #include <utility>
@@ -35,13 +36,68 @@ bool collect_corners(SceneRecords& records) {
   return records.vertices.size() <= MAX_WHOLE_VERTICES;
 }
 
+/// Whether the records are the first ones of a table of the scene.
+template <typename Record>
+bool begins_with(const DeviceScene& scene, TableSpan span, std::span<const Record> records) {
+  const auto all = table<Record>(scene, span);
+  return records.size() <= all.size() &&
+         (records.empty() || std::memcmp(all.data(), records.data(), records.size_bytes()) == 0);
+}
+
+/// Whether both scenes have the same still groups; all of them, except that the first may have more
+/// primitives that move.
+bool same_still_groups(std::span<const PrimitiveGroup> a, std::span<const PrimitiveGroup> b, int count) {
+  for (std::size_t g = 0; g < std::size_t(count); ++g) {
+    if (a[g].first_triangle != b[g].first_triangle || a[g].first_quadric != b[g].first_quadric) return false;
+    if (g > 0 && (a[g].triangle_count != b[g].triangle_count || a[g].quadric_count != b[g].quadric_count))
+      return false;
+  }
+  return true;
+}
+
+/// What build_still makes, taken from another scene. Nothing if that scene has other still primitives.
+std::optional<Hierarchy> still_hierarchy(const HierarchyInput& input, const DeviceScene& scene) {
+  const StillRecords &wanted = *input.still, &there = scene.still;
+  const TableSpans& tables = scene.header.tables;
+  if (there.nodes == 0 || there.triangles != wanted.triangles || there.quadrics != wanted.quadrics ||
+      there.groups != wanted.groups || there.instances != wanted.instances ||
+      there.extent != hierarchy_extent(input))
+    return {};
+  const PrimitiveGroup all{0, 0, tables.triangles.count, 0, tables.quadrics.count};
+  auto groups = table<PrimitiveGroup>(scene, tables.groups);
+  if (groups.empty()) groups = std::span(&all, 1);
+  if (!same_still_groups(groups, input.groups, wanted.groups) ||
+      !begins_with(scene, tables.triangles, input.triangles.first(std::size_t(wanted.triangles))) ||
+      !begins_with(scene, tables.quadrics, input.quadrics.first(std::size_t(wanted.quadrics))) ||
+      !begins_with(scene, tables.instances, input.instances.first(std::size_t(wanted.instances))))
+    return {};
+  const auto nodes = table<BvhNode>(scene, tables.nodes).first(std::size_t(there.nodes));
+  const auto triangle_leaves =
+      table<TriangleLeaf>(scene, tables.triangle_leaves).first(std::size_t(there.triangle_leaves));
+  const auto quadric_leaves =
+      table<QuadricLeaf>(scene, tables.quadric_leaves).first(std::size_t(there.quadric_leaves));
+  Hierarchy still{.nodes = {nodes.begin(), nodes.end()},
+                  .roots = {},
+                  .triangle_leaves = {triangle_leaves.begin(), triangle_leaves.end()},
+                  .quadric_leaves = {quadric_leaves.begin(), quadric_leaves.end()},
+                  .still = there};
+  for (const PrimitiveGroup& group : groups.first(std::size_t(wanted.groups)))
+    still.roots.push_back(group.root);
+  // Quadrics count from the number of all triangles on.
+  const int more = int(input.triangles.size()) - tables.triangles.count;
+  for (QuadricLeaf& leaf : still.quadric_leaves)
+    for (int& primitive : leaf.primitive)
+      if (primitive >= 0) primitive += more;
+  return still;
+}
+
 }  // namespace
 
 int intersector_for(std::size_t triangles) {
   return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;
 }
 
-Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& cache, SceneHeader& header,
+Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source, SceneHeader& header,
                                SceneRecords& records) {
   const bool either = collect_corners(records);
   header.intersector = choice == IntersectorChoice::kAuto     ? intersector_for(records.triangles.size())
@@ -49,7 +105,7 @@ Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& c
                                                               : INTERSECTOR_PORTABLE;
   const bool portable = header.intersector == INTERSECTOR_PORTABLE;
   if (portable && !(either && records.triangles.size() <= kMaxWholeTriangles)) {
-    if (Expected<void> done = add_hierarchy(cache, records); !done) return done;
+    if (Expected<void> done = source.add_hierarchy(records); !done) return done;
     header.features |= FEATURE_BVH;
   }
   if (!portable || !either) {
@@ -59,13 +115,25 @@ Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& c
   return {};
 }
 
-Expected<void> add_hierarchy(const HierarchyCache& cache, SceneRecords& records) {
+Expected<void> HierarchySource::add_hierarchy(SceneRecords& records) {
   const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
-  const std::span<const PrimitiveGroup> groups =
-      records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups);
-  Expected<Hierarchy> hierarchy =
-      cache.find_or_build(records.triangles, records.quadrics, groups, records.instances);
+  const HierarchyInput input = {
+      .triangles = records.triangles,
+      .quadrics = records.quadrics,
+      .groups = records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups),
+      .instances = records.instances,
+      .still = still_};
+  Expected<Hierarchy> hierarchy = fail("");
+  std::optional<Hierarchy> kept =
+      still_ && earlier_ != nullptr ? still_hierarchy(input, *earlier_) : std::nullopt;
+  if (kept) {
+    hierarchy = std::move(*kept);
+    if (Expected<void> done = add_moving(input, *hierarchy); !done) return done;
+  } else {
+    hierarchy = cache_.find_or_build(input);
+  }
   if (!hierarchy) return std::unexpected(hierarchy.error());
+  built_ = hierarchy->still;
   for (std::size_t g = 0; g < records.groups.size(); ++g) records.groups[g].root = hierarchy->roots[g];
   records.nodes = std::move(hierarchy->nodes);
   records.triangle_leaves = std::move(hierarchy->triangle_leaves);
@@ -76,7 +144,7 @@ Expected<void> add_hierarchy(const HierarchyCache& cache, SceneRecords& records)
 Expected<void> TemporaryHierarchy::need() {
   if (!records_.nodes.empty()) return {};
   borrowed_ = true;
-  return add_hierarchy(cache_, records_);
+  return source_.add_hierarchy(records_);
 }
 
 TemporaryHierarchy::~TemporaryHierarchy() {

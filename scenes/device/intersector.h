@@ -2,7 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <utility>
 
+#include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
 #include "scenes/device/hierarchy/hierarchy_cache.h"
@@ -16,31 +20,51 @@ enum class IntersectorChoice { kAuto, kPortable, kEmbree };
 /// the portable one, because its images are the same on every machine.
 int intersector_for(std::size_t triangles);
 
+/// Builds the portable intersector's hierarchy, or finds it.
+class HierarchySource {
+ public:
+  /// `earlier`: see DeviceSceneOptions.
+  HierarchySource(std::filesystem::path folder, const DeviceScene* earlier)
+      : cache_(std::move(folder)), earlier_(earlier) {}
+
+  /// See HierarchyInput::still.
+  void set_still(const StillRecords& still) { still_ = still; }
+
+  /// Adds the hierarchy over the primitives and instances of the records, of which there must be at least
+  /// one, and the roots of their groups. Errors: those of build_hierarchy.
+  Expected<void> add_hierarchy(SceneRecords& records);
+
+  /// What is still in the hierarchy that was added.
+  [[nodiscard]] const StillRecords& built() const { return built_; }
+
+ private:
+  HierarchyCache cache_;
+  const DeviceScene* earlier_;
+  std::optional<StillRecords> still_;
+  StillRecords built_;
+};
+
 /// Sets the header's intersector and builds what it needs: a hierarchy, or the distinct vertices of a scene
 /// small enough to test every primitive. Triangles, quadrics and instances must be complete. Errors: those of
 /// building the hierarchy.
-Expected<void> add_intersector(IntersectorChoice choice, const HierarchyCache& cache, SceneHeader& header,
+Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source, SceneHeader& header,
                                SceneRecords& records);
-
-/// Builds the portable intersector's hierarchy, or finds it in the cache, over the primitives and instances
-/// of the records, of which there must be at least one, and the roots of their groups. Errors: those of
-/// build_hierarchy.
-Expected<void> add_hierarchy(const HierarchyCache& cache, SceneRecords& records);
 
 /// The portable intersector's hierarchy for steps of the scene's construction that trace rays. It is built on
 /// the first call of need(), and removed in the destructor unless rendering uses it.
 class TemporaryHierarchy {
  public:
-  TemporaryHierarchy(const HierarchyCache& cache, SceneRecords& records) : cache_(cache), records_(records) {}
+  TemporaryHierarchy(HierarchySource& source, SceneRecords& records) : source_(source), records_(records) {}
   TemporaryHierarchy(const TemporaryHierarchy&) = delete;
   TemporaryHierarchy& operator=(const TemporaryHierarchy&) = delete;
   ~TemporaryHierarchy();
 
-  /// Builds the hierarchy if it is missing. The scene must have a primitive. Errors: those of add_hierarchy.
+  /// Builds the hierarchy if it is missing. The scene must have a primitive. Errors: those of
+  /// build_hierarchy.
   Expected<void> need();
 
  private:
-  const HierarchyCache& cache_;
+  HierarchySource& source_;
   SceneRecords& records_;
   bool borrowed_ = false;
 };

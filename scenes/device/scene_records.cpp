@@ -27,8 +27,10 @@ void reserve(const SceneRecords& records, AlignedVector<std::uint32_t>& words) {
 template <typename Record>
 TableSpan append(const std::vector<Record>& records, int least, AlignedVector<std::uint32_t>& words) {
   const std::size_t offset = next_line(words.size());
+  words.resize(offset);
+  const auto* from = reinterpret_cast<const std::uint32_t*>(records.data());
+  words.insert(words.end(), from, from + records.size() * (sizeof(Record) / 4));
   words.resize(offset + words_of(records, least));
-  if (!records.empty()) std::memcpy(words.data() + offset, records.data(), records.size() * sizeof(Record));
   return {int(records.size()), std::uint32_t(offset)};
 }
 

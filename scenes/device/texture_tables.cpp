@@ -39,6 +39,10 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
   }
   TextureTables tables;
   TexelTable texels(scene.bitmaps);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (const auto* bitmap = std::get_if<BitmapTexture>(&scene.textures[i].model);
+        bitmap != nullptr && places[i] != kNoTexture)
+      texels.expect(*bitmap);
   const auto replace = [&](int& texture) {
     if (texture >= 0) texture = places[std::size_t(texture)];
   };
@@ -64,7 +68,14 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
   return tables;
 }
 
+void TexelTable::expect(const BitmapTexture& texture) {
+  if (expected_.insert(texture.bitmap).second)
+    expected_words_ += bitmaps_[std::size_t(texture.bitmap)]->words.size();
+}
+
 void TexelTable::place(const BitmapTexture& texture, TextureNode& node) {
+  constexpr std::size_t kForDecodings = 1 << 17;
+  if (words_.empty()) words_.reserve(expected_words_ + kForDecodings);
   const Bitmap& bitmap = *bitmaps_[std::size_t(texture.bitmap)];
   node.kind = bitmap.type == TexelType::kByte    ? TEXTURE_BYTE_BITMAP
               : bitmap.type == TexelType::kShort ? TEXTURE_SHORT_BITMAP

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@ class TexelTable {
  public:
   explicit TexelTable(std::span<const std::shared_ptr<const Bitmap>> bitmaps) : bitmaps_(bitmaps) {}
 
+  /// Tells of a texture that will be placed, so that the table never moves as it grows.
+  void expect(const BitmapTexture& texture);
+
   /// Completes the record of a texture: its kind and the position of its texels. A bitmap is stored once,
   /// however many textures use it.
   void place(const BitmapTexture& texture, TextureNode& node);
@@ -32,6 +36,8 @@ class TexelTable {
   int place_decoding(int values, float gamma);
 
   std::span<const std::shared_ptr<const Bitmap>> bitmaps_;
+  std::set<int> expected_;  ///< bitmaps
+  std::size_t expected_words_ = 0;
   std::vector<std::uint32_t> words_;
   std::map<int, int> places_;                       ///< keyed by bitmap
   std::map<std::pair<int, float>, int> decodings_;  ///< keyed by number of values and gamma

@@ -482,8 +482,9 @@ TEST(DeviceSceneCheck, FollowsTheHierarchy) {
   expect_refused(with_child(1, 0, 0), "names a child that is not there");  // a cycle
   expect_refused(with_child(1, 0, 1), "names a child that is not there");
   expect_refused(with_child(0, 0, h.tables.nodes.count), "names a child that is not there");
-  expect_refused(with_child(0, 7, ~(h.tables.triangle_leaves.count + h.tables.quadric_leaves.count)),
-                 "names a leaf that is not there");
+  for (const int leaf : {h.tables.triangle_leaves.count, FIRST_QUADRIC_LEAF + h.tables.quadric_leaves.count,
+                         FIRST_INSTANCE_LEAF + h.tables.instances.count, INT_MAX})
+    expect_refused(with_child(0, 7, ~leaf), "names a leaf that is not there");
   expect_refused(with_child(0, 7, 1), "has two parents");
   expect_refused(with_child(0, 0, ~0), "has no parent");
   expect_refused(

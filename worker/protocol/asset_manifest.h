@@ -39,6 +39,9 @@ AssetManifest make_manifest(std::span<const std::uint8_t> head, std::span<const 
 /// table. Another camera changes only the first piece; another material changes that and the table of
 /// materials.
 AssetManifest manifest_of(const DeviceScene& scene);
+/// The same, faster where pieces of tables are equal to those of another scene with that manifest: comparing
+/// bytes takes a tenth of the time of hashing them. The other scene's words must be those of its manifest.
+AssetManifest manifest_of(const DeviceScene& scene, const DeviceScene& other, const AssetManifest& of_other);
 /// The hash of an asset that consists of these pieces.
 std::string hash_of_pieces(const std::vector<AssetPiece>& pieces);
 

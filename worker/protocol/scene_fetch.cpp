@@ -165,9 +165,18 @@ Expected<FetchedScene> SceneFetch::fetch(const std::string& hash) {
   FetchedScene fetched;
   DeviceSceneReader reader(manifest->bytes());
   for (std::size_t i = 0; i < manifest->pieces.size(); ++i) {
-    const auto bytes = take_piece(*manifest, i, stream, is_missing[i], fetched);
-    if (!bytes) return std::unexpected(bytes.error());
-    if (const Expected<void> added = reader.add(*bytes); !added)
+    const AssetPiece& piece = manifest->pieces[i];
+    std::span<const std::uint8_t> bytes;
+    Expected<std::vector<std::uint8_t>> taken;
+    if (!is_missing[i]) bytes = store_->held(piece);
+    if (bytes.empty()) {
+      taken = take_piece(*manifest, i, stream, is_missing[i], fetched);
+      if (!taken) return std::unexpected(taken.error());
+      bytes = *taken;
+    } else {
+      fetched.bytes.found += piece.size;
+    }
+    if (const Expected<void> added = reader.add(bytes); !added)
       return fail("the scene that came cannot be used: " + added.error().message);
   }
   Expected<DeviceScene> scene = reader.finish();

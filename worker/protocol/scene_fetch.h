@@ -25,6 +25,8 @@ class PieceStore {
   virtual bool may_have(const AssetPiece& piece) = 0;
   /// Called after may_have was asked for all pieces of a scene: the number of bytes missing and in total.
   virtual void expect(std::uint64_t missing, std::uint64_t total) = 0;
+  /// The bytes of a piece that is in memory and was verified; empty: it is not there.
+  virtual std::span<const std::uint8_t> held(const AssetPiece& /*piece*/) { return {}; }
   /// The stored bytes under the piece's name, or nothing. The caller verifies them.
   virtual std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) = 0;
   /// The bytes that were read are not the piece.

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 
 #include "kernels/host/checked_cache.h"
 #include "scenes/device/hierarchy/bvh_builder.h"
@@ -25,14 +24,13 @@ class HierarchyCache {
   /// With an empty folder every hierarchy is built.
   explicit HierarchyCache(std::filesystem::path folder, std::size_t fewest_primitives = kFewestPrimitives);
 
-  /// What build_hierarchy returns for these arguments, byte for byte. A folder that cannot be written, and a
-  /// damaged file, only cost the time of building.
-  [[nodiscard]] Expected<Hierarchy> find_or_build(std::span<const Triangle> triangles,
-                                                  std::span<const Quadric> quadrics,
-                                                  std::span<const PrimitiveGroup> groups,
-                                                  std::span<const Instance> instances) const;
+  /// What build_hierarchy returns for that, byte for byte. Where something is still, only its part is kept. A
+  /// folder that cannot be written, and a damaged file, only cost the time of building.
+  [[nodiscard]] Expected<Hierarchy> find_or_build(const HierarchyInput& input) const;
 
  private:
+  [[nodiscard]] Expected<Hierarchy> find_or_build_part(const HierarchyInput& input) const;
+
   CheckedCache files_;
   std::size_t fewest_primitives_;
 };

@@ -36,7 +36,7 @@ struct Primitives {
     return build_hierarchy(triangles, quadrics, groups, instances);
   }
   [[nodiscard]] Expected<Hierarchy> from(const HierarchyCache& cache) const {
-    return cache.find_or_build(triangles, quadrics, groups, instances);
+    return cache.find_or_build({triangles, quadrics, groups, instances});
   }
 };
 
