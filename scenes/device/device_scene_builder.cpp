@@ -9,6 +9,7 @@
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -203,7 +204,11 @@ class SceneBuilder {
   }
 
   void add_textures(const std::vector<int>& of_lights) {
-    TextureTables tables = texture_tables(scene_, records_.materials, of_lights);
+    std::span<const std::uint32_t> earlier;
+    if (options_.earlier != nullptr)
+      earlier = table<std::uint32_t>(*options_.earlier, options_.earlier->header.tables.texels);
+    TextureTables tables = texture_tables(scene_, records_.materials, of_lights, earlier);
+    if (tables.earlier_texels) records_.earlier_texels = earlier;
     for (const TextureNode& texture : tables.textures) h_.texture_kinds |= 1u << texture.kind;
     records_.textures = std::move(tables.textures);
     records_.texels = std::move(tables.texels);

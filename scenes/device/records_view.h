@@ -14,9 +14,9 @@ class RecordsView {
  public:
   explicit RecordsView(const SceneRecords& records, const SceneHeader& header = {}) {
     scene_.header = header;
-#define POINT_TO_RECORDS(_, name, record, least, what)         \
-  scene_.name = pointer_to(records.name, least, padded_.name); \
-  scene_.header.tables.name.count = int(records.name.size());
+#define POINT_TO_RECORDS(_, name, record, least, what)                              \
+  scene_.name = pointer_to(records_of(records, records.name), least, padded_.name); \
+  scene_.header.tables.name.count = int(records_of(records, records.name).size());
     SCENE_TABLES(POINT_TO_RECORDS, _)
 #undef POINT_TO_RECORDS
   }
@@ -28,10 +28,10 @@ class RecordsView {
  private:
   /// Pads a table with zeros if kernels read more records than it has.
   template <typename Record>
-  static const Record* pointer_to(const std::vector<Record>& records, std::size_t least,
+  static const Record* pointer_to(std::span<const Record> records, std::size_t least,
                                   std::vector<Record>& padded) {
     if (records.size() >= least) return records.data();
-    padded = records;
+    padded.assign(records.begin(), records.end());
     padded.resize(least);
     return padded.data();
   }

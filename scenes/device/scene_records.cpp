@@ -11,21 +11,22 @@ constexpr std::size_t kLineWords = kCacheLine / 4;
 std::size_t next_line(std::size_t words) { return (words + kLineWords - 1) / kLineWords * kLineWords; }
 
 template <typename Record>
-std::size_t words_of(const std::vector<Record>& records, int least) {
+std::size_t words_of(std::span<const Record> records, int least) {
   return std::max(records.size(), std::size_t(least)) * (sizeof(Record) / 4);
 }
 
 /// Reserves the memory once, because the largest scenes fill most of it.
 void reserve(const SceneRecords& records, AlignedVector<std::uint32_t>& words) {
   std::size_t total = words.size();
-#define COUNT_TABLE(_, name, record, least, what) total = next_line(total) + words_of(records.name, least);
+#define COUNT_TABLE(_, name, record, least, what) \
+  total = next_line(total) + words_of(records_of(records, records.name), least);
   SCENE_TABLES(COUNT_TABLE, _)
 #undef COUNT_TABLE
   words.reserve(total);
 }
 
 template <typename Record>
-TableSpan append(const std::vector<Record>& records, int least, AlignedVector<std::uint32_t>& words) {
+TableSpan append(std::span<const Record> records, int least, AlignedVector<std::uint32_t>& words) {
   const std::size_t offset = next_line(words.size());
   words.resize(offset);
   const auto* from = reinterpret_cast<const std::uint32_t*>(records.data());
@@ -49,8 +50,8 @@ void put_placeholder_triangle(DeviceScene& scene) {
 
 void store(SceneRecords&& records, DeviceScene& scene) {
   reserve(records, scene.words);
-#define MOVE_TABLE(_, name, record, least, what)                       \
-  scene.header.tables.name = append(records.name, least, scene.words); \
+#define MOVE_TABLE(_, name, record, least, what)                                            \
+  scene.header.tables.name = append(records_of(records, records.name), least, scene.words); \
   std::vector<record>().swap(records.name);
   SCENE_TABLES(MOVE_TABLE, _)
 #undef MOVE_TABLE

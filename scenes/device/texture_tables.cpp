@@ -4,6 +4,7 @@
 #include <bit>
 #include <climits>
 #include <cmath>
+#include <cstring>
 
 namespace penumbra {
 namespace {
@@ -18,7 +19,7 @@ int place_of(MeshAttribute attribute, std::vector<MeshAttribute>& attributes) {
 }  // namespace
 
 TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials,
-                             std::span<const int> others) {
+                             std::span<const int> others, std::span<const std::uint32_t> earlier) {
   // First whether each texture is in the table, then its index there.
   std::vector<int> places(scene.textures.size(), kNoTexture);
   const auto use = [&](int texture) {
@@ -39,10 +40,6 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
   }
   TextureTables tables;
   TexelTable texels(scene.bitmaps);
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (const auto* bitmap = std::get_if<BitmapTexture>(&scene.textures[i].model);
-        bitmap != nullptr && places[i] != kNoTexture)
-      texels.expect(*bitmap);
   const auto replace = [&](int& texture) {
     if (texture >= 0) texture = places[std::size_t(texture)];
   };
@@ -63,19 +60,13 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
     MATERIAL_TEXTURES(REPLACE_TEXTURE, )
 #undef REPLACE_TEXTURE
   }
-  tables.texels = texels.take();
+  tables.earlier_texels = !earlier.empty() && texels.equals(earlier);
+  if (!tables.earlier_texels) tables.texels = texels.take();
   tables.places = std::move(places);
   return tables;
 }
 
-void TexelTable::expect(const BitmapTexture& texture) {
-  if (expected_.insert(texture.bitmap).second)
-    expected_words_ += bitmaps_[std::size_t(texture.bitmap)]->words.size();
-}
-
 void TexelTable::place(const BitmapTexture& texture, TextureNode& node) {
-  constexpr std::size_t kForDecodings = 1 << 17;
-  if (words_.empty()) words_.reserve(expected_words_ + kForDecodings);
   const Bitmap& bitmap = *bitmaps_[std::size_t(texture.bitmap)];
   node.kind = bitmap.type == TexelType::kByte    ? TEXTURE_BYTE_BITMAP
               : bitmap.type == TexelType::kShort ? TEXTURE_SHORT_BITMAP
@@ -91,27 +82,45 @@ void TexelTable::place(const BitmapTexture& texture, TextureNode& node) {
   node.texels = place_bitmap(texture.bitmap);
 }
 
+int TexelTable::append(Words words) {
+  const auto place = int(end_);
+  parts_.push_back(words);
+  end_ += words.size();
+  return place;
+}
+
 int TexelTable::place_bitmap(int index) {
-  const auto [place, is_new] = places_.try_emplace(index, int(words_.size()));
-  if (is_new) {
-    const std::vector<std::uint32_t>& texels = bitmaps_[std::size_t(index)]->words;
-    words_.insert(words_.end(), texels.begin(), texels.end());
-  }
+  const auto [place, is_new] = places_.try_emplace(index);
+  if (is_new) place->second = append(bitmaps_[std::size_t(index)]->words);
   return place->second;
 }
 
 int TexelTable::place_decoding(int values, float gamma) {
-  const auto [place, is_new] = decodings_.try_emplace({values, gamma}, int(words_.size()));
+  const auto [place, is_new] = decodings_.try_emplace({values, gamma});
   if (is_new) {
+    std::vector<std::uint32_t>& words = decoded_.emplace_back();
     for (int n = 0; n < values; ++n)
-      words_.push_back(std::bit_cast<std::uint32_t>(decoded_value(n, values - 1, gamma)));
+      words.push_back(std::bit_cast<std::uint32_t>(decoded_value(n, values - 1, gamma)));
+    place->second = append(words);
   }
   return place->second;
 }
 
-std::vector<std::uint32_t> TexelTable::take() {
-  if (!words_.empty()) words_.push_back(0);
-  return std::move(words_);
+bool TexelTable::equals(std::span<const std::uint32_t> table) const {
+  if (table.size() != size()) return false;
+  for (const Words part : parts_) {
+    if (std::memcmp(part.data(), table.data(), part.size_bytes()) != 0) return false;
+    table = table.subspan(part.size());
+  }
+  return table.empty() || table[0] == 0;
+}
+
+std::vector<std::uint32_t> TexelTable::take() const {
+  std::vector<std::uint32_t> words;
+  words.reserve(size());
+  for (const Words part : parts_) words.insert(words.end(), part.begin(), part.end());
+  words.resize(size());
+  return words;
 }
 
 }  // namespace penumbra

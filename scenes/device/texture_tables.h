@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -21,24 +21,26 @@ class TexelTable {
  public:
   explicit TexelTable(std::span<const std::shared_ptr<const Bitmap>> bitmaps) : bitmaps_(bitmaps) {}
 
-  /// Tells of a texture that will be placed, so that the table never moves as it grows.
-  void expect(const BitmapTexture& texture);
-
   /// Completes the record of a texture: its kind and the position of its texels. A bitmap is stored once,
   /// however many textures use it.
   void place(const BitmapTexture& texture, TextureNode& node);
 
+  /// Whether a table has these words.
+  [[nodiscard]] bool equals(std::span<const std::uint32_t> table) const;
   /// Returns the table, including the padding word that kernels may read beyond the last texel.
-  [[nodiscard]] std::vector<std::uint32_t> take();
+  [[nodiscard]] std::vector<std::uint32_t> take() const;
 
  private:
+  using Words = std::span<const std::uint32_t>;
   int place_bitmap(int index);
   int place_decoding(int values, float gamma);
+  int append(Words words);
+  [[nodiscard]] std::size_t size() const { return parts_.empty() ? 0 : end_ + 1; }
 
   std::span<const std::shared_ptr<const Bitmap>> bitmaps_;
-  std::set<int> expected_;  ///< bitmaps
-  std::size_t expected_words_ = 0;
-  std::vector<std::uint32_t> words_;
+  std::vector<Words> parts_;
+  std::size_t end_ = 0;  ///< of the last part
+  std::deque<std::vector<std::uint32_t>> decoded_;
   std::map<int, int> places_;                       ///< keyed by bitmap
   std::map<std::pair<int, float>, int> decodings_;  ///< keyed by number of values and gamma
 };
@@ -46,6 +48,7 @@ class TexelTable {
 struct TextureTables {
   std::vector<TextureNode> textures;
   std::vector<std::uint32_t> texels;
+  bool earlier_texels = false;  ///< the texels are those of another scene; `texels` is empty
   /// Mesh attributes used by textures, in the order of a triangle's colours.
   std::vector<MeshAttribute> attributes;
   std::vector<int> places;  ///< for each texture of the scene its index in the table, or kNoTexture
@@ -53,8 +56,8 @@ struct TextureTables {
 
 /// Builds tables of the textures that the materials use, of those in `others`, and of the textures nested in
 /// them. Other textures and their bitmaps are left out. The materials' texture indices are changed to those
-/// of the table.
+/// of the table. `earlier`: the texels of another scene, which need not be copied if they are the same.
 TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials,
-                             std::span<const int> others);
+                             std::span<const int> others, std::span<const std::uint32_t> earlier = {});
 
 }  // namespace penumbra

@@ -117,13 +117,13 @@ double seconds_of_render(const DeviceScene& scene) {
   return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-void run(int triangles, bool textures) {
+void run(int triangles, bool textures, int frames) {
   SceneDescription scene = bumpy_room(triangles);
   if (textures) add_textures(scene);
   add_moving_ball(scene, triangles / 100);
   print_stage_heading("triangle");
   std::optional<Frame> last;
-  for (int number = 0; number < 4; ++number) {
+  for (int number = 0; number < frames; ++number) {
     Frame next = make_frame(scene, number, last ? &*last : nullptr, triangles);
     last = std::move(next);
   }
@@ -138,4 +138,7 @@ void run(int triangles, bool textures) {
 }  // namespace
 }  // namespace penumbra
 
-int main(int argc, char** argv) { penumbra::run(argc > 1 ? std::atoi(argv[1]) : 1'000'000, argc <= 2); }
+int main(int argc, char** argv) {
+  penumbra::run(argc > 1 ? std::atoi(argv[1]) : 1'000'000, argc <= 2 || std::string(argv[2]) != "plain",
+                argc > 3 ? std::atoi(argv[3]) : 4);
+}

@@ -12,6 +12,7 @@
 #include <limits>
 #include <string>
 #include <vector>
+#include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/render_scene.h"

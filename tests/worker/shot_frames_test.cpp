@@ -248,7 +248,7 @@ void expect_vanishing(Shot shot, const std::string& what,
 
 TEST(ShotFrames, MeshesSpheresAndTheirLightMayVanish) {
   const KeyedTransform shrink = travel(dvec3(0.1, 0, 0), 0);
-  for (const auto& [base, name] : {std::pair(diffuse_box, "few"), std::pair(many_triangles, "many")})
+  for (const auto& [base, name] : {std::pair(&diffuse_box, "few"), std::pair(&many_triangles, "many")})
     for (const auto& [kind, shape] : {std::pair("ball", ball(0)), std::pair("lamp", ball(kBlackBsdf, 3.0f)),
                                       std::pair("sphere", sphere(dvec3(0.2), 0))}) {
       Shot shot{.scene = base()};
