@@ -60,7 +60,7 @@ bool has_flat_sides(const Mesh& mesh) {
     area += twice;
     largest = std::max(largest, areas[{cell(normal.x), cell(normal.y), cell(normal.z)}] += twice);
   }
-  return largest >= kLeastShare * area;
+  return area > 0 && largest >= kLeastShare * area;
 }
 
 float bend_step(const SceneDescription& scene, int texture) {

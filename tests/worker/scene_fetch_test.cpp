@@ -129,6 +129,23 @@ TEST_F(SceneFetchTest, TheScenesThatAWorkerHoldsAreASource) {
   EXPECT_EQ(fetch(scene, &pieces), scene.head().size());
 }
 
+TEST_F(SceneFetchTest, AManifestMadeFromThatOfAnotherSceneIsTheSame) {
+  const DeviceScene scene = large_scene(1000);
+  const AssetManifest manifest = manifest_of(scene);
+  EXPECT_EQ(manifest_of(scene, scene, manifest).pieces, manifest.pieces);
+  DeviceScene other = scene;
+  other.header.camera.origin.x += 5;
+  other.words.back() ^= 1;
+  EXPECT_EQ(manifest_of(other, scene, manifest).pieces, manifest_of(other).pieces);
+  EXPECT_EQ(manifest_of(other, scene, manifest).hash, manifest_of(other).hash);
+  const DeviceScene larger = large_scene(2000);
+  EXPECT_EQ(manifest_of(larger, scene, manifest).pieces, manifest_of(larger).pieces);
+  // A header that was changed after its manifest was made, as by a view.
+  DeviceScene viewed = scene;
+  viewed.header.camera.origin.x += 7;
+  EXPECT_EQ(manifest_of(viewed, viewed, manifest).pieces, manifest_of(viewed).pieces);
+}
+
 TEST_F(SceneFetchTest, WhatAStoreHasLostOrDamagedIsFetchedAllTheSame) {
   const DeviceScene scene = large_scene(1000);
   MemoryStore store;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstring>
 #include <random>
+#include <span>
 
 #include "tests/support/temporary_folder.h"
 
@@ -115,6 +116,22 @@ TEST_F(HierarchyFolder, IsReadAndNotOnlyWritten) {
   const auto found = scene_.from(cache_);
   ASSERT_TRUE(found);
   EXPECT_FALSE(same(*found, *built_));
+}
+
+TEST_F(HierarchyFolder, KeepsOnlyWhatIsStill) {
+  Primitives shot = scene_;
+  shot.groups = {{0, 0, int(shot.triangles.size()), 0, int(shot.quadrics.size())}};
+  const StillRecords still{.triangles = int(shot.triangles.size()) - 50, .quadrics = 2, .groups = 1};
+  for (int frame = 0; frame < 3; ++frame) {
+    for (Triangle& t : std::span(shot.triangles).last(50)) t.p0.x += 0.1f;
+    const HierarchyInput input{shot.triangles, shot.quadrics, shot.groups, {}, still};
+    const auto found = cache_.find_or_build(input), built = build_hierarchy(input);
+    ASSERT_TRUE(found && built);
+    EXPECT_TRUE(same(*found, *built)) << frame;
+    EXPECT_EQ(found->still.nodes, built->still.nodes);
+    EXPECT_LT(std::size_t(found->still.nodes), found->nodes.size());
+    EXPECT_EQ(folder_.names().size(), 1u);
+  }
 }
 
 TEST_F(HierarchyFolder, TellsPositionsApartAndNothingElse) {
