@@ -132,8 +132,8 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
     chosen = [options, command, &command_line] {
       if (const auto checked = check_no_value_is_a_scene(*command, options->scenes); !checked)
         return print_error(checked.error()), kBadInput;
-      const bool is_set =
-          options->scenes.size() > 1 || !options->frames.empty() || is_job_file(options->scenes.front());
+      const bool is_set = options->scenes.size() > 1 || !options->frames.empty() || !options->video.empty() ||
+                          is_job_file(options->scenes.front());
       const std::atomic<bool>& stop = install_stop_signal();
       if (options->estimate)
         return is_set ? estimate_set(*options, *command, stop) : estimate(*options, stop);

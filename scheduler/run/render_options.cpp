@@ -128,6 +128,22 @@ void add_shot_options(CommandLine& command, RenderOptions& options) {
       ->check(one_of({"ascending", "preview"}))
       ->needs("--frames")
       ->group(group::kFrames);
+  command
+      .add_option("--video", options.video,
+                  "At the end, make a video of the frames' PNGs by the program ffmpeg. Frames that failed "
+                  "hold the picture before")
+      ->type_name("FILE.mp4")
+      ->check({[](const std::string& text) {
+                 return text.ends_with(".mp4") ? std::string()
+                                               : "a video is written as FILE.mp4, not as '" + text + "'";
+               },
+               ""})
+      ->excludes("--pixel")
+      ->group(group::kFrames);
+  command
+      .add_flag("--no-contact-sheet", options.no_sheet,
+                "Of frames, do not write NAME-contact.png with small pictures of them beside the images")
+      ->group(group::kFrames);
 }
 
 /// Options for several scenes.

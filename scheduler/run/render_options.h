@@ -33,6 +33,8 @@ struct RenderOptions : RenderRequest {
   // For several scenes and frames.
   std::string frames = {};     ///< see frames_of; empty: no shot
   bool preview_order = false;  ///< frames come in preview_order
+  std::string video = {};      ///< file of the shot's video; empty: none
+  bool no_sheet = false;       ///< no contact sheet
   bool force = false;          ///< render also what is already there and unchanged
   std::string summary = {};    ///< file with the result of each render; empty: beside the images
   std::string table = {};      ///< the same as CSV; empty: none

@@ -25,6 +25,7 @@
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/program_path.h"
 #include "scheduler/record/film_image.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/run/progress.h"
 #include "scheduler/run/render_checkpoint.h"
 #include "scheduler/run/render_outputs.h"
@@ -32,6 +33,8 @@
 #include "scheduler/sets/failure_reasons.h"
 #include "scheduler/sets/set_plan.h"
 #include "scheduler/sets/set_summary.h"
+#include "scheduler/sets/shot_pictures.h"
+#include "scheduler/sets/shot_video.h"
 #include "scheduler/web/render_page.h"
 #include "worker/protocol/mailbox.h"
 
@@ -85,12 +88,13 @@ struct FinishedRender {
 class SceneSet final : public JobSource {
  public:
   SceneSet(SetPlan plan, const RenderOptions& options, const std::vector<std::string>& command_line,
-           const std::atomic<bool>& stop)
+           std::filesystem::path ffmpeg, const std::atomic<bool>& stop)
       : plan_(std::move(plan)),
         options_(options),
         command_line_(command_line),
         stop_(stop),
         printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()),
+        ffmpeg_(std::move(ffmpeg)),
         scenes_(scenes_of(plan_)) {
     FinishedRenders finished = FinishedRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
@@ -150,6 +154,7 @@ class SceneSet final : public JobSource {
   [[nodiscard]] std::size_t ended();
   /// Of all renders: " (0:41:10 left)"; empty while none has been rendered.
   [[nodiscard]] std::string time_left_text(double share_of_present);
+  [[nodiscard]] Expected<void> make_video() const;
   /// `written`: the files about the whole set.
   ExitCode print_end(const std::vector<std::string>& written);
 
@@ -158,8 +163,9 @@ class SceneSet final : public JobSource {
   const std::vector<std::string>& command_line_;
   const std::atomic<bool>& stop_;
   ProgressPrinter printer_;
-  std::string worker_;   ///< hash of the worker's executable
-  SharedScenes scenes_;  // used by the thread that reads scenes
+  const std::filesystem::path ffmpeg_;  ///< if a video is to be made
+  std::string worker_;                  ///< hash of the worker's executable
+  SharedScenes scenes_;                 // used by the thread that reads scenes
 
   const Clock::time_point began_ = Clock::now();
   std::size_t longest_name_ = 0;
@@ -185,6 +191,7 @@ class SceneSet final : public JobSource {
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
+  std::atomic<double> fps_ = kFramesPerSecond;  // of the shot
   std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
@@ -257,6 +264,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   for (const std::string& warning : prepared->scene.description.warnings)
     if (told_warnings_.insert(warning).second) print_warning(warning);
   keys_[index] = key_of(*prepared, worker_);
+  fps_ = prepared->scene.fps;
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
@@ -455,8 +463,25 @@ ExitCode SceneSet::run() {
   add_written(plan_.summary.string(), write_summary());
   if (!options_.table.empty())
     add_written(options_.table, write_output(options_.table, bytes_of(set_table(entries_))));
+  bool failed = false;
+  for (const std::string& sheet : write_contact_sheets(plan_, entries_, failed)) written.push_back(sheet);
+  if (failed) code = kIncomplete;
+  if (!options_.video.empty()) add_written(options_.video, make_video());
   page_.close();
   return std::max(code, print_end(written));
+}
+
+Expected<void> SceneSet::make_video() const {
+  if (stop_) return fail("no video is made: a signal stopped the set");
+  const std::vector<SheetFrame> frames = frames_of_shot(plan_.shots.front(), plan_, entries_);
+  const auto ended = write_video(ffmpeg_, frames, video_rate(frames, fps_), options_.video);
+  if (!ended) return fail(fmt::format("{}: {}", options_.video, ended.error().message));
+  const std::string text = fmt::format("{}: {}", options_.video, ended->text);
+  if (ended->held > 0)
+    print_warning(text);
+  else if (!options_.quiet)
+    print_message(text);
+  return {};
 }
 
 ExitCode SceneSet::print_end(const std::vector<std::string>& written) {
@@ -483,6 +508,7 @@ ExitCode SceneSet::print_end(const std::vector<std::string>& written) {
 Expected<void> check_set_files(const SetPlan& plan, const RenderOptions& options) {
   std::vector<std::filesystem::path> outputs{plan.summary};
   if (!options.table.empty()) outputs.emplace_back(options.table);
+  if (!options.video.empty()) outputs.emplace_back(options.video);
   std::set<std::filesystem::path> inputs(options.scenes.begin(), options.scenes.end());
   for (const SetMember& member : plan.members) inputs.emplace(member.options.scene.file);
   return check_outputs(outputs, std::vector(inputs.begin(), inputs.end()));
@@ -496,7 +522,13 @@ ExitCode render_set(const RenderOptions& options, const CommandLine& command,
   if (!plan) return print_error(plan.error()), kBadInput;
   if (const auto checked = check_set_files(*plan, options); !checked)
     return print_error(checked.error()), kBadInput;
-  return SceneSet(std::move(*plan), options, command_line, stop).run();
+  std::filesystem::path ffmpeg;
+  if (!options.video.empty()) {
+    auto found = find_ffmpeg();
+    if (!found) return print_error(found.error()), kBadInput;
+    ffmpeg = std::move(*found);
+  }
+  return SceneSet(std::move(*plan), options, command_line, std::move(ffmpeg), stop).run();
 }
 
 }  // namespace penumbra

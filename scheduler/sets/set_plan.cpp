@@ -118,6 +118,7 @@ class SetPlanner {
     if (!options_.table.empty())
       if (const auto taken = take_file(options_.table, "--table"); !taken)
         return std::unexpected(taken.error());
+    if (const auto found = find_shots(); !found) return std::unexpected(found.error());
     return std::move(plan_);
   }
 
@@ -148,6 +149,7 @@ class SetPlanner {
       if (axes[i].kind == AxisKind::kScene) with_frame = !has_fields || !has_field(choice[i], "frame");
       if (axes[i].kind != AxisKind::kScene) fields[axes[i].name] = choice[i];
     }
+    const fs::path scene_pattern = choice.front();
     for (std::size_t i = 0; i < axes.size(); ++i) {
       if (!has_fields || (axes[i].kind != AxisKind::kScene && axes[i].kind != AxisKind::kDefine)) continue;
       auto filled = fill_in(choice[i], fields);
@@ -171,11 +173,54 @@ class SetPlanner {
     auto files = choose_output_files(member.options);
     if (!files) return std::unexpected(files.error());
     member.files = std::move(*files);
+    member.is_denoised = asks_for_denoising(member.options.scene);
+    member.shot = has_frames(pattern) ? shot_of(name, scene_pattern, fields) : "";
     if (const auto taken = take_files(member); !taken) return taken;
     if (options_.out.empty() && pattern.out) member.base = fs::current_path() / pattern.folder;
     names_[{files_.size(), pattern.name}].push_back(members_.size());
     members_.push_back({std::move(member), files_.size(), pattern.after});
     return {};
+  }
+
+  /// SetMember::shot. `fields`: of the member's names. The scene's name may have the frame's number too.
+  static std::string shot_of(const std::string& name, const fs::path& scene_pattern, NameFields fields) {
+    if (const auto file = FrameFiles::of(scene_pattern.stem().string()))
+      fields["scene"] = file->without_field().string();
+    fields.erase("frame");
+    return fill_in(with_hashes(name), fields).value_or("");
+  }
+
+  /// The shots of the members, which are in their order.
+  Expected<void> find_shots() {
+    std::map<std::string, std::size_t> places;
+    for (std::size_t i = 0; i < plan_.members.size(); ++i) {
+      const SetMember& member = plan_.members[i];
+      const auto frame =
+          std::ranges::find(member.choices, "frame", &std::pair<std::string, std::string>::first);
+      if (member.shot.empty() || !member.files.png || frame == member.choices.end()) continue;
+      const fs::path images = fs::absolute(member.shot).lexically_normal();
+      const auto pictures =
+          FrameFiles::of(fs::path(images).replace_extension(member.files.png->extension()).string());
+      if (!pictures) continue;
+      const auto [place, is_new] = places.emplace(member.shot, plan_.shots.size());
+      if (is_new) plan_.shots.push_back({.pictures = *pictures});
+      plan_.shots[place->second].frames.emplace_back(std::stoi(frame->second), i);
+    }
+    for (SetShot& shot : plan_.shots) {
+      std::ranges::sort(shot.frames);
+      if (options_.no_sheet) continue;
+      const fs::path name = FrameFiles::of(plan_.members[shot.frames.front().second].shot)->without_field();
+      const std::string stem = name.stem().string();
+      // Where the name was the number alone.
+      const bool has_name = !stem.empty() && !stem.starts_with('.');
+      shot.sheet = name.parent_path() / (has_name ? stem + "-contact.png" : "contact.png");
+      if (const auto taken = take_file(shot.sheet, "the contact sheet"); !taken) return taken;
+    }
+    if (options_.video.empty()) return {};
+    if (plan_.shots.size() != 1)
+      return fail(plan_.shots.empty() ? "--video is of frames: choose them with --frames, or in a job file"
+                                      : fmt::format("--video is of one shot, not of {}", plan_.shots.size()));
+    return take_file(options_.video, "--video");
   }
 
   /// Moves the members to the plan: the most urgent first, of those before which all others are that must be.
@@ -236,7 +281,7 @@ class SetPlanner {
   /// Error if two renders write the same file.
   Expected<void> take_files(const SetMember& member) {
     OutputFiles files = member.files;
-    if (asks_for_denoising(member.options.scene)) add_denoised_files(files);
+    if (member.is_denoised) add_denoised_files(files);
     for (const fs::path& file : files.all()) {
       const auto identity = identity_of_output(file);
       if (!identity) continue;

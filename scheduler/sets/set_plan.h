@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/render/frame_files.h"
 #include "scheduler/run/output_files.h"
 #include "scheduler/run/render_options.h"
 #include "worker/cli/command_line.h"
@@ -23,12 +24,22 @@ struct SetMember {
   std::vector<std::size_t> after = {};  ///< earlier members of the plan that must be done before
   std::string name;                     ///< for display: the scene, and the varied parameters
   std::vector<std::pair<std::string, std::string>> choices = {};  ///< all its parameters except the scene
+  bool is_denoised = false;                                       ///< there are denoised images too
+  std::string shot = {};  ///< of a frame: its image, with # for the digits of the frame; else empty
+};
+
+/// Members that differ in the frame alone.
+struct SetShot {
+  FrameFiles pictures;               ///< PNG files, absolute
+  std::filesystem::path sheet = {};  ///< the contact sheet, if there are several frames; empty: none
+  std::vector<std::pair<int, std::size_t>> frames = {};  ///< their numbers, ascending, and members
 };
 
 struct SetPlan {
   /// By descending priority, else in the given order; but each after those that must be done before.
   std::vector<SetMember> members;
-  std::string name;  ///< for display: the job file, or the scene, and how many more there are
+  std::vector<SetShot> shots = {};  ///< in the order of their first members
+  std::string name;                 ///< for display: the job file, or the scene, and how many more there are
   bool has_job_file = false;
   std::filesystem::path summary;
 };

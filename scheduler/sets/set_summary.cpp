@@ -135,28 +135,32 @@ std::string set_table(const std::vector<SetEntry>& entries) {
   return table;
 }
 
-FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
-  FinishedRenders finished;
+std::vector<SetEntry> read_set_summary(const std::filesystem::path& path) {
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file, nullptr, false);
-  if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return finished;
+  if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return {};
   const std::filesystem::path folder = folder_of_summary(path);
+  std::vector<SetEntry> entries;
+  try {
+    for (const char* list : {"jobs", "earlier"}) {
+      if (!json.contains(list)) continue;
+      for (const nlohmann::json& job : json.at(list)) entries.push_back(entry_of(job, folder));
+    }
+  } catch (const nlohmann::json::exception&) {
+    return {};  // not written by this program
+  }
+  return entries;
+}
+
+FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
+  FinishedRenders finished;
   const auto is_there = [](const std::string& name) {
     std::error_code ignored;
     return std::filesystem::exists(name, ignored);
   };
-  try {
-    for (const char* list : {"jobs", "earlier"}) {
-      if (!json.contains(list)) continue;
-      for (const nlohmann::json& job : json.at(list)) {
-        SetEntry entry = entry_of(job, folder);
-        if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
-          finished.entries_.emplace(entry.files, std::move(entry));
-      }
-    }
-  } catch (const nlohmann::json::exception&) {
-    finished.entries_.clear();  // not written by this program, so everything is rendered
-  }
+  for (SetEntry& entry : read_set_summary(path))
+    if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
+      finished.entries_.emplace(entry.files, std::move(entry));
   return finished;
 }
 

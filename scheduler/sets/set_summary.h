@@ -40,6 +40,9 @@ Expected<void> write_set_summary(const std::filesystem::path& path, const std::v
 /// samples per pixel, render time, relative error, first file, and the reason of those that are not done.
 std::string set_table(const std::vector<SetEntry>& entries);
 
+/// All entries of a summary, first those of the set that wrote it last. Empty if it cannot be read.
+std::vector<SetEntry> read_set_summary(const std::filesystem::path& path);
+
 /// Renders that an earlier summary lists with a key and whose files all exist. Empty if there is no readable
 /// summary.
 class FinishedRenders {
