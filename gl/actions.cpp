@@ -9,7 +9,7 @@ namespace penumbra {
 namespace {
 
 constexpr ActionInfo kActions[] = {
-    {Action::kOneMoreSample, "space", "one more sample for every pixel", true},
+    {Action::kOneMoreSample, "space", "one more sample for every pixel; play a shot, or stop", true},
     {Action::kToggleAutomatic, "r", "refine until told otherwise, or stop", false},
     {Action::kShowComposite, "1", "show the image", false},
     {Action::kShowAnalytic, "2", "show the closed form, which knows no shadows", false},
@@ -37,13 +37,14 @@ constexpr ActionInfo kActions[] = {
     {Action::kRight, "d", "move right", true},
     {Action::kUp, "e", "move up", true},
     {Action::kDown, "q", "move down", true},
-    {Action::kOrbitLeft, "left", "turn about the target, to the left", true},
-    {Action::kOrbitRight, "right", "turn about the target, to the right", true},
+    {Action::kOrbitLeft, "left", "turn about the target, to the left; the frame before", true},
+    {Action::kOrbitRight, "right", "turn about the target, to the right; the next frame", true},
     {Action::kOrbitUp, "up", "turn about the target, upwards", true},
     {Action::kOrbitDown, "down", "turn about the target, downwards", true},
     {Action::kCloser, "page_up", "closer to the target", true},
     {Action::kFarther, "page_down", "farther from the target", true},
-    {Action::kResetCamera, "home", "back to the scene's own camera", false},
+    {Action::kResetCamera, "home", "back to the scene's own camera; the first frame", false},
+    {Action::kLastFrame, "end", "the last frame of a shot", false},
     {Action::kReload, "f5", "read the scene again", false},
     {Action::kSave, "p", "save the image as EXR and PNG", false},
     {Action::kCopyView, "ctrl+c", "copy the view as settings of a render", false},

@@ -45,6 +45,7 @@ enum class Action {
   kCloser,
   kFarther,
   kResetCamera,
+  kLastFrame,
   kReload,
   kSave,
   kCopyView,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <span>
@@ -17,6 +18,7 @@
 #include "scheduler/files/program_path.h"
 #include "scheduler/image/picture.h"
 #include "scheduler/record/version.h"
+#include "scheduler/render/frame_files.h"
 #include "worker/cli/command_line.h"
 #include "worker/cli/command_reference.h"
 #include "worker/cli/exit_code.h"
@@ -52,12 +54,27 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
   return commands;
 }
 
+/// Whether the name is that of a shot's image files. A file of that very name is itself.
+bool is_shot_name(const std::string& name) {
+  std::error_code ignored;
+  return is_image_name(name) && FrameFiles::of(name) && !std::filesystem::exists(name, ignored);
+}
+
+/// The arguments without the options of these names, and their values.
+std::vector<std::string> without(std::vector<std::string> arguments,
+                                 std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names)
+    if (const auto at = std::ranges::find(arguments, name); at != arguments.end())
+      arguments.erase(at, at + 2);
+  return arguments;
+}
+
 /// Checks, before anything is started, that the scene exists and no input would be overwritten.
 Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
   std::vector<std::filesystem::path> inputs, outputs;
   if (const std::string& scene = options.preview.scene.file; !scene.empty()) {
     if (auto found = check_scene_file(scene, {}); !found && !is_image_name(scene)) return found;
-    inputs.emplace_back(scene);
+    if (!is_shot_name(scene)) inputs.emplace_back(scene);
   }
   if (!options.reference.empty()) inputs.emplace_back(options.reference);
   if (!options.script.empty()) inputs.emplace_back(options.script);
@@ -76,7 +93,9 @@ Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptC
 /// Runs until the user quits or the script is done.
 Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
   while (!viewer.wants_to_quit() && !stop) {
-    viewer.handle(window.poll(viewer.is_stale() ? 0 : script != nullptr ? kScriptSeconds : kIdleSeconds));
+    const double patience = script != nullptr ? kScriptSeconds : kIdleSeconds;
+    const double to_next = viewer.seconds_to_next().value_or(patience);
+    viewer.handle(window.poll(viewer.is_stale() ? 0 : std::min(patience, to_next)));
     if (Expected<void> updated = viewer.update(); !updated) return updated;
     if (script != nullptr) {
       if (Expected<void> stepped = script->step(viewer, window); !stepped) return stepped;
@@ -101,6 +120,8 @@ ExitCode view(const ViewOptions& options, const CommandLine& app) {
   const bool shows_file = is_image_name(options.preview.scene.file);
   std::vector<std::string> unused = preview_arguments(app);
   std::erase(unused, options.preview.scene.file);
+  const bool shows_shot = shows_file && is_shot_name(options.preview.scene.file);
+  if (shows_shot) unused = without(std::move(unused), {"--frame", "--fps"});
   if (shows_file && !unused.empty())
     return print_error({fmt::format("{}: an image is shown as it is; options of renders do not apply: {}",
                                     options.preview.scene.file, fmt::join(unused, " "))}),
@@ -123,8 +144,10 @@ ExitCode view(const ViewOptions& options, const CommandLine& app) {
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
   if (!window) return print_error(window.error()), kIncomplete;
-  auto viewer = shows_file ? Viewer::show_file(*window, options.preview.scene.file)
-                           : Viewer::create(*window, address, *access, options.job, local.get());
+  const ShotOptions shot{.first = options.preview.scene.frame, .fps = options.preview.scene.fps};
+  auto viewer = shows_shot   ? Viewer::show_shot(*window, options.preview.scene.file, shot)
+                : shows_file ? Viewer::show_file(*window, options.preview.scene.file)
+                             : Viewer::create(*window, address, *access, options.job, local.get());
   if (!viewer) return print_error(viewer.error()), shows_file ? kBadInput : kIncomplete;
   if (!options.reference.empty())
     if (const auto opened = (*viewer)->open_reference(options.reference); !opened)
@@ -159,6 +182,7 @@ ExitCode run(int argc, char** argv) {
       "Examples:\n"
       "  penumbra-view scenes/star-light/star-light.xml --workers 2\n"
       "  penumbra-view --connect unix:/run/user/1000/penumbra-x/socket\n"
+      "  penumbra-view 'out/shot.####.exr'                   plays the frames, also while they are rendered\n"
       "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   if (const auto ended = app.parse(argc, argv)) return *ended;

@@ -10,6 +10,7 @@
 
 #include "gl/overlay_help.h"
 #include "gl/overlay_picture.h"
+#include "gl/overlay_strip.h"
 #include "gl/overlay_text.h"
 #include "gl/overlay_widgets.h"
 #include "gl/tile_outlines.h"
@@ -253,12 +254,13 @@ OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status, 
   const bool panel = settings.panel;
   draw_banner(status, {0, 0}, {panel ? std::max(left, 1.0f) : free_width, io.DisplaySize.y});
   if (panel) draw_panel(settings, status, shown, left, width, result);
-  if (!panel || beside) draw_pixel(status, {free_width, io.DisplaySize.y});
+  const float free_height = std::max(io.DisplaySize.y - strip_height(status), 1.0f);
+  draw_strip(status, free_width, result);
+  if (!panel || beside) draw_pixel(status, {free_width, free_height});
   if (!panel) draw_handle(settings);
   result.again = draw_help(settings, {free_width, io.DisplaySize.y});
   const float pixels = io.DisplayFramebufferScale.x;
-  result.picture_area = {0, 0, int(std::lround(free_width * pixels)),
-                         int(std::lround(io.DisplaySize.y * pixels))};
+  result.picture_area = {0, 0, int(std::lround(free_width * pixels)), int(std::lround(free_height * pixels))};
   return result;
 }
 

@@ -17,6 +17,7 @@ namespace penumbra {
 struct OverlayResult {
   std::vector<Action> actions;       ///< those that settings do not tell: kOneMoreSample, kReload, kSave, …
   std::optional<CameraFormat> copy;  ///< the view is to be copied in this form
+  std::optional<int> frame;          ///< of the shot, to go to
   bool shows_histogram = false;
   bool again = false;           ///< another frame is needed: something had to be laid out to know its size
   bool alpha_changed = false;   ///< settings.alpha has changed since the last frame

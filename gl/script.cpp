@@ -18,10 +18,11 @@ namespace {
 
 constexpr std::int64_t kMostPresses = 100000;
 constexpr std::int64_t kLargestWindow = 16384;  // the usual limit of textures in OpenGL
-constexpr double kLongestTimeout = 1e6;         // seconds
-constexpr double kLargestAlpha = 1e6;           // as in scene files
-constexpr double kLargestExposure = 100;        // stops: 2^100 leaves room in single precision
-constexpr double kLargestCoordinate = 1e15;     // its square is a single-precision number
+constexpr std::int64_t kMostFrame = 999'999'999;
+constexpr double kLongestTimeout = 1e6;      // seconds
+constexpr double kLargestAlpha = 1e6;        // as in scene files
+constexpr double kLargestExposure = 100;     // stops: 2^100 leaves room in single precision
+constexpr double kLargestCoordinate = 1e15;  // its square is a single-precision number
 
 struct Word {
   std::string_view text;
@@ -90,6 +91,7 @@ class ScriptParser {
         {"zoom", &ScriptParser::zoom},     {"reference", &ScriptParser::reference},
         {"point", &ScriptParser::point},   {"compare", &ScriptParser::compare},
         {"copy", &ScriptParser::copy},     {"timeout", &ScriptParser::timeout},
+        {"frame", &ScriptParser::frame},   {"play", &ScriptParser::play},
     };
     const Word word = words_[next_++];
     for (const Entry& entry : kCommands) {
@@ -152,7 +154,7 @@ class ScriptParser {
   }
 
   bool wait() {
-    const Word* what = take("samples, analytic, finished, connected, denoised, layer or message");
+    const Word* what = take("samples, analytic, finished, connected, denoised, layer, message or frame");
     if (!what) return false;
     WaitCommand wait{.line = line_};
     if (what->text == "samples") {
@@ -176,9 +178,13 @@ class ScriptParser {
       const Word* text = take("a part of the message");
       if (!text) return false;
       wait.text = text->text;
+    } else if (what->text == "frame") {
+      wait.what = WaitFor::kFrame;
+      if (!take_integer("the number of a frame", 0, kMostFrame, wait.samples)) return false;
     } else {
-      return unknown(*what, "thing to wait for",
-                     {"samples", "analytic", "finished", "connected", "denoised", "layer", "message"});
+      return unknown(
+          *what, "thing to wait for",
+          {"samples", "analytic", "finished", "connected", "denoised", "layer", "message", "frame"});
     }
     if (next_ < words_.size()) {
       const Word word = words_[next_++];
@@ -193,6 +199,18 @@ class ScriptParser {
   bool timeout() {
     TimeoutCommand timeout{.line = line_};
     return take_timeout(timeout.seconds) && add(timeout);
+  }
+
+  bool frame() {
+    FrameCommand frame{.line = line_};
+    return take_integer("the number of a frame", 0, kMostFrame, frame.frame) && add(frame);
+  }
+
+  bool play() {
+    if (next_ == words_.size()) return add(PlayCommand{line_, true});
+    const Word word = words_[next_++];
+    if (word.text != "on" && word.text != "off") return unknown(word, "way to play", {"on", "off"});
+    return add(PlayCommand{line_, word.text == "on"});
   }
 
   bool set() {

@@ -42,16 +42,29 @@ enum class WaitFor {
   kDenoised,   ///< the picture is denoised with all samples that have arrived
   kLayer,      ///< the named layer that is shown has arrived, for every pixel with samples
   kMessage,    ///< a message of the panel contains a text
+  kFrame,      ///< the picture of that frame of the shot is shown
 };
 
-/// `wait samples N | analytic [FRAMES] | finished | connected | denoised | layer | message TEXT [timeout
-/// SECONDS]`
+/// `wait samples N | analytic [FRAMES] | finished | connected | denoised | layer | message TEXT | frame N
+/// [timeout SECONDS]`
 struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;
-  std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: the number, at least 1
+  std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: the number, at least 1; kFrame
   std::string text = {};                       ///< kMessage
   std::optional<double> timeout_seconds = {};  ///< above 0; default: that of the last TimeoutCommand
+};
+
+/// `frame N`: the shot stops at that frame
+struct FrameCommand {
+  int line = 0;
+  int frame = 0;
+};
+
+/// `play`, `play off`
+struct PlayCommand {
+  int line = 0;
+  bool plays = true;
 };
 
 /// `timeout SECONDS`: how long the waits that follow wait, unless they say it themselves
@@ -144,7 +157,8 @@ struct QuitCommand {
 using ScriptCommand =
     std::variant<KeyCommand, CameraCommand, WaitCommand, SetAlphaCommand, SetExposureCommand, LayerCommand,
                  ReferenceCommand, CompareCommand, ZoomCommand, PointCommand, CopyCommand, ResizeCommand,
-                 ScreenshotCommand, SaveCommand, LogCommand, QuitCommand, TimeoutCommand>;
+                 ScreenshotCommand, SaveCommand, LogCommand, QuitCommand, TimeoutCommand, FrameCommand,
+                 PlayCommand>;
 
 int line_of(const ScriptCommand& command);
 

@@ -31,6 +31,8 @@ const char* name_of(WaitFor what) {
       return "the layer";
     case WaitFor::kMessage:
       return "the message";
+    case WaitFor::kFrame:
+      return "the frame";
   }
   return "";
 }
@@ -87,6 +89,8 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
       return std::ranges::any_of(status.messages, [&](const std::string& message) {
         return message.find(command.text) != std::string::npos;
       });
+    case WaitFor::kFrame:
+      return status.shot && status.shot->shown == int(command.samples);
   }
   return false;
 }
@@ -107,6 +111,18 @@ Expected<bool> ScriptRunner::run(const WaitCommand& command) {
 
 Expected<bool> ScriptRunner::run(const TimeoutCommand& command) {
   patience_ = command.seconds;
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const FrameCommand& command) {
+  if (const Expected<void> gone = viewer_->go_to_frame(command.frame); !gone)
+    return std::unexpected(gone.error());
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const PlayCommand& command) {
+  if (!viewer_->status().shot) return fail("what is shown is no shot");
+  viewer_->play(command.plays);
   return true;
 }
 

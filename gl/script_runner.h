@@ -46,6 +46,8 @@ class ScriptRunner {
   Expected<bool> run(const LogCommand& command);
   Expected<bool> run(const QuitCommand& command);
   Expected<bool> run(const TimeoutCommand& command);
+  Expected<bool> run(const FrameCommand& command);
+  Expected<bool> run(const PlayCommand& command);
   [[nodiscard]] bool is_there(const WaitCommand& command) const;
 
   std::vector<ScriptCommand> commands_;

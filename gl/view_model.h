@@ -71,6 +71,28 @@ struct Difference {
   bool operator==(const Difference&) const = default;
 };
 
+/// kWaiting: the summary of the renders says that the frame is to come, even where there is an older file.
+/// kFailed: it says that it failed.
+enum class FrameState { kThere, kWaiting, kFailed, kMissing };
+
+struct ShotFrame {
+  int number = 0;
+  FrameState state = FrameState::kMissing;
+  bool has_file = false;
+  bool is_read = false;  ///< in memory
+};
+
+/// The frames of a shot whose files are shown.
+struct ShotStatus {
+  std::vector<ShotFrame> frames;  ///< ascending
+  int current = 0;                ///< where the shot stands
+  std::optional<int> shown;       ///< of which frame the picture is; that before, where there is none
+  bool plays = false;
+  double fps = 0;
+  double shown_per_second = 0;  ///< while it plays
+  std::uint64_t skipped = 0;    ///< frames since it plays for which there was no time
+};
+
 /// The state of the watched render, or of the file.
 struct ViewStatus {
   ConnectionState connection = ConnectionState::kStarting;
@@ -95,6 +117,7 @@ struct ViewStatus {
   std::optional<Difference> difference;
   std::optional<PixelValue> pixel;
   Histogram histogram;
+  std::optional<ShotStatus> shot;  ///< nothing: what is shown is no shot
   std::vector<WorkerView> workers;
   std::vector<std::string> messages;  ///< newest last; how it is shown: see message_kind
 };

@@ -38,7 +38,8 @@ void add_view_options(CommandLine& app, ViewOptions& options) {
   add_preview_options(app, options.preview);
   Option* scene = app.option("SCENE");
   scene->required(false)->description(
-      "Scene file: a scheduler and workers are started for it. Or an image: EXR, PNG, …");
+      "Scene file: a scheduler and workers are started for it. Or an image: EXR, PNG, …; or the frames of a "
+      "shot: 'out/shot.####.exr', which --frame and --fps apply to");
   // The window's own scheduler listens on a private socket; for others, and over TCP, use `penumbra preview`.
   app.remove_option(app.option("--listen"));
   app.add_option("--connect", options.connect,

@@ -67,6 +67,7 @@ Viewer::Viewer(Window& window, CompositePass composite) : window_(window), compo
 // --- News
 
 Expected<void> Viewer::update() {
+  if (shot_ != nullptr) return update_shot();
   if (client_ == nullptr) return {};
   for (WatchNews& news : client_->take()) {
     // Progress comes all the time, even where there is none.
@@ -317,6 +318,7 @@ Expected<void> Viewer::draw() {
   stale_ = overlay.again;
   picture_area_ = overlay.picture_area;
   for (const Action action : overlay.actions) act(action);
+  if (overlay.frame && shot_ != nullptr) shot_->go_to(*overlay.frame);
   if (overlay.alpha_changed) set_alpha(settings_.alpha);
   if (overlay.copy)
     if (const auto copied = copy_view(*overlay.copy); !copied) say("warning: " + copied.error().message);

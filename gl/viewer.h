@@ -19,6 +19,7 @@
 #include "gl/local_scheduler.h"
 #include "gl/overlay.h"
 #include "gl/picture_layers.h"
+#include "gl/shot_player.h"
 #include "gl/view_model.h"
 #include "gl/window.h"
 #include "scheduler/watch/watch_client.h"
@@ -39,6 +40,11 @@ class Viewer {
 
   /// Shows an image file.
   static Expected<std::unique_ptr<Viewer>> show_file(Window& window, const std::filesystem::path& path);
+
+  /// Shows the image files of a shot: a name for FrameFiles. Their frames need not be there yet. Errors: no
+  /// such name, no folder.
+  static Expected<std::unique_ptr<Viewer>> show_shot(Window& window, const std::string& name,
+                                                     const ShotOptions& options);
 
   /// Reads an image to compare with. Errors: those of read_image.
   Expected<void> open_reference(const std::filesystem::path& path);
@@ -61,6 +67,12 @@ class Viewer {
   Expected<void> show_layer(const std::string& name);
   /// The camera as text, which is also put into the clipboard. Errors: it is not known.
   Expected<std::string> copy_view(CameraFormat format);
+  /// Plays the shot, or stops.
+  void play(bool plays);
+  /// Errors: what is shown is no shot.
+  Expected<void> go_to_frame(int number);
+  /// Until the next frame of a shot that plays.
+  [[nodiscard]] std::optional<double> seconds_to_next() const;
   /// Draws one frame, with the panel.
   Expected<void> draw();
   /// Saves the current render; the extension decides the format.
@@ -100,6 +112,14 @@ class Viewer {
   Viewer(Window& window, CompositePass composite);
   void connect(JobId job);
   Expected<void> read_file();
+  /// Shows the picture of a file, which has more layers where `names` has more.
+  Expected<void> show_picture(const LayeredPicture& picture, const std::filesystem::path& file,
+                              const std::string& integrator, const std::vector<std::string>& names);
+  Expected<void> update_shot();
+  Expected<void> show_frame(const std::shared_ptr<const FramePicture>& frame);
+  [[nodiscard]] std::vector<std::string> layers_of_shown() const;
+  /// Returns whether the action is one of a shot.
+  bool act_on_shot(Action action);
 
   Expected<void> on(watch_news::Connected& news);
   Expected<void> on(const watch_news::Said& news);
@@ -156,7 +176,9 @@ class Viewer {
   std::filesystem::path file_;  // the file that is shown; empty: a render
   LocalScheduler* local_ = nullptr;
   ClientAccess access_;
-  std::unique_ptr<WatchClient> client_;  // null: a file is shown
+  std::unique_ptr<WatchClient> client_;        // null: a file is shown
+  std::unique_ptr<ShotPlayer> shot_;           // null: no shot is shown
+  std::shared_ptr<const FramePicture> frame_;  // of the shot, that which is shown
   CompositePass composite_;
   std::unique_ptr<AnalyticPass> analytic_;
   std::optional<FilmTextures> film_;

@@ -206,7 +206,7 @@ void Viewer::handle(const WindowEvents& events) {
 
 void Viewer::act(Action action) {
   stale_ = true;
-  if (change_display(action, status_.hybrid, settings_)) return;
+  if (change_display(action, status_.hybrid, settings_) || act_on_shot(action)) return;
   const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
   if (const auto pose = step_camera(action, pose_, step_length(pose_, extent_), side)) return set_pose(*pose);
   const std::array<double, 2> middle{picture_area_.x + 0.5 * picture_area_.width,

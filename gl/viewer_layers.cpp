@@ -69,32 +69,48 @@ Expected<void> Viewer::read_file() {
   const Expected<Image> image = read_linear_image(file_);
   if (!image) return std::unexpected(image.error());
   LayeredPicture picture = layers_of(*image, file_.string());
-  Expected<FilmTextures> film = FilmTextures::create(picture.width, picture.height);
-  if (!film) return std::unexpected(film.error());
-  const TileSnapshot tile = tile_of(picture);
-  if (!film->apply(tile))
-    return fail(fmt::format("{}: its data window is not within its display window", file_.string()));
-  film_.emplace(std::move(*film));
+  std::vector<std::string> names;
+  for (const PictureLayer& layer : picture.layers) names.push_back(layer.name);
+  if (Expected<void> shown =
+          show_picture(picture, file_, metadata_text(*image, "penumbra:integrator"), names);
+      !shown)
+    return shown;
   layers_ = std::move(picture);
+  return {};
+}
+
+Expected<void> Viewer::show_picture(const LayeredPicture& picture, const std::filesystem::path& file,
+                                    const std::string& integrator, const std::vector<std::string>& names) {
+  const bool is_first = !film_;
+  if (!film_ || film_->width() != picture.width || film_->height() != picture.height) {
+    Expected<FilmTextures> film = FilmTextures::create(picture.width, picture.height);
+    if (!film) return std::unexpected(film.error());
+    film_.emplace(std::move(*film));
+  }
+  film_->clear(0);
+  const TileSnapshot tile = tile_of(picture);
+  if (!film_->apply(tile))
+    return fail(fmt::format("{}: its data window is not within its display window", file.string()));
   job_.emplace();
-  job_->film_width = layers_.width;
-  job_->film_height = layers_.height;
+  job_->film_width = picture.width;
+  job_->film_height = picture.height;
   job_->x = tile.x;
   job_->y = tile.y;
   job_->width = tile.width;
   job_->height = tile.height;
   ++denoised_view_;
   status_.connection = ConnectionState::kFile;
-  status_.scene = file_.string();
-  status_.integrator = metadata_text(*image, "penumbra:integrator");
-  status_.film_width = layers_.width;
-  status_.film_height = layers_.height;
+  status_.scene = file.string();
+  status_.integrator = integrator;
+  status_.film_width = picture.width;
+  status_.film_height = picture.height;
   status_.finished = true;
   status_.spp_done = tile.samples;
   status_.named_layers.clear();
-  for (const PictureLayer& layer : layers_.layers)
-    if (layer.name != kImageLayer) status_.named_layers.push_back(layer.name);
-  if (layers_.layer(kImageLayer) == nullptr && !status_.named_layers.empty()) {
+  for (const std::string& name : names)
+    if (name != kImageLayer) status_.named_layers.push_back(name);
+  const bool has_image = std::ranges::find(names, kImageLayer) != names.end();
+  if (is_first && !has_image && !status_.named_layers.empty()) {
     settings_.layer = Layer::kNamed;
     settings_.named = status_.named_layers.front();
   }
@@ -129,6 +145,7 @@ void Viewer::take_layers(const TileSnapshot& tile) {
 
 const LayeredPicture* Viewer::shown_layers() {
   if (settings_.layer != Layer::kNamed) return nullptr;
+  if (shot_ != nullptr) return frame_ == nullptr ? nullptr : &frame_->picture;
   if (client_ == nullptr) return &layers_;
   const bool is_samples = settings_.named == kSamplesLayer, is_variance = settings_.named == kVarianceLayer;
   if (!is_samples && !is_variance) {

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "gl/composite_pass.h"
+#include "gl/overlay_strip.h"
 #include "gl/overlay_text.h"
 #include "kernels/host/atomic_file.h"
 #include "scheduler/image/image.h"
@@ -72,6 +73,18 @@ struct Case {
   DisplaySettings settings;
 };
 
+/// 1 to 10: 3 failed, 4 is missing, 8 is older than its scene, 9 and 10 are to come.
+ShotStatus ten_frames() {
+  ShotStatus shot{.fps = 24};
+  for (int frame = 1; frame <= 10; ++frame)
+    shot.frames.push_back({frame, FrameState::kThere, true, frame == 6 || frame == 7});
+  shot.frames[2] = {3, FrameState::kFailed, false, false};
+  shot.frames[3] = {4, FrameState::kMissing, false, false};
+  shot.frames[7].state = FrameState::kWaiting;
+  for (const std::size_t i : {8u, 9u}) shot.frames[i] = {int(i) + 1, FrameState::kWaiting, false, false};
+  return shot;
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   const ViewStatus connected = connected_status();
@@ -126,6 +139,20 @@ std::vector<Case> cases() {
   file.pixel = PixelValue{12, 30, {0.1f, 0.2f, 0.3f}, "", 64, 0.01f};
   all.push_back(
       {"file", file, {.layer = Layer::kNamed, .named = "depth", .comparison = ShownComparison::kDifference}});
+
+  ViewStatus shot = file;
+  shot.scene = "out/shot.0012.exr";
+  shot.shot = ten_frames();
+  shot.shot->current = shot.shot->shown.emplace(7);
+  all.push_back({"shot", shot, {}});
+  shot.shot->plays = true;
+  shot.shot->skipped = 3;
+  shot.shot->shown_per_second = 11.9;
+  for (int frame = 11; frame <= 5000; ++frame)
+    shot.shot->frames.push_back({frame, FrameState::kThere, frame % 97 != 0, frame < 700});
+  all.push_back({"long shot", shot, {}});
+  shot.shot = ShotStatus{.fps = 24};
+  all.push_back({"empty shot", shot, {}});
 
   all.push_back({"help", connected, {.help = true}});
   all.push_back({"no panel", lost, {.panel = false}});
@@ -233,7 +260,8 @@ TEST_P(OverlayAtSize, EveryStateIsDrawnWithoutErrors) {
     EXPECT_FALSE(result.alpha_changed);
     EXPECT_LE(result.picture_area.width, size.width);
     EXPECT_GE(result.picture_area.width, int(0.4 * size.width));
-    EXPECT_EQ(result.picture_area.height, size.height);
+    EXPECT_EQ(result.picture_area.height, size.height - int(strip_height(one.status)));
+    EXPECT_GE(result.picture_area.height, size.height / 2);
     const std::vector<std::uint8_t> pixels = window_->read_pixels().rgb;
     ASSERT_EQ(pixels.size(), 3u * std::size_t(size.width) * std::size_t(size.height));
     const std::set<std::uint8_t> values(pixels.begin(), pixels.end());
@@ -322,6 +350,30 @@ TEST_F(OverlayClicks, ReachEverythingInAPreview) {
   EXPECT_TRUE(alpha_changed_ && helped_ && hid_ && refined_);
   EXPECT_NE(settings_.exposure, 0.0f);
   EXPECT_NE(settings_.comparison, ShownComparison::kNone);
+}
+
+TEST_F(OverlayClicks, ReachEachFrameOfAShot) {
+  status_.connection = ConnectionState::kFile;
+  status_.shot = ten_frames();
+  settings_.panel = false;
+  open(700, 500, 1);
+  if (IsSkipped() || HasFatalFailure()) return;
+  frames(settings_, status_, 2);
+  // Below the text the bar is as wide as the window without its padding of 10.
+  const float top = 500 - strip_height(status_) + 7, bar = top + ImGui::GetTextLineHeight() + 6 + 7;
+  for (int frame = 1; frame <= 10; ++frame) {
+    const float x = 10 + 68 * (float(frame) - 0.5f);
+    frame_with_mouse(x, bar, false);
+    EXPECT_EQ(frame_with_mouse(x, bar, true).frame, frame);
+    EXPECT_FALSE(frame_with_mouse(x, bar, false).frame.has_value());
+  }
+  frame_with_mouse(15, bar, false);
+  frame_with_mouse(15, bar, true);
+  EXPECT_EQ(frame_with_mouse(2000, bar, true).frame, 10) << "a drag goes on outside";
+  frame_with_mouse(2000, bar, false);
+  frame_with_mouse(15, top + 6, false);
+  frame_with_mouse(15, top + 6, true);
+  EXPECT_THAT(frame_with_mouse(15, top + 6, false).actions, ElementsAre(Action::kOneMoreSample));
 }
 
 TEST_F(OverlayClicks, DoNothingThatABatchRenderDoesNotHave) {

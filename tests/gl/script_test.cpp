@@ -109,7 +109,7 @@ TEST(Script, AnErrorShowsPlaceLineCaretAndTheNearestName) {
             "        ^");
   EXPECT_EQ(error_of("wait \"é\" x"),
             "test.script:1:6: error: unknown thing to wait for 'é'; there are: samples, analytic, finished, "
-            "connected, denoised, layer, message\n"
+            "connected, denoised, layer, message, frame\n"
             "  wait \"é\" x\n"
             "       ^");
   EXPECT_EQ(error_of("resize 640"),
@@ -149,7 +149,7 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 0", 27, "'up' has no direction"},
            Case{"camera eye 0 0 0 at 0 0 5 up 0 0 -3", 27, "'up' is along the view"},
            Case{"camera from 0 0 0", 8, "unknown part of a camera 'from'; there are: eye, at, up"},
-           Case{"wait", 5, "samples, analytic, finished, connected, denoised, layer or message is missing"},
+           Case{"wait", 5, "samples, analytic, finished, connected, denoised, layer, message or frame is missing"},
            Case{"wait finishd", 6, "did you mean 'finished'?"},
            Case{"wait samples", 13, "a number of samples is missing"},
            Case{"wait \"samples\"", 15, "a number of samples is missing"},
@@ -217,6 +217,12 @@ TEST(Script, CommandsAboutThePicture) {
   EXPECT_EQ(one<PointCommand>("point 3 4").y, 4);
   EXPECT_EQ(one<CopyCommand>("copy tinyrender").format, CameraFormat::kTinyRender);
   EXPECT_EQ(one<WaitCommand>("wait message \"a.xml:1:\" timeout 3").text, "a.xml:1:");
+  EXPECT_EQ(one<WaitCommand>("wait frame 0 timeout 3").what, WaitFor::kFrame);
+  EXPECT_EQ(one<FrameCommand>("frame 12").frame, 12);
+  EXPECT_TRUE(one<PlayCommand>("play").plays);
+  EXPECT_FALSE(one<PlayCommand>("play off").plays);
+  EXPECT_THAT(error_of("frame -1"), HasSubstr("test.script:1:7"));
+  EXPECT_THAT(error_of("play backwards"), HasSubstr("on, off"));
   EXPECT_THAT(error_of("compare with\n"), testing::HasSubstr("none, reference, difference, relative"));
   EXPECT_THAT(error_of("zoom 1000\n"), testing::HasSubstr("between"));
   EXPECT_THAT(error_of("copy pbrt\n"), testing::HasSubstr("settings, mitsuba, tinyrender"));
