@@ -59,6 +59,23 @@ Expected<std::vector<std::string>> frames_of(std::string_view text) {
   return frames;
 }
 
+std::string frames_text(std::vector<int> frames) {
+  std::ranges::sort(frames);
+  frames.erase(std::ranges::unique(frames).begin(), frames.end());
+  std::string text;
+  for (std::size_t at = 0; at < frames.size();) {
+    std::size_t end = at + 1;  // of the frames at equal distances
+    const int step = end < frames.size() ? frames[end] - frames[at] : 0;
+    while (end < frames.size() && frames[end] - frames[end - 1] == step) ++end;
+    if (step != 1 && end - at < 3) end = at + 1;  // two that are apart are no range
+    text += fmt::format("{}{}", text.empty() ? "" : ",", frames[at]);
+    if (end - at > 1) text += fmt::format("-{}", frames[end - 1]);
+    if (end - at > 1 && step > 1) text += fmt::format("x{}", step);
+    at = end;
+  }
+  return text;
+}
+
 double frame_seconds(const SceneOptions& options) {
   return (double(options.frame.value_or(0)) + options.frame_offset) / options.fps.value_or(kFramesPerSecond);
 }

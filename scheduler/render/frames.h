@@ -18,6 +18,9 @@ constexpr double kFramesPerSecond = 24.0;  ///< where neither an option nor the 
 /// more than a million frames.
 Expected<std::vector<std::string>> frames_of(std::string_view text);
 
+/// The same of numbers in any order: "1-12,14-20x2", of each number once. frames_of() has the numbers of it.
+std::string frames_text(std::vector<int> frames);
+
 /// The time of the frame in seconds: frame / fps, the frame after adding the offset.
 double frame_seconds(const SceneOptions& options);
 

@@ -1,9 +1,13 @@
 #include "scheduler/service/group_summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
+#include "scheduler/render/frames.h"
 #include "scheduler/service/job_queue.h"
+#include "scheduler/service/status_text.h"
 
 namespace penumbra {
 namespace {
@@ -33,6 +37,19 @@ RenderProgress progress_of(const wire::JobStatus& job) {
           .workers = int(job.workers())};
 }
 
+void add_frame(const wire::JobStatus& job, FramesByState& frames) {
+  if (job.has_frame()) frames[std::size_t(job.state())].push_back(job.frame());
+}
+
+std::string frame_states_text(const FramesByState& frames) {
+  std::string text;
+  for (const wire::JobState state : {wire::JOB_DONE, wire::JOB_RENDERING, wire::JOB_INCOMPLETE,
+                                     wire::JOB_FAILED, wire::JOB_CANCELLED, wire::JOB_QUEUED})
+    if (const std::vector<int>& of_state = frames[std::size_t(state)]; !of_state.empty())
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", frames_text(of_state), job_state_name(state));
+  return text;
+}
+
 std::vector<GroupSummary> group_summaries(const wire::StatusReply& status) {
   struct Work {
     double seconds = 0, done = 0, left = 0;  // work is in units of whole jobs
@@ -50,6 +67,7 @@ std::vector<GroupSummary> group_summaries(const wire::StatusReply& status) {
     summary.submitter = job.submitter();
     summary.priority = is_first ? job.priority() : std::max(summary.priority, job.priority());
     ++summary.jobs[std::size_t(job.state())];
+    add_frame(job, summary.frames);
     summary.samples_done += job.samples_done();
     summary.samples_total += job.samples_total();
     summary.submitted = is_first ? job.submitted() : std::min(summary.submitted, job.submitted());

@@ -181,6 +181,7 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
   status.set_submitter(decoded->submitter);
   *status.mutable_after() = message.after();
   status.set_folder(message.folder());
+  if (decoded->frame) status.set_frame(*decoded->frame);
   Expected<void> kept = spool_.use_number(number);
   wire::StoredGroup stored_group;
   if (group > 0) {
@@ -381,6 +382,7 @@ JobExpected<void> JobQueue::close_group(JobId number, const std::string& owner) 
     return job_error(JobErrorKind::kNotFound, fmt::format("there is no group {}", number));
   if (const auto own = find_own(number, owner); !own) return std::unexpected(own.error());
   make_whole(group->second);
+  try_frames_again(group->second);
   changed_.notify_all();
   return {};
 }

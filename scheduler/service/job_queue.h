@@ -144,6 +144,8 @@ class JobQueue {
   [[nodiscard]] Readiness readiness(const Entry& entry, std::map<JobId, Readiness>& known);
   void fail_hopeless();
   void queue_again(Entry& entry);
+  /// Once all jobs of the group are over, queues those frames again that failed, each once.
+  void try_frames_again(const Group& group);
   void forget(JobId job);
   [[nodiscard]] std::optional<Ended> untold_end();
 

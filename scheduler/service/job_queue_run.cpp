@@ -182,8 +182,26 @@ bool JobQueue::begin_writing(JobId job) {
 
 void JobQueue::end(JobId job, wire::JobState state, const std::string& error) {
   const std::lock_guard lock(mutex_);
-  end(entries_.at(job), state, error);
+  Entry& entry = entries_.at(job);
+  end(entry, state, error);
+  if (const auto group = groups_.find(entry.job.status().group()); group != groups_.end())
+    try_frames_again(group->second);
   fail_hopeless();
+}
+
+/// What hindered a frame may have passed when all others are over. Where none has succeeded, another try
+/// would not either.
+void JobQueue::try_frames_again(const Group& group) {
+  if (!is_over(group)) return;
+  const auto state_of = [this](JobId job) { return entries_.at(job).job.status().state(); };
+  if (std::ranges::none_of(group.jobs, [&](JobId job) { return state_of(job) == wire::JOB_DONE; })) return;
+  for (const JobId job : group.jobs) {
+    Entry& entry = entries_.at(job);
+    const bool has_failed = state_of(job) == wire::JOB_FAILED || state_of(job) == wire::JOB_INCOMPLETE;
+    if (!has_failed || !entry.job.status().has_frame() || entry.job.tried_again()) continue;
+    entry.job.set_tried_again(true);
+    queue_again(entry);
+  }
 }
 
 void JobQueue::end(Entry& entry, wire::JobState state, const std::string& error) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <span>
 
 #include "jobs.grpc.pb.h"
@@ -91,32 +92,65 @@ std::string JobsClient::owner() {
   return {};
 }
 
-Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene& scene) {
-  {
-    grpc::ClientContext context;
-    prepare(context, access_.token, kPatience);
-    auto asked = request<wire::HasSceneRequest>();
-    asked.set_hash(hash);
-    wire::HasSceneReply reply;
-    if (const grpc::Status status = connection_->stub->HasScene(&context, asked, &reply); !status.ok())
-      return failed(status);
-    if (reply.known()) return {};
-  }
+grpc::Status JobsClient::put_scene(const AssetManifest& manifest, const DeviceScene& scene,
+                                   const AssetManifest* base) {
+  std::map<std::string, std::uint64_t> places;  // of the base's pieces
+  std::uint64_t place = 0;
+  if (base != nullptr)
+    for (const AssetPiece& piece : base->pieces) {
+      places.emplace(piece.hash, place);
+      place += piece.size;
+    }
   grpc::ClientContext context;
   prepare(context, access_.token, kTimeForTransfers);
   wire::PutSceneReply reply;
   const auto writer = connection_->stub->PutScene(&context, &reply);
   auto chunk = request<wire::SceneChunk>();
-  chunk.set_hash(hash);
+  chunk.set_hash(manifest.hash);
+  if (base != nullptr) chunk.set_base(base->hash);
   const std::vector<std::uint8_t> head = scene.head();
   bool is_read = true;
-  for (const std::span<const std::uint8_t> part : {std::span(head), scene.body()})
-    for (std::size_t at = 0; is_read && at < part.size(); at += kAssetChunkBytes) {
-      chunk.set_data(part.data() + at, std::min(kAssetChunkBytes, part.size() - at));
+  std::size_t begin = 0;  // of the piece, in head and body
+  for (const AssetPiece& piece : manifest.pieces) {
+    // No piece is of both head and body.
+    const auto bytes = begin < head.size() ? std::span(head).subspan(begin, piece.size)
+                                           : scene.body().subspan(begin - head.size(), piece.size);
+    begin += piece.size;
+    const auto found = places.find(piece.hash);
+    if (is_read && found != places.end()) {
+      chunk.clear_data();
+      chunk.set_copy_from(found->second);
+      chunk.set_copy_bytes(piece.size);
       is_read = writer->Write(chunk);
+      continue;
     }
+    chunk.clear_copy_bytes();
+    for (std::size_t at = 0; is_read && at < bytes.size(); at += kAssetChunkBytes) {
+      chunk.set_data(bytes.data() + at, std::min(kAssetChunkBytes, bytes.size() - at));
+      is_read = writer->Write(chunk);
+      sent_bytes_ += chunk.data().size();
+    }
+  }
   writer->WritesDone();
-  if (const grpc::Status status = writer->Finish(); !status.ok()) return failed(status);
+  return writer->Finish();
+}
+
+Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene& scene) {
+  grpc::ClientContext context;
+  prepare(context, access_.token, kPatience);
+  auto asked = request<wire::HasSceneRequest>();
+  asked.set_hash(hash);
+  wire::HasSceneReply reply;
+  if (const grpc::Status status = connection_->stub->HasScene(&context, asked, &reply); !status.ok())
+    return failed(status);
+  if (reply.known()) return {};
+  AssetManifest manifest = manifest_of(scene);
+  manifest.hash = hash;  // the service finds out if it is not
+  grpc::Status status = put_scene(manifest, scene, before_ ? &*before_ : nullptr);
+  if (before_ && status.error_code() == grpc::StatusCode::NOT_FOUND)
+    status = put_scene(manifest, scene, nullptr);
+  if (!status.ok()) return failed(status);
+  before_ = std::move(manifest);
   return {};
 }
 

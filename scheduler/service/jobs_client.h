@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "kernels/host/error.h"
 #include "scheduler/service/submission.h"
 #include "worker/keys/client_access.h"
+#include "worker/protocol/asset_manifest.h"
 #include "worker/work_unit.h"
 
 namespace grpc {
@@ -32,8 +34,9 @@ class JobsClient {
   /// connection then, the next call tells.
   void connect(const std::function<void()>& is_slow) const;
 
-  /// Submits a job, after the scene if the service does not have it yet. The scene's hash must be that of the
-  /// submission. The reply has the numbers of the job and of its group.
+  /// Submits a job, after the scene if the service does not have it yet; of that only pieces that the scene
+  /// submitted before does not have. The scene's hash must be that of the submission. The reply has the
+  /// numbers of the job and of its group.
   Expected<wire::SubmitReply> submit(const Submission& submission, const DeviceScene& scene);
   // Numbers are those of jobs, or of groups for all their jobs.
   /// The status of these jobs, or of all if the list is empty.
@@ -46,11 +49,15 @@ class JobsClient {
   Expected<void> close_group(JobId group);
   /// Writes one of a job's files to `path` atomically.
   Expected<void> fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path);
+  /// Bytes of scenes that were sent.
+  [[nodiscard]] std::uint64_t sent_bytes() const { return sent_bytes_; }
   /// Whether the last error was that the service could not be reached.
   [[nodiscard]] bool is_away() const { return is_away_; }
 
  private:
   Expected<void> send_scene(const std::string& hash, const DeviceScene& scene);
+  /// `base`: a scene that the service has, or null.
+  grpc::Status put_scene(const AssetManifest& manifest, const DeviceScene& scene, const AssetManifest* base);
   Expected<void> change(JobId number, wire::ChangeRequest request);
   /// The user's secret, or nothing: only some services ask for it, and the errors of those say why there is
   /// none.
@@ -64,6 +71,8 @@ class JobsClient {
   struct Connection;
   const std::unique_ptr<const Connection> connection_;
   bool is_away_ = false;
+  std::optional<AssetManifest> before_;  // the scene submitted last
+  std::uint64_t sent_bytes_ = 0;
   std::string why_no_secret_;
 };
 

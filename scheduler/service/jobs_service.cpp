@@ -75,11 +75,14 @@ grpc::Status JobsService::PutScene(grpc::ServerContext* context, grpc::ServerRea
   if (!reader->Read(&chunk)) return {grpc::StatusCode::INVALID_ARGUMENT, "a scene without any data"};
   if (grpc::Status begun = begin(*context, chunk); !begun.ok()) return begun;
   const std::string hash = chunk.hash();
-  auto scene = spool_.receive_scene(hash);
+  if (!chunk.base().empty() && !queue_.has_scene(chunk.base()))
+    return {grpc::StatusCode::NOT_FOUND, "the base of this scene is not here (any more)"};
+  auto scene = spool_.receive_scene(hash, chunk.base());
   if (!scene) return {grpc::StatusCode::INVALID_ARGUMENT, scene.error().message};
   do {
-    if (const auto added = scene->add(bytes_of(chunk.data())); !added)
-      return {grpc::StatusCode::RESOURCE_EXHAUSTED, added.error().message};
+    const auto added = chunk.copy_bytes() > 0 ? scene->add_of_base(chunk.copy_from(), chunk.copy_bytes())
+                                              : scene->add(bytes_of(chunk.data()));
+    if (!added) return {grpc::StatusCode::RESOURCE_EXHAUSTED, added.error().message};
   } while (reader->Read(&chunk));
   if (context->IsCancelled()) return grpc::Status::CANCELLED;
   queue_.scene_came(hash);  // before it is stored, so that a job that ends does not remove it as unused

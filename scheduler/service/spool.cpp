@@ -10,6 +10,7 @@
 #include <atomic>
 #include <charconv>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include "kernels/host/atomic_file.h"
@@ -227,6 +228,7 @@ struct Spool::IncomingScene::State {
   fs::path temporary, target;
   int descriptor = -1;
   DeviceSceneReader reader{};
+  std::ifstream base;
 
   State() = default;
   State(const State&) = delete;
@@ -242,7 +244,7 @@ Spool::IncomingScene::IncomingScene(std::unique_ptr<State> state) : state_(std::
 Spool::IncomingScene::IncomingScene(IncomingScene&&) noexcept = default;
 Spool::IncomingScene::~IncomingScene() = default;
 
-Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
+Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash, const std::string& base) {
   if (!is_content_hash(hash))
     return fail(fmt::format("'{}' is no content hash", hash.substr(0, 2 * sizeof(ContentDigest))));
   static std::atomic<unsigned> counter = 0;
@@ -252,12 +254,30 @@ Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
   state->temporary = folder_ / "scenes" / fmt::format("{}{}-{}", kIncoming, hash, ++counter);
   state->descriptor = ::open(state->temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (state->descriptor < 0) return cannot_write(state->temporary, errno);
+  if (!base.empty()) {
+    if (has_scene(base)) state->base.open(scene_path(base), std::ios::binary);
+    if (!state->base.is_open()) return fail(fmt::format("the scene {} is not here (any more)", base));
+  }
   return IncomingScene(std::move(state));
 }
 
 Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
   if (const auto added = state_->reader.add(bytes); !added) return added;
   if (!write_whole(state_->descriptor, bytes)) return cannot_write(state_->temporary, errno);
+  return {};
+}
+
+Expected<void> Spool::IncomingScene::add_of_base(std::uint64_t from, std::uint64_t bytes) {
+  const auto too_few = [] { return fail("parts of a scene that has not so many bytes"); };
+  if (from > std::uint64_t(std::numeric_limits<std::streamoff>::max())) return too_few();
+  state_->base.seekg(std::streamoff(from));
+  std::vector<std::uint8_t> part(std::min<std::uint64_t>(kReadBytes, bytes));
+  while (bytes > 0) {
+    const auto count = std::min<std::uint64_t>(part.size(), bytes);
+    if (!state_->base.read(reinterpret_cast<char*>(part.data()), std::streamsize(count))) return too_few();
+    if (const auto added = add(std::span(part).first(count)); !added) return added;
+    bytes -= count;
+  }
   return {};
 }
 

@@ -80,6 +80,8 @@ class Spool {
 
     /// Error: the disk is full.
     Expected<void> add(std::span<const std::uint8_t> bytes);
+    /// Adds these bytes of the base. Errors: it has not so many; those of add().
+    Expected<void> add_of_base(std::uint64_t from, std::uint64_t bytes);
     /// Checks the hash and that the data are a scene.
     Expected<void> finish();
 
@@ -89,8 +91,9 @@ class Spool {
     explicit IncomingScene(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
   };
-  /// Errors: not a valid hash; the file cannot be created.
-  Expected<IncomingScene> receive_scene(const std::string& hash);
+  /// `base`: another scene, of which parts are taken; empty: none. Errors: not a valid hash; the file cannot
+  /// be created; the base is not here.
+  Expected<IncomingScene> receive_scene(const std::string& hash, const std::string& base = {});
 
  private:
   Spool(std::filesystem::path folder, int lock) : folder_(std::move(folder)), lock_(lock) {}

@@ -12,6 +12,7 @@
 #include "kernels/host/console.h"
 #include "kernels/host/text.h"
 #include "scheduler/files/json_number.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/run/progress.h"
 #include "scheduler/service/group_summary.h"
 
@@ -48,12 +49,23 @@ std::string line_of(JobId number, wire::JobState state, int priority, const std:
                      name, detail);
 }
 
-/// "3 of 24 done, 1 failed   42%  12:10 left"
-std::string detail(const GroupSummary& group, double now) {
+/// "3 of 24 done, 1 failed", or of a shot "frames 1-24: 1-3 done, 4 failed, 5-24 queued"
+std::string states_text(const GroupSummary& group) {
+  std::vector<int> frames;
+  for (const std::vector<int>& of_state : group.frames)
+    frames.insert(frames.end(), of_state.begin(), of_state.end());
+  if (!frames.empty())
+    return fmt::format("frames {}: {}", frames_text(std::move(frames)), frame_states_text(group.frames));
   std::string text = fmt::format("{} of {} done", group.jobs[wire::JOB_DONE], group.group.size());
   for (const wire::JobState state : {wire::JOB_INCOMPLETE, wire::JOB_FAILED, wire::JOB_CANCELLED})
     if (const std::uint32_t count = group.jobs[std::size_t(state)]; count > 0)
       text += fmt::format(", {} {}", count, job_state_name(state));
+  return text;
+}
+
+/// "3 of 24 done, 1 failed   42%  12:10 left"
+std::string detail(const GroupSummary& group, double now) {
+  std::string text = states_text(group);
   if (group.ended > 0)
     return text + fmt::format(", in {}, {} ago", clock_text(group.begun > 0 ? group.ended - group.begun : 0),
                               clock_text(now - group.ended));
@@ -109,6 +121,15 @@ Json number_or_null(double value) { return value > 0 ? json_number(value) : Json
 
 Json json_or_null(std::optional<double> value) { return value ? json_number(*value) : Json(nullptr); }
 
+Json frames_json(const FramesByState& frames) {
+  if (std::ranges::all_of(frames, [](const std::vector<int>& of_state) { return of_state.empty(); }))
+    return nullptr;
+  Json json;
+  for (int state = 0; state < int(frames.size()); ++state)
+    json[std::string(job_state_name(wire::JobState(state)))] = frames[std::size_t(state)];
+  return json;
+}
+
 Json group_json(const GroupSummary& group) {
   Json jobs;
   for (int state = 0; state < int(group.jobs.size()); ++state)
@@ -120,6 +141,7 @@ Json group_json(const GroupSummary& group) {
           {"submitter", group.submitter},
           {"size", group.group.size()},
           {"jobs", jobs},
+          {"frames", frames_json(group.frames)},
           {"samples_done", group.samples_done},
           {"samples_total", group.samples_total},
           {"done", group.done},
@@ -149,6 +171,7 @@ Json job_json(const wire::JobStatus& job) {
           {"seconds_left",
            json_or_null(job.state() == wire::JOB_RENDERING ? seconds_left(progress_of(job)) : std::nullopt)},
           {"group", job.group() > 0 ? Json(job.group()) : Json(nullptr)},
+          {"frame", job.has_frame() ? Json(job.frame()) : Json(nullptr)},
           {"submitter", job.submitter()},
           {"after", std::vector<JobId>(job.after().begin(), job.after().end())},
           {"folder", job.folder()},

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "scenes/settings.h"
+#include "scheduler/render/frames.h"
 #include "worker/protocol/text.h"
 
 namespace penumbra {
@@ -151,6 +152,7 @@ wire::Submission encode(const Submission& submission) {
     message.mutable_group()->set_size(group->size);
   }
   for (const JobId job : submission.after) message.add_after(job);
+  if (submission.frame) message.set_frame(*submission.frame);
   return message;
 }
 
@@ -196,6 +198,11 @@ Expected<Submission> decode(const wire::Submission& message) {
     submission.group = {message.group().number(), wire_text(message.group().name(), kLongestName),
                         message.group().size()};
   submission.after = {message.after().begin(), message.after().end()};
+  if (message.has_frame()) {
+    if (message.frame() < 0 || message.frame() > kLastFrame)
+      return fail(fmt::format("{} is no frame", message.frame()));
+    submission.frame = message.frame();
+  }
   return submission;
 }
 

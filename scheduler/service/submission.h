@@ -43,6 +43,7 @@ struct Submission {
   std::string submitter = {};  ///< USER@HOST, as the client says
   std::optional<SubmittedGroup> group = {};
   std::vector<JobId> after = {};  ///< jobs or groups that must be done before it begins
+  std::optional<int> frame = {};  ///< of a shot
 };
 
 /// Whether a service may store a file of that name in a job's folder, and a client may write it to a folder:

@@ -109,12 +109,13 @@ class SceneSet final : public JobSource {
       entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
-      page_.add(member.name, member.priority);
+      page_.add(member.name, member.priority, frame_of(member));
     }
+    if (std::ranges::any_of(plan_.members,
+                            [](const SetMember& member) { return frame_of(member).has_value(); }))
+      page_.add_shot(plan_.name);
     keys_.resize(entries_.size());
-    for (const SetMember& member : plan_.members)
-      may_fail_.push_back(
-          std::ranges::any_of(member.choices, [](const auto& choice) { return choice.first == "frame"; }));
+    for (const SetMember& member : plan_.members) may_fail_.push_back(frame_of(member).has_value());
   }
 
   ExitCode run();

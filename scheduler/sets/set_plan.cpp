@@ -10,6 +10,7 @@
 
 #include "kernels/host/atomic_file.h"
 #include "scenes/names.h"
+#include "scenes/number.h"
 #include "scenes/settings.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/quoting.h"
@@ -316,6 +317,13 @@ Expected<SetPlan> plan_set(const RenderOptions& options, const CommandLine& comm
   if (!options.statistics.empty())
     return fail("--statistics FILE is of one scene; of several each has its own beside its image");
   return SetPlanner(options, command).plan();
+}
+
+std::optional<int> frame_of(const SetMember& member) {
+  const auto frame = std::ranges::find(member.choices, "frame", &std::pair<std::string, std::string>::first);
+  const auto number =
+      frame != member.choices.end() ? parse_integer(frame->second, 0, kLastFrame) : std::nullopt;
+  return number ? std::optional(int(*number)) : std::nullopt;
 }
 
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan) {

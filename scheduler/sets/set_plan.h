@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +44,9 @@ struct SetPlan {
   bool has_job_file = false;
   std::filesystem::path summary;
 };
+
+/// The frame of a shot that it is; nothing: a still.
+std::optional<int> frame_of(const SetMember& member);
 
 /// The scene options of each render.
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan);

@@ -36,7 +36,7 @@ wire::JobStatus* RenderPage::find(std::size_t render) {
   return render < std::size_t(state_.jobs_size()) ? state_.mutable_jobs(int(render)) : nullptr;
 }
 
-void RenderPage::add(const std::string& name, int priority) {
+void RenderPage::add(const std::string& name, int priority, std::optional<int> frame) {
   const std::lock_guard lock(mutex_);
   wire::JobStatus& job = *state_.add_jobs();
   job.set_job(std::uint32_t(state_.jobs_size()));
@@ -44,6 +44,19 @@ void RenderPage::add(const std::string& name, int priority) {
   job.set_priority(priority);
   job.set_submitted(unix_time());
   job.set_relative_error(std::numeric_limits<double>::quiet_NaN());
+  if (frame) job.set_frame(*frame);
+}
+
+void RenderPage::add_shot(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  wire::JobGroup& group = *state_.add_groups();
+  group.set_number(std::uint32_t(state_.jobs_size()) + 1);  // jobs and groups are numbered together
+  group.set_name(wire_text(name, kLongestName));
+  for (wire::JobStatus& job : *state_.mutable_jobs()) {
+    if (!job.has_frame()) continue;
+    job.set_group(group.number());
+    group.set_size(group.size() + 1);
+  }
 }
 
 void RenderPage::took(std::size_t render, JobId id) {

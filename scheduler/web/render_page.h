@@ -26,7 +26,9 @@ class RenderPage final : public WebContent {
   void close() { server_.reset(); }
   [[nodiscard]] bool is_open() const { return server_ != nullptr; }
 
-  void add(const std::string& name, int priority = 0);
+  void add(const std::string& name, int priority = 0, std::optional<int> frame = {});
+  /// The frames among the renders that were added are a group of this name. Call it after them.
+  void add_shot(const std::string& name);
   /// The farm has taken the render under its own number.
   void took(std::size_t render, JobId id);
   void shown(JobId id, const std::shared_ptr<WatchBoard>& board);

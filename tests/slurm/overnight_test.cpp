@@ -1,10 +1,12 @@
 // The recipes of scheduler/farm/CLUSTER.md, read from there, on a real Slurm: a scheduler in a batch job that
 // is killed and submitted again, a window behind a tunnel, and workers of a job array.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 
 #include "scheduler/watch/watch_client.h"
+#include "tests/scheduler/cli/moving_scene.h"
 #include "tests/scheduler/faults/tcp_relay.h"
 #include "tests/slurm/recipes.h"
 #include "tests/slurm/slurm_fixture.h"
@@ -139,6 +141,28 @@ TEST_F(Overnight, TasksOfAnArrayJoinWithKeys) {
   EXPECT_THAT(result.err, Not(HasSubstr("warning")));
   EXPECT_EQ(statistics("out/a.json")["workers"].size(), 3u);
   expect_bytes_of("penumbra render scene.xml --spp 256 -q -o here.exr", "out/a.exr", "here.exr");
+}
+
+TEST_F(Overnight, FramesOfAShotAreTasksOfAnArray) {
+  write_moving_scene(folder_ / "shot.xml");
+  write_text(folder_ / "frames.sbatch",
+             adapted(recipe("#SBATCH --array=1-250:10"),
+                     {{"--array=1-250:10 --cpus-per-task=16", "--array=1-21:10 --cpus-per-task=1"},
+                      {"shot.glb", "shot.xml --threads 1"}}));
+  ASSERT_TRUE(ends(submit("frames.sbatch")));
+  for (int frame = 1; frame <= 30; ++frame)
+    EXPECT_TRUE(std::filesystem::exists(folder_ / fmt::format("out/shot.{:04}.exr", frame))) << frame;
+  const auto summary = statistics("out/jobs.json");
+  EXPECT_EQ(summary["jobs"].size() + summary["earlier"].size(), 30u) << "the tasks keep each other's entries";
+  // Submitted again, only what is missing is rendered.
+  std::filesystem::remove(folder_ / "out/shot.0013.exr");
+  ASSERT_TRUE(ends(submit("frames.sbatch")));
+  std::string log;
+  for (const std::string& name : folder_.names())
+    if (name.starts_with("slurm-")) log += file_contents(folder_ / name);
+  EXPECT_THAT(log,
+              AllOf(HasSubstr("10 renders: 10 unchanged"), HasSubstr("10 renders: 1 done, 9 unchanged")));
+  expect_bytes_of("penumbra render shot.xml --frame 13 -q -o here.exr", "out/shot.0013.exr", "here.exr");
 }
 
 TEST_F(Overnight, ALauncherOfTheLoginNodeBringsWorkersWithKeys) {

@@ -18,7 +18,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 14;
+constexpr std::uint32_t kProtocolVersion = 15;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// The largest message that a scheduler accepts. Results and scenes come in parts of at most 1 MiB.

@@ -4,10 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <set>
 
 #include "scenes/number.h"
+#include "scheduler/render/frames.h"
 #include "scheduler/render/option_checks.h"
+#include "scheduler/service/group_summary.h"
 
 namespace penumbra {
 namespace {
@@ -57,6 +61,52 @@ Option* add_jobs(CommandLine& command, std::vector<std::string>& jobs) {
       ->type_name("JOB")
       ->check(some_text())
       ->group("Jobs");
+}
+
+Option* add_frames(CommandLine& command, std::string& frames) {
+  return command.add_option("--frames", frames, "Only these frames of shots, as in 80-95 or 1-250x2")
+      ->type_name("LIST")
+      ->check({[](const std::string& text) {
+                 const auto list = frames_of(text);
+                 return list ? std::string() : list.error().message;
+               },
+               ""})
+      ->group("Jobs");
+}
+
+Expected<std::vector<JobId>> jobs_of_frames(const std::vector<JobId>& numbers, const std::string& frames,
+                                            JobsClient& service,
+                                            const std::function<bool(const wire::JobStatus&)>& is_meant) {
+  const auto texts = frames_of(frames);
+  if (!texts) return std::unexpected(texts.error());
+  std::set<int> asked;
+  for (const std::string& text : *texts) asked.insert(int(*parse_integer(text, 0, kLastFrame)));
+  std::vector<JobId> jobs;
+  for (const JobId number : numbers) {
+    const auto status = service.status({number});
+    if (!status) return std::unexpected(status.error());
+    const std::string what = fmt::format("{} {}", status->groups_size() > 0 ? "group" : "job", number);
+    std::set<int> present;
+    FramesByState chosen;
+    const std::size_t before = jobs.size();
+    for (const wire::JobStatus& job : status->jobs()) {
+      if (!job.has_frame()) continue;
+      present.insert(job.frame());
+      if (!asked.contains(job.frame())) continue;
+      add_frame(job, chosen);
+      if (is_meant(job)) jobs.push_back(job.job());
+    }
+    if (present.empty()) return fail(fmt::format("{} has no frames: it is no shot", what));
+    std::vector<int> missing;
+    std::ranges::set_difference(asked, present, std::back_inserter(missing));
+    if (!missing.empty())
+      return fail(fmt::format("{} has no {} {}; it has {}", what, missing.size() == 1 ? "frame" : "frames",
+                              frames_text(std::move(missing)),
+                              frames_text({present.begin(), present.end()})));
+    if (jobs.size() == before)
+      return fail(fmt::format("nothing to do for these frames of {}: {}", what, frame_states_text(chosen)));
+  }
+  return jobs;
 }
 
 Expected<std::vector<JobId>> numbers_of(const std::vector<std::string>& jobs, JobsClient& service) {

@@ -27,6 +27,7 @@ struct FetchOptions {
   ServiceAddress service;
   std::string out = ".";
   std::vector<std::string> jobs;
+  std::string frames;
   bool all = false, wait = false, remove = false, quiet = false;
 };
 
@@ -88,7 +89,9 @@ ExitCode fetch(const FetchOptions& options) {
   const auto connected = connect_to_service(options.service);
   if (!connected) return print_error(connected.error()), kBadInput;
   JobsClient& service = **connected;
-  const auto jobs = numbers_of(options.jobs, service);
+  auto jobs = numbers_of(options.jobs, service);
+  if (jobs && !options.frames.empty())
+    jobs = jobs_of_frames(*jobs, options.frames, service, [](const wire::JobStatus&) { return true; });
   if (!jobs) return print_error(jobs.error()), kIncomplete;
   const auto status = wait_for_jobs(service, options, *jobs, stop);
   if (!status) return print_error(status.error()), kIncomplete;
@@ -142,7 +145,11 @@ void add_fetch_command(CommandLine& app, Command& chosen) {
   CommandLine* command = app.add_command("fetch", "Fetch the images of jobs");
   const auto options = std::make_shared<FetchOptions>();
   Option* jobs = add_jobs(*command, options->jobs);
-  command->add_flag("--all", options->all, "Every job that is over")->excludes(jobs)->group("Jobs");
+  Option* frames = add_frames(*command, options->frames);
+  command->add_flag("--all", options->all, "Every job that is over")
+      ->excludes(jobs)
+      ->excludes(frames)
+      ->group("Jobs");
   command->add_option("-o,--out", options->out, "Folder for the files, made if it is missing")
       ->type_name("FOLDER")
       ->capture_default_str()

@@ -30,7 +30,7 @@ bool is_refused(const Option& option) {
   if (option.long_names().empty()) return false;
   const std::string& name = option.long_names().front();
   if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys" ||
-      name == "help")
+      name == "help" || name == "frames" || name == "order")
     return false;
   return name == "resume" || is_shared_option(name);
 }
@@ -44,7 +44,7 @@ Expected<void> check_options(const CommandLine& command) {
   return {};
 }
 
-/// Submits the renders of one command. Several, or those of a job file, are a group.
+/// Submits the renders of one command. Several, or those of a job file or a shot, are a group.
 class Submitter {
  public:
   Submitter(const SubmitOptions& options, const SetPlan& plan, JobsClient& service,
@@ -54,7 +54,7 @@ class Submitter {
         service_(service),
         command_line_(command_line),
         scenes_(scenes_of(plan)) {
-    if (plan.has_job_file || plan.members.size() > 1)
+    if (plan.has_job_file || plan.members.size() > 1 || !options.render.frames.empty())
       group_ = {0, plan.name, std::uint32_t(plan.members.size())};
   }
 
@@ -160,12 +160,15 @@ void add_submit_command(CommandLine& app, const std::vector<std::string>& comman
   command->short_help({"--to", "--priority", "--keys"});
   command->footer(
       "Takes scenes and job files with the options of `penumbra render`. Scenes are read here and sent, each "
-      "once. Several renders, or those of a job file, are a group with a number of its own. -o names the "
+      "once, and of the frames of a shot only what changes. Several renders, or those of a job file or a "
+      "shot, "
+      "are a group with a number of its own. -o names the "
       "results; "
       "`penumbra fetch` chooses their folder. With --quiet only the number of the group, or of the only job, "
       "is "
       "printed.\n\n"
       "Examples:\n"
+      "  penumbra submit shot.glb --frames 1-48 --order preview\n"
       "  penumbra submit jobs.toml --to unix:/tmp/farm.socket\n"
       "  penumbra submit scene.xml --spp 4096 --priority 5 --to 127.0.0.1:7000");
   command->callback([options, command, &command_line, &chosen] {

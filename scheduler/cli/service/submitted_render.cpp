@@ -53,7 +53,8 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .command_line = command_line,
                         .mattes = prepared.scene.mattes,
                         .folder = stored_folder(member),
-                        .submitter = submitter_name()};
+                        .submitter = submitter_name(),
+                        .frame = frame_of(member)};
   submission.record.threads = 0;  // the service has its own
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;

@@ -61,7 +61,7 @@ Expected<void> check_render(const RenderOptions& options, const CommandLine& com
   RenderOptions checked = options;
   checked.listen.clear();  // its keys may not be there yet
   checked.keys.clear();
-  if (options.scenes.size() > 1 || is_job_file(options.scenes.front())) {
+  if (options.scenes.size() > 1 || !options.frames.empty() || is_job_file(options.scenes.front())) {
     const auto plan = plan_set(checked, command);
     if (!plan) return std::unexpected(plan.error());
     std::error_code ignored;
@@ -270,6 +270,7 @@ void add_sbatch_command(CommandLine& app, Command& chosen) {
       "node, and its workers find it again. Submit again after a time limit.\n\n"
       "Examples:\n"
       "  penumbra sbatch scene.xml --spp 4096 -o out/a.exr --workers 32 --submit\n"
+      "  penumbra sbatch shot.glb --frames 1-250 --workers 32 --submit\n"
       "  penumbra sbatch jobs.toml --workers 100 --cpus 8 --time 12:00:00 --partition long\n"
       "  sh jobs.slurm/submit.sh");
   command->callback(

@@ -1,4 +1,5 @@
 // Jobs and groups of jobs as elements, one for each, which are updated in place.
+import {Frames} from "./frames.js";
 import {forgetPicture, showPicture} from "./pictures.js";
 import {bytes, clock, element, moment, percent, rate, setText, share} from "./text.js";
 import {openViewer, updateViewer} from "./viewer.js";
@@ -138,7 +139,19 @@ class GroupElement {
     this.node = element("li", "group", this.details);
   }
 
-  update(group, jobs) {
+  /** Jobs of a shot are pictures of frames first. */
+  showFrames(group, jobs, state, now) {
+    if (!group.frames) return;
+    if (!this.frames) {
+      this.frames = new Frames();
+      this.more = element("details", "more", element("summary", "", "Frames as jobs"), this.list);
+      this.details.append(this.frames.node, this.more);
+    }
+    this.frames.update(group.frames, jobs, job => detailOf(job, state, now));
+  }
+
+  update(group, jobs, state, now) {
+    this.showFrames(group, jobs, state, now);
     if (this.shownState !== group.state) this.details.open = group.state === "rendering";  // else as the reader likes
     this.shownState = group.state;
     this.node.dataset.group = group.group;
@@ -147,7 +160,7 @@ class GroupElement {
     setText(this.name, group.name || `group ${group.group}`);
     setText(this.state, group.state);
     const counts = Object.entries(group.jobs || {}).filter(([, count]) => count > 0).map(([name, count]) => `${count} ${name}`);
-    counts.unshift(`${group.size ?? jobs.length} jobs`);
+    counts.unshift(`${group.size ?? jobs.length} ${group.frames ? "frames" : "jobs"}`);
     if (group.seconds_left > 0) counts.push(`${clock(group.seconds_left)} left`);
     if (group.submitter) counts.push(`by ${group.submitter}`);
     setText(this.detail, counts.join(" · "));
@@ -157,6 +170,7 @@ class GroupElement {
   }
 
   remove() {
+    if (this.frames) this.frames.remove();
     this.node.remove();
   }
 }
@@ -199,7 +213,7 @@ export class JobList {
       let shown = this.groups.get(group.group);
       if (!shown) this.groups.set(group.group, shown = new GroupElement());
       const jobs = (members.get(group.group) || []).sort((a, b) => a.job - b.job);
-      shown.update(group, jobs);
+      shown.update(group, jobs, state, now);
       arrange(shown.list, jobs.map(job => this.jobs.get(job.job).node));
     }
     const present = new Set(state.jobs.map(job => job.job));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 namespace penumbra {
 namespace {
@@ -39,6 +40,31 @@ TEST(Frames, SayWhatIsWrong) {
     const auto frames = frames_of(text);
     ASSERT_FALSE(frames) << text;
     EXPECT_THAT(frames.error().message, HasSubstr(what)) << text;
+  }
+}
+
+TEST(Frames, AreToldInRanges) {
+  const std::pair<std::vector<int>, const char*> cases[] = {{{}, ""},
+                                                            {{300}, "300"},
+                                                            {{13, 14}, "13-14"},
+                                                            {{3, 1, 2, 2}, "1-3"},
+                                                            {{1, 3}, "1,3"},
+                                                            {{1, 3, 5}, "1-5x2"},
+                                                            {{1, 3, 4, 5}, "1,3-5"},
+                                                            {{1, 2, 3, 5, 7, 9, 20}, "1-3,5-9x2,20"}};
+  for (const auto& [frames, text] : cases) EXPECT_EQ(frames_text(frames), text);
+}
+
+TEST(Frames, AreThoseOfTheirRanges) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<int> frames;
+    for (int frame = 0; frame < 40; ++frame)
+      if (std::bernoulli_distribution(0.1 * (i % 10) + 0.05)(random)) frames.push_back(frame);
+    if (frames.empty()) continue;
+    std::vector<std::string> texts;
+    for (const int frame : frames) texts.push_back(std::to_string(frame));
+    EXPECT_EQ(*frames_of(frames_text(frames)), texts) << frames_text(frames);
   }
 }
 

@@ -210,6 +210,39 @@ TEST_F(JobGroupTest, ASecondTryKeepsSceneAndCheckpoint) {
   EXPECT_TRUE(queue_->open(job));  // not cancelled any more
 }
 
+TEST_F(JobGroupTest, AFrameThatFailedGetsAnotherTryAtTheEndAndOnlyOne) {
+  JobId group = 0;
+  for (const int frame : {11, 12, 13})
+    group = submit_with([&](Submission& s) { s.group = {group, "shot.glb", 3}, s.frame = frame; }).group;
+  finish(2);
+  finish(3, wire::JOB_FAILED);
+  finish(4, wire::JOB_INCOMPLETE);
+  EXPECT_EQ(status(3).state(), wire::JOB_FAILED) << "more frames may come";
+  EXPECT_EQ(status(3).frame(), 12);
+  ASSERT_TRUE(queue_->close_group(group));
+  EXPECT_EQ(status(3).state(), wire::JOB_QUEUED);
+  EXPECT_EQ(status(4).state(), wire::JOB_QUEUED);
+  open();
+  EXPECT_EQ(status(3).frame(), 12);
+  finish(3);
+  finish(4, wire::JOB_FAILED);
+  EXPECT_EQ(status(4).state(), wire::JOB_FAILED);
+  ASSERT_TRUE(queue_->retry(4));
+  finish(4, wire::JOB_FAILED);
+  EXPECT_EQ(status(4).state(), wire::JOB_FAILED);
+}
+
+TEST_F(JobGroupTest, NoFrameIsTriedAgainWhereNoneSucceeds) {
+  JobId group = 0;
+  for (const int frame : {1, 2})
+    group = submit_with([&](Submission& s) { s.group = {group, "shot.glb", 2}, s.frame = frame; }).group;
+  ASSERT_TRUE(queue_->close_group(group));
+  finish(2, wire::JOB_FAILED);
+  finish(3, wire::JOB_FAILED);
+  EXPECT_EQ(status(2).state(), wire::JOB_FAILED);
+  EXPECT_EQ(status(3).state(), wire::JOB_FAILED);
+}
+
 TEST_F(JobGroupTest, SubmittersTakeTurns) {
   const auto of = [this](const char* who, int priority = 0) {
     return submit_with([&](Submission& s) { s.submitter = who, s.priority = priority; }).job;

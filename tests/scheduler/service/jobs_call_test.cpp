@@ -3,6 +3,7 @@
 #include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "jobs.grpc.pb.h"
@@ -77,6 +78,35 @@ TEST_F(JobsCall, FromSubmittingToTheResult) {
   ASSERT_TRUE(client_->remove(job->job()));
   ASSERT_TRUE(client_->remove(second->job()));
   EXPECT_EQ(client_->status({})->jobs_size(), 0);
+}
+
+TEST_F(JobsCall, OfTheNextSceneOnlyWhatDiffersIsSent) {
+  ASSERT_TRUE(client_->submit(small_submission(scene_), scene_));
+  EXPECT_EQ(client_->sent_bytes(), scene_.serialize().size());
+  DeviceScene next = scene_;
+  next.header.sampler.seed += 1;  // another head, the same tables
+  const auto job = client_->submit(small_submission(next), next);
+  ASSERT_TRUE(job) << job.error().message;
+  EXPECT_EQ(client_->sent_bytes(), scene_.serialize().size() + next.head().size());
+  const auto stored = spool_->read_scene(hash_of(next));
+  ASSERT_TRUE(stored) << stored.error().message;
+  EXPECT_EQ(stored->scene.serialize(), next.serialize());
+  // A base that is not here any more.
+  spool_->remove_other_scenes({});
+  DeviceScene last = scene_;
+  last.header.sampler.seed += 2;
+  ASSERT_TRUE(client_->submit(small_submission(last), last));
+  EXPECT_EQ(spool_->read_scene(hash_of(last))->scene.serialize(), last.serialize());
+}
+
+TEST_F(JobsCall, PartsThatABaseHasNotAreRefused) {
+  put_scene(*spool_, scene_);
+  auto incoming = spool_->receive_scene(hash_of(fake_scene(1, 1, true)), hash_of(scene_));
+  ASSERT_TRUE(incoming) << incoming.error().message;
+  const std::uint64_t size = scene_.serialize().size();
+  EXPECT_FALSE(incoming->add_of_base(size - 1, 2));
+  EXPECT_FALSE(incoming->add_of_base(std::numeric_limits<std::uint64_t>::max(), 1));
+  EXPECT_FALSE(spool_->receive_scene(hash_of(scene_), "../next"));
 }
 
 TEST_F(JobsCall, ErrorsAreTextsThatNameTheAddress) {

@@ -8,7 +8,7 @@
 #include <regex>
 #include <thread>
 
-#include "tests/scheduler/cli/small_scene.h"
+#include "tests/scheduler/cli/moving_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -231,6 +231,43 @@ TEST_F(Service, AGroupIsOneThing) {
   EXPECT_EQ(linked.exit_code, 1);
   EXPECT_THAT(linked.err, HasSubstr("leads out of out through a link"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "project/0001"));
+}
+
+TEST_F(Service, AShotIsAGroupOfFrames) {
+  write_moving_scene(folder_ / "shot.xml");
+  serve({"--workers", "0"});
+  const ProgramResult submitted =
+      run({"submit", "shot.xml", "--frames", "1-6", "--order", "preview", "-o", "shot.####.exr"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  EXPECT_THAT(submitted.out, HasSubstr("group 1: shot.xml, 6 renders\n  job 2: shot.xml frame=1\n"
+                                       "  job 3: shot.xml frame=6\n  job 4: shot.xml frame=3\n"));
+  EXPECT_EQ(run({"cancel", "1", "--frames", "2-3"}).exit_code, 0);
+  EXPECT_THAT(run({"status"}).out, HasSubstr("frames 1-6: 2-3 cancelled, 1,4-6 queued"));
+  EXPECT_EQ(run({"prioritize", "shot.xml", "--frames", "4", "--priority", "9"}).exit_code, 0);
+  const nlohmann::json now = status();
+  for (const auto& job : now["jobs"]) EXPECT_EQ(job["priority"], job["frame"] == 4 ? 9 : 0);
+  EXPECT_EQ(now["groups"][0]["frames"]["cancelled"], nlohmann::json({2, 3}));
+  const ProgramResult unknown = run({"retry", "1", "--frames", "5-9"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("group 1 has no frames 7-9; it has 1-6"));
+  EXPECT_THAT(run({"retry", "1", "--frames", "4-5"}).err,
+              HasSubstr("nothing to do for these frames of group 1: 4-5 queued"));
+  EXPECT_EQ(run({"retry", "1", "--frames", "2,5"}).exit_code, 0);
+  EXPECT_THAT(run({"status"}).out, HasSubstr("frames 1-6: 3 cancelled, 1-2,4-6 queued"));
+  kill_service();
+  serve();
+  const ProgramResult fetched = run({"fetch", "1", "--frames", "2,5", "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  EXPECT_THAT(fetched.out, AllOf(HasSubstr("out/shot.0002.exr\n"), HasSubstr("out/shot.0005.png\n"),
+                                 Not(HasSubstr("0004"))));
+  const ProgramResult rendered = run_penumbra(
+      folder_.path(), {"render", "shot.xml", "--frame", "5", "-q", "-o", "ref.exr", "--threads", "1"});
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  EXPECT_TRUE(contents("out/shot.0005.exr") == contents("ref.exr"));
+  EXPECT_FALSE(contents("out/shot.0002.exr") == contents("ref.exr"));
+  const std::string still = submit({"--spp", "1"});
+  EXPECT_THAT(run({"retry", still, "--frames", "1"}).err, HasSubstr("it is no shot"));
+  EXPECT_THAT(run({"submit", "shot.xml", "--frames", "7", "-q"}).out, HasSubstr("9\n")) << "one, and a group";
 }
 
 TEST_F(Service, WhatWasCancelledGoesOnWithRetry) {

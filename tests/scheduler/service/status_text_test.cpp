@@ -116,6 +116,34 @@ TEST(StatusText, SubmittersAreNamedWhereThereAreSeveral) {
   EXPECT_THAT(status_lines(reply, 200, 50), Each(Not(HasSubstr("ann"))));
 }
 
+TEST(StatusText, AShotIsALineWithItsFramesByState) {
+  wire::StatusReply reply;
+  wire::JobGroup& group = *reply.add_groups();
+  group.set_number(70);
+  group.set_name("shot.glb");
+  group.set_size(48);
+  for (int frame = 1; frame <= 48; ++frame) {
+    const wire::JobState state = frame == 7                   ? wire::JOB_FAILED
+                                 : frame <= 12                ? wire::JOB_DONE
+                                 : frame == 13 || frame == 14 ? wire::JOB_RENDERING
+                                 : frame % 2 == 1             ? wire::JOB_CANCELLED
+                                                              : wire::JOB_QUEUED;
+    add_job(reply, state, "shot.glb frame=" + std::to_string(frame));
+    reply.mutable_jobs(frame - 1)->set_group(70);
+    reply.mutable_jobs(frame - 1)->set_frame(frame);
+  }
+  EXPECT_THAT(status_lines(reply, 200, 50)[2],
+              HasSubstr("shot.glb  frames 1-48: 1-6,8-12 done, 13-14 rendering, 7 failed, 15-47x2 cancelled, "
+                        "16-48x2 queued  "));
+  const auto json = status_json(reply);
+  EXPECT_EQ(json["jobs"][6]["frame"], 7);
+  EXPECT_EQ(json["groups"][0]["frames"]["rendering"], nlohmann::json({13, 14}));
+  EXPECT_EQ(json["groups"][0]["frames"]["failed"], nlohmann::json({7}));
+  EXPECT_EQ(json["groups"][0]["frames"]["incomplete"], nlohmann::json::array());
+  EXPECT_EQ(status_json(with_group())["groups"][0]["frames"], nullptr);
+  EXPECT_EQ(status_json(with_group())["jobs"][0]["frame"], nullptr);
+}
+
 TEST(StatusText, AGroupThatIsOverSaysTheWorst) {
   wire::StatusReply reply = with_group();
   reply.mutable_groups(0)->set_size(3);

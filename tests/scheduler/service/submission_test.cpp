@@ -67,7 +67,8 @@ Submission full_submission() {
 }
 
 TEST(Submission, ArrivesWhole) {
-  const Submission sent = full_submission();
+  Submission sent = full_submission();
+  sent.frame = 12;
   const wire::Submission message = encode(sent);
   wire::Submission received;
   ASSERT_TRUE(received.ParseFromString(message.SerializeAsString()));
@@ -84,6 +85,7 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(there->name, "s.xml");
   EXPECT_EQ(there->scene, sent.scene);
   EXPECT_EQ(there->priority, 3);
+  EXPECT_EQ(there->frame, 12);
   for (const RenderOption& option : all_render_options())
     if (option.is_sent()) EXPECT_EQ(option.print(there->record), option.print(sent.record)) << option.name();
   EXPECT_EQ(there->record.time_budget, 1.5);

@@ -10,7 +10,7 @@
 #include <regex>
 #include <thread>
 
-#include "tests/scheduler/cli/small_scene.h"
+#include "tests/scheduler/cli/moving_scene.h"
 #include "tests/support/browser_page.h"
 #include "tests/support/program.h"
 #include "tests/support/readable_page.h"
@@ -325,6 +325,47 @@ TEST_F(WebPage, OfOneRender) {
   program_->send(SIGINT);
   EXPECT_TRUE(page_->comes("document.getElementById('notice').textContent.includes('The render is over')"));
   EXPECT_TRUE(page_->comes("document.querySelector('#ended .job .state')?.textContent === 'incomplete'"));
+}
+
+TEST_F(WebPage, AShotIsAStripOfFramesWithPicturesAsTheyEnd) {
+  write_moving_scene(folder_ / "shot.xml");
+  serve();
+  const ProgramResult submitted = run({"submit", "shot.xml", "--frames", "1-24", "--set", "film.width=192",
+                                       "--set", "film.height=108", "--spp", "64", "-q"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  ASSERT_EQ(run({"cancel", "1", "--frames", "20-22"}).exit_code, 0);
+  open();
+  ASSERT_TRUE(page_->comes("document.querySelectorAll('.group[data-group=\"1\"] .strip i').length === 24"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame[data-state=\"done\"] img').length > 3"));
+  keep_screenshot("rendering");
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.strip i[data-state=\"done\"]').length === 21"));
+  ASSERT_TRUE(page_->evaluate("document.querySelector('.group > details').open = true"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame img').length === 21"));
+  EXPECT_EQ(page_
+                ->evaluate("[...document.querySelectorAll('.frame')].map(node => Number(node.dataset.frame))"
+                           ".every((frame, index) => frame === index + 1)")
+                .value_or(json()),
+            true);
+  ASSERT_TRUE(page_->evaluate("document.querySelector('.frame[data-frame=\"5\"] .picture').click()"));
+  EXPECT_TRUE(page_->comes("document.querySelector('#viewer img')?.naturalWidth === 192"));
+  EXPECT_TRUE(page_->comes("document.querySelector('#viewer h2').textContent === 'shot.xml frame=5'"));
+  ASSERT_TRUE(page_->evaluate("document.querySelector('#viewer button').click()"));
+  EXPECT_EQ(shown()["jobs"].size(), 24u);
+  expect_readable_page();
+}
+
+TEST_F(WebPage, AShotThatIsRenderedHereIsAGroupToo) {
+  write_moving_scene(folder_ / "shot.xml");
+  program_ =
+      std::make_unique<Program>(folder_.path(), Arguments{"render", "shot.xml", "--frames", "1-4", "--spp",
+                                                          "4000", "--web", web_, "-o", "shot.####.exr"});
+  find_link();
+  open();
+  ASSERT_TRUE(page_->comes("document.querySelectorAll('.group .strip i').length === 4"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame[data-state=\"done\"] img').length > 0"));
+  EXPECT_EQ(page_->evaluate("document.querySelector('.group .name').textContent").value_or(json()),
+            "shot.xml");
+  program_->send(SIGINT);
 }
 
 TEST_F(WebPage, OfASetOfRenders) {
