@@ -157,11 +157,13 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   return scene;
 }
 
-Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& options) {
+Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& options,
+                                  std::shared_ptr<const KeptFrame> kept) {
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
   device_options.hierarchy_cache = own_hierarchy_cache();
+  if (kept != nullptr) device_options.earlier = &kept->scene;
   MatteNames mattes;
   if (options.cryptomatte) device_options.mattes = &mattes;
   auto device = build_device_scene(read.description, device_options);
@@ -170,6 +172,7 @@ Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& opt
   scene.boundary_names = boundary_names(read.description);
   scene.summary = summarize(scene.device);
   scene.sampler_replaced = read.sampler_replaced;
+  scene.kept = std::move(kept);
   scene.fps = with_rate_of(read.description, options).fps.value_or(kFramesPerSecond);
   return scene;
 }

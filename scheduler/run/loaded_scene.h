@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "kernels/host/device_scene.h"
@@ -12,8 +13,15 @@
 #include "scenes/scene_description.h"
 #include "scheduler/render/frames.h"
 #include "scheduler/run/render_options.h"
+#include "worker/protocol/asset_manifest.h"
 
 namespace penumbra {
+
+/// A device scene of a shot. What is equal in other frames is neither built, nor hashed, nor sent again.
+struct KeptFrame {
+  DeviceScene scene;
+  AssetManifest manifest;
+};
 
 struct LoadedScene {
   SceneDescription description;
@@ -25,7 +33,8 @@ struct LoadedScene {
   bool sampler_replaced = false;  ///< the scene's independent sampler, by sobol
   double seconds = 0;             ///< load time
   double fps = kFramesPerSecond;  ///< of the options, or else of the scene
-  glm::dvec3 center{0.0};         ///< see scene_center; set by load_scene
+  std::shared_ptr<const KeptFrame> kept = {};  ///< of the same shot, or null
+  glm::dvec3 center{0.0};                      ///< see scene_center; set by load_scene
 };
 
 /// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device
@@ -50,8 +59,9 @@ struct ReadScene {
 /// The same as read_scene_with_options, and replaces an independent sampler that no option asks for.
 Expected<ReadScene> read_scene_to_render(const SceneOptions& options);
 
-/// Builds the device scene. The result has no description.
-Expected<LoadedScene> build_scene(const ReadScene& scene, const SceneOptions& options);
+/// Builds the device scene. The result has no description. `kept`: a frame of the same shot, or null.
+Expected<LoadedScene> build_scene(const ReadScene& scene, const SceneOptions& options,
+                                  std::shared_ptr<const KeptFrame> kept = {});
 
 /// Reads the scene and builds its device scene. `adjust`, which may be empty, changes the description before.
 Expected<LoadedScene> load_scene(const SceneOptions& options,

@@ -78,11 +78,12 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
 }
 
 RenderJob make_job(const RenderOptions& options, const RenderRecord& record, const DeviceOptions& device,
-                   DeviceScene scene) {
+                   DeviceScene scene, const KeptFrame* kept) {
   IntegratorParameters& integrator = scene.header.integrator;
   if (integrator.photons == PHOTONS_PROGRESSIVE)
     integrator.samples_per_map = int(record.plan.samples_per_pass);
-  AssetManifest manifest = manifest_of(scene);
+  AssetManifest manifest =
+      kept != nullptr ? manifest_of(scene, kept->scene, kept->manifest) : manifest_of(scene);
   RenderJob job = job_of_record(record, device, std::move(scene), std::move(manifest));
   job.tev = options.tev;
   job.interactive = options.interactive;
@@ -203,7 +204,8 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   PreparedRender prepared;
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);
-  prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
+  prepared.job = make_job(options, prepared.record, *device, std::move(scene->device), scene->kept.get());
+  scene->kept.reset();
   prepared.job.scene_spp = scene->asked_spp > 0 ? scene->asked_spp : prepared.record.sampler.spp;
   prepared.farm = farm_of(options);
   prepared.farm.keys = *keys;

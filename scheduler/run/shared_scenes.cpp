@@ -92,6 +92,7 @@ void SharedScenes::keep(const SceneOptions& options, Shot& shot, ReadScene scene
 void SharedScenes::forget(Shot& shot) {
   kept_bytes_ -= std::exchange(shot.bytes, 0);
   shot.scene.reset();
+  shot.frame.reset();
 }
 
 Expected<LoadedScene> SharedScenes::load_frame(const SceneOptions& options, Shot& shot) {
@@ -115,10 +116,15 @@ Expected<LoadedScene> SharedScenes::load_frame(const SceneOptions& options, Shot
   const std::uint32_t seed = scene.description.sampler.seed;
   if (auto taken = take_samples(scene.description, options); !taken) return std::unexpected(taken.error());
   if (!options.seed) scene.description.sampler.seed += frame_in_seed(options);
-  auto loaded = build_scene(scene, options);
-  if (loaded) reduce(*loaded, scene.description);
+  auto loaded = build_scene(scene, options, shot.frame);
   scene.description.sampler.seed = seed;
-  if (loaded) loaded->seconds = seconds_since(begin);
+  if (!loaded) return loaded;
+  reduce(*loaded, scene.description);
+  if (shot.frame == nullptr && shot.renders_to_come > 0) {
+    shot.frame = std::make_shared<const KeptFrame>(KeptFrame{loaded->device, manifest_of(loaded->device)});
+    loaded->kept = shot.frame;
+  }
+  loaded->seconds = seconds_since(begin);
   return loaded;
 }
 

@@ -32,7 +32,8 @@ class SharedScenes {
  private:
   struct Shot {
     int renders_to_come = 0;
-    std::optional<ReadScene> scene = {};  ///< at the time of the frame that was loaded last
+    std::optional<ReadScene> scene = {};          ///< at the time of the frame that was loaded last
+    std::shared_ptr<const KeptFrame> frame = {};  ///< the first; which one makes no difference
     std::uint64_t bytes = 0;
   };
   Expected<LoadedScene> load_frame(const SceneOptions& options, Shot& shot);
