@@ -8,6 +8,7 @@ namespace {
 
 /// Times in files are often in single precision: of a frame, that far from it.
 constexpr double kFrameRounding = 1e-3;
+constexpr double kMostFrames = 1e15;
 
 /// For each node whether it or one of its parents has keys that vary.
 std::vector<bool> moving_nodes(const SceneMotion& motion) {
@@ -40,13 +41,18 @@ std::optional<MotionFacts> motion_facts(const SceneDescription& scene) {
         ((!deformation->targets.empty() && deformation->weights.varies()) ||
          std::ranges::any_of(deformation->skin.joints, [&](int joint) { return nodes[std::size_t(joint)]; }));
     facts.meshes_that_deform += deforms ? 1 : 0;
-    facts.shapes += deforms || moves(shape.place) ? 1 : 0;
+    facts.shapes.moving += deforms || moves(shape.place) ? 1 : 0;
   }
-  facts.instances = std::size_t(std::ranges::count_if(
+  facts.instances.moving = std::size_t(std::ranges::count_if(
       motion.instances, [&](const MovingInstance& instance) { return moves(instance.place); }));
-  facts.emitters = std::size_t(std::ranges::count_if(motion.emitters, [&](const MovingEmitter& emitter) {
-    return moves(emitter.place) || varies(emitter.colour) || varies(emitter.strength);
-  }));
+  facts.emitters.moving =
+      std::size_t(std::ranges::count_if(motion.emitters, [&](const MovingEmitter& emitter) {
+        return moves(emitter.place) || varies(emitter.colour) || varies(emitter.strength);
+      }));
+  facts.shapes.all = scene.shapes.size();
+  for (const ShapeGroup& group : scene.groups) facts.shapes.all += group.shapes.size();
+  facts.instances.all = scene.instances.size();
+  facts.emitters.all = scene.emitters.size();
   if (const auto& camera = motion.camera) {
     facts.camera = moves(camera->place);
     const std::pair<const char*, const std::optional<KeyedValue<double>>*> numbers[] = {
@@ -61,11 +67,12 @@ std::optional<MotionFacts> motion_facts(const SceneDescription& scene) {
   return facts;
 }
 
-std::optional<std::pair<double, double>> frames_between(std::pair<double, double> times, double fps) {
-  const double first = std::ceil(times.first * fps - kFrameRounding) + 0.0,
-               last = std::floor(times.second * fps + kFrameRounding) + 0.0;
-  if (!(first <= last)) return std::nullopt;
-  return std::pair(first, last);
+std::optional<std::pair<std::int64_t, std::int64_t>> frames_between(std::pair<double, double> times,
+                                                                    double fps) {
+  const double first = std::ceil(times.first * fps - kFrameRounding),
+               last = std::floor(times.second * fps + kFrameRounding);
+  if (!(first <= last && first >= -kMostFrames && last <= kMostFrames)) return std::nullopt;
+  return std::pair(std::int64_t(first), std::int64_t(last));
 }
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 // What moves in a scene, counted.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,9 +19,12 @@ struct MotionFacts {
   std::optional<std::pair<double, double>> times;  ///< of the first and the last key
   bool camera = false;                             ///< whether its place moves
   std::vector<std::string> camera_numbers = {};    ///< its settings that change: "fov", …
-  /// Of the scene's shapes, each of a group counted once, its instances, and emitters that are not shapes:
-  /// those that move by themselves. An emitter whose strength alone changes is one.
-  std::size_t shapes = 0, instances = 0, emitters = 0;
+  struct Share {
+    std::size_t moving = 0, all = 0;
+  };
+  /// Shapes, those of a group counted once, instances, and emitters that are not shapes. One moves by itself;
+  /// an emitter also if its strength alone changes.
+  Share shapes = {}, instances = {}, emitters = {};
   std::size_t meshes_that_deform = 0;
 };
 
@@ -28,7 +32,8 @@ struct MotionFacts {
 std::optional<MotionFacts> motion_facts(const SceneDescription& scene);
 
 /// The first and last whole frame between two times, which differ by rounding from times of frames at most.
-/// Nothing if no frame is between them.
-std::optional<std::pair<double, double>> frames_between(std::pair<double, double> times, double fps);
+/// Nothing if no frame is between them, or if their numbers are above 1e15.
+std::optional<std::pair<std::int64_t, std::int64_t>> frames_between(std::pair<double, double> times,
+                                                                    double fps);
 
 }  // namespace penumbra

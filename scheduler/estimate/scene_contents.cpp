@@ -1,6 +1,7 @@
 #include "scheduler/estimate/scene_contents.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <glm/trigonometric.hpp>
@@ -10,6 +11,7 @@
 #include "kernels/host/text.h"
 #include "scenes/cameras.h"
 #include "scenes/instances.h"
+#include "scheduler/render/frames.h"
 
 namespace penumbra {
 namespace {
@@ -69,6 +71,59 @@ NamedTexts camera_text(const CameraFacts& camera) {
   return texts;
 }
 
+double frames_per_second(const MotionFacts& motion) { return motion.fps.value_or(kFramesPerSecond); }
+
+std::optional<std::pair<std::int64_t, std::int64_t>> frame_range(const MotionFacts& motion) {
+  return motion.times ? frames_between(*motion.times, frames_per_second(motion)) : std::nullopt;
+}
+
+NamedTexts motion_text(const MotionFacts& motion) {
+  NamedTexts texts;
+  for (std::size_t i = 0; i < motion.clips.size(); ++i) {
+    const Clip& clip = motion.clips[i];
+    texts.emplace_back(
+        fmt::format("clip '{}'", clip.name),
+        fmt::format("{:.6g} to {:.6g} s{}", clip.first, clip.last, int(i) == motion.clip ? ", shown" : ""));
+  }
+  if (motion.times)
+    texts.emplace_back("time", fmt::format("{:.6g} to {:.6g} s, shown at {:.6g} s", motion.times->first,
+                                           motion.times->second, motion.time));
+  if (const auto frames = frame_range(motion))
+    texts.emplace_back("frames", fmt::format("{} to {}, {:.6g} a second", frames->first, frames->second,
+                                             frames_per_second(motion)));
+  const auto put = [&](const char* what, const MotionFacts::Share& share) {
+    if (share.moving > 0) texts.emplace_back(what, fmt::format("{} of {}", share.moving, share.all));
+  };
+  put("shapes that move", motion.shapes);
+  if (motion.meshes_that_deform > 0)
+    texts.emplace_back("meshes that deform", fmt::to_string(motion.meshes_that_deform));
+  put("instances that move", motion.instances);
+  put("lights that move or change", motion.emitters);
+  std::vector<std::string> of_camera = motion.camera_numbers;
+  if (motion.camera) of_camera.insert(of_camera.begin(), "place");
+  if (!of_camera.empty()) texts.emplace_back("camera", fmt::format("{}", fmt::join(of_camera, ", ")));
+  return texts;
+}
+
+nlohmann::ordered_json motion_json(const MotionFacts& motion) {
+  nlohmann::ordered_json json;
+  json["clips"] = nlohmann::ordered_json::array();
+  for (const Clip& clip : motion.clips)
+    json["clips"].push_back({{"name", clip.name}, {"first", clip.first}, {"last", clip.last}});
+  if (motion.clip >= 0) json["clip"] = motion.clips.at(std::size_t(motion.clip)).name;
+  json["time"] = motion.time;
+  if (motion.times) json["times"] = {motion.times->first, motion.times->second};
+  json["fps"] = frames_per_second(motion);
+  if (const auto frames = frame_range(motion)) json["frames"] = {frames->first, frames->second};
+  json["shapes"] = motion.shapes.moving;
+  json["meshes_that_deform"] = motion.meshes_that_deform;
+  json["instances"] = motion.instances.moving;
+  json["lights"] = motion.emitters.moving;
+  json["camera"] = motion.camera;
+  json["camera_numbers"] = motion.camera_numbers;
+  return json;
+}
+
 }  // namespace
 
 CameraFacts camera_facts(const CameraSettings& camera, const Film& film) {
@@ -91,6 +146,7 @@ Expected<SceneContents> contents_of(const SceneDescription& scene) {
   if (!placed) return std::unexpected(placed.error());
   SceneContents contents;
   contents.camera = camera_facts(scene.camera, scene.film);
+  contents.motion = motion_facts(scene);
   contents.extent = bounds_of(scene, *placed);
   contents.instances = placed->size();
   count_geometry(scene, *placed, contents);
@@ -132,6 +188,7 @@ std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContent
   NamedTexts files;
   for (const auto& [path, bytes] : contents.files) files.emplace_back(path.string(), size_text(bytes));
   return {{"Camera", camera_text(contents.camera)},
+          {"Motion", contents.motion ? motion_text(*contents.motion) : NamedTexts()},
           {"Geometry", geometry},
           {"Textures", textures},
           {"Lights", lights},
@@ -151,6 +208,7 @@ void add_contents(nlohmann::ordered_json& json, const SceneContents& contents) {
     json["camera"]["fov"] = {camera.across, camera.down};
   json["camera"]["aperture_radius"] = camera.aperture_radius;
   if (camera.aperture_radius > 0) json["camera"]["focus_distance"] = camera.focus_distance;
+  if (contents.motion) json["motion"] = motion_json(*contents.motion);
   const SceneBounds& box = contents.extent;
   json["extent"] = {
       {"low", triple(box.low)}, {"high", triple(box.high)}, {"size", triple(box.high - box.low)}};

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scenes/motion/motion_facts.h"
 #include "scenes/scene_bounds.h"
 #include "scenes/scene_description.h"
 
@@ -33,6 +35,7 @@ struct SceneContents {
   std::size_t triangles = 0;                    ///< triangles in meshes, without instancing
   std::size_t placed_triangles = 0;             ///< triangles including all instances
   std::size_t instances = 0;                    ///< nested instances count once per placement of their group
+  std::optional<MotionFacts> motion = {};
   std::size_t textures = 0, images = 0, media = 0;
   std::uint64_t image_bytes = 0;              ///< memory of images
   std::map<std::string, std::size_t> lights;  ///< keyed by kind: "area", "point", …
@@ -46,7 +49,8 @@ Expected<SceneContents> contents_of(const SceneDescription& scene);
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 /// Name and value pairs under headings, for display.
 std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContents& contents);
-/// Adds members to a JSON object: camera, extent, geometry, instances, textures, lights_by_kind, files.
+/// Adds members to a JSON object: camera, motion if anything moves, extent, geometry, instances, textures,
+/// lights_by_kind, files.
 void add_contents(nlohmann::ordered_json& json, const SceneContents& contents);
 
 }  // namespace penumbra

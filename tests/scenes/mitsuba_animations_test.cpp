@@ -278,9 +278,12 @@ TEST_F(MitsubaAnimations, WhatMovesIsCounted) {
            in("emitter", "spot"));
   const auto facts = motion_facts(s);
   ASSERT_TRUE(facts);
-  EXPECT_EQ(facts->shapes, 2u);
-  EXPECT_EQ(facts->instances, 1u);
-  EXPECT_EQ(facts->emitters, 1u);
+  EXPECT_EQ(facts->shapes.moving, 2u);
+  EXPECT_EQ(facts->shapes.all, 4u);
+  EXPECT_EQ(facts->instances.moving, 1u);
+  EXPECT_EQ(facts->instances.all, 2u);
+  EXPECT_EQ(facts->emitters.moving, 1u);
+  EXPECT_EQ(facts->emitters.all, 2u);
   EXPECT_EQ(facts->meshes_that_deform, 0u);
   EXPECT_TRUE(facts->camera);
   EXPECT_THAT(facts->camera_numbers, ElementsAre("scale_x"));
@@ -289,11 +292,13 @@ TEST_F(MitsubaAnimations, WhatMovesIsCounted) {
 }
 
 TEST(FramesBetween, AreWholeFramesOfTheTimes) {
-  EXPECT_EQ(frames_between({0, 2.5}, 24), std::pair(0.0, 60.0));
-  EXPECT_EQ(frames_between({0.5, 0.9}, 10), std::pair(5.0, 9.0));
-  EXPECT_EQ(frames_between({0.51, 0.89}, 10), std::pair(6.0, 8.0));
-  EXPECT_EQ(frames_between({-1, double(1.0f / 24 * 31)}, 24), std::pair(-24.0, 31.0));
+  using Frames = std::pair<std::int64_t, std::int64_t>;
+  EXPECT_EQ(frames_between({0, 2.5}, 24), Frames(0, 60));
+  EXPECT_EQ(frames_between({0.5, 0.9}, 10), Frames(5, 9));
+  EXPECT_EQ(frames_between({0.51, 0.89}, 10), Frames(6, 8));
+  EXPECT_EQ(frames_between({-1, double(1.0f / 24 * 31)}, 24), Frames(-24, 31));
   EXPECT_EQ(frames_between({0.51, 0.59}, 10), std::nullopt);
+  EXPECT_EQ(frames_between({0, 1e30}, 24), std::nullopt);
 }
 
 TEST_F(MitsubaAnimations, WhatDoesNotVaryDoesNotMove) {

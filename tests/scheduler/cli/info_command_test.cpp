@@ -118,6 +118,31 @@ TEST(InfoCommand, TellsTheCamera) {
   EXPECT_THAT(parallel, HasSubstr("orthographic, 2 x "));
 }
 
+TEST(InfoCommand, TellsWhatMoves) {
+  const TemporaryFolder folder;
+  write_text(folder / "s.xml", R"(<scene version="3.0.0"><sensor type="perspective"/>
+  <shape type="sphere"><animation name="to_world"><transform time="0.5"/>
+    <transform time="2"><translate x="3"/></transform></animation></shape>
+  <shape type="sphere"/><emitter type="point"/>
+</scene>)");
+  const ProgramResult text = run_penumbra(folder.path(), {"info", "s.xml"});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  for (const char* line : {"\nMotion\n  time                            0.5 to 2 s, shown at 0 s\n",
+                           "\n  frames                          12 to 48, 24 a second\n",
+                           "\n  shapes that move                1 of 2\n"})
+    EXPECT_THAT(text.out, HasSubstr(line));
+  EXPECT_THAT(text.out, Not(HasSubstr("lights that move")));
+  const auto json =
+      nlohmann::json::parse(run_penumbra(folder.path(), {"info", "s.xml", "--json"}).out)["motion"];
+  EXPECT_EQ(json["times"], (nlohmann::json{0.5, 2.0}));
+  EXPECT_EQ(json["frames"], (nlohmann::json{12, 48}));
+  EXPECT_EQ(json["fps"], 24.0);
+  EXPECT_EQ(json["shapes"], 1);
+  EXPECT_EQ(json["camera"], false);
+  write_small_scene(folder / "s.xml");
+  EXPECT_THAT(run_penumbra(folder.path(), {"info", "s.xml"}).out, Not(HasSubstr("Motion")));
+}
+
 TEST(InfoCommand, SaysWhichDialectOfNoriItReads) {
   const TemporaryFolder folder;
   write_text(folder / "n.xml",
