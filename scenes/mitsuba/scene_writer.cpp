@@ -283,7 +283,10 @@ class SceneWriter {
     course.is_smooth = is_own && !found->is_faceted;
     if (is_own) course.steps.push_back(found->place);
     const glm::dmat4 now = course.at(*scene_.motion, scene_.time);
-    if (is_singular(now)) return std::nullopt;  // it is left out
+    if (is_singular(now)) {
+      stays_.emplace_back(fmt::format("the shape '{}'", shape.name), "it is flat then");
+      return std::nullopt;
+    }
     const bool mirrors = is_mirror(now);
     const glm::dmat4 end = course.take_end();
     if (auto* mesh = std::get_if<Mesh>(&course.geometry)) {
@@ -381,8 +384,7 @@ class SceneWriter {
     std::ranges::sort(times);
     times.erase(std::ranges::unique(times).begin(), times.end());
     const auto at = [&](double time) {
-      const glm::dmat4 there = course.at(*scene_.motion, time);
-      const auto frame = is_singular(there) ? fail("singular") : without_scale(there);
+      const auto frame = camera_frame(course.at(*scene_.motion, time));
       const auto scale = [&](const auto& keys, double value) { return keys ? value_at(*keys, time) : value; };
       return placed(frame ? *frame : camera.to_world, scale(moving.scale_x, camera.scale_x),
                     scale(moving.scale_y, camera.scale_y));

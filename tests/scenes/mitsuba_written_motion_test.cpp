@@ -6,6 +6,7 @@
 #include "scenes/mitsuba/written_motion.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/transform.h"
+#include "tests/scenes/gltf_motion.h"
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/scenes/pbrt_text.h"
 #include "tests/support/written_scene.h"
@@ -129,6 +130,19 @@ class WrittenMotion : public pbrt_test::PbrtText {
   std::vector<std::string> remarks_;
 };
 
+class WrittenGltfMotion : public GltfMotion {
+ protected:
+  SceneDescription again(const SceneDescription& scene) {
+    remarks_.clear();
+    const auto files = mitsuba::scene_files(scene, folder_ / "written.xml", &remarks_);
+    EXPECT_TRUE(files) << files.error().message;
+    if (files)
+      for (const mitsuba::SceneFile& file : *files) write_text(file.path, file.contents);
+    return good_of(read_scene(folder_ / "written.xml", {}));
+  }
+  std::vector<std::string> remarks_;
+};
+
 TEST_F(WrittenMotion, OfMitsubaStaysTheSame) {
   write("sky.pfm", "PF\n2 2\n-1.0\n" + std::string(48, '\0'));
   write("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
@@ -227,6 +241,38 @@ TEST_F(WrittenMotion, WhatHasNoKeysIsAsAtTheTime) {
   EXPECT_THAT(remarks_, Contains(HasSubstr("deforms; it is as at 0.5 s")));
   EXPECT_THAT(remarks_, Contains(HasSubstr("strength of an emitter 'point' is that at 0.5 s")));
   EXPECT_THAT(remarks_, Contains(HasSubstr("angle of view, focus and aperture are as at 0.5 s")));
+}
+
+/// Splines have keys between their own, and what deforms or vanishes at a key is as at the time.
+TEST_F(WrittenGltfMotion, IsThatOfGltf) {
+  const auto vertices = [&](const std::vector<Channel>& channels, GltfFile& file, double tolerance) {
+    SceneDescription scene = good_gltf(file.text(moving(channels))), written = again(scene);
+    for (const double time : {-1.0, 0.0, 0.4, 1.3, 2.0})
+      for (const std::size_t i : {0u, 1u, 2u})
+        GltfMotion::expect_near(vertex(written, time, i), vertex(scene, time, i), tolerance);
+  };
+  const std::vector<float> places = {0, 0, 0, 1, 2, 3, -1, 0, 2};
+  GltfFile linear = triangle();
+  vertices({{of_node(0, "translation"), vectors(linear, {0, 1, 2}, places)},
+            {of_node(0, "rotation"),
+             keys<float>(linear, {0, 1, 2}, "VEC4", 4, {0, 0, 0, 1, 0, 0.6f, 0, 0.8f, 0.6f, 0, 0, 0.8f})},
+            {of_node(0, "scale"), vectors(linear, {0, 2}, {1, 1, 1, 2, 3, 1})}},
+           linear, 1e-9);
+  EXPECT_THAT(remarks_, Not(Contains(HasSubstr("approximate"))));
+  GltfFile spline = triangle();
+  std::vector<float> numbers;
+  for (std::size_t key = 0; key < 3; ++key)
+    for (const float part : {3.0f, 1.0f, -2.0f})
+      for (std::size_t c = 0; c < 3; ++c) numbers.push_back(part * places[3 * key + c]);
+  vertices({{of_node(0, "translation"), vectors(spline, {0, 1, 2}, numbers, "CUBICSPLINE")}}, spline, 1e-3);
+  EXPECT_THAT(remarks_, Contains(HasSubstr("is approximate")));
+  GltfFile vanishing = triangle();
+  SceneDescription gone = good_gltf(
+      vanishing.text(moving({{of_node(0, "scale"), vectors(vanishing, {0, 1}, {1, 1, 1, 0, 0, 0})}})));
+  show(gone, 0.5);
+  SceneDescription written = again(gone);
+  GltfMotion::expect_near(vertex(written, 9, 1), {0.5, 0, 0});
+  EXPECT_THAT(remarks_, Contains(HasSubstr("as at 0.5 s, because keys of matrices cannot have its motion")));
 }
 
 }  // namespace
