@@ -13,7 +13,6 @@ namespace penumbra {
 
 struct MotionFacts {
   std::vector<Clip> clips = {};
-  int clip = -1;                                   ///< the one that is shown; -1: the format has none
   std::optional<double> fps;                       ///< that the file asks for
   double time = 0.0;                               ///< at which the scene is shown, in seconds
   std::optional<std::pair<double, double>> times;  ///< of the first and the last key

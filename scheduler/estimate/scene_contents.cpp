@@ -79,12 +79,10 @@ std::optional<std::pair<std::int64_t, std::int64_t>> frame_range(const MotionFac
 
 NamedTexts motion_text(const MotionFacts& motion) {
   NamedTexts texts;
-  for (std::size_t i = 0; i < motion.clips.size(); ++i) {
-    const Clip& clip = motion.clips[i];
+  for (const Clip& clip : motion.clips)
     texts.emplace_back(
         fmt::format("clip '{}'", clip.name),
-        fmt::format("{:.6g} to {:.6g} s{}", clip.first, clip.last, int(i) == motion.clip ? ", shown" : ""));
-  }
+        fmt::format("{:.6g} to {:.6g} s{}", clip.first, clip.last, clip.is_shown ? ", shown" : ""));
   if (motion.times)
     texts.emplace_back("time", fmt::format("{:.6g} to {:.6g} s, shown at {:.6g} s", motion.times->first,
                                            motion.times->second, motion.time));
@@ -109,8 +107,8 @@ nlohmann::ordered_json motion_json(const MotionFacts& motion) {
   nlohmann::ordered_json json;
   json["clips"] = nlohmann::ordered_json::array();
   for (const Clip& clip : motion.clips)
-    json["clips"].push_back({{"name", clip.name}, {"first", clip.first}, {"last", clip.last}});
-  if (motion.clip >= 0) json["clip"] = motion.clips.at(std::size_t(motion.clip)).name;
+    json["clips"].push_back(
+        {{"name", clip.name}, {"first", clip.first}, {"last", clip.last}, {"shown", clip.is_shown}});
   json["time"] = motion.time;
   if (motion.times) json["times"] = {motion.times->first, motion.times->second};
   json["fps"] = frames_per_second(motion);
