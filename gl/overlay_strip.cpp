@@ -31,7 +31,7 @@ ImU32 color_of(Mark mark) {
     case Mark::kFailed:
       return ImGui::GetColorU32({0.80f, 0.27f, 0.23f, 1});
     case Mark::kMissing:
-      return ImGui::GetColorU32({0.17f, 0.18f, 0.20f, 1});
+      return ImGui::GetColorU32({0.32f, 0.33f, 0.37f, 1});
     case Mark::kWaiting:
       return ImGui::GetColorU32({0.50f, 0.38f, 0.16f, 1});
     case Mark::kThere:
@@ -86,10 +86,10 @@ std::string state_text(const ShotStatus& shot) {
   const auto failed = std::ranges::count(shot.frames, FrameState::kFailed, &ShotFrame::state);
   if (missing > 0) text += fmt::format("{} missing   ", missing);
   if (failed > 0) text += fmt::format("{} failed   ", failed);
-  if (!shot.plays) return text + fmt::format("{:g} fps", shot.fps);
-  if (shot.skipped > 0) text += fmt::format("{} skipped   ", counted(shot.skipped, "frame"));
-  if (shot.shown_per_second > 0 && shot.shown_per_second < 0.95 * shot.fps)
-    return text + fmt::format("{:.1f} of {:g} fps", shot.shown_per_second, shot.fps);
+  if (shot.plays && shot.skipped > 0) {
+    text += fmt::format("{} skipped   ", counted(shot.skipped, "frame"));
+    if (shot.shown_per_second > 0) text += fmt::format("{:.1f} shown a second   ", shot.shown_per_second);
+  }
   return text + fmt::format("{:g} fps", shot.fps);
 }
 
@@ -139,9 +139,8 @@ void draw_bar(const ShotStatus& shot, OverlayResult& result) {
     for (std::size_t i = first; i < end; ++i) mark = std::min(mark, mark_of(shot.frames[i]));
     const float left = corner.x + std::floor(float(first) * cell);
     const float right = std::max(left + 1, corner.x + std::floor(float(end) * cell) - gap);
-    if (mark == Mark::kMissing) {  // lower, so that it is told without colours too
-      const float inset = 0.36f * height;
-      list.AddRectFilled({left, corner.y + inset}, {right, corner.y + height - inset}, color_of(mark));
+    if (mark == Mark::kMissing && gap > 0) {  // empty, so that it is told without colours too
+      list.AddRect({left, corner.y}, {right, corner.y + height}, color_of(mark), 0, 0, gap);
     } else {
       list.AddRectFilled({left, corner.y}, {right, corner.y + height}, color_of(mark));
     }

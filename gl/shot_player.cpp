@@ -208,7 +208,8 @@ std::shared_ptr<const FramePicture> ShotPlayer::show(int frame, std::shared_ptr<
 }
 
 std::shared_ptr<const FramePicture> ShotPlayer::play_on(Clock::time_point now) {
-  const int number = number_at(now);
+  const auto after = std::ranges::upper_bound(listing_, number_at(now), {}, &ListedFrame::number);
+  const int number = after == listing_.begin() ? listing_.front().number : std::prev(after)->number;
   if (number != status_.current) changed_ = true;
   status_.current = number;
   const auto target = with_file_up_to(number);

@@ -84,9 +84,9 @@ struct ShotFrame {
 
 /// The frames of a shot whose files are shown.
 struct ShotStatus {
-  std::vector<ShotFrame> frames;  ///< ascending
-  int current = 0;                ///< where the shot stands
-  std::optional<int> shown;       ///< of which frame the picture is; that before, where there is none
+  std::vector<ShotFrame> frames = {};  ///< ascending
+  int current = 0;                     ///< where the shot stands
+  std::optional<int> shown = {};       ///< of which frame the picture is; that before, where there is none
   bool plays = false;
   double fps = 0;
   double shown_per_second = 0;  ///< while it plays
