@@ -60,9 +60,9 @@ class ShotPictures : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// Of an outlined cell, and of a picture with that radiance.
-constexpr int kEmpty = 32;
+// Of a picture with that radiance, and of an outlined cell.
 int shown(float radiance) { return display_byte(radiance); }
+const int kEmpty = shown(0.014f);
 
 TEST_F(ShotPictures, TheContactSheetHasEveryFrame) {
   const ProgramResult set = run({"a.xml", "--frames", "2-5", "-o", "out/shot.####.exr"});
@@ -120,10 +120,11 @@ class ShotVideo : public ShotPictures {
   }
   /// The green of each frame's first pixel.
   std::vector<int> greens(const std::string& file) {
-    EXPECT_EQ(run_shell(folder_.path(), "ffmpeg -v error -y -i " + file +
-                                            " -vf crop=1:1:8:8 -f rawvideo -pix_fmt rgb24 pixels.raw")
-                  .exit_code,
-              0);
+    EXPECT_EQ(
+        run_shell(folder_.path(), "ffmpeg -v error -y -i " + file +
+                                      " -vf format=rgb24,crop=1:1:8:8 -f rawvideo -pix_fmt rgb24 pixels.raw")
+            .exit_code,
+        0);
     const std::string bytes = file_contents(folder_ / "pixels.raw");
     std::vector<int> greens;
     for (std::size_t i = 1; i < bytes.size(); i += 3) greens.push_back(int(std::uint8_t(bytes[i])));
@@ -138,7 +139,7 @@ TEST_F(ShotVideo, HasEveryFrameInOrderAtItsRate) {
   const ProgramResult set = run({"a.xml", "--frames", "1-6", "--order", "preview", "--fps", "12", "-o",
                                  "out/it's.####.exr", "--video", "out/a.mp4"});
   ASSERT_EQ(set.exit_code, 0) << set.err;
-  EXPECT_THAT(set.out, HasSubstr("out/a.mp4: 6 frames at 12 fps"));
+  EXPECT_THAT(set.err, HasSubstr("out/a.mp4: 6 frames at 12 fps"));
   EXPECT_EQ(probe("out/a.mp4"), "128,72,yuv420p,12/1,6\n");
   const auto seen = greens("out/a.mp4");
   ASSERT_EQ(seen.size(), 6u);
