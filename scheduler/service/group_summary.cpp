@@ -83,6 +83,7 @@ std::vector<GroupSummary> group_summaries(const wire::StatusReply& status) {
   std::vector<GroupSummary> result;
   for (auto& [number, summary] : summaries) {
     const Work& work = works[number];
+    for (std::vector<int>& frames : summary.frames) std::ranges::sort(frames);
     const std::uint32_t to_come = std::max(summary.group.size(), work.jobs) - work.jobs;
     summary.group.set_size(work.jobs + to_come);
     summary.jobs[wire::JOB_QUEUED] += to_come;

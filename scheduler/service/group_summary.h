@@ -30,7 +30,7 @@ struct GroupSummary {
   wire::JobState state = wire::JOB_QUEUED;
   int priority = 0;                                            ///< the highest of its jobs
   std::array<std::uint32_t, wire::JobState_ARRAYSIZE> jobs{};  ///< how many are in each state
-  FramesByState frames = {};                                   ///< of a shot
+  FramesByState frames = {};                                   ///< of a shot, ascending
   std::uint64_t samples_done = 0, samples_total = 0;           ///< of the jobs whose samples are known
   double done = 0;  ///< its finished part, from 0 to 1; all jobs count alike
   /// If the rest of its jobs take as long as those so far, and nothing else is rendered meanwhile.

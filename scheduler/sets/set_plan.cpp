@@ -320,10 +320,9 @@ Expected<SetPlan> plan_set(const RenderOptions& options, const CommandLine& comm
 }
 
 std::optional<int> frame_of(const SetMember& member) {
-  const auto frame = std::ranges::find(member.choices, "frame", &std::pair<std::string, std::string>::first);
-  const auto number =
-      frame != member.choices.end() ? parse_integer(frame->second, 0, kLastFrame) : std::nullopt;
-  return number ? std::optional(int(*number)) : std::nullopt;
+  for (const auto& [name, value] : member.choices)
+    if (const auto frame = parse_integer(value, 0, kLastFrame); frame && name == "frame") return int(*frame);
+  return std::nullopt;
 }
 
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan) {

@@ -4,6 +4,7 @@ import {element, percent, setText, share} from "./text.js";
 import {openViewer} from "./viewer.js";
 
 const kMostReasons = 5;
+const kMostApart = 120;  // cells with gaps, which would take most of the room of more
 
 class FrameElement {
   constructor(frame) {
@@ -77,6 +78,7 @@ export class Frames {
       return cell;
     });
     this.strip.replaceChildren(...cells);
+    this.strip.classList.toggle("many", cells.length > kMostApart);
     const counts = Object.entries(frames).filter(([, numbers]) => numbers.length > 0).map(([state, numbers]) => `${numbers.length} ${state}`);
     this.strip.setAttribute("aria-label", `Frames: ${counts.join(", ")}`);
   }
@@ -86,7 +88,7 @@ export class Frames {
     const reasons = new Map();
     for (const job of jobs) if (job.error) reasons.set(job.error, [...(reasons.get(job.error) || []), job.frame]);
     const texts = [...reasons].slice(0, kMostReasons).map(([error, frames]) =>
-      `Frame ${frames.slice(0, 10).join(", ")}${frames.length > 10 ? ", …" : ""}: ${error}`);
+      `Frame${frames.length > 1 ? "s" : ""} ${frames.slice(0, 10).join(", ")}${frames.length > 10 ? ", …" : ""}: ${error}`);
     if (reasons.size > kMostReasons) texts.push(`${reasons.size - kMostReasons} more reasons`);
     const text = JSON.stringify(texts);
     if (this.shownReasons === text) return;

@@ -164,7 +164,7 @@ class GroupElement {
     if (group.seconds_left > 0) counts.push(`${clock(group.seconds_left)} left`);
     if (group.submitter) counts.push(`by ${group.submitter}`);
     setText(this.detail, counts.join(" · "));
-    this.bar.hidden = group.state !== "rendering";
+    this.bar.hidden = group.state !== "rendering" || Boolean(group.frames);  // a shot has its strip
     this.bar.setAttribute("aria-label", `Share of group ${group.group} that is rendered`);
     this.bar.value = group.done ?? share(group);
   }

@@ -68,6 +68,13 @@ TEST_F(Sbatch, WritesSchedulerWorkersAndKeys) {
   EXPECT_EQ(text("s.slurm/keys/worker/key.pem"), key) << "the keys stay";
 }
 
+TEST_F(Sbatch, TakesFramesOfAShot) {
+  const ProgramResult done = run("s.xml --frames 1-4x3 --order preview -o 'out/s.####.exr'");
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_THAT(text("s.slurm/scheduler.sbatch"),
+              AllOf(HasSubstr("--frames=1-4x3"), HasSubstr("--order=preview"), HasSubstr("out/s.####.exr")));
+}
+
 TEST_F(Sbatch, NamesTheNodesOfThePartitionInNewKeys) {
   ASSERT_EQ(run("s.xml --partition long").exit_code, 0);
   EXPECT_THAT(text("log"), HasSubstr("--partition=long"));
