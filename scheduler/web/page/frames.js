@@ -83,10 +83,11 @@ export class Frames {
     this.strip.setAttribute("aria-label", `Frames: ${counts.join(", ")}`);
   }
 
-  /** Why frames are not done: each reason once. */
+  /** Why frames failed: each reason once. */
   updateReasons(jobs) {
     const reasons = new Map();
-    for (const job of jobs) if (job.error) reasons.set(job.error, [...(reasons.get(job.error) || []), job.frame]);
+    const failed = jobs.filter(job => job.error && (job.state === "failed" || job.state === "incomplete"));
+    for (const job of failed) reasons.set(job.error, [...(reasons.get(job.error) || []), job.frame]);
     const texts = [...reasons].slice(0, kMostReasons).map(([error, frames]) =>
       `Frame${frames.length > 1 ? "s" : ""} ${frames.slice(0, 10).join(", ")}${frames.length > 10 ? ", …" : ""}: ${error}`);
     if (reasons.size > kMostReasons) texts.push(`${reasons.size - kMostReasons} more reasons`);

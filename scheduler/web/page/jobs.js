@@ -152,7 +152,9 @@ class GroupElement {
 
   update(group, jobs, state, now) {
     this.showFrames(group, jobs, state, now);
-    if (this.shownState !== group.state) this.details.open = group.state === "rendering";  // else as the reader likes
+    // Else as the reader likes; a shot that ends stays as it is.
+    const isShown = group.state === "rendering";
+    if (this.shownState !== group.state && (isShown || !this.shownState || !group.frames)) this.details.open = isShown;
     this.shownState = group.state;
     this.node.dataset.group = group.group;
     for (const node of [this.node, this.details]) node.dataset.state = group.state;

@@ -336,17 +336,18 @@ TEST_F(WebPage, AShotIsAStripOfFramesWithPicturesAsTheyEnd) {
   ASSERT_EQ(run({"cancel", "1", "--frames", "20-22"}).exit_code, 0);
   open();
   ASSERT_TRUE(page_->comes("document.querySelectorAll('.group[data-group=\"1\"] .strip i').length === 24"));
-  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame[data-state=\"done\"] img').length > 3"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frames [data-state=\"done\"] img').length > 3"));
   keep_screenshot("rendering");
   EXPECT_TRUE(page_->comes("document.querySelectorAll('.strip i[data-state=\"done\"]').length === 21"));
   ASSERT_TRUE(page_->evaluate("document.querySelector('.group > details').open = true"));
-  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame img').length === 21"));
-  EXPECT_EQ(page_
-                ->evaluate("[...document.querySelectorAll('.frame')].map(node => Number(node.dataset.frame))"
-                           ".every((frame, index) => frame === index + 1)")
-                .value_or(json()),
-            true);
-  ASSERT_TRUE(page_->evaluate("document.querySelector('.frame[data-frame=\"5\"] .picture').click()"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frames img').length === 21"));
+  EXPECT_EQ(
+      page_
+          ->evaluate("[...document.querySelectorAll('.frames li')].map(node => Number(node.dataset.frame))"
+                     ".every((frame, index) => frame === index + 1)")
+          .value_or(json()),
+      true);
+  ASSERT_TRUE(page_->evaluate("document.querySelector('.frames [data-frame=\"5\"] .picture').click()"));
   EXPECT_TRUE(page_->comes("document.querySelector('#viewer img')?.naturalWidth === 192"));
   EXPECT_TRUE(page_->comes("document.querySelector('#viewer h2').textContent === 'shot.xml frame=5'"));
   ASSERT_TRUE(page_->evaluate("document.querySelector('#viewer button').click()"));
@@ -358,11 +359,11 @@ TEST_F(WebPage, AShotThatIsRenderedHereIsAGroupToo) {
   write_moving_scene(folder_ / "shot.xml");
   program_ =
       std::make_unique<Program>(folder_.path(), Arguments{"render", "shot.xml", "--frames", "1-4", "--spp",
-                                                          "4000", "--web", web_, "-o", "shot.####.exr"});
+                                                          "60000", "--web", web_, "-o", "shot.####.exr"});
   find_link();
   open();
   ASSERT_TRUE(page_->comes("document.querySelectorAll('.group .strip i').length === 4"));
-  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frame[data-state=\"done\"] img').length > 0"));
+  EXPECT_TRUE(page_->comes("document.querySelectorAll('.frames [data-state=\"done\"] img').length > 0"));
   EXPECT_EQ(page_->evaluate("document.querySelector('.group .name').textContent").value_or(json()),
             "shot.xml");
   program_->send(SIGINT);
