@@ -87,8 +87,9 @@ Expected<void> Viewer::show_picture(const LayeredPicture& picture, const std::fi
     if (!film) return std::unexpected(film.error());
     film_.emplace(std::move(*film));
   }
-  film_->clear(0);
   const TileSnapshot tile = tile_of(picture);
+  // A picture of the whole film replaces all of it; frames that play come one after the other.
+  if (picture.area != PixelRectangle{0, 0, film_->width(), film_->height()}) film_->clear(0);
   if (!film_->apply(tile))
     return fail(fmt::format("{}: its data window is not within its display window", file.string()));
   job_.emplace();
