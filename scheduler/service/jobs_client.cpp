@@ -19,11 +19,25 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{20};  // for an answer
 constexpr std::chrono::milliseconds kTimeToConnect{200}, kTimeToAnswer{1000}, kTimeToExplain{2000};
+constexpr std::size_t kBlockBytes = std::size_t(64)
+                                    << 10;             // of which a scene is compared with the one before
 constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
 
 void prepare(grpc::ClientContext& context, const std::string& token, std::chrono::seconds patience) {
   show_token(context, token);
   context.set_deadline(std::chrono::system_clock::now() + patience);
+}
+
+/// The scene in pieces of its tables that are small enough for most to be alike in the next frame of a shot.
+AssetManifest blocks_of(const DeviceScene& scene) {
+  std::vector<std::size_t> starts;
+  for (const SceneTable& table : kSceneTables) {
+    const std::size_t begin = std::size_t((scene.header.tables.*table.span).offset) * sizeof(std::uint32_t);
+    for (std::size_t at = 0; at == 0 || at < table.bytes(scene.header.tables); at += kBlockBytes)
+      starts.push_back(begin + at);
+  }
+  std::ranges::sort(starts);
+  return make_manifest(scene.head(), scene.body(), starts);
 }
 
 }  // namespace
@@ -110,27 +124,36 @@ grpc::Status JobsClient::put_scene(const AssetManifest& manifest, const DeviceSc
   if (base != nullptr) chunk.set_base(base->hash);
   const std::vector<std::uint8_t> head = scene.head();
   bool is_read = true;
+  const auto flush = [&] {
+    if (is_read && (chunk.copy_bytes() > 0 || !chunk.data().empty())) is_read = writer->Write(chunk);
+    sent_bytes_ += chunk.data().size();
+    chunk.clear_copy_bytes();
+    chunk.clear_data();
+  };
   std::size_t begin = 0;  // of the piece, in head and body
   for (const AssetPiece& piece : manifest.pieces) {
     // No piece is of both head and body.
     const auto bytes = begin < head.size() ? std::span(head).subspan(begin, piece.size)
                                            : scene.body().subspan(begin - head.size(), piece.size);
     begin += piece.size;
-    const auto found = places.find(piece.hash);
-    if (is_read && found != places.end()) {
-      chunk.clear_data();
-      chunk.set_copy_from(found->second);
-      chunk.set_copy_bytes(piece.size);
-      is_read = writer->Write(chunk);
+    if (const auto found = places.find(piece.hash); found != places.end()) {
+      const bool goes_on = chunk.copy_bytes() > 0 && chunk.copy_from() + chunk.copy_bytes() == found->second;
+      if (!goes_on) {
+        flush();
+        chunk.set_copy_from(found->second);
+      }
+      chunk.set_copy_bytes(chunk.copy_bytes() + piece.size);
       continue;
     }
-    chunk.clear_copy_bytes();
-    for (std::size_t at = 0; is_read && at < bytes.size(); at += kAssetChunkBytes) {
-      chunk.set_data(bytes.data() + at, std::min(kAssetChunkBytes, bytes.size() - at));
-      is_read = writer->Write(chunk);
-      sent_bytes_ += chunk.data().size();
+    if (chunk.copy_bytes() > 0) flush();
+    for (std::size_t at = 0; at < bytes.size();) {
+      const std::size_t part = std::min(kAssetChunkBytes - chunk.data().size(), bytes.size() - at);
+      chunk.mutable_data()->append(reinterpret_cast<const char*>(bytes.data()) + at, part);
+      at += part;
+      if (chunk.data().size() == kAssetChunkBytes) flush();
     }
   }
+  flush();
   writer->WritesDone();
   return writer->Finish();
 }
@@ -144,8 +167,8 @@ Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene
   if (const grpc::Status status = connection_->stub->HasScene(&context, asked, &reply); !status.ok())
     return failed(status);
   if (reply.known()) return {};
-  AssetManifest manifest = manifest_of(scene);
-  manifest.hash = hash;  // the service finds out if it is not
+  AssetManifest manifest = blocks_of(scene);
+  manifest.hash = hash;  // its name; the service finds out if it is another's
   grpc::Status status = put_scene(manifest, scene, before_ ? &*before_ : nullptr);
   if (before_ && status.error_code() == grpc::StatusCode::NOT_FOUND)
     status = put_scene(manifest, scene, nullptr);

@@ -34,7 +34,7 @@ class JobsClient {
   /// connection then, the next call tells.
   void connect(const std::function<void()>& is_slow) const;
 
-  /// Submits a job, after the scene if the service does not have it yet; of that only pieces that the scene
+  /// Submits a job, after the scene if the service does not have it yet; of that only blocks that the scene
   /// submitted before does not have. The scene's hash must be that of the submission. The reply has the
   /// numbers of the job and of its group.
   Expected<wire::SubmitReply> submit(const Submission& submission, const DeviceScene& scene);
@@ -56,7 +56,7 @@ class JobsClient {
 
  private:
   Expected<void> send_scene(const std::string& hash, const DeviceScene& scene);
-  /// `base`: a scene that the service has, or null.
+  /// In the pieces of the manifest. `base`: a scene that the service has, or null.
   grpc::Status put_scene(const AssetManifest& manifest, const DeviceScene& scene, const AssetManifest* base);
   Expected<void> change(JobId number, wire::ChangeRequest request);
   /// The user's secret, or nothing: only some services ask for it, and the errors of those say why there is
@@ -71,7 +71,7 @@ class JobsClient {
   struct Connection;
   const std::unique_ptr<const Connection> connection_;
   bool is_away_ = false;
-  std::optional<AssetManifest> before_;  // the scene submitted last
+  std::optional<AssetManifest> before_;  // the scene sent last, in blocks
   std::uint64_t sent_bytes_ = 0;
   std::string why_no_secret_;
 };
