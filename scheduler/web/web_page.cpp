@@ -53,6 +53,15 @@ nlohmann::ordered_json web_page_status(wire::StatusReply status) {
     auto& jobs = *status.mutable_jobs();
     std::partial_sort(jobs.begin(), jobs.begin() + kMostJobs, jobs.end(),
                       [](const auto& a, const auto& b) { return interest(a) < interest(b); });
+    for (nlohmann::ordered_json& group : groups) {
+      nlohmann::ordered_json& left_out = group["frames_left_out"] = nlohmann::ordered_json::array();
+      for (int i = kMostJobs; i < all; ++i)
+        if (const wire::JobStatus& job = jobs[i]; job.has_frame() && job.group() == group["group"])
+          left_out.push_back({{"job", job.job()},
+                              {"name", job.name()},
+                              {"state", job_state_name(job.state())},
+                              {"frame", job.frame()}});
+    }
     jobs.DeleteSubrange(kMostJobs, all - kMostJobs);
   }
   nlohmann::ordered_json json = status_json(status);

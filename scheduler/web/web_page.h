@@ -28,7 +28,8 @@ Expected<std::unique_ptr<WebServer>> open_web_page(const WebPage& page, const st
 std::string web_page_notice(const WebServer& server, const WebPage& page);
 
 /// The JSON of the state (see status_json) for pages. Of very many jobs only those being rendered, those
-/// waiting and those that ended last; "jobs_left_out" is the number of others.
+/// waiting and those that ended last; "jobs_left_out" is the number of others. "frames_left_out" of a group
+/// has of its frames among them what their pictures need.
 nlohmann::ordered_json web_page_status(wire::StatusReply status);
 
 }  // namespace penumbra

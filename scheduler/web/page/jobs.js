@@ -147,7 +147,7 @@ class GroupElement {
       this.more = element("details", "more", element("summary", "", "Frames as jobs"), this.list);
       this.details.append(this.frames.node, this.more);
     }
-    this.frames.update(group.frames, jobs, job => detailOf(job, state, now));
+    this.frames.update(group.frames, [...jobs, ...(group.frames_left_out || [])], job => detailOf(job, state, now));
   }
 
   update(group, jobs, state, now) {

@@ -355,6 +355,19 @@ TEST_F(WebPage, AShotIsAStripOfFramesWithPicturesAsTheyEnd) {
   expect_readable_page();
 }
 
+TEST_F(WebPage, AShotOfMoreFramesThanJobsAreShownHasAllPictures) {
+  write_moving_scene(folder_ / "shot.xml");
+  serve();
+  const ProgramResult submitted = run({"submit", "shot.xml", "--frames", "1-520", "--spp", "1", "--crop",
+                                       "0,0,8,8", "-q", "-o", "shot.####.png"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  ASSERT_EQ(run({"fetch", "1", "--wait", "-q", "-o", "out"}).exit_code, 0);
+  open();
+  ASSERT_TRUE(page_->comes("document.querySelectorAll('.strip i[data-state=\"done\"]').length === 520"));
+  EXPECT_EQ(page_->evaluate("document.querySelectorAll('.frames li').length").value_or(json()), 520);
+  EXPECT_EQ(page_->evaluate("document.querySelectorAll('.job').length").value_or(json()), 500);
+}
+
 TEST_F(WebPage, AShotThatIsRenderedHereIsAGroupToo) {
   write_moving_scene(folder_ / "shot.xml");
   program_ =
