@@ -415,7 +415,6 @@ class SceneBuilder {
                           fmt::format("the animation '{}' moves nothing that is shown",
                                       animation_.clips[std::size_t(animation_.clip)].name));
     motion_.clips = animation_.clips;
-    motion_.clip = animation_.clip;
     motion_.default_time = kDefaultTime;
     motion_.nodes = moving_.nodes();
     scene_.motion = std::make_shared<const SceneMotion>(std::move(motion_));

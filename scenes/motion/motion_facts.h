@@ -27,7 +27,7 @@ struct MotionFacts {
   std::size_t meshes_that_deform = 0;
 };
 
-/// Nothing if nothing moves and the file has no clips.
+/// Nothing if the scene has no motion.
 std::optional<MotionFacts> motion_facts(const SceneDescription& scene);
 
 /// The first and last whole frame between two times, which differ by rounding from times of frames at most.

@@ -60,7 +60,6 @@ struct Clip {
 
 struct SceneMotion {
   std::vector<Clip> clips = {};    ///< all of the file
-  int clip = -1;                   ///< the first that is here; -1: the format has none
   std::optional<double> fps = {};  ///< frames per second that the file asks for
   double default_time = 0.0;       ///< at which the scene is shown unless a time is asked for
   std::vector<MovingNode> nodes = {};

@@ -34,7 +34,7 @@ struct LoadedScene {
   double seconds = 0;             ///< load time
   double fps = kFramesPerSecond;  ///< of the options, or else of the scene
   std::shared_ptr<const KeptFrame> kept = {};  ///< of the same shot, or null
-  glm::dvec3 center{0.0};                      ///< see scene_center; set by load_scene
+  glm::dvec3 center{0.0};                      ///< see scene_center; set by reduce
 };
 
 /// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device

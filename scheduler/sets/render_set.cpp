@@ -96,7 +96,7 @@ class SceneSet final : public JobSource {
         printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()),
         ffmpeg_(std::move(ffmpeg)),
         scenes_(scenes_of(plan_)) {
-    FinishedRenders finished = FinishedRenders::read(plan_.summary);
+    EarlierRenders finished = EarlierRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
       const std::vector<std::string> files = absolute_names(member.files);
       if (std::optional<SetEntry> earlier = finished.take(files))
@@ -115,7 +115,7 @@ class SceneSet final : public JobSource {
                             [](const SetMember& member) { return frame_of(member).has_value(); }))
       page_.add_shot(plan_.name);
     keys_.resize(entries_.size());
-    for (const SetMember& member : plan_.members) may_fail_.push_back(frame_of(member).has_value());
+    for (const SetMember& member : plan_.members) may_try_again_.push_back(frame_of(member).has_value());
   }
 
   ExitCode run();
@@ -139,7 +139,7 @@ class SceneSet final : public JobSource {
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
  private:
-  /// The first unread render that comes after none that is not over, and once all are, a frame that failed;
+  /// The first unread render whose predecessors are all over, and once all renders are, a frame that failed;
   /// waits for one. Removes it from `unread`. Nothing if there is none or the set ends.
   std::optional<std::size_t> next_to_read(std::vector<std::size_t>& unread);
   void read_scenes();
@@ -171,7 +171,7 @@ class SceneSet final : public JobSource {
   const Clock::time_point began_ = Clock::now();
   std::size_t longest_name_ = 0;
   std::condition_variable ended_one_;
-  std::mutex mutex_;  // protects entries_ and how many of them have ended, and were rendered for that
+  std::mutex mutex_;  // protects the members from here to next_summary_
   std::vector<SetEntry> entries_;
   FailureReasons failures_;
   /// Frames of a shot that failed get another try after all others, for what hindered them may have passed.
@@ -182,7 +182,7 @@ class SceneSet final : public JobSource {
     bool is_told;
   };
   std::vector<FailedFrame> failed_frames_;
-  std::vector<bool> may_fail_;           // of each render, whether it gets another try
+  std::vector<bool> may_try_again_;      // of each render, whether it gets another try
   std::set<std::string> told_warnings_;  // used by the thread that reads scenes
   std::size_t ended_ = 0, rendered_ = 0;
   Clock::time_point next_summary_{};
@@ -206,7 +206,7 @@ std::optional<std::size_t> SceneSet::next_to_read(std::vector<std::size_t>& unre
   std::unique_lock lock(mutex_);
   const auto is_over = [&] {
     return unread.empty() && failed_frames_.empty() &&
-           std::ranges::none_of(may_fail_, [](bool may) { return may; });
+           std::ranges::none_of(may_try_again_, [](bool may) { return may; });
   };
   while (!is_over() && !stop_ && !farm_is_over_) {
     for (auto at = unread.begin(); at != unread.end(); ++at) {
@@ -376,15 +376,15 @@ void SceneSet::write(FinishedRender finished) {
 void SceneSet::end(std::size_t index, SetState state, const std::string& error, bool is_told) {
   const std::lock_guard lock(mutex_);
   const bool has_failed = state == SetState::kFailed || state == SetState::kIncomplete;
-  if (!has_failed || !may_fail_[index] || stop_ || farm_is_over_)
+  if (!has_failed || !may_try_again_[index] || stop_ || farm_is_over_)
     return end_now(index, state, error, is_told);
-  may_fail_[index] = false;
+  may_try_again_[index] = false;
   failed_frames_.push_back({index, state, error, is_told});
   ended_one_.notify_all();
 }
 
 void SceneSet::end_now(std::size_t index, SetState state, const std::string& error, bool is_told) {
-  may_fail_[index] = false;
+  may_try_again_[index] = false;
   entries_[index].state = state;
   entries_[index].error = error;
   ++ended_;

@@ -174,7 +174,7 @@ class SetPlanner {
     auto files = choose_output_files(member.options);
     if (!files) return std::unexpected(files.error());
     member.files = std::move(*files);
-    member.is_denoised = asks_for_denoising(member.options.scene);
+    if (asks_for_denoising(member.options.scene)) add_denoised_files(member.files);
     member.shot = has_frames(pattern) ? shot_of(name, scene_pattern, fields) : "";
     if (const auto taken = take_files(member); !taken) return taken;
     if (options_.out.empty() && pattern.out) member.base = fs::current_path() / pattern.folder;
@@ -224,7 +224,7 @@ class SetPlanner {
     return take_file(options_.video, "--video");
   }
 
-  /// Moves the members to the plan: the most urgent first, of those before which all others are that must be.
+  /// Moves the members to the plan: by priority, each after its predecessors.
   void order_members() {
     std::vector<std::size_t> left(members_.size()), places(members_.size());
     std::iota(left.begin(), left.end(), 0);
@@ -281,9 +281,7 @@ class SetPlanner {
 
   /// Error if two renders write the same file.
   Expected<void> take_files(const SetMember& member) {
-    OutputFiles files = member.files;
-    if (member.is_denoised) add_denoised_files(files);
-    for (const fs::path& file : files.all()) {
+    for (const fs::path& file : member.files.all()) {
       const auto identity = identity_of_output(file);
       if (!identity) continue;
       const auto [taken, is_new] = taken_by_.emplace(*identity, member.name);

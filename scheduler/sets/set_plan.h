@@ -25,7 +25,6 @@ struct SetMember {
   std::vector<std::size_t> after = {};  ///< earlier members of the plan that must be done before
   std::string name;                     ///< for display: the scene, and the varied parameters
   std::vector<std::pair<std::string, std::string>> choices = {};  ///< all its parameters except the scene
-  bool is_denoised = false;                                       ///< there are denoised images too
   std::string shot = {};  ///< of a frame: its image, with # for the digits of the frame; else empty
 };
 

@@ -89,7 +89,7 @@ Expected<void> write_set_summary(const std::filesystem::path& path, const std::v
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
   const std::filesystem::path folder = folder_of_summary(path);
   const FolderLocks lock({folder});
-  FinishedRenders others = FinishedRenders::read(path);
+  EarlierRenders others = EarlierRenders::read(path);
   for (const SetEntry& entry : entries) {
     json["jobs"].push_back(json_of(entry, folder));
     (void)others.take(entry.files);
@@ -152,8 +152,8 @@ std::vector<SetEntry> read_set_summary(const std::filesystem::path& path) {
   return entries;
 }
 
-FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
-  FinishedRenders finished;
+EarlierRenders EarlierRenders::read(const std::filesystem::path& path) {
+  EarlierRenders finished;
   const auto is_there = [](const std::string& name) {
     std::error_code ignored;
     return std::filesystem::exists(name, ignored);
@@ -164,13 +164,13 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
   return finished;
 }
 
-std::optional<SetEntry> FinishedRenders::take(const std::vector<std::string>& files) {
+std::optional<SetEntry> EarlierRenders::take(const std::vector<std::string>& files) {
   auto found = entries_.extract(files);
   if (!found) return std::nullopt;
   return std::move(found.mapped());
 }
 
-std::vector<SetEntry> FinishedRenders::rest() && {
+std::vector<SetEntry> EarlierRenders::rest() && {
   std::vector<SetEntry> rest;
   for (auto& [files, entry] : entries_) rest.push_back(std::move(entry));
   return rest;

@@ -20,7 +20,7 @@ struct SetEntry {
   std::string scene;                                         ///< scene file
   std::vector<std::pair<std::string, std::string>> choices;  ///< its parameters except the scene
   SetState state = SetState::kWaiting;
-  std::vector<std::string> files;  ///< absolute paths of files that were written or already present
+  std::vector<std::string> files;  ///< absolute paths of the files that it has or will have
   std::string key;                 ///< hash of everything on which the images depend; empty: unknown
   std::string error;               ///< why it failed or is incomplete
   double seconds = 0;              ///< render time
@@ -45,9 +45,9 @@ std::vector<SetEntry> read_set_summary(const std::filesystem::path& path);
 
 /// Renders that an earlier summary lists with a key and whose files all exist. Empty if there is no readable
 /// summary.
-class FinishedRenders {
+class EarlierRenders {
  public:
-  static FinishedRenders read(const std::filesystem::path& path);
+  static EarlierRenders read(const std::filesystem::path& path);
 
   /// Removes and returns the entry with these files. Nothing if there is none.
   std::optional<SetEntry> take(const std::vector<std::string>& files);

@@ -30,7 +30,9 @@ std::vector<SheetFrame> frames_of_shot(const SetShot& shot, const SetPlan& plan,
   for (const auto& [frame, index] : shot.frames) {
     const SetMember& member = plan.members[index];
     const bool has_picture = entries[index].state != SetState::kFailed && member.files.png.has_value();
-    frames.push_back({frame, has_picture ? picture_at(*member.files.png, member.is_denoised) : fs::path()});
+    frames.push_back({frame, has_picture
+                                 ? picture_at(*member.files.png, member.files.denoised_png.has_value())
+                                 : fs::path()});
   }
   return frames;
 }
@@ -38,9 +40,9 @@ std::vector<SheetFrame> frames_of_shot(const SetShot& shot, const SetPlan& plan,
 std::vector<SheetFrame> frames_of_all_sets(const SetShot& shot, const SetPlan& plan,
                                            const std::vector<SetEntry>& entries) {
   std::vector<SheetFrame> frames = frames_of_shot(shot, plan, entries);
-  FinishedRenders others = FinishedRenders::read(plan.summary);
+  EarlierRenders others = EarlierRenders::read(plan.summary);
   for (const SetEntry& entry : entries) (void)others.take(entry.files);
-  const bool is_denoised = plan.members[shot.frames.front().second].is_denoised;
+  const bool is_denoised = plan.members[shot.frames.front().second].files.denoised_png.has_value();
   for (const SetEntry& other : std::move(others).rest())
     for (const fs::path file : other.files)
       if (const auto frame = shot.pictures.frame_of(file);

@@ -21,7 +21,7 @@ std::vector<SheetFrame> frames_of_shot(const SetShot& shot, const SetPlan& plan,
 std::vector<SheetFrame> frames_of_all_sets(const SetShot& shot, const SetPlan& plan,
                                            const std::vector<SetEntry>& entries);
 
-/// Writes the contact sheet of each shot with two or more frames, those of all sets, of which one has a
+/// Writes the contact sheet of each shot with two or more frames, counting those of other sets, if any has a
 /// picture. Returns the files; what could not be written is printed and sets `failed`.
 std::vector<std::string> write_contact_sheets(const SetPlan& plan, const std::vector<SetEntry>& entries,
                                               bool& failed);

@@ -19,8 +19,7 @@ struct VideoEnd {
   std::string text;      ///< for users: frames, rate, and which have no picture
 };
 
-/// The rate at which frames are shown of a shot with `fps`: each stands for the numbers to the next of those
-/// that are rendered, so of every second frame it is half of it.
+/// `fps` over the smallest step between frames, so that a video of every second frame runs at the same speed.
 double video_rate(std::span<const SheetFrame> frames, double fps);
 
 /// Writes the pictures in their order as H.264 (yuv420p, Rec. 709, crf 18) at `rate` frames a second. Alpha

@@ -171,7 +171,7 @@ TEST_F(GltfMotion, ClipsAreChosenByNameOrNumber) {
                         "already; --clip NAME shows one: walk, run, 2"));
   expect_near(vertex(first, 1, 0), {1, 0, 0}, 0.0);
   ASSERT_EQ(first.motion->clips.size(), 3u);
-  EXPECT_EQ(first.motion->clip, 0);
+  EXPECT_TRUE(first.motion->clips[0].is_shown);
   EXPECT_FALSE(first.motion->clips[1].is_shown);
   EXPECT_TRUE(first.motion->clips[2].is_shown) << "it changes the scale alone";
   EXPECT_EQ(first.motion->clips[1].last, 4.0);
@@ -179,9 +179,10 @@ TEST_F(GltfMotion, ClipsAreChosenByNameOrNumber) {
     SceneDescription other = good_gltf(text, {.clip = name});
     EXPECT_THAT(warnings(other), Not(HasSubstr("3 animations")));
     expect_near(vertex(other, 4, 0), {0, 9, 0}, 0.0);
-    EXPECT_EQ(other.motion->clip, 1);
+    EXPECT_TRUE(other.motion->clips[1].is_shown);
+    EXPECT_FALSE(other.motion->clips[0].is_shown);
   }
-  EXPECT_EQ(good_gltf(text, {.clip = "2"}).motion->clip, 2);
+  EXPECT_EQ(good_gltf(text, {.clip = "2"}).motion->clips[2].is_shown, true);
   EXPECT_THAT(
       gltf_error(text, {.clip = "runs"}),
       AllOf(HasSubstr("scene.gltf:"), HasSubstr("there is no animation 'runs'; did you mean 'run'? The file "
