@@ -117,18 +117,27 @@ Expected<void> show_at(SceneDescription& scene, std::optional<double> time) {
   return set_time(scene, shown);
 }
 
-/// Warns about scenes whose image is black or nearly black, which is probably not intended.
-void warn_of_emptiness(SceneDescription& scene) {
-  const bool light = has_light(scene);
-  const auto warn = [&](std::string_view message) {
-    scene.warnings.push_back(fmt::format("{}: warning: {}", scene.source, message));
+constexpr std::string_view kOnlySky = "the scene has no shapes; only its sky is seen",
+                           kNoShapes = "the scene has no shapes; the image is black",
+                           kNoLight = "nothing in the scene emits light; the image is black";
+
+/// Warns about scenes whose image is black or nearly black, which is probably not intended, in place of such
+/// warnings about another time. With ReadOptions::strict warnings are errors.
+Expected<void> check_warnings(SceneDescription& scene, const ReadOptions& options) {
+  const auto warning = [&](std::string_view message) {
+    return fmt::format("{}: warning: {}", scene.source, message);
   };
+  for (const std::string_view message : {kOnlySky, kNoShapes, kNoLight})
+    std::erase(scene.warnings, warning(message));
+  const bool light = has_light(scene);
   if (scene.shapes.empty() && scene.instances.empty())
-    warn(light && std::ranges::any_of(scene.emitters, is_sky)
-             ? "the scene has no shapes; only its sky is seen"
-             : "the scene has no shapes; the image is black");
+    scene.warnings.push_back(
+        warning(light && std::ranges::any_of(scene.emitters, is_sky) ? kOnlySky : kNoShapes));
   else if (!light && !needs_no_light(scene.integrator))
-    warn("nothing in the scene emits light; the image is black");
+    scene.warnings.push_back(warning(kNoLight));
+  if (!options.strict || scene.warnings.empty()) return {};
+  return fail(
+      fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene.warnings, "\n"), scene.source));
 }
 
 }  // namespace
@@ -166,10 +175,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   auto done = show_at(*scene, options.time);
   if (done) done = apply_all(*scene, options);
   if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));
-  warn_of_emptiness(*scene);
-  if (options.strict && !scene->warnings.empty())
-    return fail(fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene->warnings, "\n"),
-                            file.string()));
+  if (auto checked = check_warnings(*scene, options); !checked) return std::unexpected(checked.error());
   return scene;
 }
 
@@ -177,7 +183,8 @@ Expected<void> set_time(SceneDescription& scene, double time, const ReadOptions&
   auto done = set_time(scene, time);
   // Keys of the camera have replaced what settings say.
   if (done) done = apply_all(scene, options, "camera.");
-  return done ? done : fail(fmt::format("{}: {}", scene.source, done.error().message));
+  if (!done) return fail(fmt::format("{}: {}", scene.source, done.error().message));
+  return check_warnings(scene, options);
 }
 
 }  // namespace penumbra

@@ -29,8 +29,7 @@ std::optional<MotionFacts> motion_facts(const SceneDescription& scene) {
     return place.node >= 0 && nodes[std::size_t(place.node)];
   };
   const auto varies = [](const auto& keys) { return keys && keys->varies(); };
-  MotionFacts facts{
-      .clips = motion.clips, .fps = motion.fps, .time = scene.time, .times = time_range(motion)};
+  MotionFacts facts{.clips = motion.clips, .time = scene.time, .times = time_range(motion)};
   for (const MovingShape& shape : motion.shapes) {
     const MeshDeformation* deformation = shape.deformation.get();
     const bool deforms =

@@ -13,7 +13,6 @@ namespace penumbra {
 
 struct MotionFacts {
   std::vector<Clip> clips = {};
-  std::optional<double> fps;                       ///< that the file asks for
   double time = 0.0;                               ///< at which the scene is shown, in seconds
   std::optional<std::pair<double, double>> times;  ///< of the first and the last key
   bool camera = false;                             ///< whether its place moves

@@ -59,9 +59,8 @@ struct Clip {
 };
 
 struct SceneMotion {
-  std::vector<Clip> clips = {};    ///< all of the file
-  std::optional<double> fps = {};  ///< frames per second that the file asks for
-  double default_time = 0.0;       ///< at which the scene is shown unless a time is asked for
+  std::vector<Clip> clips = {};  ///< all of the file
+  double default_time = 0.0;     ///< at which the scene is shown unless a time is asked for
   std::vector<MovingNode> nodes = {};
   std::vector<MovingShape> shapes = {};
   std::vector<MovingInstance> instances = {};

@@ -71,10 +71,8 @@ NamedTexts camera_text(const CameraFacts& camera) {
   return texts;
 }
 
-double frames_per_second(const MotionFacts& motion) { return motion.fps.value_or(kFramesPerSecond); }
-
 std::optional<std::pair<std::int64_t, std::int64_t>> frame_range(const MotionFacts& motion) {
-  return motion.times ? frames_between(*motion.times, frames_per_second(motion)) : std::nullopt;
+  return motion.times ? frames_between(*motion.times, kFramesPerSecond) : std::nullopt;
 }
 
 NamedTexts motion_text(const MotionFacts& motion) {
@@ -87,8 +85,8 @@ NamedTexts motion_text(const MotionFacts& motion) {
     texts.emplace_back("time", fmt::format("{:.6g} to {:.6g} s, shown at {:.6g} s", motion.times->first,
                                            motion.times->second, motion.time));
   if (const auto frames = frame_range(motion))
-    texts.emplace_back("frames", fmt::format("{} to {}, {:.6g} a second", frames->first, frames->second,
-                                             frames_per_second(motion)));
+    texts.emplace_back(
+        "frames", fmt::format("{} to {}, {:.6g} a second", frames->first, frames->second, kFramesPerSecond));
   const auto put = [&](const char* what, const MotionFacts::Share& share) {
     if (share.moving > 0) texts.emplace_back(what, fmt::format("{} of {}", share.moving, share.all));
   };
@@ -111,7 +109,7 @@ nlohmann::ordered_json motion_json(const MotionFacts& motion) {
         {{"name", clip.name}, {"first", clip.first}, {"last", clip.last}, {"shown", clip.is_shown}});
   json["time"] = motion.time;
   if (motion.times) json["times"] = {motion.times->first, motion.times->second};
-  json["fps"] = frames_per_second(motion);
+  json["fps"] = kFramesPerSecond;
   if (const auto frames = frame_range(motion)) json["frames"] = {frames->first, frames->second};
   json["shapes"] = motion.shapes.moving;
   json["meshes_that_deform"] = motion.meshes_that_deform;

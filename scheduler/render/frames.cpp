@@ -100,10 +100,13 @@ std::vector<std::string> preview_order(const std::vector<std::string>& frames) {
 }
 
 std::string with_frame_field(const std::string& name) {
-  const std::size_t hash = name.find('#');
-  if (hash != name.npos) {
-    const std::size_t end = std::min(name.find_first_not_of('#', hash), name.size());
-    return name.substr(0, hash) + fmt::format("{{frame:0{}}}", end - hash) + name.substr(end);
+  const std::size_t folder_end = name.find_last_of('/') + 1;  // npos + 1 is 0
+  const std::size_t last =
+      std::max(name.rfind('#') + 1, folder_end) > folder_end ? name.rfind('#') : name.rfind("##");
+  if (last != name.npos) {
+    const std::size_t end = std::min(name.find_first_not_of('#', last), name.size());
+    const std::size_t begin = end == 0 ? 0 : name.find_last_not_of('#', end - 1) + 1;
+    return name.substr(0, begin) + fmt::format("{{frame:0{}}}", end - begin) + name.substr(end);
   }
   if (name.contains("{frame")) return name;
   const std::filesystem::path path = name;

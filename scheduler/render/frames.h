@@ -11,7 +11,7 @@
 namespace penumbra {
 
 constexpr int kLastFrame = 999'999'999;
-constexpr double kFramesPerSecond = 24.0;  ///< where neither an option nor the file says another number
+constexpr double kFramesPerSecond = 24.0;  ///< unless --fps says another number
 
 /// The frames of "300", "1-250", "1-250x2" (every second), "1..250", and lists of these with commas, in the
 /// order of the text. Errors: no such text; a number above kLastFrame; a range that descends; a frame twice;
@@ -27,8 +27,9 @@ double frame_seconds(const SceneOptions& options);
 /// First, last, middle, then the middles of the halves and so on: an early look at all of a shot.
 std::vector<std::string> preview_order(const std::vector<std::string>& frames);
 
-/// A name of images with the frame's field: #### becomes {frame:04}, as many digits as there are #. A name
-/// without a field for the frame gets .{frame:04} before its extension.
+/// A name of files with the frame's field: #### becomes {frame:04}, as many digits as there are #. The last
+/// run of # counts, in names of folders from two on. A name without such a field gets .{frame:04} before its
+/// extension.
 std::string with_frame_field(const std::string& name);
 
 }  // namespace penumbra

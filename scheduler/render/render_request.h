@@ -35,8 +35,9 @@ struct SceneOptions {
   std::optional<int> frame = {};  ///< of a shot; its time is frame_seconds() (frames.h); nothing: a still
   std::optional<double> fps = {};
   double frame_offset = 0;
-  std::string clip = {};       ///< see ReadOptions
-  bool seed_by_frame = false;  ///< the frame is added to the seed
+  bool frame_is_a_file = false;  ///< each frame is a file of its own, whose name has the frame
+  std::string clip = {};         ///< see ReadOptions
+  bool seed_by_frame = false;    ///< the frame is added to the seed
 
   friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };

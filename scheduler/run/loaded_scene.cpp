@@ -79,10 +79,6 @@ std::filesystem::path own_hierarchy_cache() {
   return {};
 }
 
-}  // namespace
-
-namespace {
-
 Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   ReadOptions read;
   read.defines = split_assignments(options.defines);
@@ -99,29 +95,22 @@ Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   return read;
 }
 
-/// The rate of the scene's file counts where no option says another.
-SceneOptions with_rate_of(const SceneDescription& scene, SceneOptions options) {
-  if (!options.fps && scene.motion != nullptr) options.fps = scene.motion->fps;
-  return options;
-}
-
 }  // namespace
 
 Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options) {
   if (!options.frame) return {};
   const auto read = read_options_of(options);
   if (!read) return std::unexpected(read.error());
-  return set_time(scene, frame_seconds(with_rate_of(scene, options)), *read);
+  return set_time(scene, frame_seconds(options), *read);
 }
 
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
   const auto read = read_options_of(options);
   if (!read) return std::unexpected(read.error());
   auto scene = read_scene(options.file, *read);
-  if (scene && with_rate_of(*scene, options).fps != options.fps)
-    if (auto moved = go_to_frame(*scene, options); !moved) return std::unexpected(moved.error());
   if (scene && options.frame && options.seed_by_frame) scene->sampler.seed += std::uint32_t(*options.frame);
-  if (scene && options.frame && scene->motion == nullptr && !scene->uses_variables)
+  if (scene && options.frame && !options.frame_is_a_file && scene->motion == nullptr &&
+      !scene->uses_variables)
     scene->warnings.push_back(
         fmt::format("{}: warning: nothing moves in the scene, and its file has neither $frame nor $time: all "
                     "frames are alike",
@@ -173,7 +162,6 @@ Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& opt
   scene.summary = summarize(scene.device);
   scene.sampler_replaced = read.sampler_replaced;
   scene.kept = std::move(kept);
-  scene.fps = with_rate_of(read.description, options).fps.value_or(kFramesPerSecond);
   return scene;
 }
 

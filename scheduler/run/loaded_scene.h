@@ -32,7 +32,6 @@ struct LoadedScene {
   std::uint32_t asked_spp = 0;    ///< samples per pixel before a preview changed them; 0: it did not
   bool sampler_replaced = false;  ///< the scene's independent sampler, by sobol
   double seconds = 0;             ///< load time
-  double fps = kFramesPerSecond;  ///< of the options, or else of the scene
   std::shared_ptr<const KeptFrame> kept = {};  ///< of the same shot, or null
   glm::dvec3 center{0.0};                      ///< see scene_center; set by reduce
 };

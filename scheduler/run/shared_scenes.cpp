@@ -38,7 +38,13 @@ std::uint64_t bytes_of(const SceneDescription& scene) {
   std::uint64_t bytes = 0;
   each_shape(scene, [&](const Shape& shape) { bytes += bytes_of_geometry(shape.geometry); });
   if (scene.motion != nullptr)
-    for (const MovingShape& moving : scene.motion->shapes) bytes += bytes_of_geometry(moving.rest);
+    for (const MovingShape& moving : scene.motion->shapes) {
+      bytes += bytes_of_geometry(moving.rest);
+      if (moving.deformation == nullptr) continue;
+      bytes += moving.deformation->skin.influences.size() * sizeof(Skin::Influence);
+      for (const MorphTarget& target : moving.deformation->targets)
+        bytes += (target.positions.size() + target.normals.size()) * sizeof(glm::dvec3);
+    }
   for (const auto& bitmap : scene.bitmaps) bytes += bitmap->words.size() * sizeof bitmap->words[0];
   return bytes;
 }
@@ -56,18 +62,20 @@ std::uint32_t frame_in_seed(const SceneOptions& options) {
   return options.seed_by_frame ? std::uint32_t(options.frame.value_or(0)) : 0;
 }
 
-/// Sets the number of samples and the seed of a shared description according to the options.
-Expected<void> take_samples(SceneDescription& scene, const SceneOptions& options) {
+/// Sets the number of samples and the seed of a shared description according to the options. `seed`: the
+/// scene's own, without the frame.
+Expected<void> take_samples(SceneDescription& scene, const SceneOptions& options, std::uint32_t seed) {
   SamplerSettings& sampler = scene.sampler;
   if (options.spp) sampler.spp = *options.spp;
-  if (options.seed) sampler.seed = *options.seed + frame_in_seed(options);
+  sampler.seed = options.seed.value_or(seed) + frame_in_seed(options);
   return check_settings(scene);
 }
 
 /// The same of a shared scene.
 Expected<void> take_samples(LoadedScene& scene, const SceneOptions& options) {
-  if (auto taken = take_samples(scene.description, options); !taken) return taken;
   const SamplerSettings& sampler = scene.description.sampler;
+  if (auto taken = take_samples(scene.description, options, sampler.seed - frame_in_seed(options)); !taken)
+    return taken;
   scene.device.header.sampler.spp = sampler.spp;
   scene.device.header.sampler.seed = sampler.seed;
   return {};
@@ -85,7 +93,7 @@ SharedScenes::SharedScenes(const std::vector<const SceneOptions*>& renders, std:
 
 void SharedScenes::keep(const SceneOptions& options, Shot& shot, ReadScene scene) {
   kept_bytes_ += shot.bytes = bytes_of(scene.description);
-  scene.description.sampler.seed -= frame_in_seed(options);
+  shot.seed = scene.description.sampler.seed - frame_in_seed(options);
   shot.scene = std::move(scene);
 }
 
@@ -113,14 +121,15 @@ Expected<LoadedScene> SharedScenes::load_frame(const SceneOptions& options, Shot
   }
   ReadScene& scene = *shot.scene;
   if (auto moved = go_to_frame(scene.description, options); !moved) return std::unexpected(moved.error());
-  const std::uint32_t seed = scene.description.sampler.seed;
-  if (auto taken = take_samples(scene.description, options); !taken) return std::unexpected(taken.error());
-  if (!options.seed) scene.description.sampler.seed += frame_in_seed(options);
+  if (auto taken = take_samples(scene.description, options, shot.seed); !taken)
+    return std::unexpected(taken.error());
   auto loaded = build_scene(scene, options, shot.frame);
-  scene.description.sampler.seed = seed;
   if (!loaded) return loaded;
   reduce(*loaded, scene.description);
-  if (shot.frame == nullptr && shot.renders_to_come > 0) {
+  const std::uint64_t bytes = loaded->device.words.size() * sizeof(std::uint32_t);
+  if (shot.frame == nullptr && shot.renders_to_come > 0 && bytes <= most_bytes_ - kept_bytes_) {
+    kept_bytes_ += bytes;
+    shot.bytes += bytes;
     shot.frame = std::make_shared<const KeptFrame>(KeptFrame{loaded->device, manifest_of(loaded->device)});
     loaded->kept = shot.frame;
   }

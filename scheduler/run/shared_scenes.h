@@ -33,6 +33,7 @@ class SharedScenes {
   struct Shot {
     int renders_to_come = 0;
     std::optional<ReadScene> scene = {};          ///< at the time of the frame that was loaded last
+    std::uint32_t seed = 0;                       ///< of the scene, without the frame
     std::shared_ptr<const KeptFrame> frame = {};  ///< the first; which one makes no difference
     std::uint64_t bytes = 0;
   };

@@ -28,16 +28,12 @@ const CommandLine& render_command() {
 }
 
 /// Gives the value of an axis to a request.
-Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, bool with_frame,
-                          RenderRequest& request) {
+Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, RenderRequest& request) {
   std::string name = axis.name, text = value;
   switch (axis.kind) {
     case AxisKind::kScene:
       request.scene.file = value;
       return {};
-    case AxisKind::kFrame:
-      if (!with_frame) return {};
-      break;
     case AxisKind::kDefine:
     case AxisKind::kSetting:
       name = axis.kind == AxisKind::kDefine ? "D" : "set";
@@ -46,6 +42,7 @@ Expected<void> apply_axis(const RenderAxis& axis, const std::string& value, bool
     case AxisKind::kFlag:
       if (value == "false") return {};
       break;
+    case AxisKind::kFrame:
     case AxisKind::kOption:
       break;
   }
@@ -105,7 +102,7 @@ Expected<void> check_value(AxisKind kind, const std::string& name, const std::st
     return apply_setting(none, name, value);  // its error lists the known names
   }
   RenderRequest none;
-  return apply_axis({kind, name, {}}, value, true, none);
+  return apply_axis({kind, name, {}}, value, none);
 }
 
 std::vector<std::string> render_words(const CommandLine& command, std::span<const std::string_view> without) {
@@ -147,13 +144,13 @@ std::vector<RenderAxis> axes_of_command(const CommandLine& command) {
 }
 
 Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const RenderChoice& choice,
-                                   const RenderOptions& shared, bool with_frame) {
+                                   const RenderOptions& shared) {
   RenderOptions options = shared;
   options.scenes.clear();
   options.estimate = false;  // its files are checked as those of a render
   static_cast<RenderRequest&>(options) = {};
   for (std::size_t i = 0; i < axes.size(); ++i)
-    if (const auto applied = apply_axis(axes[i], choice[i], with_frame, options); !applied)
+    if (const auto applied = apply_axis(axes[i], choice[i], options); !applied)
       return std::unexpected(applied.error());
   if (const auto checked = check_exclusions(options); !checked) return std::unexpected(checked.error());
   return options;

@@ -36,9 +36,8 @@ std::vector<std::string> render_words(const CommandLine& command, std::span<cons
 /// The axes that the command line gives to each of its renders.
 std::vector<RenderAxis> axes_of_command(const CommandLine& command);
 
-/// The options of one render: the chosen values of the axes, and otherwise those of `shared`. Without
-/// `with_frame` the frame is only part of names: each frame is a scene of its own.
+/// The options of one render: the chosen values of the axes, and otherwise those of `shared`.
 Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const RenderChoice& choice,
-                                   const RenderOptions& shared, bool with_frame);
+                                   const RenderOptions& shared);
 
 }  // namespace penumbra

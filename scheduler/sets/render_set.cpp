@@ -174,6 +174,7 @@ class SceneSet final : public JobSource {
   std::mutex mutex_;  // protects the members from here to next_summary_
   std::vector<SetEntry> entries_;
   FailureReasons failures_;
+  std::map<std::size_t, bool> told_first_;  // frames that failed once: whether the reason was new
   /// Frames of a shot that failed get another try after all others, for what hindered them may have passed.
   struct FailedFrame {
     std::size_t index;
@@ -265,7 +266,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   for (const std::string& warning : prepared->scene.description.warnings)
     if (told_warnings_.insert(warning).second) print_warning(warning);
   keys_[index] = key_of(*prepared, worker_);
-  fps_ = prepared->scene.fps;
+  if (prepared->record.scene.fps) fps_ = *prepared->record.scene.fps;
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
@@ -279,11 +280,15 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
 }
 
 void SceneSet::fail_member(std::size_t index, const Error& error) {
-  const bool is_new = [&] {
+  const auto [is_new, is_second] = [&] {
     const std::lock_guard lock(mutex_);
-    return failures_.add(entries_[index].name, entries_[index].scene, error.message);
+    if (const auto first = told_first_.find(index); first != told_first_.end())
+      return std::pair(first->second, true);
+    const bool added = failures_.add(entries_[index].name, entries_[index].scene, error.message);
+    if (may_try_again_[index]) told_first_[index] = added;
+    return std::pair(added, false);
   }();
-  if (is_new) print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
+  if (is_new && !is_second) print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
   end(index, SetState::kFailed, error.message, is_new);
 }
 

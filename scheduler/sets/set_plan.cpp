@@ -96,7 +96,9 @@ class SetPlanner {
     std::vector<std::pair<std::size_t, RenderPattern>> patterns;
     for (const std::string& scene : options_.scenes) {
       if (!is_job_file(scene)) {
-        const bool is_pattern = !options_.frames.empty() && scene.contains('#');
+        std::error_code ignored;
+        const bool is_pattern =
+            !options_.frames.empty() && scene.contains('#') && !fs::exists(scene, ignored);
         scenes.axes.front().values.push_back(is_pattern ? with_frame_field(scene) : scene);
         continue;
       }
@@ -144,10 +146,11 @@ class SetPlanner {
     const std::vector<RenderAxis>& axes = pattern.axes;
     NameFields fields;
     // File names of a command line are taken as given, but for the field of a frame.
-    const bool has_fields = pattern.location.file != nullptr || !options_.frames.empty();
-    bool with_frame = true;
+    const bool frame_is_a_file = has_frames(pattern) && has_field(choice.front(), "frame");
+    const bool has_fields = pattern.location.file != nullptr || frame_is_a_file;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (axes[i].kind == AxisKind::kScene) with_frame = !has_fields || !has_field(choice[i], "frame");
+      if (axes[i].kind == AxisKind::kDefine && axes[i].name == "frame" && has_frames(pattern))
+        return fail("-D frame: $frame is the number of the frame already");
       if (axes[i].kind != AxisKind::kScene) fields[axes[i].name] = choice[i];
     }
     const fs::path scene_pattern = choice.front();
@@ -163,8 +166,9 @@ class SetPlanner {
     fields["folder"] = fs::absolute(scene).lexically_normal().parent_path().filename().string();
     auto out = fill_in(name, fields);
     if (!out) return fail((options_.out.empty() ? "out " : "-o ") + out.error().message);
-    auto options = options_of(axes, choice, options_, with_frame);
+    auto options = options_of(axes, choice, options_);
     if (!options) return std::unexpected(options.error());
+    options->scene.frame_is_a_file = frame_is_a_file;
     SetMember member{.options = std::move(*options), .priority = pattern.priority, .name = scene.string()};
     member.options.out = std::move(*out);
     for (std::size_t i = 1; i < axes.size(); ++i) {

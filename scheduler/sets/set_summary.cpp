@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "kernels/host/atomic_file.h"
 #include "kernels/host/text.h"
@@ -67,10 +68,13 @@ SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folde
   entry.name = json.value("name", "");
   entry.scene = json.at("scene").get<std::string>();
   const auto state = json.at("state").get<std::string>();
-  entry.state = SetState(std::ranges::find(kStateNames, state) - kStateNames.begin());
+  const auto known = std::ranges::find(kStateNames, state);
+  // A version of this program that has other states counts as if the render had not begun.
+  if (known != kStateNames.end()) entry.state = SetState(known - kStateNames.begin());
   for (const auto& file : json.at("files").get<std::vector<std::string>>())
     entry.files.push_back((folder / file).lexically_normal().string());
-  entry.key = json.value("key", "");
+  if (known != kStateNames.end()) entry.key = json.value("key", "");
+  entry.error = json.value("error", "");
   for (const auto& [name, value] : json.value("options", nlohmann::json::object()).items())
     entry.choices.emplace_back(name, value.get<std::string>());
   entry.samples = json.value("samples_per_pixel", std::uint64_t(0));
@@ -81,6 +85,14 @@ SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folde
   return entry;
 }
 
+/// Whether it is finished and all its files exist.
+bool is_there(const SetEntry& entry) {
+  return !entry.key.empty() && std::ranges::all_of(entry.files, [](const std::string& name) {
+    std::error_code ignored;
+    return std::filesystem::exists(name, ignored);
+  });
+}
+
 }  // namespace
 
 std::string_view set_state_name(SetState state) { return kStateNames[std::size_t(state)]; }
@@ -89,12 +101,16 @@ Expected<void> write_set_summary(const std::filesystem::path& path, const std::v
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
   const std::filesystem::path folder = folder_of_summary(path);
   const FolderLocks lock({folder});
-  EarlierRenders others = EarlierRenders::read(path);
+  std::set<std::vector<std::string>> here;
   for (const SetEntry& entry : entries) {
     json["jobs"].push_back(json_of(entry, folder));
-    (void)others.take(entry.files);
+    here.insert(entry.files);
   }
-  for (const SetEntry& entry : std::move(others).rest()) json["earlier"].push_back(json_of(entry, folder));
+  for (const SetEntry& other : read_set_summary(path)) {
+    const bool is_over =
+        other.state == SetState::kFailed || other.state == SetState::kIncomplete || is_there(other);
+    if (is_over && here.insert(other.files).second) json["earlier"].push_back(json_of(other, folder));
+  }
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_output(path, bytes_of(text));
 }
@@ -154,13 +170,8 @@ std::vector<SetEntry> read_set_summary(const std::filesystem::path& path) {
 
 EarlierRenders EarlierRenders::read(const std::filesystem::path& path) {
   EarlierRenders finished;
-  const auto is_there = [](const std::string& name) {
-    std::error_code ignored;
-    return std::filesystem::exists(name, ignored);
-  };
   for (SetEntry& entry : read_set_summary(path))
-    if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
-      finished.entries_.emplace(entry.files, std::move(entry));
+    if (is_there(entry)) finished.entries_.emplace(entry.files, std::move(entry));
   return finished;
 }
 

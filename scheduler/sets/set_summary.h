@@ -32,8 +32,8 @@ struct SetEntry {
 /// "done", "unchanged", ...
 std::string_view set_state_name(SetState state);
 
-/// Writes all entries atomically, and keeps the finished ones of other sets that are there, such as those of
-/// other frames of a shot which other processes render.
+/// Writes all entries atomically, and keeps those of other sets that have ended, such as other frames of a
+/// shot which other processes render.
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries);
 
 /// The entries as CSV with a header: name, scene, a column for each parameter that any of them has, state,

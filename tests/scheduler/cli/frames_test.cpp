@@ -94,6 +94,10 @@ TEST(Frames, HaveAFieldInNames) {
   EXPECT_EQ(with_frame_field("a_######.png"), "a_{frame:06}.png");
   EXPECT_EQ(with_frame_field("out/a.exr"), "out/a.{frame:04}.exr");
   EXPECT_EQ(with_frame_field("a-{frame}.exr"), "a-{frame}.exr");
+  EXPECT_EQ(with_frame_field("c#/a.exr"), "c#/a.{frame:04}.exr") << "the folder's own name";
+  EXPECT_EQ(with_frame_field("c#/a.##.exr"), "c#/a.{frame:02}.exr");
+  EXPECT_EQ(with_frame_field("c/####/a.exr"), "c/{frame:04}/a.exr");
+  EXPECT_EQ(with_frame_field("####"), "{frame:04}");
   EXPECT_EQ(with_frame_field("{scene}.exr"), "{scene}.{frame:04}.exr");
   EXPECT_THAT(with_frame_field("{folder}/{seed}-x.exr"), StartsWith("{folder}/{seed}-x.{frame:04}"));
 }

@@ -29,7 +29,7 @@ std::filesystem::path png(const TemporaryFolder& folder, const std::string& name
   return folder.path() / name;
 }
 
-std::vector<int> grey(int value) { return {value, value, value}; }
+std::vector<int> grey_pixel(int value) { return {value, value, value}; }
 
 TEST(ContactSheet, ChoosesEvenlyWithTheFirstAndTheLast) {
   EXPECT_THAT(evenly_chosen(3, 24), ElementsAre(0, 1, 2));
@@ -66,10 +66,10 @@ TEST(ContactSheet, AveragesInLinearLight) {
   const TemporaryFolder folder;
   // Columns of black and white, two to a pixel of the sheet: half the light, not half the signal.
   const auto stripes =
-      png(folder, "a.png", 480, 270, false, [](int x, int) { return grey(x % 2 == 0 ? 0 : 255); });
+      png(folder, "a.png", 480, 270, false, [](int x, int) { return grey_pixel(x % 2 == 0 ? 0 : 255); });
   // Five columns to two: 1 1 ½ | ½ 0 0 of the light by parts of columns.
   const auto fifths =
-      png(folder, "b.png", 600, 270, false, [](int x, int) { return grey(x % 5 < 2 ? 255 : 0); });
+      png(folder, "b.png", 600, 270, false, [](int x, int) { return grey_pixel(x % 5 < 2 ? 255 : 0); });
   const auto sheet = contact_sheet(std::vector<SheetFrame>{{1, stripes}, {2, fifths}});
   ASSERT_TRUE(sheet.has_value()) << sheet.error().message;
   const SheetLayout layout = sheet_layout(2, 480, 270);
@@ -94,7 +94,7 @@ TEST(ContactSheet, PicturesWithAlphaLieOverTheBackground) {
 
 TEST(ContactSheet, WritesTheNumberBelowThePicture) {
   const TemporaryFolder folder;
-  const auto black = png(folder, "a.png", 240, 120, false, [](int, int) { return grey(0); });
+  const auto black = png(folder, "a.png", 240, 120, false, [](int, int) { return grey_pixel(0); });
   const auto sheet = contact_sheet(std::vector<SheetFrame>{{7, black}, {17, black}});
   ASSERT_TRUE(sheet.has_value()) << sheet.error().message;
   const float background = sheet->at(0, 0, 0);
@@ -117,7 +117,7 @@ TEST(ContactSheet, WritesTheNumberBelowThePicture) {
 
 TEST(ContactSheet, MissingFramesAreOutlined) {
   const TemporaryFolder folder;
-  const auto white = png(folder, "a.png", 240, 120, false, [](int, int) { return grey(255); });
+  const auto white = png(folder, "a.png", 240, 120, false, [](int, int) { return grey_pixel(255); });
   write_text(folder.path() / "broken.png", "no picture");
   const auto sheet =
       contact_sheet(std::vector<SheetFrame>{{1, white}, {2, {}}, {3, folder.path() / "broken.png"}});
@@ -140,7 +140,7 @@ TEST(ContactSheet, NeedsAPicture) {
 
 TEST(ContactSheet, IsAPngOfThatSize) {
   const TemporaryFolder folder;
-  const auto white = png(folder, "a.png", 300, 200, false, [](int, int) { return grey(255); });
+  const auto white = png(folder, "a.png", 300, 200, false, [](int, int) { return grey_pixel(255); });
   const std::vector<SheetFrame> frames(5, {1, white});
   const auto bytes = contact_sheet_png(frames);
   ASSERT_TRUE(bytes.has_value()) << bytes.error().message;

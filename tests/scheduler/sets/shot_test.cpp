@@ -102,6 +102,37 @@ TEST_F(Shot, SeedsAreFixedOrByFrame) {
   EXPECT_NE(film_hash("g.0001.exr"), film_hash("g.0002.exr"));
 }
 
+TEST_F(Shot, TheSeedOfAFrameIsRecorded) {
+  ASSERT_EQ(run({"s.xml", "--frames", "1-8x7", "--seed-per-frame", "frame"}).exit_code, 0);
+  ASSERT_EQ(run({"s.xml", "--frame", "8", "--seed-per-frame", "frame", "-o", "alone.exr"}).exit_code, 0);
+  EXPECT_EQ(file_contents(folder_ / "s.0008.exr"), file_contents(folder_ / "alone.exr"));
+  EXPECT_EQ(attribute<int>("s.0008.exr", "penumbra:seed"), 8);
+  write_small_scene(folder_ / "f.0001.xml");
+  ASSERT_EQ(run({"f.####.xml", "--frames", "1", "--seed-per-frame", "frame", "-o", "g.exr"}).exit_code, 0);
+  EXPECT_EQ(attribute<int>("g.0001.exr", "penumbra:seed"), 1) << "also where each frame is a file";
+  EXPECT_EQ(attribute<int>("g.0001.exr", "penumbra:frame"), 1);
+}
+
+TEST_F(Shot, KeepsWhatBecameOfOtherFrames) {
+  for (const char* name : {"f.0001.xml", "f.0003.xml"}) write_small_scene(folder_ / name);
+  EXPECT_EQ(run({"f.####.xml", "--frames", "1-2"}).exit_code, 1);
+  EXPECT_EQ(run({"f.####.xml", "--frames", "3"}).exit_code, 0);
+  std::map<std::string, std::string> states;
+  for (const auto& job : nlohmann::json::parse(file_contents(folder_ / "jobs.json"))["earlier"])
+    states[job["options"]["frame"]] = job["state"];
+  const std::map<std::string, std::string> expected{{"1", "done"}, {"2", "failed"}};
+  EXPECT_EQ(states, expected);
+}
+
+TEST_F(Shot, AStateOfAnotherVersionIsNoTrouble) {
+  ASSERT_EQ(run({"s.xml", "--frames", "1"}).exit_code, 0);
+  std::string text = file_contents(folder_ / "jobs.json");
+  text.replace(text.find("\"done\""), 6, "\"finished\"");
+  write_text(folder_ / "jobs.json", text);
+  EXPECT_EQ(run({"s.xml", "--frames", "1-2"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "done"));
+}
+
 TEST_F(Shot, MayBeAFileForEachFrame) {
   for (const char* name : {"f.0001.xml", "f.0002.xml"}) write_small_scene(folder_ / name);
   ASSERT_EQ(run({"f.####.xml", "--frames", "1-2", "-o", "out/####.exr"}).exit_code, 0);
@@ -155,6 +186,7 @@ TEST_F(Shot, BadOptionsAreBadInput) {
       {{"--frames", "1", "--order", "random"}, "preview"},
       {{"--frames", "1", "--fps", "0"}, "above 0"},
       {{"--frames", "1", "--clip", "walk"}, "glTF"},
+      {{"--frames", "1-2", "-D", "frame=abc"}, "$frame is the number"},
       {{"--frames", "1", "--seed-per-frame", "often"}, "fixed"},
       {{"--frames", "1-2", "-o", "out/a-{frame:0x}.exr"}, "width"}};
   for (const auto& [arguments, what] : cases) {
