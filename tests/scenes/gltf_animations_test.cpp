@@ -28,7 +28,6 @@ TEST_F(GltfMotion, LinearTranslation) {
   EXPECT_EQ(scene.motion->clips[0].name, "0");
   EXPECT_EQ(scene.motion->clips[0].first, 1.0);
   EXPECT_EQ(scene.motion->clips[0].last, 3.0);
-  EXPECT_FALSE(scene.motion->fps);
 }
 
 TEST_F(GltfMotion, StepsHoldTheKeyBefore) {
