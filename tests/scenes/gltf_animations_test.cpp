@@ -159,11 +159,12 @@ TEST_F(GltfMotion, KeysAlmostEqualInTimeAreAStep) {
 TEST_F(GltfMotion, ClipsAreChosenByNameOrNumber) {
   GltfFile file = triangle();
   const std::string walk = vectors(file, {0, 1}, {0, 0, 0, 1, 0, 0}),
-                    run = vectors(file, {0, 4}, {0, 0, 0, 0, 9, 0});
+                    run = vectors(file, {0, 4}, {0, 0, 0, 0, 9, 0}),
+                    grow = vectors(file, {0, 4}, {1, 1, 1, 2, 2, 2});
   const std::string text = file.text(one_mesh(
       kTriangle,
       fmt::format(R"(, "animations": [{}, {}, {}])", clip({{of_node(0, "translation"), walk}}, "walk"),
-                  clip({{of_node(0, "translation"), run}}, "run"), clip({{of_node(0, "scale"), run}}))));
+                  clip({{of_node(0, "translation"), run}}, "run"), clip({{of_node(0, "scale"), grow}}))));
   SceneDescription first = good_gltf(text);
   EXPECT_THAT(warnings(first),
               HasSubstr("of 3 animations 2 are shown, 'walk' and those that change nothing that is changed "
