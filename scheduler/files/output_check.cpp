@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <system_error>
 #include <vector>
 
@@ -49,6 +50,11 @@ Expected<void> check_outputs(std::span<const fs::path> outputs, std::span<const 
     if (const auto writable = check_writable(output); !writable) return writable;
   }
   return {};
+}
+
+bool is_among(const fs::path& output, std::span<const fs::path> inputs) {
+  const auto identity = identity_of_output(output);
+  return identity && std::ranges::find(inputs, *identity, identity_of) != inputs.end();
 }
 
 }  // namespace penumbra

@@ -30,4 +30,7 @@ std::optional<FileIdentity> identity_of_output(const std::filesystem::path& outp
 Expected<void> check_outputs(std::span<const std::filesystem::path> outputs,
                              std::span<const std::filesystem::path> inputs);
 
+/// Whether the output is one of the inputs, compared by identity.
+bool is_among(const std::filesystem::path& output, std::span<const std::filesystem::path> inputs);
+
 }  // namespace penumbra

@@ -84,6 +84,16 @@ struct FinishedRender {
   RenderOutcome outcome;
 };
 
+/// Contact sheets that would replace one of the inputs are not written.
+void leave_out_sheets(SetPlan& plan, const std::vector<std::filesystem::path>& inputs) {
+  for (SetShot& shot : plan.shots)
+    if (!shot.sheet.empty() && is_among(shot.sheet, inputs)) {
+      print_warning(
+          fmt::format("no contact sheet is written: {} is an input of this command", shot.sheet.string()));
+      shot.sheet.clear();
+    }
+}
+
 /// Three threads: one reads scenes, one drives the farm, one writes images.
 class SceneSet final : public JobSource {
  public:
@@ -145,6 +155,11 @@ class SceneSet final : public JobSource {
   void read_scenes();
   Expected<void> check_earlier(std::size_t index);
   Expected<void> read_scene(std::size_t index);
+  /// Sees to it that no file about the whole set replaces one of these, which a scene reads. Error: it would,
+  /// and is not only a contact sheet.
+  Expected<void> keep_inputs(const std::vector<std::filesystem::path>& inputs);
+  /// Error: a scene reads it.
+  [[nodiscard]] Expected<void> may_write(const std::filesystem::path& file) const;
   void fail_member(std::size_t index, const Error& error);
   void write_images();
   void write(FinishedRender finished);
@@ -183,8 +198,9 @@ class SceneSet final : public JobSource {
     bool is_told;
   };
   std::vector<FailedFrame> failed_frames_;
-  std::vector<bool> may_try_again_;      // of each render, whether it gets another try
-  std::set<std::string> told_warnings_;  // used by the thread that reads scenes
+  std::set<std::filesystem::path> not_to_write_;  // files about the whole set that scenes read
+  std::vector<bool> may_try_again_;               // of each render, whether it gets another try
+  std::set<std::string> told_warnings_;           // used by the thread that reads scenes
   std::size_t ended_ = 0, rendered_ = 0;
   Clock::time_point next_summary_{};
   // Hashes of the requested renders; each is written before its render is passed on.
@@ -265,6 +281,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser) return denoiser;
   for (const std::string& warning : prepared->scene.description.warnings)
     if (told_warnings_.insert(warning).second) print_warning(warning);
+  if (const auto kept = keep_inputs(prepared->scene.description.files); !kept) return kept;
   keys_[index] = key_of(*prepared, worker_);
   if (prepared->record.scene.fps) fps_ = *prepared->record.scene.fps;
   prepared->job.priority = plan_.members[index].priority;
@@ -277,6 +294,23 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   if (prepared->job.before && !options_.quiet) print_message(*resumed);
   ready_.put({index, std::make_shared<PreparedRender>(std::move(*prepared))});
   return {};
+}
+
+Expected<void> SceneSet::keep_inputs(const std::vector<std::filesystem::path>& inputs) {
+  leave_out_sheets(plan_, inputs);
+  for (const std::filesystem::path& file :
+       {plan_.summary, std::filesystem::path(options_.table), std::filesystem::path(options_.video)})
+    if (!file.empty() && is_among(file, inputs)) {
+      const std::lock_guard lock(mutex_);
+      not_to_write_.insert(file);
+      return may_write(file);
+    }
+  return {};
+}
+
+Expected<void> SceneSet::may_write(const std::filesystem::path& file) const {
+  if (!not_to_write_.contains(file)) return {};
+  return fail(fmt::format("{} is an input of a scene; it is not overwritten", file.string()));
 }
 
 void SceneSet::fail_member(std::size_t index, const Error& error) {
@@ -404,12 +438,15 @@ void SceneSet::end_now(std::size_t index, SetState state, const std::string& err
   // Writes the current state of the summary, so that finished renders count as such if this process ends.
   // Limits the time spent on it.
   const Clock::time_point begin = Clock::now();
-  if (begin < next_summary_) return;
+  if (begin < next_summary_ || !may_write(plan_.summary)) return;
   if (const auto written = write_summary(); !written) print_error(written.error());
   next_summary_ = Clock::now() + kSummaryPause * (Clock::now() - begin);
 }
 
-Expected<void> SceneSet::write_summary() const { return write_set_summary(plan_.summary, entries_); }
+Expected<void> SceneSet::write_summary() const {
+  if (const auto may = may_write(plan_.summary); !may) return may;
+  return write_set_summary(plan_.summary, entries_);
+}
 
 std::size_t SceneSet::ended() {
   const std::lock_guard lock(mutex_);
@@ -467,8 +504,10 @@ ExitCode SceneSet::run() {
     code = kIncomplete;
   };
   add_written(plan_.summary.string(), write_summary());
-  if (!options_.table.empty())
-    add_written(options_.table, write_output(options_.table, bytes_of(set_table(entries_))));
+  if (!options_.table.empty()) {
+    const auto may = may_write(options_.table);
+    add_written(options_.table, may ? write_output(options_.table, bytes_of(set_table(entries_))) : may);
+  }
   bool failed = false;
   for (const std::string& sheet : write_contact_sheets(plan_, entries_, failed)) written.push_back(sheet);
   if (failed) code = kIncomplete;
@@ -478,6 +517,7 @@ ExitCode SceneSet::run() {
 }
 
 Expected<void> SceneSet::make_video() const {
+  if (const auto may = may_write(options_.video); !may) return may;
   if (stop_) return fail("no video is made: a signal stopped the set");
   const std::vector<SheetFrame> frames = frames_of_shot(plan_.shots.front(), plan_, entries_);
   const auto ended = write_video(ffmpeg_, frames, video_rate(frames, fps_), options_.video);
@@ -510,14 +550,17 @@ ExitCode SceneSet::print_end(const std::vector<std::string>& written) {
   return failed > 0 || not_begun > 0 ? kIncomplete : kAllDone;
 }
 
-/// Checks that summary and table can be written and replace no job file and no scene.
-Expected<void> check_set_files(const SetPlan& plan, const RenderOptions& options) {
+/// Checks that summary, table and video can be written, and that neither they nor contact sheets replace a
+/// job file or a scene.
+Expected<void> check_set_files(SetPlan& plan, const RenderOptions& options) {
   std::vector<std::filesystem::path> outputs{plan.summary};
   if (!options.table.empty()) outputs.emplace_back(options.table);
   if (!options.video.empty()) outputs.emplace_back(options.video);
-  std::set<std::filesystem::path> inputs(options.scenes.begin(), options.scenes.end());
-  for (const SetMember& member : plan.members) inputs.emplace(member.options.scene.file);
-  return check_outputs(outputs, std::vector(inputs.begin(), inputs.end()));
+  std::set<std::filesystem::path> files(options.scenes.begin(), options.scenes.end());
+  for (const SetMember& member : plan.members) files.emplace(member.options.scene.file);
+  const std::vector inputs(files.begin(), files.end());
+  leave_out_sheets(plan, inputs);
+  return check_outputs(outputs, inputs);
 }
 
 }  // namespace
