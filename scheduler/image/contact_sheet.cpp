@@ -101,11 +101,13 @@ std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {
 
 Expected<Image> contact_sheet(std::span<const SheetFrame> frames) {
   const std::vector<std::size_t> chosen = evenly_chosen(frames.size(), kMostSheetFrames);
-  std::vector<std::optional<Image>> pictures;
-  for (const std::size_t index : chosen) pictures.push_back(picture_in(frames[index].picture));
-  const auto first = std::ranges::find_if(pictures, [](const auto& p) { return p.has_value(); });
-  if (first == pictures.end()) return fail("there is no picture of a frame");
-  const SheetLayout layout = sheet_layout(chosen.size(), (*first)->data.width, (*first)->data.height);
+  // One picture at a time is in memory.
+  std::size_t first = 0;
+  std::optional<Image> picture;
+  for (; first < chosen.size(); ++first)
+    if ((picture = picture_in(frames[chosen[first]].picture))) break;
+  if (!picture) return fail("there is no picture of a frame");
+  const SheetLayout layout = sheet_layout(chosen.size(), picture->data.width, picture->data.height);
   Image sheet;
   sheet.data = sheet.display = {0, 0, layout.width(), layout.height()};
   sheet.channels = {"R", "G", "B"};
@@ -113,7 +115,11 @@ Expected<Image> contact_sheet(std::span<const SheetFrame> frames) {
   fill_pixels(sheet, 0, 0, layout.width(), layout.height(), kBackground);
   for (std::size_t cell = 0; cell < chosen.size(); ++cell) {
     const int x = layout.x(cell), y = layout.y(cell);
-    if (const auto& picture = pictures[cell]) {
+    if (cell > first) {
+      picture.reset();
+      picture = picture_in(frames[chosen[cell]].picture);
+    }
+    if (cell >= first && picture) {
       // Whole, in the middle: a picture may have another shape than the first.
       const double scale = std::min(double(layout.cell_width) / picture->data.width,
                                     double(layout.cell_height) / picture->data.height);
