@@ -78,7 +78,12 @@ grpc::Status JobsService::PutScene(grpc::ServerContext* context, grpc::ServerRea
   if (!chunk.base().empty() && !queue_.has_scene(chunk.base()))
     return {grpc::StatusCode::NOT_FOUND, "the base of this scene is not here (any more)"};
   auto scene = spool_.receive_scene(hash, chunk.base());
-  if (!scene) return {grpc::StatusCode::INVALID_ARGUMENT, scene.error().message};
+  if (!scene) {
+    // The base may have been removed just now.
+    const bool is_gone = !chunk.base().empty() && !spool_.has_scene(chunk.base());
+    return {is_gone ? grpc::StatusCode::NOT_FOUND : grpc::StatusCode::INVALID_ARGUMENT,
+            scene.error().message};
+  }
   do {
     const auto added = chunk.copy_bytes() > 0 ? scene->add_of_base(chunk.copy_from(), chunk.copy_bytes())
                                               : scene->add(bytes_of(chunk.data()));
