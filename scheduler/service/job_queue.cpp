@@ -76,7 +76,7 @@ JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems, bool tells_
     return group.second.jobs.empty();
   });
   next_ = spool.next_number();
-  fail_hopeless();
+  settle();                               // a service that was killed may not have come to it
   if (problems.empty()) remove_scenes();  // otherwise an unreadable job may need them
 }
 
@@ -275,6 +275,11 @@ JobExpected<void> JobQueue::change(JobId number, const std::string& owner, const
 
 JobExpected<void> JobQueue::cancel(JobId number, const std::string& owner) {
   return change(number, owner, [this, number](Entry& entry) -> JobExpected<void> {
+    if (number != entry.number() &&
+        !entry.job.tried_again()) {  // of a cancelled group nothing is tried again
+      entry.job.set_tried_again(true);
+      keep(entry);
+    }
     if (const auto group = groups_.find(number); group != groups_.end() && !group->second.stored.whole())
       make_whole(group->second);  // whoever is submitting it is refused
     if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting)

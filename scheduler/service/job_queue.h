@@ -143,6 +143,8 @@ class JobQueue {
   /// `known`: what readiness_of() has answered so far.
   [[nodiscard]] Readiness readiness(const Entry& entry, std::map<JobId, Readiness>& known);
   void fail_hopeless();
+  /// After jobs have ended: ends those that are hopeless, and queues frames again.
+  void settle();
   void queue_again(Entry& entry);
   /// Once all jobs of the group are over, queues those frames again that failed, each once.
   void try_frames_again(const Group& group);

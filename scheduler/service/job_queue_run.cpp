@@ -121,7 +121,7 @@ std::optional<JobQueue::Taken> JobQueue::take(int at_once, int at_most) {
     auto submission = decode(found->second.job.submission());
     if (!submission) {  // written by another version of this program
       end(found->second, wire::JOB_FAILED, submission.error().message);
-      fail_hopeless();
+      settle();
       continue;
     }
     found->second.stage = Stage::kPreparing;
@@ -184,9 +184,16 @@ void JobQueue::end(JobId job, wire::JobState state, const std::string& error) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_.at(job);
   end(entry, state, error);
-  if (const auto group = groups_.find(entry.job.status().group()); group != groups_.end())
-    try_frames_again(group->second);
+  settle();
+}
+
+void JobQueue::settle() {
+  const auto try_again = [this] {
+    for (const auto& [number, group] : groups_) try_frames_again(group);
+  };
+  try_again();  // first, so that what comes after such a frame waits on
   fail_hopeless();
+  try_again();  // groups that are over only now
 }
 
 /// What hindered a frame may have passed when all others are over. Where none has succeeded, another try
@@ -199,6 +206,8 @@ void JobQueue::try_frames_again(const Group& group) {
     Entry& entry = entries_.at(job);
     const bool has_failed = state_of(job) == wire::JOB_FAILED || state_of(job) == wire::JOB_INCOMPLETE;
     if (!has_failed || !entry.job.status().has_frame() || entry.job.tried_again()) continue;
+    std::map<JobId, Readiness> known;
+    if (readiness(entry, known) == Readiness::kNever) continue;  // what is before it has had its other try
     entry.job.set_tried_again(true);
     queue_again(entry);
   }

@@ -232,6 +232,42 @@ TEST_F(JobGroupTest, AFrameThatFailedGetsAnotherTryAtTheEndAndOnlyOne) {
   EXPECT_EQ(status(4).state(), wire::JOB_FAILED);
 }
 
+TEST_F(JobGroupTest, AFrameIsTriedAgainBeforeWhatComesAfterIt) {
+  const JobId group = submit_with([](Submission& s) { s.group = {0, "x", 3}, s.frame = 11; }).group;
+  submit_with([&](Submission& s) { s.group = {group, "x", 3}, s.frame = 12; });
+  submit_with([&](Submission& s) { s.group = {group, "x", 3}, s.after = {3}, s.frame = 1; });
+  ASSERT_TRUE(queue_->close_group(group));
+  finish(2);
+  finish(3, wire::JOB_FAILED);
+  EXPECT_EQ(status(3).state(), wire::JOB_QUEUED);
+  EXPECT_EQ(status(4).state(), wire::JOB_QUEUED);
+  finish(3, wire::JOB_FAILED);
+  EXPECT_EQ(status(3).state(), wire::JOB_FAILED);
+  EXPECT_EQ(status(4).state(), wire::JOB_FAILED) << "it would wait for ever";
+}
+
+TEST_F(JobGroupTest, AFrameIsTriedAgainAfterAKillBeforeThat) {
+  const JobId group = submit_with([](Submission& s) { s.group = {0, "x", 2}, s.frame = 11; }).group;
+  submit_with([&](Submission& s) { s.group = {group, "x", 2}, s.frame = 12; });
+  finish(2);
+  finish(3, wire::JOB_FAILED);
+  EXPECT_EQ(status(3).state(), wire::JOB_FAILED) << "more frames may come";
+  open();  // none will
+  EXPECT_EQ(status(3).state(), wire::JOB_QUEUED);
+}
+
+TEST_F(JobGroupTest, NoFrameOfACancelledGroupIsTriedAgain) {
+  JobId group = 0;
+  for (const int frame : {11, 12, 13})
+    group = submit_with([&](Submission& s) { s.group = {group, "x", 3}, s.frame = frame; }).group;
+  ASSERT_TRUE(queue_->close_group(group));
+  finish(2);
+  finish(3, wire::JOB_FAILED);
+  ASSERT_TRUE(queue_->cancel(group));
+  open();
+  EXPECT_EQ(status(3).state(), wire::JOB_FAILED);
+}
+
 TEST_F(JobGroupTest, NoFrameIsTriedAgainWhereNoneSucceeds) {
   JobId group = 0;
   for (const int frame : {1, 2})
