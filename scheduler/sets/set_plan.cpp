@@ -211,21 +211,30 @@ class SetPlanner {
       if (is_new) plan_.shots.push_back({.pictures = *pictures});
       plan_.shots[place->second].frames.emplace_back(std::stoi(frame->second), i);
     }
+    if (!options_.video.empty()) {
+      if (plan_.shots.size() != 1)
+        return fail(plan_.shots.empty()
+                        ? "--video is of frames: choose them with --frames, or in a job file"
+                        : fmt::format("--video is of one shot, not of {}", plan_.shots.size()));
+      if (const auto taken = take_file(options_.video, "--video"); !taken) return taken;
+    }
     for (SetShot& shot : plan_.shots) {
       std::ranges::sort(shot.frames);
       if (options_.no_sheet) continue;
-      const fs::path name = FrameFiles::of(plan_.members[shot.frames.front().second].shot)->without_field();
+      const std::string& images = plan_.members[shot.frames.front().second].shot;
+      const fs::path name = FrameFiles::of(images)->without_field();
       const std::string stem = name.stem().string();
       // Where the name was the number alone.
       const bool has_name = !stem.empty() && !stem.starts_with('.');
-      shot.sheet = name.parent_path() / (has_name ? stem + "-contact.png" : "contact.png");
-      if (const auto taken = take_file(shot.sheet, "the contact sheet"); !taken) return taken;
+      // Where that is taken, as by "a_####.exr" of "a.####.exr", the whole name tells the sheets apart.
+      for (const std::string& sheet : {has_name ? stem + "-contact.png" : std::string("contact.png"),
+                                       fs::path(images).stem().string() + "-contact.png"})
+        if (const fs::path file = name.parent_path() / sheet; take_file(file, "the contact sheet")) {
+          shot.sheet = file;
+          break;
+        }
     }
-    if (options_.video.empty()) return {};
-    if (plan_.shots.size() != 1)
-      return fail(plan_.shots.empty() ? "--video is of frames: choose them with --frames, or in a job file"
-                                      : fmt::format("--video is of one shot, not of {}", plan_.shots.size()));
-    return take_file(options_.video, "--video");
+    return {};
   }
 
   /// Moves the members to the plan: by priority, each after its predecessors.
