@@ -13,6 +13,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <thread>
 
@@ -209,7 +210,7 @@ class SceneSet final : public JobSource {
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
-  std::atomic<double> fps_ = kFramesPerSecond;  // of the shot
+  std::map<std::size_t, double> fps_;  // of each scene that was read; used by the thread that reads them
   std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
@@ -283,7 +284,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
     if (told_warnings_.insert(warning).second) print_warning(warning);
   if (const auto kept = keep_inputs(prepared->scene.description.files); !kept) return kept;
   keys_[index] = key_of(*prepared, worker_);
-  if (prepared->record.scene.fps) fps_ = *prepared->record.scene.fps;
+  fps_[index] = prepared->scene.fps;
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
@@ -520,7 +521,11 @@ Expected<void> SceneSet::make_video() const {
   if (const auto may = may_write(options_.video); !may) return may;
   if (stop_) return fail("no video is made: a signal stopped the set");
   const std::vector<SheetFrame> frames = frames_of_shot(plan_.shots.front(), plan_, entries_);
-  const auto ended = write_video(ffmpeg_, frames, video_rate(frames, fps_), options_.video);
+  // The rate is that of the shot's first frame whose scene could be read; other renders do not matter.
+  double fps = kFramesPerSecond;
+  for (const auto& [frame, index] : std::views::reverse(plan_.shots.front().frames))
+    if (const auto found = fps_.find(index); found != fps_.end()) fps = found->second;
+  const auto ended = write_video(ffmpeg_, frames, video_rate(frames, fps), options_.video);
   if (!ended) return fail(fmt::format("{}: {}", options_.video, ended.error().message));
   const std::string text = fmt::format("{}: {}", options_.video, ended->text);
   if (ended->held > 0)
