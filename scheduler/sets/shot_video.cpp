@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <vector>
 
 #include "kernels/host/atomic_file.h"
@@ -22,23 +23,20 @@ namespace fs = std::filesystem;
 constexpr std::chrono::hours kTimeToEncode{12};
 constexpr std::size_t kMostNamed = 10;  // frames that a message names
 
-/// A text in a list of ffmpeg's concat demuxer.
-std::string concat_quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-/// Removes a file at the end, whether it is there or not.
+/// Removes a file or a folder at the end, whether it is there or not.
 struct RemovedAtEnd {
   fs::path path;
   ~RemovedAtEnd() {
     std::error_code ignored;
-    fs::remove(path, ignored);
+    fs::remove_all(path, ignored);
   }
 };
 
-std::vector<std::string> ffmpeg_arguments(const fs::path& list, const fs::path& file, double rate) {
+constexpr const char* kList = "frames.txt";
+
+/// For a folder with the list.
+std::vector<std::string> ffmpeg_arguments(const fs::path& file, double rate) {
+  const std::string output = "file:" + fs::absolute(file).string();  // else "a:" in a name were a protocol
   // Each picture is a frame, whatever the demuxer takes for its duration. Rec. 709, as players assume. The
   // filter that multiplies by alpha wants planes.
   const std::string filters = fmt::format(
@@ -47,10 +45,10 @@ std::vector<std::string> ffmpeg_arguments(const fs::path& list, const fs::path& 
       rate);
   return {
       "-v",    "error",      "-nostdin",     "-y",           "-f",          "concat",    "-safe",
-      "0",     "-i",         list.string(),  "-vf",          filters,       "-r",        fmt::to_string(rate),
+      "0",     "-i",         kList,          "-vf",          filters,       "-r",        fmt::to_string(rate),
       "-c:v",  "libx264",    "-crf",         "18",           "-colorspace", "bt709",     "-color_primaries",
       "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv",          "-movflags", "+faststart",
-      "-f",    "mp4",        file.string()};
+      "-f",    "mp4",        output};
 }
 
 }  // namespace
@@ -74,6 +72,13 @@ Expected<VideoEnd> write_video(const fs::path& ffmpeg, std::span<const SheetFram
   const auto first =
       std::ranges::find_if(frames, [](const SheetFrame& frame) { return !frame.picture.empty(); });
   if (first == frames.end()) return fail("no frame has a picture");
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  std::string folder = (temporary / "penumbra-video-XXXXXX").string();
+  if (error || mkdtemp(folder.data()) == nullptr)
+    return fail(fmt::format("cannot make a folder in {}", temporary.string()));
+  const RemovedAtEnd removed{folder};
+  // ffmpeg takes a name with % for a pattern of names, so it gets other names of the pictures.
   std::string list = "ffconcat version 1.0\n";
   std::vector<int> held;
   fs::path picture = first->picture;
@@ -82,20 +87,20 @@ Expected<VideoEnd> write_video(const fs::path& ffmpeg, std::span<const SheetFram
       held.push_back(frame.frame);
     else
       picture = frame.picture;
-    list += "file " + concat_quoted(fs::absolute(picture).string()) + "\nduration 1\n";
+    const std::string name = fmt::format("{}{}", frame.frame, picture.extension().string());
+    fs::create_symlink(fs::absolute(picture), fs::path(folder) / name, error);
+    if (error) return fail(fmt::format("cannot make a link in {}: {}", folder, error.message()));
+    list += "file " + name + "\nduration 1\n";
   }
   if (const auto made = make_folders(file); !made) return std::unexpected(made.error());
-  const auto hidden = [&](const char* ending) {
-    return file.parent_path() / fmt::format(".{}.{}{}", file.filename().string(), getpid(), ending);
-  };
-  const RemovedAtEnd list_file{hidden(".txt")}, part{hidden(".part")};
-  if (const auto written = write_file_atomically(list_file.path, bytes_of(list)); !written)
+  const RemovedAtEnd part{file.parent_path() /
+                          fmt::format(".{}.{}.part", file.filename().string(), getpid())};
+  if (const auto written = write_file_atomically(fs::path(folder) / kList, bytes_of(list)); !written)
     return std::unexpected(written.error());
-  const auto end = run_program(ffmpeg.string(), ffmpeg_arguments(list_file.path, part.path, rate),
-                               {.errors_too = true, .limit = kTimeToEncode});
+  const auto end = run_program(fs::absolute(ffmpeg).string(), ffmpeg_arguments(part.path, rate),
+                               {.folder = folder, .errors_too = true, .limit = kTimeToEncode});
   if (!end) return std::unexpected(end.error());
   if (!end->succeeded) return fail(fmt::format("ffmpeg failed: {}", trim(end->output)));
-  std::error_code error;
   fs::rename(part.path, file, error);
   if (error) return fail(fmt::format("cannot write {}: {}", file.string(), error.message()));
   VideoEnd ended{.held = held.size(),
