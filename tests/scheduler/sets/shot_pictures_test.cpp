@@ -100,6 +100,41 @@ TEST_F(ShotPictures, NoSheetWhereNoneIsWanted) {
   EXPECT_FALSE(exists("out/a-contact.png"));
 }
 
+TEST_F(ShotPictures, FilesAboutTheSetReplaceNoTexture) {
+  ASSERT_EQ(run({"a.xml", "--frames", "3", "-o", "x.####.png"}).exit_code, 0);
+  const std::string texture = file_contents(folder_ / "x.0003.png");
+  std::string scene = light("1");
+  const std::string color = "<rgb name=\"radiance\" value=\"1\"/>";
+  ASSERT_TRUE(scene.contains(color));
+  for (const char* option : {"the sheet", "--summary", "--table"}) {
+    const std::string file = option == std::string("--table") ? "t.png" : "t-contact.png";
+    write_text(folder_ / file, texture);
+    scene = light("1");
+    scene.replace(scene.find(color), color.size(),
+                  "<texture type=\"bitmap\" name=\"radiance\"><string name=\"filename\" value=\"" + file +
+                      "\"/></texture>");
+    write_text(folder_ / "t.xml", scene);
+    std::vector<std::string> arguments{"t.xml", "--frames", "1-2", "-o", "t.exr"};
+    const bool is_sheet = option == std::string("the sheet");
+    if (!is_sheet) arguments.insert(arguments.end(), {option, file});
+    const ProgramResult set = run(arguments);
+    EXPECT_EQ(set.exit_code, is_sheet ? 0 : 1) << set.err;
+    EXPECT_THAT(set.err, HasSubstr(is_sheet ? "no contact sheet is written: t-contact.png is an input"
+                                            : file + " is an input of a scene"));
+    EXPECT_EQ(file_contents(folder_ / file), texture) << option;
+  }
+}
+
+TEST_F(ShotPictures, ShotsWithNamesAlikeHaveTheirOwnSheets) {
+  write_text(folder_ / "jobs.toml",
+             "[[render]]\nscene = 'a.xml'\nframes = '1-2'\nout = 'col/a.####.exr'\n"
+             "[[render]]\nscene = 'a.xml'\nframes = '3-4'\nout = 'col/a_####.exr'\n");
+  const ProgramResult set = run({"jobs.toml"});
+  ASSERT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_EQ(cells("col/a-contact.png", 2), (std::vector{shown(0.1f), shown(0.2f)}));
+  EXPECT_EQ(cells("col/a_####-contact.png", 2), (std::vector{shown(0.3f), shown(0.4f)}));
+}
+
 // --- Videos
 
 class ShotVideo : public ShotPictures {
@@ -164,6 +199,22 @@ TEST_F(ShotVideo, AFrameThatFailedHoldsThePictureBefore) {
   ASSERT_EQ(seen.size(), 5u);
   for (const auto& [i, radiance] : {std::pair{0, 0.2f}, {1, 0.2f}, {2, 0.2f}, {3, 0.4f}, {4, 0.4f}})
     EXPECT_NEAR(seen[std::size_t(i)], shown(radiance), kVideoError) << i;
+}
+
+TEST_F(ShotVideo, NamesMayHaveWhatFfmpegTakesForPatternsAndProtocols) {
+  const ProgramResult set =
+      run({"a.xml", "--frames", "1-2", "-o", "50%done %d/it's.exr", "--video", "take:2.mp4"});
+  ASSERT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_EQ(probe("file:take:2.mp4"), "128,72,yuv420p,24/1,2\n");
+}
+
+TEST_F(ShotVideo, HasTheRateOfItsOwnFrames) {
+  write_text(folder_ / "jobs.toml",
+             "[[render]]\nscene = 'a.xml'\nframes = '1-2'\nfps = 12\nout = 's.####.exr'\npriority = 1\n"
+             "[[render]]\nscene = 'a.xml'\ndefine.frame = 3\nout = 'still.exr'\n");
+  const ProgramResult set = run({"jobs.toml", "--video", "a.mp4"});
+  ASSERT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_EQ(probe("a.mp4"), "128,72,yuv420p,12/1,2\n");
 }
 
 TEST_F(ShotPictures, WithoutTheProgramAVideoIsRefusedBeforeTheRender) {
