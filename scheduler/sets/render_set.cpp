@@ -284,7 +284,7 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
     if (told_warnings_.insert(warning).second) print_warning(warning);
   if (const auto kept = keep_inputs(prepared->scene.description.files); !kept) return kept;
   keys_[index] = key_of(*prepared, worker_);
-  fps_[index] = prepared->scene.fps;
+  fps_[index] = prepared->record.scene.fps.value_or(kFramesPerSecond);
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
