@@ -22,6 +22,33 @@ inline void check_boundary(float int_ior, float ext_ior, Findings& findings) {
                                 kMostIndexRatio, int_ior, ext_ior)});
 }
 
+/// The rows of every plastic.
+template <typename Plastic, typename Row>
+void boundary_rows(const Row& row) {
+  row("diffuse_reflectance", &Plastic::diffuse, ColourWithin{}, "albedo of the base");
+  row("specular_reflectance", &Plastic::specular, ColourWithin{}, "factor of what the boundary reflects");
+  row("int_ior", &Plastic::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+  row("ext_ior", &Plastic::ext_ior, RefractiveIndex{}, "refractive index above it");
+}
+
+/// The row of plastics that may be nonlinear.
+template <typename Plastic, typename Row>
+void nonlinear_row(const Row& row) {
+  row("nonlinear", &Plastic::nonlinear, TrueOrFalse{},
+      "the base's colour deepens each time that light is reflected back to it");
+}
+
+/// The rows of plastics with a rough boundary.
+template <typename Plastic, typename Row>
+void microfacet_rows(const Row& row) {
+  row("distribution", &Plastic::distribution,
+      OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
+      "of the boundary's microfacets");
+  row("alpha", &Plastic::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA}, "their roughness");
+  row("sample_visible", &Plastic::sample_visible, TrueOrFalse{},
+      "read and ignored: visible microfacets are sampled");
+}
+
 struct PlasticBsdf {
   static constexpr const char* kPlugin = "plastic";
   static constexpr const char* kText = "diffuse base under a smooth dielectric coating";
@@ -33,13 +60,8 @@ struct PlasticBsdf {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    row("diffuse_reflectance", &PlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
-    row("specular_reflectance", &PlasticBsdf::specular, ColourWithin{},
-        "factor of what the boundary reflects");
-    row("int_ior", &PlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
-    row("ext_ior", &PlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
-    row("nonlinear", &PlasticBsdf::nonlinear, TrueOrFalse{},
-        "the base's colour deepens each time that light is reflected back to it");
+    boundary_rows<PlasticBsdf>(row);
+    nonlinear_row<PlasticBsdf>(row);
   }
   void complete(Findings& findings) const { check_boundary(int_ior, ext_ior, findings); }
 };
@@ -68,20 +90,9 @@ struct RoughPlasticBsdf {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    row("diffuse_reflectance", &RoughPlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
-    row("specular_reflectance", &RoughPlasticBsdf::specular, ColourWithin{},
-        "factor of what the boundary reflects");
-    row("int_ior", &RoughPlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
-    row("ext_ior", &RoughPlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
-    row("nonlinear", &RoughPlasticBsdf::nonlinear, TrueOrFalse{},
-        "the base's colour deepens each time that light is reflected back to it");
-    row("distribution", &RoughPlasticBsdf::distribution,
-        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
-        "of the boundary's microfacets");
-    row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
-        "their roughness");
-    row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
-        "read and ignored: visible microfacets are sampled");
+    boundary_rows<RoughPlasticBsdf>(row);
+    nonlinear_row<RoughPlasticBsdf>(row);
+    microfacet_rows<RoughPlasticBsdf>(row);
   }
   void complete(Findings& findings) const {
     check_boundary(int_ior, ext_ior, findings);
@@ -108,17 +119,8 @@ struct PolarizedPlasticBsdf {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    using P = PolarizedPlasticBsdf;
-    row("diffuse_reflectance", &P::diffuse, ColourWithin{}, "albedo of the base");
-    row("specular_reflectance", &P::specular, ColourWithin{}, "factor of what the boundary reflects");
-    row("int_ior", &P::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
-    row("ext_ior", &P::ext_ior, RefractiveIndex{}, "refractive index above it");
-    row("distribution", &P::distribution,
-        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
-        "of the boundary's microfacets");
-    row("alpha", &P::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA}, "their roughness");
-    row("sample_visible", &P::sample_visible, TrueOrFalse{},
-        "read and ignored: visible microfacets are sampled");
+    boundary_rows<PolarizedPlasticBsdf>(row);
+    microfacet_rows<PolarizedPlasticBsdf>(row);
   }
   void complete(Findings& findings) const {
     RoughPlasticBsdf{.int_ior = int_ior, .ext_ior = ext_ior}.complete(findings);

@@ -72,7 +72,9 @@ TEST_P(ReadmeCommands, AllWork) {
     }
     if (command.starts_with("penumbra view ")) {
       // A window stays open until it is closed: a script does that.
-      write_text(folder_ / "close.txt", "wait analytic\nkey space\nwait samples 1\nquit\n");
+      const bool is_shot = command.find(".exr") != std::string::npos;
+      write_text(folder_ / "close.txt",
+                 is_shot ? "wait frame 0\nquit\n" : "wait analytic\nkey space\nwait samples 1\nquit\n");
       command = "xvfb-run -a " + command + " --hidden --script close.txt";
     }
     const ProgramResult result = run_shell(folder_.path(), command);
