@@ -80,6 +80,10 @@ double frame_seconds(const SceneOptions& options) {
   return (double(options.frame.value_or(0)) + options.frame_offset) / options.fps.value_or(kFramesPerSecond);
 }
 
+std::uint32_t frame_in_seed(const SceneOptions& options) {
+  return options.seed_by_frame ? std::uint32_t(options.frame.value_or(0)) : 0;
+}
+
 std::vector<std::string> preview_order(const std::vector<std::string>& frames) {
   if (frames.size() < 3) return frames;
   std::vector<std::string> order{frames.front(), frames.back()};

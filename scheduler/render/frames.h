@@ -24,6 +24,9 @@ std::string frames_text(std::vector<int> frames);
 /// The time of the frame in seconds: frame / fps, the frame after adding the offset.
 double frame_seconds(const SceneOptions& options);
 
+/// What is added to the seed for the frame: nothing unless each frame has a seed of its own.
+std::uint32_t frame_in_seed(const SceneOptions& options);
+
 /// First, last, middle, then the middles of the halves and so on: an early look at all of a shot.
 std::vector<std::string> preview_order(const std::vector<std::string>& frames);
 

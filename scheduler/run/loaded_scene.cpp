@@ -108,7 +108,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   const auto read = read_options_of(options);
   if (!read) return std::unexpected(read.error());
   auto scene = read_scene(options.file, *read);
-  if (scene && options.frame && options.seed_by_frame) scene->sampler.seed += std::uint32_t(*options.frame);
+  if (scene) scene->sampler.seed += frame_in_seed(options);
   if (scene && options.frame && !options.frame_is_a_file && scene->motion == nullptr &&
       !scene->uses_variables)
     scene->warnings.push_back(

@@ -57,11 +57,6 @@ std::uint64_t bytes_of_scene(const LoadedScene& scene) {
   return bytes + scene.mattes.mattes.size() * sizeof(MatteNames::Matte);
 }
 
-/// What is added to the seed.
-std::uint32_t frame_in_seed(const SceneOptions& options) {
-  return options.seed_by_frame ? std::uint32_t(options.frame.value_or(0)) : 0;
-}
-
 /// Sets the number of samples and the seed of a shared description according to the options. `seed`: the
 /// scene's own, without the frame.
 Expected<void> take_samples(SceneDescription& scene, const SceneOptions& options, std::uint32_t seed) {

@@ -120,13 +120,14 @@ class SceneSet final : public JobSource {
       entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
-      page_.add(member.name, member.priority, frame_of(member));
+      page_.add(member.name, member.priority, member.options.scene.frame);
     }
     if (std::ranges::any_of(plan_.members,
-                            [](const SetMember& member) { return frame_of(member).has_value(); }))
+                            [](const SetMember& member) { return member.options.scene.frame.has_value(); }))
       page_.add_shot(plan_.name);
     keys_.resize(entries_.size());
-    for (const SetMember& member : plan_.members) may_try_again_.push_back(frame_of(member).has_value());
+    for (const SetMember& member : plan_.members)
+      may_try_again_.push_back(member.options.scene.frame.has_value());
   }
 
   ExitCode run();

@@ -10,7 +10,6 @@
 
 #include "kernels/host/atomic_file.h"
 #include "scenes/names.h"
-#include "scenes/number.h"
 #include "scenes/settings.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/quoting.h"
@@ -200,16 +199,14 @@ class SetPlanner {
     std::map<std::string, std::size_t> places;
     for (std::size_t i = 0; i < plan_.members.size(); ++i) {
       const SetMember& member = plan_.members[i];
-      const auto frame =
-          std::ranges::find(member.choices, "frame", &std::pair<std::string, std::string>::first);
-      if (member.shot.empty() || !member.files.png || frame == member.choices.end()) continue;
+      if (member.shot.empty() || !member.files.png) continue;
       const fs::path images = fs::absolute(member.shot).lexically_normal();
       const auto pictures =
           FrameFiles::of(fs::path(images).replace_extension(member.files.png->extension()).string());
       if (!pictures) continue;
       const auto [place, is_new] = places.emplace(member.shot, plan_.shots.size());
       if (is_new) plan_.shots.push_back({.pictures = *pictures});
-      plan_.shots[place->second].frames.emplace_back(std::stoi(frame->second), i);
+      plan_.shots[place->second].frames.emplace_back(*member.options.scene.frame, i);
     }
     if (!options_.video.empty()) {
       if (plan_.shots.size() != 1)
@@ -328,12 +325,6 @@ Expected<SetPlan> plan_set(const RenderOptions& options, const CommandLine& comm
   if (!options.statistics.empty())
     return fail("--statistics FILE is of one scene; of several each has its own beside its image");
   return SetPlanner(options, command).plan();
-}
-
-std::optional<int> frame_of(const SetMember& member) {
-  for (const auto& [name, value] : member.choices)
-    if (const auto frame = parse_integer(value, 0, kLastFrame); frame && name == "frame") return int(*frame);
-  return std::nullopt;
 }
 
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan) {

@@ -44,9 +44,6 @@ struct SetPlan {
   std::filesystem::path summary;
 };
 
-/// The frame of a shot that it is; nothing: a still.
-std::optional<int> frame_of(const SetMember& member);
-
 /// The scene options of each render.
 std::vector<const SceneOptions*> scenes_of(const SetPlan& plan);
 

@@ -54,7 +54,7 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .mattes = prepared.scene.mattes,
                         .folder = stored_folder(member),
                         .submitter = submitter_name(),
-                        .frame = frame_of(member)};
+                        .frame = member.options.scene.frame};
   submission.record.threads = 0;  // the service has its own
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;
