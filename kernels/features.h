@@ -48,7 +48,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(GEOMETRIC_NORMAL_LAYER, "geometric normal layer")                  \
   X(SHAPE_LAYER, "layer of shape IDs")                                 \
   X(DIRECT_LAYER, "direct light layer")                                \
-  X(INDIRECT_LAYER, "indirect light layer")
+  X(INDIRECT_LAYER, "indirect light layer")                            \
+  X(MOTION, "motion while the shutter is open")                        \
+  X(MOTION_LAYER, "layer of motion")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

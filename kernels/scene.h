@@ -38,6 +38,25 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   return s;
 }
 
+// load_<record>(pointer): the record, read member by member. Lane loops that copy whole records do not
+// vectorise.
+#define MEMBER_vec3(record, member) load3(&(record)->member)
+#define MEMBER_float(record, member) (record)->member
+#define MEMBER_int(record, member) (record)->member
+#define LOAD_MEMBER(type, member) loaded.member = MEMBER_##type(record, member);
+#define LOADED_RECORD(Name, name, FIELDS)          \
+  FN Name load_##name(GLOBAL const Name* record) { \
+    Name loaded;                                   \
+    FIELDS(LOAD_MEMBER)                            \
+    return loaded;                                 \
+  }
+LOADED_RECORD(Instance, instance, INSTANCE_FIELDS)
+LOADED_RECORD(Quadric, quadric, QUADRIC_FIELDS)
+LOADED_RECORD(Light, light, LIGHT_FIELDS)
+LOADED_RECORD(Motion, motion, MOTION_FIELDS)
+#undef LOADED_RECORD
+#undef LOAD_MEMBER
+
 // Whether glossy BSDFs use linearly transformed cosines under polygon lights. If so, the scene has their
 // table.
 #define NEEDS_LTC(scene) (NEEDS(scene, LTC) && (scene)->header.tables.ltc_cells.count > 0)

@@ -168,6 +168,65 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, row_z)           \
   F(int, group)
 
+// How a record moves while the shutter is open: at `steps` + 1 evenly spaced times from 0 (the shutter opens)
+// to 1 (it is closed everywhere) it is in the states first, first + stride ...; between them, it moves
+// linearly. With FEATURE_MOTION_LAYER, the states after those are at the middle of the frame before and of
+// the next one. See motion/motion.h.
+#define MOTION_FIELDS(F) \
+  F(int, first)          \
+  F(int, stride)         \
+  F(int, steps) /* 0: it does not move, and has no states */
+
+// The states of what moves. A quadric's and the camera's are whole records.
+#define TRIANGLE_STATE_FIELDS(F)                  \
+  F(vec3, p0)                                     \
+  F(vec3, p1)                                     \
+  F(vec3, p2)                                     \
+  F(vec3, n0) /* vertex normals, if it has any */ \
+  F(vec3, n1)                                     \
+  F(vec3, n2)
+#define INSTANCE_STATE_FIELDS(F) \
+  F(vec3, x)                     \
+  F(vec3, y)                     \
+  F(vec3, z)                     \
+  F(vec3, at)
+// As in Light; the axes are those of its Beam.
+#define LIGHT_STATE_FIELDS(F) \
+  F(vec3, p0)                 \
+  F(vec3, p1)                 \
+  F(vec3, p2)                 \
+  F(vec3, x)                  \
+  F(vec3, y)                  \
+  F(vec3, z)
+
+// The one record of the scene's shutter. Of the triangles, quadrics and instances, the last ones move, those
+// from `still_triangles` and so on.
+#define SHUTTER_FIELDS(F)                                                                         \
+  F(int, still_triangles)                                                                         \
+  F(int, still_quadrics)                                                                          \
+  F(int, still_instances)                                                                         \
+  F(int, camera_steps) /* 0: the camera does not move */                                          \
+  F(float, exposure)   /* share of the whole time for which a row of the film is exposed */       \
+  F(float, rolling)    /* share by which the last row's exposure starts later than the first's */ \
+  F(int, curve_knots)  /* of the shutter's curve, at least 2, evenly spaced */
+
+// A node of the hierarchy of what moves. The box of child k at time t is [low + t low_speed, high + t
+// high_speed], for t in [begin, end]; at other times the child is not there. Child k is a node if child[k] >=
+// 0, else leaf ~child[k]. An empty slot is any leaf whose `end` is before its `begin`.
+#define MOTION_NODE_FIELDS(F)        \
+  F(float, low[3][BVH_WIDTH])        \
+  F(float, high[3][BVH_WIDTH])       \
+  F(float, low_speed[3][BVH_WIDTH])  \
+  F(float, high_speed[3][BVH_WIDTH]) \
+  F(float, begin[BVH_WIDTH])         \
+  F(float, end[BVH_WIDTH])           \
+  F(int, child[BVH_WIDTH])
+
+// What moves in a leaf: an instance, or else a primitive; an unused slot has -1 for both.
+#define MOTION_LEAF_FIELDS(F)  \
+  F(int, primitive[BVH_WIDTH]) \
+  F(int, instance[BVH_WIDTH])
+
 // A range of consecutive primitives. In a scene with instances, group 0 holds the shapes that are not
 // instanced; the other groups are placed by instances.
 #define PRIMITIVE_GROUP_FIELDS(F)                        \
@@ -471,69 +530,85 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, emission_radius) /* of a sphere about the origin that contains all shapes */
 
 // Parameters that a viewer may change besides the camera: no table and no kernel depends on them.
-#define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */
+#define ADJUSTABLE_FIELDS(F)            \
+  F(float, alpha) /* ESTIMATOR_ALPHA */ \
+  F(int, frozen)  /* FEATURE_MOTION: 1: everything is as in the middle of the exposure */
 
 // The list of the scene's tables: T(A, name, record, least, what), where A is passed on. It generates the
 // header, the pointers, the checks, serialisation and `penumbra info`. Every table has at least `least`
 // records, whatever its count: kernels read them for rays that miss and for idle lanes. `what` is its name
 // for users.
-#define SCENE_TABLES(T, A)                                                            \
-  T(A, triangles, Triangle, 1, "triangles")                                           \
-  T(A, normals, VertexNormals, 1, "vertex normals")                                   \
-  T(A, quadrics, Quadric, 1, "spheres, disks and cylinders")                          \
-  T(A, materials, Material, 1, "materials")                                           \
-  T(A, curves, float, 1, "curves of BSDFs")                                           \
-  T(A, textures, TextureNode, 1, "textures")                                          \
-  T(A, texels, uint, LEAST_TEXELS, "words of texels")                                 \
-  T(A, lights, Light, 1, "lights")                                                    \
-  T(A, light_cells, int, 1, "cells of the choice of lights")                          \
-  T(A, polygons, Polygon, 1, "polygon lights")                                        \
-  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                \
-  /* FEATURE_UV: one for each triangle; one for each light. */                        \
-  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                  \
-  T(A, light_triangles, LightTriangles, 1, "triangles of lights")                     \
-  /* FEATURE_LIGHT_TREE: nodes of the cut come first, see light_tree_builder.h. */    \
-  T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                 \
-  T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                    \
-  T(A, light_members, LightMember, 1, "lights of leaves that have several")           \
-  T(A, light_numbers, int, 1, "shares of lights in leaves")                           \
-  /* mesh_attribute textures: for each triangle, the index of its colours, or -1. */  \
-  T(A, triangle_colours, int, 1, "triangles that may have colours")                   \
-  T(A, vertex_colours, VertexColours, 1, "colours of vertices")                       \
-  /* FEATURE_LTC: the cells of GGX, then those of Beckmann. */                        \
-  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                         \
-  /* Small scenes: distinct vertices, and three indices for each triangle. */         \
-  T(A, vertices, vec3, 0, "vertices, to test every primitive")                        \
-  T(A, corners, Corner, 0, "corners, to test every primitive")                        \
-  /* Large scenes: the BVH, see BVH_NODE_FIELDS. */                                   \
-  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                   \
-  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                       \
-  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres, disks and cylinders")      \
-  /* FEATURE_INSTANCES. */                                                            \
-  T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                 \
-  T(A, instances, Instance, 1, "instances")                                           \
-  /* FEATURE_MATTES: matte numbers of triangles, then of quadrics, from 1 on. */      \
-  /* In a group they start at 0 and are added to the instance's first number. */      \
-  T(A, mattes, int, 1, "mattes of primitives")                                        \
-  T(A, instance_mattes, int, 1, "first mattes of instances")                          \
-  /* FEATURE_SHAPE_LAYER: shape numbers of triangles, then of quadrics, from 1 on. */ \
-  T(A, primitive_shapes, int, 1, "shapes of primitives")                              \
-  /* FEATURE_MEDIA: boundary index of each triangle, then of each quadric, or -1. */  \
-  T(A, media, Medium, 1, "media")                                                     \
-  T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                        \
-  T(A, boundaries, Boundary, 1, "boundaries of media")                                \
-  T(A, primitive_boundaries, int, 1, "primitives that bound media")                   \
-  T(A, flight_centres, FlightCentre, 1, "places from where lights shine on media")    \
-  T(A, light_media, LightMedia, 1, "media at lights")                                 \
-  T(A, volumes, Volume, 1, "volumes")                                                 \
-  T(A, volume_values, float, 3, "numbers of volumes")                                 \
-  T(A, majorants, float, 1, "majorants of volumes")                                   \
-  /* See filter.h. */                                                                 \
-  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")           \
-  /* FEATURE_LIGHT_EDGES: index of the first record of each film row, and the end. */ \
-  T(A, light_edge_rows, int, 2, "rows of edges of lights")                            \
-  T(A, light_edge_pixels, LightEdgePixel, 1, "pixels with edges of lights")           \
-  T(A, light_edges, LightEdge, 1, "edges of lights in pixels")                        \
+#define SCENE_TABLES(T, A)                                                                 \
+  T(A, triangles, Triangle, 1, "triangles")                                                \
+  T(A, normals, VertexNormals, 1, "vertex normals")                                        \
+  T(A, quadrics, Quadric, 1, "spheres, disks and cylinders")                               \
+  T(A, materials, Material, 1, "materials")                                                \
+  T(A, curves, float, 1, "curves of BSDFs")                                                \
+  T(A, textures, TextureNode, 1, "textures")                                               \
+  T(A, texels, uint, LEAST_TEXELS, "words of texels")                                      \
+  T(A, lights, Light, 1, "lights")                                                         \
+  T(A, light_cells, int, 1, "cells of the choice of lights")                               \
+  T(A, polygons, Polygon, 1, "polygon lights")                                             \
+  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                     \
+  /* FEATURE_UV: one for each triangle; one for each light. */                             \
+  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                       \
+  T(A, light_triangles, LightTriangles, 1, "triangles of lights")                          \
+  /* FEATURE_LIGHT_TREE: nodes of the cut come first, see light_tree_builder.h. */         \
+  T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                      \
+  T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                         \
+  T(A, light_members, LightMember, 1, "lights of leaves that have several")                \
+  T(A, light_numbers, int, 1, "shares of lights in leaves")                                \
+  /* mesh_attribute textures: for each triangle, the index of its colours, or -1. */       \
+  T(A, triangle_colours, int, 1, "triangles that may have colours")                        \
+  T(A, vertex_colours, VertexColours, 1, "colours of vertices")                            \
+  /* FEATURE_LTC: the cells of GGX, then those of Beckmann. */                             \
+  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                              \
+  /* Small scenes: distinct vertices, and three indices for each triangle. */              \
+  T(A, vertices, vec3, 0, "vertices, to test every primitive")                             \
+  T(A, corners, Corner, 0, "corners, to test every primitive")                             \
+  /* Large scenes: the BVH, see BVH_NODE_FIELDS. */                                        \
+  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                        \
+  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                            \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres, disks and cylinders")           \
+  /* FEATURE_INSTANCES. */                                                                 \
+  T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                      \
+  T(A, instances, Instance, 1, "instances")                                                \
+  /* FEATURE_MATTES: matte numbers of triangles, then of quadrics, from 1 on. */           \
+  /* In a group they start at 0 and are added to the instance's first number. */           \
+  T(A, mattes, int, 1, "mattes of primitives")                                             \
+  T(A, instance_mattes, int, 1, "first mattes of instances")                               \
+  /* FEATURE_SHAPE_LAYER: shape numbers of triangles, then of quadrics, from 1 on. */      \
+  T(A, primitive_shapes, int, 1, "shapes of primitives")                                   \
+  /* FEATURE_MEDIA: boundary index of each triangle, then of each quadric, or -1. */       \
+  T(A, media, Medium, 1, "media")                                                          \
+  T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                             \
+  T(A, boundaries, Boundary, 1, "boundaries of media")                                     \
+  T(A, primitive_boundaries, int, 1, "primitives that bound media")                        \
+  T(A, flight_centres, FlightCentre, 1, "places from where lights shine on media")         \
+  T(A, light_media, LightMedia, 1, "media at lights")                                      \
+  T(A, volumes, Volume, 1, "volumes")                                                      \
+  T(A, volume_values, float, 3, "numbers of volumes")                                      \
+  T(A, majorants, float, 1, "majorants of volumes")                                        \
+  /* See filter.h. */                                                                      \
+  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")                \
+  /* FEATURE_LIGHT_EDGES: index of the first record of each film row, and the end. */      \
+  T(A, light_edge_rows, int, 2, "rows of edges of lights")                                 \
+  T(A, light_edge_pixels, LightEdgePixel, 1, "pixels with edges of lights")                \
+  T(A, light_edges, LightEdge, 1, "edges of lights in pixels")                             \
+  /* FEATURE_MOTION: of the triangles, quadrics and instances that move; of all lights. */ \
+  T(A, shutter, Shutter, 1, "shutters")                                                    \
+  T(A, shutter_curve, float, 4, "values of the shutter's curve, and its integral")         \
+  T(A, camera_states, Camera, 1, "states of the camera")                                   \
+  T(A, triangle_motions, Motion, 1, "triangles that move")                                 \
+  T(A, triangle_states, TriangleState, 1, "states of triangles")                           \
+  T(A, quadric_motions, Motion, 1, "spheres, disks and cylinders that move")               \
+  T(A, quadric_states, Quadric, 1, "states of spheres, disks and cylinders")               \
+  T(A, instance_motions, Motion, 1, "instances that move")                                 \
+  T(A, instance_states, InstanceState, 1, "states of instances")                           \
+  T(A, light_motions, Motion, 1, "lights that may move")                                   \
+  T(A, light_states, LightState, 1, "states of lights")                                    \
+  T(A, motion_nodes, MotionNode, 1, "nodes of the hierarchy of what moves")                \
+  T(A, motion_leaves, MotionLeaf, 1, "leaves of what moves")                               \
   LIGHT_TABLES(T, A)
 
 // The index fields: I(table, record, member, target table, least, error message). The message is reported if
@@ -613,6 +688,13 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Quadric, QUADRIC_FIELDS)                            \
   X(Instance, INSTANCE_FIELDS)                          \
   X(PrimitiveGroup, PRIMITIVE_GROUP_FIELDS)             \
+  X(Motion, MOTION_FIELDS)                              \
+  X(TriangleState, TRIANGLE_STATE_FIELDS)               \
+  X(InstanceState, INSTANCE_STATE_FIELDS)               \
+  X(LightState, LIGHT_STATE_FIELDS)                     \
+  X(Shutter, SHUTTER_FIELDS)                            \
+  X(MotionNode, MOTION_NODE_FIELDS)                     \
+  X(MotionLeaf, MOTION_LEAF_FIELDS)                     \
   X(Material, MATERIAL_FIELDS)                          \
   X(TextureNode, TEXTURE_FIELDS)                        \
   X(Medium, MEDIUM_FIELDS)                              \

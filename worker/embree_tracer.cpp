@@ -158,7 +158,7 @@ struct EmbreeTracer::Impl {
   /// away. This is so if the point's height over it, times twice its area, is within about 8 roundings of the
   /// products in the computation, each at most the product of the largest distances along the three axes.
   [[nodiscard]] bool may_meet_again(unsigned triangle, int instance, const vec3& origin) const {
-    const vec3 from = instance < 0 ? origin : to_group_point(&instances[std::size_t(instance)], origin);
+    const vec3 from = instance < 0 ? origin : to_group_point(instances[std::size_t(instance)], origin);
     const Triangle& t = triangles[triangle];
     const vec3 v0 = sub(t.p0, from), v1 = sub(t.p1, from), v2 = sub(t.p2, from);
     const float height = dot3(cross3(sub(v1, v0), sub(v2, v0)), v0);

@@ -39,6 +39,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, direction_pdf, EVERY_SCENE, EVERY_SCENE)     /* per solid angle; see DELTA_PDF; negative: see flat_glass.h */ \
   X(int, hit, EVERY_SCENE, NEVER)                       /* primitive that it hits, or -1 */                           \
   X(int, hit_instance, FEATURE_INSTANCES, NEVER)        /* the instance of that primitive, or -1 */                   \
+  X(int, moving_hit, FEATURE_MOTION, NEVER)             /* what it hits of what moves, see block_motion.h */          \
+  X(int, moving_instance, FEATURE_MOTION, NEVER)                                                                      \
+  X(float, whole_tmax, FEATURE_MOTION, NEVER)                                                                         \
   /* the path */                                                                                                      \
   X(vec3, throughput, EVERY_SCENE, EVERY_SCENE)                                                                       \
   X(vec3, radiance, EVERY_SCENE, EVERY_SCENE)           /* found so far */                                            \
@@ -48,6 +51,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, slot, EVERY_SCENE, EVERY_SCENE)                /* the slot of its sample */                                  \
   X(int, pixel_hash, EVERY_SCENE, EVERY_SCENE)                                                                        \
   X(int, sample_index, EVERY_SCENE, EVERY_SCENE)                                                                      \
+  X(float, time, FEATURE_MOTION, FEATURE_MOTION)        /* while the shutter is open: 0 to 1, see motion.h */         \
   X(bool, alive, EVERY_SCENE, NEVER)                    /* the path goes on after the step */                         \
   /* the surface where the ray started */                                                                             \
   X(vec3, left_normal, FEATURE_PROJECTED, FEATURE_PROJECTED)    /* its shading normal */                              \

@@ -63,7 +63,7 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
 
 /// `d`: the derivatives as if the primitive were not instanced.
 FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Derivatives d) {
-  GLOBAL const Instance* at = scene->instances + (s.instance >= 0 ? s.instance : 0);
+  const Instance at = load_instance(scene->instances + (s.instance >= 0 ? s.instance : 0));
   const int triangles = scene->header.tables.triangles.count;
   const bool is_quadric = s.primitive >= triangles;
   Derivatives own = d;

@@ -218,12 +218,12 @@ FN int instance_of_leaf(int leaf) { return leaf - FIRST_INSTANCE_LEAF; }
 /// Enters the instance. Returns the root node of its group.
 FN int enter_instance(const PRIVATE Scene* scene, PRIVATE Traversal* t, int instance, int skip_instance,
                       int top) {
-  GLOBAL const Instance* at = scene->instances + instance;
+  const Instance at = load_instance(scene->instances + instance);
   const GroupRay r = group_ray(at, t->outside.o, t->outside.d);
   t->ray = make_bvh_ray(r.o, r.d, instance == skip_instance ? t->outside.skip : -1);
   t->instance = instance;
   t->bottom = top;
-  return scene->groups[at->group].root;
+  return scene->groups[at.group].root;
 }
 
 /// Leaves the instance if all of it was visited.

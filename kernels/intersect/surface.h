@@ -130,7 +130,7 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
 
 /// Where the ray from `o` along `d` meets the instance's primitive; the result is in scene space.
 FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
-  GLOBAL const Instance* at = scene->instances + instance;
+  const Instance at = load_instance(scene->instances + instance);
   const GroupRay ray = group_ray(at, o, d);
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, ray.o, ray.d);

@@ -153,7 +153,7 @@ FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint
 /// For a primitive of an instance; `r` is in scene space.
 FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int instance, PrimitivePoint r,
                             Surface s) {
-  GLOBAL const Instance* at = scene->instances + instance;
+  const Instance at = load_instance(scene->instances + instance);
   const int quadric = primitive - scene->header.tables.triangles.count;
   const bool is_triangle = (primitive >= 0) & (quadric < 0);
   const int triangle = is_triangle ? primitive : 0;

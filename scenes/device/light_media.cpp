@@ -45,7 +45,7 @@ float distance_to(const Scene& scene, const BoundaryPrimitive& each, vec3 o, vec
   const int triangles = scene.header.tables.triangles.count;
   float stretch = 1.0f;
   if (each.instance >= 0) {
-    const GroupRay ray = group_ray(scene.instances + each.instance, o, d);
+    const GroupRay ray = group_ray(scene.instances[each.instance], o, d);
     const UnitDirection unit = unit_direction(ray.d);
     o = ray.o;
     d = unit.d;
