@@ -59,21 +59,21 @@ STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathSta
 }
 
 // Replaces the points of lanes whose primitive is a quadric for which `such` holds by `point_of`.
-#define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                     \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                      \
-                   PRIVATE PrimitivePoints* RESTRICT points) {                                             \
-    const int triangle_count = scene->header.tables.triangles.count;                                       \
-    LANE_LOOP                                                                                              \
-      for (int j = 0; j < LANES; j++) {                                                                    \
-        const int quadric = get_hit(paths, i + j) - triangle_count;                                        \
-        const PrimitivePoint other = load_primitive_point(points, j);                                      \
-        const PrimitivePoint r = point_of(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j), \
-                                          get_ray_direction(paths, i + j));                                \
-        store_primitive_point(points, j, select_primitive_point(such(scene, quadric), r, other));          \
-      }                                                                                                    \
+#define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                    \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                     \
+                   PRIVATE PrimitivePoints* RESTRICT points) {                                            \
+    const int triangle_count = scene->header.tables.triangles.count;                                      \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const int quadric = get_hit(paths, i + j) - triangle_count;                                       \
+        const PrimitivePoint other = load_primitive_point(points, j);                                     \
+        const PrimitivePoint r = point_of(load_quadric(scene->quadrics + (quadric >= 0 ? quadric : 0)),   \
+                                          get_ray_origin(paths, i + j), get_ray_direction(paths, i + j)); \
+        store_primitive_point(points, j, select_primitive_point(such(scene, quadric), r, other));         \
+      }                                                                                                   \
   }
-FIND_POINTS_OF_QUADRICS(find_quadric_points, quadric_point, is_quadric)
-FIND_POINTS_OF_QUADRICS(find_cylinder_points, cylinder_point, is_cylinder)
+FIND_POINTS_OF_QUADRICS(find_quadric_points, point_on_sphere_or_disk, is_quadric)
+FIND_POINTS_OF_QUADRICS(find_cylinder_points, point_on_cylinder, is_cylinder)
 #undef FIND_POINTS_OF_QUADRICS
 
 FN bool any_quadric_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
@@ -102,8 +102,9 @@ STAGE void find_instance_points(const PRIVATE Scene* scene, const PRIVATE PathSt
     for (int j = 0; j < LANES; j++) {
       const int instance = instance_hit(paths, i + j);
       const PrimitivePoint other = load_primitive_point(points, j);
-      const PrimitivePoint r = instance_point(scene, get_hit(paths, i + j), instance >= 0 ? instance : 0,
-                                              get_ray_origin(paths, i + j), get_ray_direction(paths, i + j));
+      const Instance at = load_instance(scene->instances + (instance >= 0 ? instance : 0));
+      const PrimitivePoint r = instance_point(scene, get_hit(paths, i + j), at, get_ray_origin(paths, i + j),
+                                              get_ray_direction(paths, i + j));
       store_primitive_point(points, j, select_primitive_point(instance >= 0, r, other));
     }
 }
@@ -164,8 +165,8 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface other = load_surface(surfaces, j);
-      const Surface s = with_instance_uv(scene, other.primitive, other.instance >= 0 ? other.instance : 0,
-                                         load_primitive_point(points, j), other);
+      const Instance at = load_instance(scene->instances + (other.instance >= 0 ? other.instance : 0));
+      const Surface s = with_instance_uv(scene, other.primitive, at, load_primitive_point(points, j), other);
       store_surface_uv(surfaces, j, select_surface(other.instance >= 0, s, other));
     }
 }

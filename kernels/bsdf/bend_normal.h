@@ -26,11 +26,9 @@ LANE_RECORD(Bend, Bends, bend, BEND_FIELDS)
   F(a, vec3, dv)
 LANE_RECORD(Derivatives, DerivativesLanes, derivatives, DERIVATIVES_FIELDS)
 
-FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 normal) {
-  GLOBAL const Triangle* triangle = scene->triangles + index;
-  GLOBAL const VertexUvs* at = uvs_of(scene, index);
-  const vec3 p0 = load3(&triangle->p0);
-  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
+/// Of the triangle p0, p1, p2 with the texture coordinates `at`.
+FN Derivatives triangle_derivatives(GLOBAL const VertexUvs* at, vec3 p0, vec3 p1, vec3 p2, vec3 normal) {
+  const vec3 e1 = sub(p1, p0), e2 = sub(p2, p0);
   const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
   const float determinant = u1 * v2 - v1 * u2;
   const bool some = determinant != 0.0f;
@@ -43,12 +41,11 @@ FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 
 }
 
 /// For the coordinates of sphere_uv, disk_uv and cylinder_uv.
-FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p) {
-  GLOBAL const Quadric* q = scene->quadrics + index;
-  const int kind = q->kind;
-  const float radius = q->radius;
-  const vec3 x = load3(&q->x_axis), y = load3(&q->y_axis), z = load3(&q->normal);
-  const vec3 c = to_quadric_frame(q, sub(p, load3(&q->center)));
+FN Derivatives quadric_derivatives(Quadric q, vec3 p) {
+  const int kind = q.kind;
+  const float radius = q.radius;
+  const vec3 x = q.x_axis, y = q.y_axis, z = q.normal;
+  const vec3 c = to_quadric_frame(q, sub(p, q.center));
   const float r = max_f(SQRT(sqr(c.x) + sqr(c.y)), 1e-30f);
   const vec3 around = add_scaled(scale(x, -c.y), c.x, y), outward = add_scaled(scale(x, c.x / r), c.y / r, y);
   Derivatives sphere, disk, d;
@@ -57,19 +54,23 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   disk.du = scale(outward, radius);
   d.du = select3(kind == QUADRIC_DISK, disk.du, sphere.du);
   d.dv = select3(kind == QUADRIC_DISK, disk.dv, sphere.dv);
-  if (HAS(CYLINDERS)) d.dv = select3(kind == QUADRIC_CYLINDER, scale(z, q->length), d.dv);
+  if (HAS(CYLINDERS)) d.dv = select3(kind == QUADRIC_CYLINDER, scale(z, q.length), d.dv);
   return d;
 }
 
-/// `d`: the derivatives as if the primitive were not instanced.
-FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Derivatives d) {
-  const Instance at = load_instance(scene->instances + (s.instance >= 0 ? s.instance : 0));
+/// The quadric of a surface whose primitive is one.
+FN Quadric quadric_of(const PRIVATE Scene* scene, Surface s) {
+  const int quadric = s.primitive - scene->header.tables.triangles.count;
+  return load_quadric(scene->quadrics + (quadric >= 0 ? quadric : 0));
+}
+
+/// `d`: the derivatives as if the primitive were not instanced; `at`: its instance, if it is.
+FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Instance at, Derivatives d) {
   const int triangles = scene->header.tables.triangles.count;
   const bool is_quadric = s.primitive >= triangles;
   Derivatives own = d;
   if (HAS(QUADRICS)) {
-    const Derivatives q =
-        quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, to_group_point(at, s.p));
+    const Derivatives q = quadric_derivatives(quadric_of(scene, s), to_group_point(at, s.p));
     own.du = select3(is_quadric, q.du, own.du);
     own.dv = select3(is_quadric, q.dv, own.dv);
   }
@@ -83,10 +84,13 @@ FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Deriv
 FN Derivatives surface_derivatives(const PRIVATE Scene* scene, Surface s, vec3 front) {
   const int triangles = scene->header.tables.triangles.count;
   const bool is_triangle = (s.primitive >= 0) & (s.primitive < triangles);
-  Derivatives d = triangle_derivatives(scene, is_triangle ? s.primitive : 0, front);
+  const int index = is_triangle ? s.primitive : 0;
+  GLOBAL const Triangle* triangle = scene->triangles + index;
+  Derivatives d = triangle_derivatives(uvs_of(scene, index), load3(&triangle->p0), load3(&triangle->p1),
+                                       load3(&triangle->p2), front);
   if (HAS(QUADRICS)) {
     const bool is_quadric = s.primitive >= triangles;
-    const Derivatives q = quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, s.p);
+    const Derivatives q = quadric_derivatives(quadric_of(scene, s), s.p);
     d.du = select3(is_quadric, q.du, d.du);
     d.dv = select3(is_quadric, q.dv, d.dv);
   }
@@ -154,10 +158,11 @@ STAGE void find_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
 STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                                      PRIVATE DerivativesLanes* RESTRICT derivatives) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      store_derivatives(
-          derivatives, j,
-          instance_derivatives(scene, load_surface(surfaces, j), load_derivatives(derivatives, j)));
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const Instance at = load_instance(scene->instances + (s.instance >= 0 ? s.instance : 0));
+      store_derivatives(derivatives, j, instance_derivatives(scene, s, at, load_derivatives(derivatives, j)));
+    }
 }
 
 /// If a surface is displaced along its normal n by h(u, v), its new normal is that of du + h_u n and dv + h_v

@@ -40,10 +40,8 @@ FN SideMaterials side_materials(const PRIVATE Scene* scene, int primitive) {
   return sides;
 }
 
-/// Where the ray from `o` along `d` meets the triangle's plane.
-FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
-  GLOBAL const Triangle* triangle = scene->triangles + index;
-  const vec3 p0 = load3(&triangle->p0), p1 = load3(&triangle->p1), p2 = load3(&triangle->p2);
+/// Where the ray from `o` along `d` meets the plane of p0, p1, p2. The caller sets materials and light.
+FN PrimitivePoint point_in_triangle(vec3 p0, vec3 p1, vec3 p2, vec3 o, vec3 d) {
   const Shear shear = make_shear(d);
   const TriangleHit h = intersect_sheared(shear_point(shear, sub(p0, o)), shear_point(shear, sub(p1, o)),
                                           shear_point(shear, sub(p2, o)));
@@ -57,20 +55,34 @@ FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, 
   r.extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
   r.normal = r.shading = normalize3(cross3(sub(p1, p0), sub(p2, p0)));
   r.distance = h.t;
+  return r;
+}
+
+FN PrimitivePoint of_triangle(GLOBAL const Triangle* triangle, PrimitivePoint r) {
   r.front = triangle->front;
   r.back = triangle->back;
   r.light = triangle->light;
   return r;
 }
 
-/// The triangle's interpolated normal at the point; without vertex normals, the flat normal.
+FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
+  GLOBAL const Triangle* triangle = scene->triangles + index;
+  return of_triangle(
+      triangle, point_in_triangle(load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2), o, d));
+}
+
+/// The interpolated normal at the point, if the triangle is smooth, else the flat normal.
+FN vec3 blended_normal(vec3 n0, vec3 n1, vec3 n2, bool smooth, PrimitivePoint r) {
+  vec3 blend = add(add(scale(n0, r.b0), scale(n1, r.b1)), scale(n2, r.b2));
+  const float length2 = dot3(blend, blend);
+  blend = scale(blend, 1.0f / SQRT(max_f(length2, 1e-30f)));
+  return select3(smooth & (length2 > 1e-12f), blend, r.normal);
+}
+
 FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoint r) {
   const int at = scene->triangles[index].normals;
   GLOBAL const VertexNormals* n = scene->normals + (at >= 0 ? at : 0);
-  vec3 blend = add(add(scale(load3(&n->n0), r.b0), scale(load3(&n->n1), r.b1)), scale(load3(&n->n2), r.b2));
-  const float length2 = dot3(blend, blend);
-  blend = scale(blend, 1.0f / SQRT(max_f(length2, 1e-30f)));
-  return select3((at >= 0) & (length2 > 1e-12f), blend, r.normal);
+  return blended_normal(load3(&n->n0), load3(&n->n1), load3(&n->n2), at >= 0, r);
 }
 
 /// Whether a primitive is a quadric; `quadric` is its index minus the number of triangles.
@@ -81,11 +93,10 @@ FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
   return (quadric >= 0) & (kind == QUADRIC_CYLINDER);
 }
 
-/// Where the ray from `o` along `d` meets the cylinder `index`.
-FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
-  GLOBAL const Quadric* q = scene->quadrics + index;
-  const vec3 center = load3(&q->center), axis = load3(&q->normal);
-  const float radius = q->radius, length = q->length;
+/// Where the ray from `o` along `d` meets the cylinder.
+FN PrimitivePoint point_on_cylinder(Quadric q, vec3 o, vec3 d) {
+  const vec3 center = q.center, axis = q.normal;
+  const float radius = q.radius, length = q.length;
   PrimitivePoint r;
   r.b0 = r.b1 = r.b2 = 0.0f;
   r.distance = intersect_cylinder(o, d, center, axis, radius, length);
@@ -96,19 +107,18 @@ FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, 
   // Moves the point radially onto the surface.
   r.p = add_scaled(add_scaled(center, height, axis), radius, outward);
   r.extent = add(abs3(center), make_vec3(radius + length, radius + length, radius + length));
-  r.normal = r.shading = scale(outward, q->orientation);
-  r.front = q->front;
-  r.back = q->back;
-  r.light = q->light;
+  r.normal = r.shading = scale(outward, q.orientation);
+  r.front = q.front;
+  r.back = q.back;
+  r.light = q.light;
   return r;
 }
 
-/// Where the ray from `o` along `d` meets the sphere or disk `index`.
-FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
-  GLOBAL const Quadric* q = scene->quadrics + index;
-  const bool sphere = q->kind == QUADRIC_SPHERE;
-  const vec3 center = load3(&q->center), disk_normal = load3(&q->normal);
-  const float radius = q->radius;
+/// Where the ray from `o` along `d` meets the sphere or disk.
+FN PrimitivePoint point_on_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
+  const bool sphere = q.kind == QUADRIC_SPHERE;
+  const vec3 center = q.center, disk_normal = q.normal;
+  const float radius = q.radius;
   const float t_sphere = intersect_sphere(o, d, center, radius);
   const float t_disk = intersect_disk(o, d, center, disk_normal, radius);
   PrimitivePoint r;
@@ -121,16 +131,22 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
   const vec3 on_disk = add_scaled(at, -dot3(sub(at, center), disk_normal), disk_normal);
   r.p = select3(sphere, on_sphere, on_disk);
   r.extent = add(abs3(center), make_vec3(radius, radius, radius));
-  r.normal = r.shading = select3(sphere, scale(outward, q->orientation), disk_normal);
-  r.front = q->front;
-  r.back = q->back;
-  r.light = q->light;
+  r.normal = r.shading = select3(sphere, scale(outward, q.orientation), disk_normal);
+  r.front = q.front;
+  r.back = q.back;
+  r.light = q.light;
+  return r;
+}
+
+/// Where the ray from `o` along `d` meets the quadric.
+FN PrimitivePoint point_on_quadric(Quadric q, vec3 o, vec3 d) {
+  PrimitivePoint r = point_on_sphere_or_disk(q, o, d);
+  if (HAS(CYLINDERS)) r = select_primitive_point(q.kind == QUADRIC_CYLINDER, point_on_cylinder(q, o, d), r);
   return r;
 }
 
 /// Where the ray from `o` along `d` meets the instance's primitive; the result is in scene space.
-FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
-  const Instance at = load_instance(scene->instances + instance);
+FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, Instance at, vec3 o, vec3 d) {
   const GroupRay ray = group_ray(at, o, d);
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, ray.o, ray.d);
@@ -138,11 +154,8 @@ FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int 
   if (HAS(QUADRICS)) {
     const int quadric = primitive - scene->header.tables.triangles.count;
     const UnitDirection unit = unit_direction(ray.d);
-    PrimitivePoint q = quadric_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
-    if (HAS(CYLINDERS)) {
-      const PrimitivePoint c = cylinder_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
-      q = select_primitive_point(is_cylinder(scene, quadric), c, q);
-    }
+    PrimitivePoint q =
+        point_on_quadric(load_quadric(scene->quadrics + (quadric >= 0 ? quadric : 0)), ray.o, unit.d);
     q.distance /= unit.length;
     r = select_primitive_point(quadric >= 0, q, r);
   }
@@ -177,10 +190,11 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
 
 /// Like surface_at, for a primitive of an instance.
 FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
-  const PrimitivePoint r = instance_point(scene, primitive, instance, o, d);
+  const Instance at = load_instance(scene->instances + instance);
+  const PrimitivePoint r = instance_point(scene, primitive, at, o, d);
   Surface s = seen_surface(primitive, o, d, r);
   s.instance = instance;
-  if (NEEDS(scene, UV)) s = with_instance_uv(scene, primitive, instance, r, s);
+  if (NEEDS(scene, UV)) s = with_instance_uv(scene, primitive, at, r, s);
   return s;
 }
 
@@ -191,8 +205,8 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   PrimitivePoint r = triangle_point(scene, triangle, o, d);
   if (NEEDS(scene, SHADING_NORMALS)) r.shading = interpolated_normal(scene, triangle, r);
   const int quadric = primitive - scene->header.tables.triangles.count;
-  if (NEEDS(scene, QUADRICS) && (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
-  if (NEEDS(scene, CYLINDERS) && is_cylinder(scene, quadric)) r = cylinder_point(scene, quadric, o, d);
+  if (NEEDS(scene, QUADRICS) && (quadric >= 0))
+    r = point_on_quadric(load_quadric(scene->quadrics + quadric), o, d);
   Surface s = seen_surface(primitive, o, d, r);
   if (NEEDS(scene, UV)) s = with_triangle_uv(scene, triangle, r, s);
   if (NEEDS(scene, UV) && NEEDS(scene, QUADRICS) && (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);

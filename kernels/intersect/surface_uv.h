@@ -44,19 +44,13 @@ FN TexturePoint triangle_uv(GLOBAL const VertexUvs* at, float b0, float b1, floa
   return t;
 }
 
-/// The direction of dp/du of a triangle, or 0.
-FN vec3 triangle_du(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle) {
-  const vec3 p0 = load3(&triangle->p0);
-  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
+/// The direction of dp/du of the triangle p0, p1, p2, or 0.
+FN vec3 triangle_du(GLOBAL const VertexUvs* at, vec3 p0, vec3 p1, vec3 p2) {
+  const vec3 e1 = sub(p1, p0), e2 = sub(p2, p0);
   const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
   const float determinant = u1 * v2 - v1 * u2;
   const vec3 along = scale(sub(scale(e1, v2), scale(e2, v1)), sign_of(determinant));
   return select3(determinant != 0.0f, along, make_vec3(0.0f, 0.0f, 0.0f));
-}
-
-/// Unit tangent along dp/du of a triangle, perpendicular to its unit normal.
-FN vec3 triangle_tangent(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle, vec3 normal) {
-  return tangent_axis(normal, triangle_du(at, triangle));
 }
 
 /// The angle of (x, y) in turns, in [0, 1).
@@ -66,8 +60,8 @@ FN float turns_of(float x, float y) {
 }
 
 /// A vector in the frame of a quadric.
-FN vec3 to_quadric_frame(GLOBAL const Quadric* q, vec3 v) {
-  return make_vec3(dot3(v, load3(&q->x_axis)), dot3(v, load3(&q->y_axis)), dot3(v, load3(&q->normal)));
+FN vec3 to_quadric_frame(Quadric q, vec3 v) {
+  return make_vec3(dot3(v, q.x_axis), dot3(v, q.y_axis), dot3(v, q.normal));
 }
 
 /// The point of a sphere in the unit direction `outward` of its frame: longitude, and angle to the z axis.
@@ -95,23 +89,28 @@ FN TexturePoint cylinder_uv(vec3 from_center, float length) {
 }
 
 /// The quadric of a light that is a sphere, disk or cylinder.
-FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light) {
+FN Quadric quadric_of_light(const PRIVATE Scene* scene, int light) {
   GLOBAL const LightTriangles* parts =
       scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
   const int quadric = parts->quadric;
-  return scene->quadrics + (quadric >= 0 ? quadric : 0);
+  return load_quadric(scene->quadrics + (quadric >= 0 ? quadric : 0));
 }
 
-/// Adds texture coordinates and tangent to the surface.
-FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitivePoint r, Surface s) {
-  GLOBAL const VertexUvs* at = uvs_of(scene, triangle);
-  const TexturePoint t = triangle_uv(at, r.b0, r.b1, r.b2);
+/// Adds texture coordinates to the surface, and the tangent along dp/du, perpendicular to the unit normal.
+FN Surface with_uv(Surface s, TexturePoint t, vec3 normal, vec3 du) {
   s.u = t.u;
   s.v = t.v;
-  s.tangent = triangle_tangent(at, scene->triangles + triangle, r.normal);
+  s.tangent = tangent_axis(normal, du);
   s.smooth = s.shading;
   s.bumps = 0.0f;
   return s;
+}
+
+FN Surface with_triangle_uv(const PRIVATE Scene* scene, int index, PrimitivePoint r, Surface s) {
+  GLOBAL const VertexUvs* at = uvs_of(scene, index);
+  GLOBAL const Triangle* triangle = scene->triangles + index;
+  return with_uv(s, triangle_uv(at, r.b0, r.b1, r.b2), r.normal,
+                 triangle_du(at, load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2)));
 }
 
 /// Texture coordinates of a quadric's point, and the direction in which u grows.
@@ -120,58 +119,49 @@ typedef struct {
   vec3 du;
 } QuadricUv;
 
-FN QuadricUv quadric_uv(GLOBAL const Quadric* q, vec3 p) {
-  const int kind = q->kind;
+FN QuadricUv quadric_uv(Quadric q, vec3 p) {
+  const int kind = q.kind;
   const bool disk = kind == QUADRIC_DISK;
-  const vec3 from_center = to_quadric_frame(q, sub(p, load3(&q->center)));
+  const vec3 from_center = to_quadric_frame(q, sub(p, q.center));
   const TexturePoint on_sphere = sphere_uv(normalize3(from_center));
-  const TexturePoint on_disk = disk_uv(from_center, q->radius);
+  const TexturePoint on_disk = disk_uv(from_center, q.radius);
   QuadricUv r;
   r.at.u = disk ? on_disk.u : on_sphere.u;
   r.at.v = disk ? on_disk.v : on_sphere.v;
   if (HAS(CYLINDERS)) {
-    const TexturePoint on_cylinder = cylinder_uv(from_center, q->length);
+    const TexturePoint on_cylinder = cylinder_uv(from_center, q.length);
     r.at.u = kind == QUADRIC_CYLINDER ? on_cylinder.u : r.at.u;
     r.at.v = kind == QUADRIC_CYLINDER ? on_cylinder.v : r.at.v;
   }
   // u grows away from the centre on a disk, with longitude on the others.
   const float x = disk ? from_center.x : -from_center.y, y = disk ? from_center.y : from_center.x;
-  r.du = add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis));
+  r.du = add_scaled(scale(q.x_axis, x), y, q.y_axis);
   return r;
 }
 
 FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint r, Surface s) {
-  const QuadricUv uv = quadric_uv(scene->quadrics + index, r.p);
-  s.u = uv.at.u;
-  s.v = uv.at.v;
-  s.tangent = tangent_axis(r.normal, uv.du);
-  s.smooth = s.shading;
-  s.bumps = 0.0f;
-  return s;
+  const QuadricUv uv = quadric_uv(load_quadric(scene->quadrics + index), r.p);
+  return with_uv(s, uv.at, r.normal, uv.du);
 }
 
-/// For a primitive of an instance; `r` is in scene space.
-FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int instance, PrimitivePoint r,
+/// For a primitive of the instance; `r` is in scene space.
+FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, Instance at, PrimitivePoint r,
                             Surface s) {
-  const Instance at = load_instance(scene->instances + instance);
   const int quadric = primitive - scene->header.tables.triangles.count;
   const bool is_triangle = (primitive >= 0) & (quadric < 0);
-  const int triangle = is_triangle ? primitive : 0;
-  GLOBAL const VertexUvs* corners = uvs_of(scene, triangle);
+  const int index = is_triangle ? primitive : 0;
+  GLOBAL const VertexUvs* corners = uvs_of(scene, index);
+  GLOBAL const Triangle* triangle = scene->triangles + index;
   TexturePoint t = triangle_uv(corners, r.b0, r.b1, r.b2);
-  vec3 du = triangle_du(corners, scene->triangles + triangle);
+  vec3 du = triangle_du(corners, load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2));
   if (HAS(QUADRICS)) {
-    const QuadricUv uv = quadric_uv(scene->quadrics + (quadric >= 0 ? quadric : 0), to_group_point(at, r.p));
+    const QuadricUv uv =
+        quadric_uv(load_quadric(scene->quadrics + (quadric >= 0 ? quadric : 0)), to_group_point(at, r.p));
     t.u = quadric >= 0 ? uv.at.u : t.u;
     t.v = quadric >= 0 ? uv.at.v : t.v;
     du = select3(quadric >= 0, uv.du, du);
   }
-  s.u = t.u;
-  s.v = t.v;
-  s.tangent = tangent_axis(r.normal, from_group_vector(at, du));
-  s.smooth = s.shading;
-  s.bumps = 0.0f;
-  return s;
+  return with_uv(s, t, r.normal, from_group_vector(at, du));
 }
 
 PENUMBRA_NAMESPACE_END
