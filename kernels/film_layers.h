@@ -54,7 +54,11 @@ PENUMBRA_NAMESPACE_BEGIN
   X(SHAPE, 1, FEATURE_SHAPE_LAYER, slots->shape, FIRST_SAMPLE, "shape", "ID")                                \
   /* light of paths that scatter at most once, and of the others. Their sum is the radiance */               \
   X(DIRECT, 3, FEATURE_DIRECT_LAYER, slots->direct, FILTERED, "direct", "RGB")                               \
-  X(INDIRECT, 3, FEATURE_INDIRECT_LAYER, slots->indirect, FILTERED, "indirect", "RGB")
+  X(INDIRECT, 3, FEATURE_INDIRECT_LAYER, slots->indirect, FILTERED, "indirect", "RGB")                       \
+  /* pixels, to the right and down, from where the middle of the frame shows the first hit to where that of  \
+     the frame before, and of the next one, show it */                                                       \
+  X(MOTION_BEFORE, 2, FEATURE_MOTION_LAYER, slots->motion_before, FILTERED, "motion", "XY")                  \
+  X(MOTION_AFTER, 2, FEATURE_MOTION_LAYER, slots->motion_after, FILTERED, "motion", "ZW")
 
 #define UNFILTERED 0
 #define FILTERED 1
@@ -67,7 +71,7 @@ enum { PENUMBRA_FILM_LAYERS(ENUMERATE_LAYER) FILM_LAYERS };
 /// The features of layers that a scene has only if they are asked for.
 #define LAYERS_ON_DEMAND                                                                              \
   (FEATURE_POSITION_LAYER | FEATURE_UV_LAYER | FEATURE_GEOMETRIC_NORMAL_LAYER | FEATURE_SHAPE_LAYER | \
-   FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)
+   FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER | FEATURE_MOTION_LAYER)
 
 /// The planes that every result has before its layers: mean radiance (3) and its standard deviation (3).
 #define RADIANCE_PLANES 6

@@ -17,6 +17,7 @@
 #include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
 #include "kernels/integrator/whitted.h"
+#include "kernels/motion/shutter.h"
 #include "kernels/photon/trace_photons.h"
 #include "kernels/sampler/filter.h"
 
@@ -90,82 +91,100 @@ FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
 }
 
 // Camera rays of LANES paths through points on the film. FILTER_SAMPLE maps each of u, v to an offset from
-// the pixel's centre by the film's filter.
-#define START_PATHS(stage, FILTER_SAMPLE)                                                                \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                    \
-                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                     \
-                   const PRIVATE SlotState* slots) {                                                     \
-    const Camera camera = scene->header.camera;                                                          \
-    const FilmParameters film = scene->header.film;                                                      \
-    const PathState fields = *paths; /* see step.h */                                                    \
-    float weights[LANES];                                                                                \
-    LANE_LOOP                                                                                            \
-      for (int j = 0; j < LANES; j++) {                                                                  \
-        const FilterSample fx = FILTER_SAMPLE(u[j]), fy = FILTER_SAMPLE(v[j]);                           \
-        const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j), \
-                                   film.filter_radius * fx.x, film.filter_radius * fy.x);                \
-        start_path(&fields, i + j, ray);                                                                 \
-        weights[j] = fx.weight * fy.weight;                                                              \
-      }                                                                                                  \
-    for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);   \
+// the pixel's centre by the film's filter; `of_lane` is the lane's camera.
+#define START_PATHS(stage, FILTER_SAMPLE, of_lane)                                                        \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                     \
+                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                      \
+                   const PRIVATE SlotState* slots) {                                                      \
+    const Camera camera = scene->header.camera;                                                           \
+    const FilmParameters film = scene->header.film;                                                       \
+    const PathState fields = *paths; /* see step.h */                                                     \
+    float weights[LANES];                                                                                 \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const FilterSample fx = FILTER_SAMPLE(u[j]), fy = FILTER_SAMPLE(v[j]);                            \
+        const Ray ray = camera_ray(of_lane, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j), \
+                                   film.filter_radius * fx.x, film.filter_radius * fy.x);                 \
+        start_path(&fields, i + j, ray);                                                                  \
+        weights[j] = fx.weight * fy.weight;                                                               \
+      }                                                                                                   \
+    for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);    \
   }
 #define PLAIN_SAMPLE(u) sample_plain_filter(film.filter, u)
 #define TABULATED_SAMPLE(u) sample_filter(film.filter, scene->filter_table, u)
-START_PATHS(start_paths, PLAIN_SAMPLE)
-START_PATHS(start_tabulated_paths, TABULATED_SAMPLE)
+#define MOVED_CAMERA camera_at(scene, camera, get_time(&fields, i + j))
+START_PATHS(start_paths, PLAIN_SAMPLE, camera)
+START_PATHS(start_tabulated_paths, TABULATED_SAMPLE, camera)
+START_PATHS(start_moving_paths, TABULATED_SAMPLE, MOVED_CAMERA)
 #undef TABULATED_SAMPLE
 #undef PLAIN_SAMPLE
 #undef START_PATHS
 
 FN void start_pinhole_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                             const PRIVATE float* u, const PRIVATE float* v, const PRIVATE SlotState* slots) {
-  if (scene->header.film.filter == FILTER_TABULATED)
+  if (HAS(MOTION) && camera_moves(scene))
+    start_moving_paths(scene, paths, i, u, v, slots);
+  else if (scene->header.film.filter == FILTER_TABULATED)
     start_tabulated_paths(scene, paths, i, u, v, slots);
   else
     start_paths(scene, paths, i, u, v, slots);
 }
 
-/// The same with a lens, see lens_camera.h.
-STAGE void start_lens_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
-                            const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
-                            const PRIVATE SlotState* slots) {
+/// Numbers for points on the lens.
+FN void sample_lens(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, PRIVATE float* u,
+                    PRIVATE float* v) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const Camera camera = h->camera;
-  const FilmParameters film = h->film;
-  const float image_scale = of_channel(h->camera.image_scale, channel);
-  const float focus = of_channel(h->camera.focus, channel);
-  const PathState fields = *paths;  // see step.h
-  float weights[LANES], x[LANES], y[LANES], lens_u[LANES], lens_v[LANES];
-  float lens_x[LANES], lens_y[LANES];
-  if (camera.lens_radius > 0.0f) {
-    sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_LENS), paths, i, lens_u, lens_v);
-  } else {
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) lens_u[j] = lens_v[j] = 0.5f;
+  if (h->camera.lens_radius > 0.0f) {
+    sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_LENS), paths, i, u, v);
+    return;
   }
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
-      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
-      const FilmPoint p =
-          film_point(camera, film, image_scale, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
-                     film.filter_radius * fx.x, film.filter_radius * fy.x);
-      x[j] = p.x;
-      y[j] = p.y;
-      weights[j] = fx.weight * fy.weight;
-    }
-  if (camera.reach > 0.0f) undistort(camera, x, y);
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const LensPoint lens = lens_point(camera, lens_u[j], lens_v[j]);
-      lens_x[j] = lens.x;
-      lens_y[j] = lens.y;
-    }
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      start_path(&fields, i + j, lens_ray(camera, focus, x[j], y[j], lens_x[j], lens_y[j]));
-  for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
+  for (int j = 0; j < LANES; j++) u[j] = v[j] = 0.5f;
 }
+
+// The same with a lens, see lens_camera.h.
+#define START_LENS_PATHS(stage, of_lane)                                                                  \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,        \
+                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                      \
+                   const PRIVATE SlotState* slots) {                                                      \
+    const PRIVATE SceneHeader* h = &scene->header;                                                        \
+    const Camera camera = h->camera;                                                                      \
+    const FilmParameters film = h->film;                                                                  \
+    const float image_scale = of_channel(h->camera.image_scale, channel);                                 \
+    const PathState fields = *paths; /* see step.h */                                                     \
+    float weights[LANES], x[LANES], y[LANES], lens_u[LANES], lens_v[LANES];                               \
+    float lens_x[LANES], lens_y[LANES], distances[LANES];                                                 \
+    sample_lens(scene, paths, i, lens_u, lens_v);                                                         \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);                    \
+        const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);                    \
+        const FilmPoint p =                                                                               \
+            film_point(camera, film, image_scale, get_film_x(&fields, i + j), get_film_y(&fields, i + j), \
+                       film.filter_radius * fx.x, film.filter_radius * fy.x);                             \
+        x[j] = p.x;                                                                                       \
+        y[j] = p.y;                                                                                       \
+        weights[j] = fx.weight * fy.weight;                                                               \
+        distances[j] = film_radius(of_lane, p.x, p.y);                                                    \
+      }                                                                                                   \
+    if (camera.reach > 0.0f) undistort(camera, distances, x, y);                                          \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const LensPoint lens = lens_point(camera, lens_u[j], lens_v[j]);                                  \
+        lens_x[j] = lens.x;                                                                               \
+        lens_y[j] = lens.y;                                                                               \
+      }                                                                                                   \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const Camera own = of_lane;                                                                       \
+        start_path(&fields, i + j,                                                                        \
+                   lens_ray(own, of_channel(own.focus, channel), x[j], y[j], lens_x[j], lens_y[j]));      \
+      }                                                                                                   \
+    for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);    \
+  }
+START_LENS_PATHS(start_lens_paths, camera)
+START_LENS_PATHS(start_moving_lens_paths, MOVED_CAMERA)
+#undef MOVED_CAMERA
+#undef START_LENS_PATHS
 
 STAGE void clear_control(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -191,7 +210,10 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
-    if (NEEDS(scene, CAMERA)) start_lens_paths(scene, paths, i, channel, u, v, slots);
+    if (NEEDS(scene, MOTION)) set_sample_times(scene, unit->first_sample, paths, i);
+    const bool moves = NEEDS(scene, MOTION) && camera_moves(scene);
+    if (NEEDS(scene, CAMERA) && !moves) start_lens_paths(scene, paths, i, channel, u, v, slots);
+    if (NEEDS(scene, CAMERA) && moves) start_moving_lens_paths(scene, paths, i, channel, u, v, slots);
     if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);

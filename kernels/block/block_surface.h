@@ -6,6 +6,7 @@
 #include "kernels/block/path_state.h"
 #include "kernels/bsdf/bend_normal.h"
 #include "kernels/intersect/surface.h"
+#include "kernels/motion/moving_surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -171,6 +172,101 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
     }
 }
 
+/// Whether any of LANES paths hit what moves: a primitive, or an instance.
+FN bool any_moving_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, bool instances) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) {
+    const int hit = get_hit(paths, j), instance = NEEDS(scene, INSTANCES) ? instance_hit(paths, j) : -1;
+    const bool moves = instances ? is_moving_instance(scene, instance)
+                                 : (is_moving_triangle(scene, hit, instance) |
+                                    (NEEDS(scene, QUADRICS) && is_moving_quadric(scene, hit, instance)));
+    any |= moves ? 1 : 0;
+  }
+  return any != 0;
+}
+
+/// Replaces the points of lanes whose rays hit what moves. They were first computed as if it were still.
+STAGE void find_moving_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                       bool instances, PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int hit = get_hit(paths, i + j), instance = instances ? instance_hit(paths, i + j) : -1;
+      const bool moves = is_moving_triangle(scene, hit, instance);
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const TriangleState s = triangle_state(scene, hit, moves, get_time(paths, i + j));
+      const PrimitivePoint r = moving_triangle_point(scene, moves ? hit : 0, s, get_ray_origin(paths, i + j),
+                                                     get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(moves, r, other));
+    }
+}
+STAGE void find_moving_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                      bool instances, PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int hit = get_hit(paths, i + j), instance = instances ? instance_hit(paths, i + j) : -1;
+      const bool moves = is_moving_quadric(scene, hit, instance);
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const Quadric q = quadric_state(scene, hit, moves, get_time(paths, i + j));
+      const PrimitivePoint r =
+          point_on_quadric(q, get_ray_origin(paths, i + j), get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(moves, r, other));
+    }
+}
+STAGE void find_moving_instance_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                       PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int instance = instance_hit(paths, i + j);
+      const bool moves = is_moving_instance(scene, instance);
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const Instance at = instance_state(scene, instance, moves, get_time(paths, i + j));
+      const PrimitivePoint r = instance_point(scene, get_hit(paths, i + j), at, get_ray_origin(paths, i + j),
+                                              get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(moves, r, other));
+    }
+}
+FN void find_moving_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           PRIVATE PrimitivePoints* points) {
+  const bool instances = NEEDS(scene, INSTANCES);
+  const TableSpans tables = scene->header.tables;
+  if (any_moving_hit(scene, paths, i, false)) {
+    if (tables.triangle_states.count > 0) find_moving_triangle_points(scene, paths, i, instances, points);
+    if (HAS(QUADRICS) && tables.quadric_states.count > 0)
+      find_moving_quadric_points(scene, paths, i, instances, points);
+  }
+  if (HAS(INSTANCES) && instances && any_moving_hit(scene, paths, i, true))
+    find_moving_instance_points(scene, paths, i, points);
+}
+
+/// Likewise their texture coordinates and tangents. The surfaces' instances and times must be set.
+FN void find_moving_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* points,
+                        PRIVATE Surfaces* surfaces) {
+  for (int j = 0; j < LANES; j++) {
+    Surface s = load_surface(surfaces, j);
+    if (!NEEDS(scene, INSTANCES)) s.instance = -1;
+    const PrimitivePoint r = load_primitive_point(points, j);
+    if (HAS(INSTANCES) && is_moving_instance(scene, s.instance)) {
+      s = with_instance_uv(scene, s.primitive, instance_at(scene, s.instance, s.time), r, s);
+    } else if (is_moving_triangle(scene, s.primitive, s.instance)) {
+      const TriangleState at = triangle_at(scene, s.primitive, s.time);
+      GLOBAL const VertexUvs* corners = uvs_of(scene, s.primitive);
+      s = with_uv(s, triangle_uv(corners, r.b0, r.b1, r.b2), r.normal,
+                  triangle_du(corners, at.p0, at.p1, at.p2));
+    } else if (HAS(QUADRICS) && is_moving_quadric(scene, s.primitive, s.instance)) {
+      const int quadric = s.primitive - scene->header.tables.triangles.count;
+      const QuadricUv uv = quadric_uv(quadric_at(scene, quadric, s.time), r.p);
+      s = with_uv(s, uv.at, r.normal, uv.du);
+    } else
+      continue;
+    store_surface_uv(surfaces, j, s);
+  }
+}
+
+STAGE void note_times(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) surfaces->time[j] = get_time(paths, i + j);
+}
+
 /// The surfaces that the last rays of LANES paths from lane i on hit, without chosen leaves, media and bent
 /// normals.
 JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -184,12 +280,16 @@ JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE P
   if (NEEDS(scene, CYLINDERS) && quadrics) find_cylinder_points(scene, paths, i, &points);
   const bool instances = NEEDS(scene, INSTANCES) && any_instance_hit(paths, i);
   if (HAS(INSTANCES) && instances) find_instance_points(scene, paths, i, &points);
+  const bool moves = has_moving_surfaces(scene);
+  if (HAS(MOTION) && moves) find_moving_points(scene, paths, i, &points);
   see_surfaces(paths, i, &points, surfaces);
+  if (NEEDS(scene, MOTION)) note_times(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
   if (NEEDS(scene, UV)) find_triangle_uvs(scene, paths, i, only, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(QUADRICS) && quadrics) find_quadric_uvs(scene, paths, i, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
+  if (NEEDS(scene, UV) && HAS(MOTION) && moves) find_moving_uvs(scene, &points, surfaces);
 }
 
 /// Measures distances from where rays started, before any surface that they passed.
@@ -249,6 +349,7 @@ JIT_CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
+  if (NEEDS_MEDIA(scene) && NEEDS(scene, MOTION)) note_times(paths, i, surfaces);
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
 }
 

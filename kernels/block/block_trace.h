@@ -3,6 +3,7 @@
 #define PENUMBRA_BLOCK_TRACE_H
 #include "kernels/block/block_flight.h"
 #include "kernels/block/block_instances.h"
+#include "kernels/block/block_motion.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/bvh_packet.h"
@@ -171,7 +172,8 @@ FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* 
 /// Traces rays through the BVH. `together`: neighbouring rays are coherent.
 FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                             bool together) {
-  if (NEEDS(scene, INSTANCES)) {
+  if (NEEDS(scene, INSTANCES) && !has_still_instances(scene)) clear_hit_instances(paths, count);
+  if (has_still_instances(scene)) {
     for (int i = 0; i < count; i++) {
       const Hit hit = intersect_levels(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
                                        get_ray_tmax(paths, i), get_ray_skip(paths, i),
@@ -200,7 +202,7 @@ FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
   const float tmax = get_shadow_tmax(paths, i);
   const int skip = get_shadow_skip(paths, i);
-  if (NEEDS(scene, INSTANCES))
+  if (has_still_instances(scene))
     return occlude_levels(scene, origin, direction, tmax, skip, get_shadow_skip_instance(paths, i), true);
   return occlude_bvh(scene, origin, direction, tmax, skip);
 }
@@ -208,7 +210,7 @@ FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths
 /// Traces shadow rays through the BVH.
 FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
 #if defined(RAYS_IN_FLIGHT)
-  if (!NEEDS(scene, INSTANCES)) {
+  if (!has_still_instances(scene)) {
     const int rays = list_shadow_rays(paths, count, paths->going);
     occlude_in_flight(scene, paths, paths->going, rays);
     return;
@@ -218,8 +220,9 @@ FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* p
     set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
 }
 
-/// Finds the primitive that each lane's ray hits. `together`: neighbouring rays are coherent.
-STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+/// Finds the primitive that each lane's ray hits of what is still. `together`: neighbouring rays are
+/// coherent.
+STAGE void intersect_still(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                            bool together) {
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.intersect) {
@@ -231,6 +234,15 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (!NEEDS(scene, BVH)) intersect_block_whole(scene, paths, count);
 }
 
+/// Finds the primitive that each lane's ray hits.
+FN void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                        bool together) {
+  const bool moves = has_moving_surfaces(scene);
+  if (HAS(MOTION) && moves) end_rays_at_moving(scene, paths, count);
+  intersect_still(scene, paths, count, together);
+  if (HAS(MOTION) && moves) take_moving_hits(scene, paths, count);
+}
+
 /// Intersectors that take one ray at a time skip the lanes from `count` on, which repeat the last path. This
 /// copies its hit too.
 FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
@@ -239,8 +251,9 @@ FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
   for (int i = count; i % LANES != 0; i++) set_hit_instance(paths, i, get_hit_instance(paths, count - 1));
 }
 
-/// Finds the transmittance of each lane's shadow ray; negative if the occluder may let light through.
-STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+/// Finds the transmittance of each lane's shadow ray past what is still; negative if the occluder may let
+/// light through.
+STAGE void occlude_by_still(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   if (HAS(DIRECT) && !scene->header.integrator.trace_shadows) {
     for (int i = 0; i < count; i++) set_shadow_transmittance(paths, i, 1.0f);
     return;
@@ -254,6 +267,13 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 #endif
   if (NEEDS(scene, BVH)) occlude_block_bvh(scene, paths, count);
   if (!NEEDS(scene, BVH)) occlude_block_whole(scene, paths, count);
+}
+
+/// The same past everything.
+FN void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  occlude_by_still(scene, paths, count);
+  const bool traces = !HAS(DIRECT) || scene->header.integrator.trace_shadows != 0;
+  if (HAS(MOTION) && traces && has_moving_surfaces(scene)) occlude_by_moving(scene, paths, count);
 }
 
 /// The contribution of a lane's shadow ray, if `wanted`: its light times `share`.

@@ -163,7 +163,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, geometric_normal, FEATURE_GEOMETRIC_NORMAL_LAYER, NEVER)     \
   X(float, shape, FEATURE_SHAPE_LAYER, NEVER) /* number of a shape */  \
   X(vec3, direct, FEATURE_DIRECT_LAYER, NEVER)                         \
-  X(vec3, indirect, FEATURE_INDIRECT_LAYER, NEVER)
+  X(vec3, indirect, FEATURE_INDIRECT_LAYER, NEVER)                     \
+  X(vec3, motion_before, FEATURE_MOTION_LAYER, NEVER) /* in pixels */  \
+  X(vec3, motion_after, FEATURE_MOTION_LAYER, NEVER)
 // clang-format on
 
 /// Whether a scene with these features has a field that `needs` them; whether the field is moved.

@@ -8,6 +8,7 @@
 #define PENUMBRA_BEND_NORMAL_H
 #include "kernels/intersect/surface_uv.h"
 #include "kernels/math/frame.h"
+#include "kernels/motion/moving_surface.h"
 #include "kernels/scene.h"
 #include "kernels/texture/texture.h"
 
@@ -165,6 +166,28 @@ STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE S
     }
 }
 
+/// Of surfaces that move, at their times.
+FN void find_moving_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                                PRIVATE DerivativesLanes* derivatives) {
+  for (int j = 0; j < LANES; j++) {
+    Surface s = load_surface(surfaces, j);
+    if (!NEEDS(scene, INSTANCES)) s.instance = -1;
+    const vec3 front = scale(s.shading, s.front ? 1.0f : -1.0f);
+    if (HAS(INSTANCES) && is_moving_instance(scene, s.instance)) {
+      const Instance at = instance_at(scene, s.instance, s.time);
+      store_derivatives(derivatives, j,
+                        instance_derivatives(scene, s, at, surface_derivatives(scene, s, front)));
+    } else if (is_moving_triangle(scene, s.primitive, s.instance)) {
+      const TriangleState at = triangle_at(scene, s.primitive, s.time);
+      store_derivatives(derivatives, j,
+                        triangle_derivatives(uvs_of(scene, s.primitive), at.p0, at.p1, at.p2, front));
+    } else if (HAS(QUADRICS) && is_moving_quadric(scene, s.primitive, s.instance)) {
+      const int quadric = s.primitive - scene->header.tables.triangles.count;
+      store_derivatives(derivatives, j, quadric_derivatives(quadric_at(scene, quadric, s.time), s.p));
+    }
+  }
+}
+
 /// If a surface is displaced along its normal n by h(u, v), its new normal is that of du + h_u n and dv + h_v
 /// n (Blinn 1978). The change of n itself is neglected, as in Mitsuba 3.
 STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
@@ -251,6 +274,7 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
     DerivativesLanes derivatives;
     find_derivatives(scene, surfaces, &derivatives);
     if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
+    if (HAS(MOTION) && has_moving_surfaces(scene)) find_moving_derivatives(scene, surfaces, &derivatives);
     bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
     apply_bends(scene, textures, &bends, surfaces);
   }

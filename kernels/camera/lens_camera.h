@@ -84,13 +84,12 @@ FN float film_radius(Camera camera, float x, float y) {
   return length3(add(scale(camera.x, x), scale(camera.y, y)));
 }
 
-/// Moves LANES film points to where they would be without distortion.
-STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RESTRICT y) {
-  float d[LANES];
+/// Moves LANES film points, whose film_radius is `d`, to where they would be without distortion.
+STAGE void undistort(Camera camera, const PRIVATE float* RESTRICT d, PRIVATE float* RESTRICT x,
+                     PRIVATE float* RESTRICT y) {
   DistortionSearches searches;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      d[j] = film_radius(camera, x[j], y[j]);
       store_distortion_search(&searches, j, start_distortion_search(camera, d[j]));
     }
   for (int step = 0; step < DISTORTION_STEPS; step++) {

@@ -7,6 +7,7 @@
 #include "kernels/bsdf/control_lanes.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
+#include "kernels/motion/motion_layer.h"
 #include "kernels/sampler/sampler.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -237,6 +238,7 @@ FN void record_first_hits(const PRIVATE Scene* scene, const PRIVATE Surfaces* su
   if (NEEDS(scene, UV_LAYER)) record_uvs(surfaces, paths, i, slots);
   if (NEEDS(scene, GEOMETRIC_NORMAL_LAYER)) record_geometric_normals(surfaces, paths, i, slots);
   if (NEEDS(scene, SHAPE_LAYER)) record_shapes(scene, surfaces, paths, i, slots);
+  if (NEEDS(scene, MOTION_LAYER)) record_motion(scene, surfaces, paths, i, slots);
 }
 
 // For integrators whose samples all start at the surface that the camera ray hit: the surface is kept, and

@@ -234,17 +234,17 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
   t->instance = -1;
 }
 
-/// The closest hit in (0, tmax), except primitive `skip` of `skip_instance`; both are -1 for none.
-/// `instances`: whether the scene has instances; a constant, so that the code for them is left out where it
-/// is false.
-FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
-                        bool instances) {
+/// The closest hit in (0, tmax) in the subtree of node `root`, except primitive `skip` of `skip_instance`;
+/// both are -1 for none. `instances`: whether it has instances; `any_length`: see quadric_distance. Both are
+/// constants, so that the code for them is left out where they are false.
+FN Hit intersect_subtree(const PRIVATE Scene* scene, int root, vec3 o, vec3 d, float tmax, int skip,
+                         int skip_instance, bool instances, bool any_length) {
   int stack[BVH_STACK], distances[BVH_STACK];
   REGISTER_ARRAY int entries[BVH_WIDTH];
   Hit best = no_hit(tmax);
   if (tmax < 0.0f) return best;
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
-  int top = 0, entry = 0, end = key_of_end(tmax);
+  int top = 0, entry = root, end = key_of_end(tmax);
   for (;;) {
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
@@ -278,7 +278,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
         entry = enter_instance(scene, &at, instance, skip_instance, top);
         continue;
       }
-      const Hit found = intersect_leaf(scene, ~entry, &at.ray, best, instances);
+      const Hit found = intersect_leaf(scene, ~entry, &at.ray, best, any_length);
       const bool other = (found.primitive != best.primitive) | (found.t != best.t);
       const int before = best.instance;
       best = found;
@@ -293,18 +293,18 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
   }
 }
 
-/// Any hit in (0, tmax); parameters as for intersect_levels. A node's last child has the fewest primitives
+/// Any hit in (0, tmax); parameters as for intersect_subtree. A node's last child has the fewest primitives
 /// and is visited first, since few large primitives occlude most rays. (In the order of distance, clutter
 /// around the ray's origin would come first.)
-FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
-                      bool instances) {
+FN Hit occlude_subtree(const PRIVATE Scene* scene, int root, vec3 o, vec3 d, float tmax, int skip,
+                       int skip_instance, bool instances, bool any_length) {
   int stack[BVH_STACK];
   REGISTER_ARRAY int entries[BVH_WIDTH];
   const int end = key_of_end(tmax);
   if (tmax < 0.0f) return no_hit(tmax);
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
   int top = 0;
-  stack[top++] = 0;
+  stack[top++] = root;
   while (top > 0) {
     int entry = stack[--top];
     const int instance = (HAS(INSTANCES) && instances && entry < 0) ? instance_of_leaf(~entry) : -1;
@@ -314,12 +314,22 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
       for (uint hits = enter_children(node, &at.ray, end, entries); hits != 0u; hits &= hits - 1u)
         stack[top++] = node->child[LOWEST_BIT(hits)];
     } else {
-      const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), instances);
+      const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), any_length);
       if (some.primitive >= 0) return some;
     }
     if (HAS(INSTANCES) && instances) leave_instance(&at, skip_instance, top);
   }
   return no_hit(tmax);
+}
+
+/// In the whole scene; with a constant `instances` only the code that it needs remains.
+FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
+                        bool instances) {
+  return intersect_subtree(scene, 0, o, d, tmax, skip, skip_instance, instances, instances);
+}
+FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
+                      bool instances) {
+  return occlude_subtree(scene, 0, o, d, tmax, skip, skip_instance, instances, instances);
 }
 
 /// For scenes without instances.

@@ -121,7 +121,7 @@ STAGE void find_sides(const PRIVATE Scene* scene, const PRIVATE RayBundle* RESTR
 STAGE int cull_in_bundle(const PRIVATE Scene* scene, const PRIVATE RayLanes* rays, PRIVATE int* listed) {
   RayBundle bundle;
   int sides[MAX_WHOLE_VERTICES];
-  const int vertices = scene->header.tables.vertices.count, triangles = scene->header.tables.triangles.count;
+  const int vertices = scene->header.tables.vertices.count, triangles = scene->header.tables.corners.count;
   if (!make_bundle(rays, &bundle)) return -1;
   for (int first = 0; first < vertices; first += LANES)
     find_sides(scene, &bundle, min_i(first, vertices - LANES), sides);

@@ -40,7 +40,7 @@ FN void test_all_primitives(const PRIVATE Scene* scene, const PRIVATE Shears* sh
         vz[k * LANES + j] = v.z;
       }
   }
-  const int triangle_count = scene->header.tables.triangles.count;
+  const int triangle_count = scene->header.tables.corners.count;
   for (int k = 0; k < triangle_count; k++) {
     const Corner corner = scene->corners[k];
     const int v0 = corner.v0 * LANES, v1 = corner.v1 * LANES, v2 = corner.v2 * LANES;
@@ -85,7 +85,8 @@ FN void intersect_brute_force(const PRIVATE Scene* scene, PRIVATE RayLanes* rays
 #endif
   if (count < 0) test_all_primitives(scene, &shears, rays);
   if (HAS(QUADRICS)) {
-    const int quadric_count = scene->header.tables.quadrics.count;
+    const int quadric_count =
+        NEEDS(scene, MOTION) ? scene->shutter->still_quadrics : scene->header.tables.quadrics.count;
     for (int k = 0; k < quadric_count; k++) {
       const Quadric q = scene->quadrics[k];
       const int primitive = triangle_count + k;

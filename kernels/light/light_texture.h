@@ -34,6 +34,7 @@ FN void set_light_place(const PRIVATE Scene* scene, int light, vec3 p, float u, 
   places->u[j] = u;
   places->v[j] = v;
   places->primitive[j] = scene->light_triangles[parts].first;
+  places->instance[j] = -1;
   textures[j] = light >= 0 ? texture : -1;
 }
 

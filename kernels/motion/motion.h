@@ -38,6 +38,11 @@ FN vec3 vec3_between(vec3 a, vec3 b, float f) { return add_scaled(a, f, sub(b, a
 #define STATE_BETWEEN(states, member) \
   vec3_between(load3(&(states)[b.from].member), load3(&(states)[b.to].member), b.f)
 
+/// Whether anything moves besides camera and lights without a surface.
+FN bool has_moving_surfaces(const PRIVATE Scene* scene) {
+  return NEEDS(scene, MOTION) && scene->header.tables.motion_nodes.count > 0;
+}
+
 FN bool triangle_moves(const PRIVATE Scene* scene, int triangle) {
   return triangle >= scene->shutter->still_triangles;
 }
@@ -46,6 +51,11 @@ FN bool quadric_moves(const PRIVATE Scene* scene, int quadric) {
 }
 FN bool instance_moves(const PRIVATE Scene* scene, int instance) {
   return instance >= scene->shutter->still_instances;
+}
+
+/// Whether the hierarchy of what is still has instances.
+FN bool has_still_instances(const PRIVATE Scene* scene) {
+  return NEEDS(scene, INSTANCES) && (!NEEDS(scene, MOTION) || scene->shutter->still_instances > 0);
 }
 
 /// The state of a triangle that moves.
@@ -93,22 +103,26 @@ FN Instance instance_at(const PRIVATE Scene* scene, int instance, float time) {
   return i;
 }
 
-/// The camera of a scene whose camera moves.
-FN Camera camera_at(const PRIVATE Scene* scene, float time) {
+FN bool camera_moves(const PRIVATE Scene* scene) {
+  return NEEDS(scene, MOTION) && scene->shutter->camera_steps > 0;
+}
+
+/// `camera` at the time, if it moves.
+FN Camera camera_at(const PRIVATE Scene* scene, Camera camera, float time) {
   Motion m;
   m.first = 0;
   m.stride = 1;
   m.steps = scene->shutter->camera_steps;
   const Between b = between_states(m, time);
-  Camera c = scene->header.camera;
-  c.origin = STATE_BETWEEN(scene->camera_states, origin);
-  c.x = STATE_BETWEEN(scene->camera_states, x);
-  c.y = STATE_BETWEEN(scene->camera_states, y);
-  c.z = normalize3(STATE_BETWEEN(scene->camera_states, z));
-  c.focus = STATE_BETWEEN(scene->camera_states, focus);
-  c.lens_radius =
-      float_between(scene->camera_states[b.from].lens_radius, scene->camera_states[b.to].lens_radius, b.f);
-  return c;
+  GLOBAL const Camera* from = scene->camera_states + b.from;
+  GLOBAL const Camera* to = scene->camera_states + b.to;
+  camera.origin = vec3_between(load3(&from->origin), load3(&to->origin), b.f);
+  camera.x = vec3_between(load3(&from->x), load3(&to->x), b.f);
+  camera.y = vec3_between(load3(&from->y), load3(&to->y), b.f);
+  camera.z = normalize3(vec3_between(load3(&from->z), load3(&to->z), b.f));
+  camera.focus = vec3_between(load3(&from->focus), load3(&to->focus), b.f);
+  camera.lens_radius = float_between(from->lens_radius, to->lens_radius, b.f);
+  return camera;
 }
 
 PENUMBRA_NAMESPACE_END

@@ -8,6 +8,7 @@
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/light/light_emission.h"
+#include "kernels/motion/shutter.h"
 #include "kernels/photon/photon_chains.h"
 #include "kernels/photon/photon_task.h"
 
@@ -67,9 +68,12 @@ STAGE void start_photons_in_media(const PRIVATE Scene* scene, const PRIVATE Ligh
     }
 }
 
-FN void emit_photons(const PRIVATE Scene* scene, int first, int count, const PRIVATE PathState* paths) {
+FN void emit_photons(const PRIVATE Scene* scene, int first, int count, float time,
+                     const PRIVATE PathState* paths) {
   const PRIVATE SceneHeader* h = &scene->header;
   number_photons(scene, first, count, paths);
+  if (NEEDS(scene, MOTION))
+    for (int i = 0; i < count || i % LANES != 0; i++) set_time(paths, i, time);
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES], s[LANES], t[LANES], fine[LANES], channel[LANES];
     LightSamples rays;
@@ -236,7 +240,9 @@ CALLED_FN void trace_photons(const PRIVATE Scene* of_image, const PRIVATE Photon
   const PRIVATE PathState* paths = &block->paths;
   const Scene of_photons = scene_of_photons(*of_image, task);
   const PRIVATE Scene* scene = &of_photons;
-  emit_photons(scene, first, count, paths);
+  const uint seed = sequence_seed(of_image->header.sampler.seed, task->sequence);
+  const float time = NEEDS(scene, MOTION) ? time_of_map(scene, seed, task->map) : MIDDLE_TIME;
+  emit_photons(scene, first, count, time, paths);
   for (int arrivals = 0; count > 0; arrivals++) {
     intersect_block(scene, paths, count, false);
     pad_hits(scene, paths, count);

@@ -13,6 +13,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PAIR_FILM 0u              // position on the film
 #define PAIR_LENS 0xffffffffu     // position on the lens
 #define PAIR_CHANNEL 0xfffffffeu  // colour channel (hero) of media
+#define PAIR_TIME 0xfffffffbu     // time while the shutter is open
 // Pairs of a photon's first ray, with those above: PAIR_FILM is the light and a point on it.
 #define PAIR_EMISSION 0xfffffffdu  // the direction
 #define PAIR_EMITTER 0xfffffffcu   // digits below those of PAIR_FILM; the channel
@@ -222,13 +223,14 @@ FN float radical_inverse(uint index, uint base) {
   return sum;
 }
 
-// Two bases for each of the pairs with Halton points.
-#define HALTON_PAIRS 32
+// Two bases for each of the pairs with Halton points; the last pair is that of the time.
+#define HALTON_PAIRS 33
 CONSTANT_TABLE uint halton_bases[2 * HALTON_PAIRS] = {
     2,   3,   5,   7,   11,  13,  17,  19,  23,  29,  31,  37,  41,  43,  47,  53,   // film, first depth ...
     59,  61,  67,  71,  73,  79,  83,  89,  97,  101, 103, 107, 109, 113, 127, 131,  //
     137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193, 197, 199, 211, 223,  //
-    227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311};
+    227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311,  //
+    313, 317};
 // Up to this place, points of two bases are almost uncorrelated without digit permutations.
 #define PLAIN_HALTON_PAIRS 8u
 
@@ -236,6 +238,8 @@ CONSTANT_TABLE uint halton_bases[2 * HALTON_PAIRS] = {
 FN uint halton_place(uint pair) {
   if (pair == PAIR_LENS) return STEP_PAIRS + 1u;
   if (pair == PAIR_CHANNEL) return STEP_PAIRS + 2u;
+  if (pair == PAIR_TIME) return HALTON_PAIRS - 1u;
+  if (pair + 2u == HALTON_PAIRS - 1u) return HALTON_PAIRS;
   return pair <= STEP_PAIRS ? pair : pair + 2u;
 }
 

@@ -4,6 +4,7 @@
 #define PENUMBRA_TEXTURE_H
 #include "kernels/intersect/surface_fields.h"
 #include "kernels/intersect/surface_uv.h"
+#include "kernels/motion/moving_surface.h"
 #include "kernels/texture/bitmap_texture.h"
 #include "kernels/texture/noise_texture.h"
 #include "kernels/texture/texture_step.h"
@@ -84,6 +85,18 @@ FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLan
   return among;
 }
 
+/// Moves the points of instances, and of what moves, to where the triangles' records are.
+FN void rest_positions(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE Surfaces* rest) {
+  *rest = *surfaces;
+  for (int j = 0; j < LANES; j++) {
+    const Surface s = load_surface(surfaces, j);
+    if (NEEDS(scene, INSTANCES) && s.instance >= 0)
+      STORE_LANE_vec3(rest->p, j, to_group_point(instance_of(scene, s.instance, s.time), s.p));
+    else if (has_moving_surfaces(scene) && is_moving_triangle(scene, s.primitive, -1))
+      STORE_LANE_vec3(rest->p, j, rest_position(scene, s));
+  }
+}
+
 /// The values of the textures (indices, or -1) at the surfaces; 1 for -1. Textures only refer to textures
 /// with lower indices, so the loop ends.
 CALLED_FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
@@ -96,9 +109,16 @@ CALLED_FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   }
   for (uint among = texture_kinds_among(scene, lanes); among != 0u;
        among = texture_kinds_among(scene, lanes)) {
+    const PRIVATE Surfaces* at = surfaces;
+    Surfaces rest;
+    if ((among >> TEXTURE_MESH_ATTRIBUTE & 1u) != 0u &&
+        (NEEDS(scene, INSTANCES) || has_moving_surfaces(scene))) {
+      rest_positions(scene, surfaces, &rest);
+      at = &rest;
+    }
 #define STEP_KIND(name, NAME, number, description)                                 \
   if (((TEXTURE_KINDS_MASK) >> (number)&1u) != 0u && (among >> (number)&1u) != 0u) \
-    step_##name##_textures(scene, surfaces, lanes);
+    step_##name##_textures(scene, (number) == TEXTURE_MESH_ATTRIBUTE ? at : surfaces, lanes);
     TEXTURE_KINDS(STEP_KIND)
 #undef STEP_KIND
   }

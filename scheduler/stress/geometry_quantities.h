@@ -105,12 +105,12 @@ STAGE void undistort_quantity(GLOBAL const double* in, GLOBAL double* out) {
   camera.k1 = in_f(in, 0);
   camera.k2 = in_f(in, 1);
   camera.reach = in_f(in, 2);
-  float x[LANES], y[LANES];
+  float d[LANES], x[LANES], y[LANES];
   for (int j = 0; j < LANES; j++) {
-    x[j] = in_f(in, 3);
+    d[j] = x[j] = in_f(in, 3);
     y[j] = 0.0f;
   }
-  undistort(camera, x, y);
+  undistort(camera, d, x, y);
   out[0] = x[0];
 }
 

@@ -82,10 +82,11 @@ Ray ray_through(const Filmed& f, glm::dvec2 position, int channel, float u, floa
   const int x = int(std::floor(position.x)), y = int(std::floor(position.y));
   const FilmPoint p = film_point(camera, film_of(f), of_channel(camera.image_scale, channel), x, y,
                                  float(position.x - x - 0.5), float(position.y - y - 0.5));
-  std::array<float, LANES> px{}, py{};
+  std::array<float, LANES> d{}, px{}, py{};
+  d.fill(film_radius(camera, p.x, p.y));
   px.fill(p.x);
   py.fill(p.y);
-  if (camera.reach > 0) undistort(camera, px.data(), py.data());
+  if (camera.reach > 0) undistort(camera, d.data(), px.data(), py.data());
   const LensPoint lens = lens_point(camera, u, v);
   return lens_ray(camera, of_channel(camera.focus, channel), px[0], py[0], lens.x, lens.y);
 }
@@ -254,7 +255,7 @@ TEST(Distortion, IsInvertedToSinglePrecision) {
       for (int step = 0; step < DISTORTION_STEPS; ++step) search = narrowed(camera, d[j], search);
       worst_search = std::max(worst_search, roundings(camera, search.r, d[j]));
     }
-    undistort(camera, x.data(), y.data());
+    undistort(camera, d.data(), x.data(), y.data());
     for (std::size_t j = 0; j < LANES; ++j)
       worst_point = std::max(worst_point, roundings(camera, film_radius(camera, x[j], y[j]), d[j]));
   }
@@ -266,8 +267,8 @@ TEST(Distortion, IsInvertedToSinglePrecision) {
 TEST(Distortion, TheCentreStaysWhereItIs) {
   Filmed f;
   f.camera.distortion_k1 = -0.1;
-  std::array<float, LANES> x{}, y{};
-  undistort(kernel_camera(f), x.data(), y.data());
+  std::array<float, LANES> d{}, x{}, y{};
+  undistort(kernel_camera(f), d.data(), x.data(), y.data());
   EXPECT_EQ(x[0], 0);
   EXPECT_EQ(y[0], 0);
 }

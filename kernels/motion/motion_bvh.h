@@ -1,0 +1,150 @@
+// Traversal of the hierarchy of what moves, by one ray at its time. The boxes of a node are linear in time. A
+// child may stand for a part of the time only: what moves far has several small boxes instead of a large one
+// (Woop, Afra and Benthin 2017, "STBVH: a spatial-temporal BVH for efficient multi-segment motion blur").
+#ifndef PENUMBRA_MOTION_BVH_H
+#define PENUMBRA_MOTION_BVH_H
+#include "kernels/intersect/bvh.h"
+#include "kernels/motion/motion.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Like enter_children, for the boxes at `time`.
+FN uint enter_moving_children(GLOBAL const MotionNode* node, const PRIVATE BvhRay* r, float time, int end,
+                              PRIVATE int* keys) {
+  // The rows of `low` and `high` are in the order of BvhNode's bounds, and so are those of the speeds.
+  GLOBAL const float* rows = node->low[0];
+  const uint speed = 6u * BVH_WIDTH;
+  GLOBAL const float* nx = rows + r->near_x;
+  GLOBAL const float* ny = rows + r->near_y;
+  GLOBAL const float* nz = rows + r->near_z;
+  GLOBAL const float* fx = rows + ((0u + 3u) * BVH_WIDTH - r->near_x);
+  GLOBAL const float* fy = rows + ((1u + 4u) * BVH_WIDTH - r->near_y);
+  GLOBAL const float* fz = rows + ((2u + 5u) * BVH_WIDTH - r->near_z);
+  GLOBAL const float* begin = node->begin;
+  GLOBAL const float* stop = node->end;
+  const vec3 o = r->o;
+  const vec3 in = make_vec3(r->ix, r->iy, r->iz), out = make_vec3(r->fx, r->fy, r->fz);
+  const float limit = BITS_FLOAT(end);
+  REGISTER_ARRAY int entered[BVH_WIDTH];
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) {
+    const float near_x = nx[j] + time * nx[speed + j], far_x = fx[j] + time * fx[speed + j];
+    const float near_y = ny[j] + time * ny[speed + j], far_y = fy[j] + time * fy[speed + j];
+    const float near_z = nz[j] + time * nz[speed + j], far_z = fz[j] + time * fz[speed + j];
+    const float t0 =
+        max_f(max_f((near_x - o.x) * in.x, (near_y - o.y) * in.y), max_f((near_z - o.z) * in.z, 0.0f));
+    const float t1 =
+        min_f(min_f((far_x - o.x) * out.x, (far_y - o.y) * out.y), min_f((far_z - o.z) * out.z, limit));
+    const bool enters = (t0 <= t1) & (time >= begin[j]) & (time <= stop[j]);
+    keys[j] = enters ? (((int)FLOAT_BITS(t0) & ~KEY_CHILD) | j) : NO_KEY;
+    entered[j] = enters ? 1 : 0;
+  }
+  return mask_of_8(entered);
+}
+
+/// A ray at a time, among what moves.
+typedef struct {
+  BvhRay ray;
+  float time;
+  int skip, skip_instance;  ///< the primitive that it must not hit, and its instance, or -1
+  bool any;                 ///< any hit is as good as the closest
+} MovingRay;
+
+/// The closest of `best` and the hits in an instance.
+FN Hit intersect_moving_instance(const PRIVATE Scene* scene, int instance, const PRIVATE MovingRay* r,
+                                 Hit best) {
+  const Instance at = instance_moves(scene, instance) ? instance_at(scene, instance, r->time)
+                                                      : load_instance(scene->instances + instance);
+  const GroupRay inside = group_ray(at, r->ray.o, r->ray.d);
+  const int root = scene->groups[at.group].root, skip = instance == r->skip_instance ? r->skip : -1;
+  const Hit found = r->any
+                        ? occlude_subtree(scene, root, inside.o, inside.d, best.t, skip, -1, false, true)
+                        : intersect_subtree(scene, root, inside.o, inside.d, best.t, skip, -1, false, true);
+  if (found.primitive < 0) return best;
+  best = found;
+  best.instance = instance;
+  return best;
+}
+
+/// The closest of `best` and the hit of a triangle or quadric.
+FN Hit intersect_moving_primitive(const PRIVATE Scene* scene, int primitive, const PRIVATE MovingRay* r,
+                                  Hit best) {
+  if ((primitive == r->skip) & (r->skip_instance < 0)) return best;
+  const int quadric = primitive - scene->header.tables.triangles.count;
+  float t = -1.0f;
+  if (HAS(QUADRICS) && quadric >= 0) {
+    t = intersect_quadric(quadric_at(scene, quadric, r->time), r->ray.o, r->ray.d);
+  } else {
+    const TriangleState s = triangle_at(scene, primitive, r->time);
+    const Shear shear = r->ray.shear;
+    const TriangleHit h =
+        intersect_sheared(shear_point(shear, sub(s.p0, r->ray.o)), shear_point(shear, sub(s.p1, r->ray.o)),
+                          shear_point(shear, sub(s.p2, r->ray.o)));
+    t = h.inside ? h.t : -1.0f;
+  }
+  if (!(t > 0.0f)) return best;
+  const int instance = best.instance;
+  const Hit closer = closer_hit(best, t, primitive);
+  best = closer;
+  best.instance = closer.primitive == primitive ? -1 : instance;
+  return best;
+}
+
+FN Hit intersect_moving_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE MovingRay* r, Hit best) {
+  GLOBAL const MotionLeaf* members = scene->motion_leaves + leaf;
+  for (int j = 0; j < BVH_WIDTH; j++) {
+    const int instance = members->instance[j], primitive = members->primitive[j];
+    if (HAS(INSTANCES) && instance >= 0)
+      best = intersect_moving_instance(scene, instance, r, best);
+    else if (primitive >= 0)
+      best = intersect_moving_primitive(scene, primitive, r, best);
+    if (r->any & (best.primitive >= 0)) return best;
+  }
+  return best;
+}
+
+/// The closest hit in (0, tmax) of what moves, or any hit; except primitive `skip` of `skip_instance`, which
+/// are -1 for none.
+CALLED_FN Hit intersect_moving(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip,
+                               int skip_instance, float time, bool any) {
+  int stack[BVH_STACK], distances[BVH_STACK];
+  REGISTER_ARRAY int entries[BVH_WIDTH];
+  Hit best = no_hit(tmax);
+  if (tmax < 0.0f) return best;
+  MovingRay r;
+  r.ray = make_bvh_ray(o, d, -1);
+  r.time = time;
+  r.skip = skip;
+  r.skip_instance = skip_instance;
+  r.any = any;
+  int top = 0, entry = 0, end = key_of_end(tmax);
+  for (;;) {
+    if (entry >= 0) {
+      GLOBAL const MotionNode* node = scene->motion_nodes + entry;
+      // The nearest child is visited next; the others go on the stack by decreasing distance.
+      const int base = top;
+      for (uint hits = enter_moving_children(node, &r.ray, time, end, entries); hits != 0u;
+           hits &= hits - 1u) {
+        const int j = LOWEST_BIT(hits);
+        int place = top++;
+        for (; place > base && distances[place - 1] < entries[j]; place--) {
+          distances[place] = distances[place - 1];
+          stack[place] = stack[place - 1];
+        }
+        distances[place] = entries[j];
+        stack[place] = node->child[j];
+      }
+    } else {
+      best = intersect_moving_leaf(scene, ~entry, &r, best);
+      if (any & (best.primitive >= 0)) return best;
+      end = key_of_end(best.t);
+    }
+    do {
+      if (top == 0) return best;
+      entry = stack[--top];
+    } while (distances[top] > end);
+  }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
