@@ -530,9 +530,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, emission_radius) /* of a sphere about the origin that contains all shapes */
 
 // Parameters that a viewer may change besides the camera: no table and no kernel depends on them.
-#define ADJUSTABLE_FIELDS(F)            \
-  F(float, alpha) /* ESTIMATOR_ALPHA */ \
-  F(int, frozen)  /* FEATURE_MOTION: 1: everything is as in the middle of the exposure */
+#define ADJUSTABLE_FIELDS(F)             \
+  F(float, alpha)  /* ESTIMATOR_ALPHA */ \
+  F(float, frozen) /* FEATURE_MOTION: not 0: everything is as in the middle of the exposure */
 
 // The list of the scene's tables: T(A, name, record, least, what), where A is passed on. It generates the
 // header, the pointers, the checks, serialisation and `penumbra info`. Every table has at least `least`
@@ -653,30 +653,31 @@ PENUMBRA_NAMESPACE_BEGIN
 #define TABLE_SPANS_FIELDS(F) SCENE_TABLES(TABLE_SPAN_FIELD, F)
 
 // All scene data that is not in a table.
-#define SCENE_HEADER_FIELDS(F)                                                                    \
-  F(ulong, features)     /* FEATURE_* bits */                                                     \
-  F(uint, families)      /* bits 1 << FAMILY_* of its materials */                                \
-  F(uint, textured)      /* bits 1 << TEXTURED_* of the fields that are textured in a material */ \
-  F(uint, texture_kinds) /* bits 1 << TEXTURE_* of its textures */                                \
-  F(int, intersector)    /* INTERSECTOR_* */                                                      \
-  F(Camera, camera)                                                                               \
-  F(FilmParameters, film)                                                                         \
-  F(SamplerParameters, sampler)                                                                   \
-  F(IntegratorParameters, integrator)                                                             \
-  F(Adjustable, adjustable)                                                                       \
-  F(int, environment)       /* index of the environment light, or -1 */                           \
-  F(uint, light_kinds)      /* bits 1 << LIGHT_* of its lights */                                 \
-  F(int, light_cut)         /* number of light hierarchy nodes without a parent */                \
-  F(int, light_tree_depth)  /* steps from there to the deepest leaf */                            \
-  F(int, light_leaf_steps)  /* steps to find a light in a leaf; 0: one light per leaf */          \
-  F(int, matte_count)       /* FEATURE_MATTES: the largest matte number */                        \
-  F(int, shape_count)       /* FEATURE_SHAPE_LAYER: the largest number of a shape */              \
-  F(vec3, center)           /* FEATURE_POSITION_LAYER: the scene's centre in the world */         \
-  F(int, camera_medium)     /* index of the medium that the camera is in */                       \
-  F(int, dropped_triangles) /* degenerate in single precision: left out, and reported */          \
-  F(uint, edges_camera)     /* FEATURE_LIGHT_EDGES: camera_key of the camera of these tables */   \
-  F(int, sees_edges)        /* ... 1 if that is the current camera; else they are ignored */      \
-  F(int, duplicate_lights)  /* light triangles that repeat another one: they do not emit again */ \
+#define SCENE_HEADER_FIELDS(F)                                                                      \
+  F(ulong, features)     /* FEATURE_* bits */                                                       \
+  F(uint, families)      /* bits 1 << FAMILY_* of its materials */                                  \
+  F(uint, textured)      /* bits 1 << TEXTURED_* of the fields that are textured in a material */   \
+  F(uint, texture_kinds) /* bits 1 << TEXTURE_* of its textures */                                  \
+  F(int, intersector)    /* INTERSECTOR_* */                                                        \
+  F(Camera, camera)                                                                                 \
+  F(FilmParameters, film)                                                                           \
+  F(SamplerParameters, sampler)                                                                     \
+  F(IntegratorParameters, integrator)                                                               \
+  F(Adjustable, adjustable)                                                                         \
+  F(int, environment)       /* index of the environment light, or -1 */                             \
+  F(uint, light_kinds)      /* bits 1 << LIGHT_* of its lights */                                   \
+  F(int, light_cut)         /* number of light hierarchy nodes without a parent */                  \
+  F(int, light_tree_depth)  /* steps from there to the deepest leaf */                              \
+  F(int, light_leaf_steps)  /* steps to find a light in a leaf; 0: one light per leaf */            \
+  F(int, matte_count)       /* FEATURE_MATTES: the largest matte number */                          \
+  F(int, shape_count)       /* FEATURE_SHAPE_LAYER: the largest number of a shape */                \
+  F(vec3, center)           /* FEATURE_POSITION_LAYER: the scene's centre in the world */           \
+  F(int, camera_medium)     /* index of the medium that the camera is in */                         \
+  F(int, dropped_triangles) /* degenerate in single precision: left out, and reported */            \
+  F(uint, own_camera)       /* FEATURE_LIGHT_EDGES, FEATURE_MOTION: camera_key of its own camera */ \
+  F(int, sees_edges)        /* 1 if the current camera is that one; else the edges are ignored, */  \
+  F(int, camera_moves)      /* ... and the camera's states; 0 if it has none */                     \
+  F(int, duplicate_lights)  /* light triangles that repeat another one: they do not emit again */   \
   F(TableSpans, tables)
 
 // X(struct, field list) for all shared structs: for tests and for serialisation.

@@ -1,6 +1,7 @@
 // What may change in a scene while a device keeps it: the camera, and other parameters that a viewer may
-// adjust. No kernel and no table depends on them, except the tables of light edges, which are ignored once
-// the camera moves. A new parameter only needs a new field in either list, here and on the wire.
+// adjust. No kernel and no table depends on them, except the tables of light edges and the camera's own
+// motion, which are ignored once the camera is another one. A new parameter only needs a new field in either
+// list, here and on the wire.
 #pragma once
 
 #include <array>
@@ -40,13 +41,14 @@ inline std::uint32_t camera_key(const Camera& camera) {
   return key;
 }
 
-/// Sets camera and adjustable parameters. The tables of light edges are ignored unless the camera is the one
-/// that they were made for.
+/// Sets camera and adjustable parameters. The tables of light edges and the camera's motion are ignored
+/// unless the camera is the scene's own.
 inline void apply_view(const View& view, SceneHeader& h) {
   h.camera = view.camera;
   h.adjustable = view.adjustable;
-  const bool known = (h.features & FEATURE_LIGHT_EDGES) != 0u;
-  h.sees_edges = known && camera_key(view.camera) == h.edges_camera ? 1 : 0;
+  const bool own = camera_key(view.camera) == h.own_camera;
+  h.sees_edges = own && (h.features & FEATURE_LIGHT_EDGES) != 0u ? 1 : 0;
+  h.camera_moves = own && h.tables.camera_states.count > 0 ? 1 : 0;
 }
 
 /// Whether they are equal to the bit.

@@ -104,7 +104,7 @@ FN Instance instance_at(const PRIVATE Scene* scene, int instance, float time) {
 }
 
 FN bool camera_moves(const PRIVATE Scene* scene) {
-  return NEEDS(scene, MOTION) && scene->shutter->camera_steps > 0;
+  return NEEDS(scene, MOTION) && scene->header.camera_moves != 0;
 }
 
 /// `camera` at the time, if it moves.

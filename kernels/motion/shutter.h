@@ -29,7 +29,7 @@ FN float time_of_sample(const PRIVATE Scene* scene, int y, float u) {
   GLOBAL const Shutter* shutter = scene->shutter;
   const float later = (float)y / (float)max_i(scene->header.film.height - 1, 1);
   const float time = later * shutter->rolling + time_of_exposure(scene, u) * shutter->exposure;
-  return scene->header.adjustable.frozen != 0 ? MIDDLE_TIME : clamp_f(time, 0.0f, 1.0f);
+  return scene->header.adjustable.frozen != 0.0f ? MIDDLE_TIME : clamp_f(time, 0.0f, 1.0f);
 }
 
 /// The time of a photon map and of all paths that use it. Maps in a row spread evenly over the exposure:
@@ -37,7 +37,7 @@ FN float time_of_sample(const PRIVATE Scene* scene, int y, float u) {
 FN float time_of_map(const PRIVATE Scene* scene, uint seed, uint map) {
   const float u = radical_inverse(map, 2u) + unit_float(hash_uint(seed ^ 0x74696d65u));
   const bool frozen =
-      (scene->header.integrator.photons == PHOTONS_FIXED) | (scene->header.adjustable.frozen != 0);
+      (scene->header.integrator.photons == PHOTONS_FIXED) | (scene->header.adjustable.frozen != 0.0f);
   return frozen ? MIDDLE_TIME : time_of_exposure(scene, min_f(u >= 1.0f ? u - 1.0f : u, ONE_MINUS_EPSILON));
 }
 

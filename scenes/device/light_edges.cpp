@@ -252,7 +252,7 @@ Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, Tempo
   if (edges.empty()) return {};
   store_edges(header, edges, records);
   header.features |= FEATURE_LIGHT_EDGES;
-  header.edges_camera = camera_key(header.camera);
+  header.own_camera = camera_key(header.camera);
   header.sees_edges = 1;
   return {};
 }

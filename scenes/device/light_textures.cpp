@@ -172,8 +172,8 @@ LightTexture LightTextures::of_quadric(int texture, const Quadric& quadric, doub
     const vec3 outward = sample_uniform_sphere(float(u), float(v));
     const vec3 from_center =
         sphere ? scale(outward, quadric.radius) : from_frame(quadric.normal, r * cosine, r * sine, 0.0f);
-    const TexturePoint on = sphere ? sphere_uv(to_quadric_frame(&quadric, outward))
-                                   : disk_uv(to_quadric_frame(&quadric, from_center), quadric.radius);
+    const TexturePoint on = sphere ? sphere_uv(to_quadric_frame(quadric, outward))
+                                   : disk_uv(to_quadric_frame(quadric, from_center), quadric.radius);
     return Place{on.u, on.v, add(quadric.center, from_center), 0};
   };
   return measure(texture, place, std::max(density.x, density.y), gain);
