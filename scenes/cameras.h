@@ -5,6 +5,8 @@
 
 #include <glm/glm.hpp>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
@@ -14,6 +16,10 @@ namespace penumbra {
 
 enum class Projection { kPerspective, kOrthographic };
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
+
+enum class ShutterPosition { kStart, kCenter, kEnd };
+constexpr std::size_t kMostShutterKnots = 256;
+inline const std::vector<double> kBoxShutter{1.0, 1.0}, kTriangleShutter{0.0, 1.0, 0.0};
 
 inline OneOf<FovAxis> fov_axes() {
   return {{{"x", FovAxis::kX},
@@ -55,6 +61,14 @@ struct CameraSettings {
   /// which its plane of focus is farther away.
   double magnify_red = 0.0, magnify_green = 0.0, magnify_blue = 0.0;
   double refocus_red = 0.0, refocus_green = 0.0, refocus_blue = 0.0;
+
+  /// The shutter, see motion/exposure.h. Shares of the frame's duration.
+  std::optional<float> shutter;  ///< for which each row is exposed; nothing: what the file says
+  /// Where the frame's time is in the whole time that the shutter is open.
+  ShutterPosition shutter_position = ShutterPosition::kStart;
+  /// How far it is open at evenly spaced times; linear between them.
+  std::vector<double> shutter_curve = kBoxShutter;
+  double rolling_shutter = 0.0;  ///< by which the last row of the film starts later than the first
 
   [[nodiscard]] glm::dvec3 magnify() const { return {magnify_red, magnify_green, magnify_blue}; }
   [[nodiscard]] glm::dvec3 refocus() const { return {refocus_red, refocus_green, refocus_blue}; }
@@ -111,6 +125,20 @@ void camera_parameters(const Row& row) {
       "axial chromatic aberration; share by which the focus of green is farther");
   row("refocus_blue", &C::refocus_blue, kShare,
       "axial chromatic aberration; share by which the focus of blue is farther");
+  row("shutter", &C::shutter, NumberOrAuto{0.0f, 10.0f},
+      "share of the frame's duration, 1 / fps, for which the shutter is open; 0: never, an image of one "
+      "instant; auto: the time that the scene file says");
+  row("shutter_position", &C::shutter_position,
+      OneOf<ShutterPosition>{{{"start", ShutterPosition::kStart},
+                              {"center", ShutterPosition::kCenter},
+                              {"centre", ShutterPosition::kCenter},
+                              {"end", ShutterPosition::kEnd}}},
+      "where the frame's time is in that of the shutter");
+  row("shutter_curve", &C::shutter_curve,
+      NamedCurve{{{"box", kBoxShutter}, {"triangle", kTriangleShutter}}, kMostShutterKnots},
+      "how far the shutter is open, at evenly spaced times and linear between them");
+  row("rolling_shutter", &C::rolling_shutter, Number<double>{LowEnd::kClosed, 0.0, 10.0},
+      "share of the frame's duration by which the film's last row starts later than the first");
 }
 
 struct Film;

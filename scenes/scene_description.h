@@ -106,7 +106,7 @@ enum class PixelFormat { kRgb, kRgba };
 enum class Denoise { kOff, kLayers, kNlMeans, kNfor, kOidn };
 
 /// Layers that an image has only if they are asked for.
-enum class AskedLayer { kPosition, kUv, kGeometricNormal, kShape, kDirect, kIndirect };
+enum class AskedLayer { kPosition, kUv, kGeometricNormal, kShape, kDirect, kIndirect, kMotion };
 
 struct Film {
   int width = 768;
@@ -151,6 +151,8 @@ struct RenderSettings {
 
 struct SceneMotion;
 
+constexpr double kFramesPerSecond = 24.0;  ///< unless another number is asked for
+
 struct SceneDescription : RenderSettings {
   std::string source;                        ///< the file it was read from
   std::vector<std::filesystem::path> files;  ///< all files that were read for the scene, the scene file first
@@ -169,8 +171,9 @@ struct SceneDescription : RenderSettings {
   std::vector<Emitter> emitters;  ///< emitters that are not shapes; at most one environment
   /// What moves (motion/scene_motion.h); null: nothing does. The scene shows everything at `time`.
   std::shared_ptr<const SceneMotion> motion;
-  double time = 0.0;            ///< in seconds
-  bool uses_variables = false;  ///< it depends on one of ReadOptions::variables
+  double time = 0.0;                               ///< in seconds
+  double frame_duration = 1.0 / kFramesPerSecond;  ///< from one frame to the next, in seconds
+  bool uses_variables = false;                     ///< it depends on one of ReadOptions::variables
   std::vector<std::string>
       warnings;  ///< what the reader repaired or replaced, each with its location in the file
 };

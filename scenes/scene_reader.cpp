@@ -172,6 +172,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
                             format->name));
   auto scene = format->read(file, options);
   if (!scene) return scene;
+  scene->frame_duration = options.frame_duration;
   auto done = show_at(*scene, options.time);
   if (done) done = apply_all(*scene, options);
   if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));

@@ -30,6 +30,7 @@ struct ReadOptions {
   /// Seconds, for a scene that moves. Nothing: the time that the scene's format has for a still, with a
   /// warning.
   std::optional<double> time = {};
+  double frame_duration = 1.0 / kFramesPerSecond;  ///< from one frame to the next, in seconds
   /// For formats with several animations in a file: the name of the one that is shown. Empty: the first.
   std::string clip = {};
   /// For untrusted scenes: every file must lie inside this folder after following symbolic links.

@@ -1,6 +1,7 @@
 #include "scenes/setting_values.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -69,6 +70,31 @@ std::string NumberOrAuto::print(std::optional<float> value) {
 std::string TrueOrFalse::values() { return "true, false"; }
 Expected<bool> TrueOrFalse::parse(std::string_view text) { return parse_boolean(text); }
 std::string TrueOrFalse::print(bool value) { return value ? "true" : "false"; }
+
+std::string NamedCurve::values() const {
+  return fmt::format("{}, or 2 to {} numbers of 0 or more", list_names(choice_names(curves)), most);
+}
+
+Expected<std::vector<double>> NamedCurve::parse(std::string_view text) const {
+  for (const auto& [name, curve] : curves)
+    if (trim(text) == name) return curve;
+  auto numbers = parse_numbers(text);
+  if (!numbers)
+    return fail(
+        fmt::format("{}; nor is it one of: {}", numbers.error().message, list_names(choice_names(curves))));
+  if (numbers->size() < 2 || numbers->size() > most)
+    return fail(fmt::format("a curve takes 2 to {} numbers, not {}", most, numbers->size()));
+  const auto [low, high] = std::ranges::minmax(*numbers);
+  if (low < 0.0) return fail(fmt::format("{} is below 0", low));
+  if (high == 0.0) return fail("one of the numbers must be above 0");
+  return numbers;
+}
+
+std::string NamedCurve::print(const std::vector<double>& curve) const {
+  for (const auto& [name, known] : curves)
+    if (known == curve) return name;
+  return fmt::format("{}", fmt::join(curve, ","));
+}
 
 Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names) {
   const std::string_view name = trim(text);

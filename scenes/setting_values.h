@@ -119,6 +119,19 @@ struct SomeOf {
   }
 };
 
+/// A curve by its values at evenly spaced places, or by name. The values are at least two and at most `most`;
+/// none is negative, and one is above 0.
+struct NamedCurve {
+  std::vector<std::pair<const char*, std::vector<double>>> curves;
+  std::size_t most;
+
+  static constexpr SettingKind kKind = SettingKind::kText;
+  [[nodiscard]] std::string values() const;
+  [[nodiscard]] Expected<std::vector<double>> parse(std::string_view text) const;
+  /// The name, or the values with commas.
+  [[nodiscard]] std::string print(const std::vector<double>& curve) const;
+};
+
 /// How values of one type are read from text and printed, where only their place is known.
 struct ValueFormat {
   SettingKind kind;

@@ -46,7 +46,8 @@ bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && 
 std::uint64_t feature_of(AskedLayer layer) {
   constexpr std::uint64_t kFeatures[] = {FEATURE_POSITION_LAYER,         FEATURE_UV_LAYER | FEATURE_UV,
                                          FEATURE_GEOMETRIC_NORMAL_LAYER, FEATURE_SHAPE_LAYER,
-                                         FEATURE_DIRECT_LAYER,           FEATURE_INDIRECT_LAYER};
+                                         FEATURE_DIRECT_LAYER,           FEATURE_INDIRECT_LAYER,
+                                         FEATURE_MOTION_LAYER};
   return kFeatures[int(layer)];
 }
 

@@ -61,6 +61,7 @@ struct Clip {
 struct SceneMotion {
   std::vector<Clip> clips = {};  ///< all of the file
   double default_time = 0.0;     ///< at which the scene is shown unless a time is asked for
+  double shutter = 0.0;  ///< seconds for which the file's shutter is open, from the time that is shown on
   std::vector<MovingNode> nodes = {};
   std::vector<MovingShape> shapes = {};
   std::vector<MovingInstance> instances = {};

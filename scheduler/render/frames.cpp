@@ -76,8 +76,10 @@ std::string frames_text(std::vector<int> frames) {
   return text;
 }
 
+double frames_per_second(const SceneOptions& options) { return options.fps.value_or(kFramesPerSecond); }
+
 double frame_seconds(const SceneOptions& options) {
-  return (double(options.frame.value_or(0)) + options.frame_offset) / options.fps.value_or(kFramesPerSecond);
+  return (double(options.frame.value_or(0)) + options.frame_offset) / frames_per_second(options);
 }
 
 std::uint32_t frame_in_seed(const SceneOptions& options) {

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scenes/scene_description.h"
 #include "scheduler/render/render_request.h"
 
 namespace penumbra {
 
 constexpr int kLastFrame = 999'999'999;
-constexpr double kFramesPerSecond = 24.0;  ///< unless --fps says another number
 
 /// The frames of "300", "1-250", "1-250x2" (every second), "1..250", and lists of these with commas, in the
 /// order of the text. Errors: no such text; a number above kLastFrame; a range that descends; a frame twice;
@@ -20,6 +20,9 @@ Expected<std::vector<std::string>> frames_of(std::string_view text);
 
 /// The same of numbers in any order: "1-12,14-20x2", of each number once. frames_of() has the numbers of it.
 std::string frames_text(std::vector<int> frames);
+
+/// The number of frames a second: that of --fps, else kFramesPerSecond.
+double frames_per_second(const SceneOptions& options);
 
 /// The time of the frame in seconds: frame / fps, the frame after adding the offset.
 double frame_seconds(const SceneOptions& options);

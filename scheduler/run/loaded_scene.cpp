@@ -87,6 +87,7 @@ Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   read.strict = options.strict;
   read.dialect = options.dialect;
   read.clip = options.clip;
+  read.frame_duration = 1.0 / frames_per_second(options);
   if (options.frame) {
     read.time = frame_seconds(options);
     read.variables = {{"frame", fmt::to_string(*options.frame)}, {"time", fmt::to_string(*read.time)}};
