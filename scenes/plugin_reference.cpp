@@ -76,6 +76,8 @@ void add_sensors(Entries& entries) {
       add_settings(entry, "camera.", kViewAngle);
     }
     for (const SettingNames& names : parts) add_settings(entry, "camera.", names);
+    entry.parameters.push_back({"shutter_open", "number", "0", "seconds at which the shutter opens"});
+    entry.parameters.push_back({"shutter_close", "number", "0", "seconds at which it closes"});
     entries.push_back(std::move(entry));
   };
   add("perspective", "pinhole camera; holds a film, a sampler and a medium, as all sensors do", true,

@@ -106,15 +106,20 @@ bool needs_no_light(const IntegratorSettings& integrator) {
          integrator.is<NormalsIntegrator>();
 }
 
-/// Shows a scene that moves at the time asked for, else at that of a still, which is said.
+/// Shows a scene that moves at the time asked for, else at that of a still.
 Expected<void> show_at(SceneDescription& scene, std::optional<double> time) {
   if (scene.motion == nullptr) return {};
-  const double shown = time.value_or(scene.motion->default_time);
-  if (!time)
-    scene.warnings.push_back(
-        fmt::format("{}: warning: the scene moves; it is shown as at {} s (--frames renders its frames)",
-                    scene.source, shown));
-  return set_time(scene, shown);
+  return set_time(scene, time.value_or(scene.motion->default_time));
+}
+
+/// Says at which time a scene that moves is shown if nobody chose it. A file whose shutter is open for a time
+/// has chosen it.
+void report_time(SceneDescription& scene, const ReadOptions& options) {
+  if (scene.motion == nullptr || options.time || (!scene.camera.shutter && scene.motion->shutter > 0.0))
+    return;
+  scene.warnings.push_back(
+      fmt::format("{}: warning: the scene moves; it is shown as at {} s (--frames renders its frames)",
+                  scene.source, scene.time));
 }
 
 constexpr std::string_view kOnlySky = "the scene has no shapes; only its sky is seen",
@@ -176,6 +181,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   auto done = show_at(*scene, options.time);
   if (done) done = apply_all(*scene, options);
   if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));
+  report_time(*scene, options);
   if (auto checked = check_warnings(*scene, options); !checked) return std::unexpected(checked.error());
   return scene;
 }

@@ -28,7 +28,7 @@ struct ReadOptions {
   /// For formats with dialects: "nori" or "nori-eth". Empty: determined from the file.
   std::string dialect = {};
   /// Seconds, for a scene that moves. Nothing: the time that the scene's format has for a still, with a
-  /// warning.
+  /// warning unless the file's shutter is open for a time.
   std::optional<double> time = {};
   double frame_duration = 1.0 / kFramesPerSecond;  ///< from one frame to the next, in seconds
   /// For formats with several animations in a file: the name of the one that is shown. Empty: the first.

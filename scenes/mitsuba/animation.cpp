@@ -28,18 +28,21 @@ bool can_move(const Object& object) {
 
 }  // namespace
 
+Shutter shutter_of(const Object* sensor) {
+  const double open = number_of(sensor, "shutter_open");
+  return {open, std::max(open, number_of(sensor, "shutter_close"))};
+}
+
 Shutter shutter_of(const Context& context) {
-  for (const Child& child : context.tree.scene.children) {
-    const Object* object = child.object;
-    if (object == nullptr || object->tag != "sensor") continue;
-    const double open = number_of(object, "shutter_open");
-    return {open, std::max(open, number_of(object, "shutter_close"))};
-  }
+  for (const Child& child : context.tree.scene.children)
+    if (child.object != nullptr && child.object->tag == "sensor") return shutter_of(child.object);
   return {};
 }
 
 Animations::Animations(const Context& context, const Object* sensor) {
-  motion_.default_time = number_of(sensor, "shutter_open");
+  const Shutter shutter = shutter_of(sensor);
+  motion_.default_time = shutter.open;
+  motion_.shutter = shutter.close - shutter.open;
   for (Object& object : context.tree.objects) {
     for (Parameter& parameter : object.parameters) {
       auto* animation = std::get_if<AnimationValue>(&parameter.value);

@@ -14,7 +14,9 @@ namespace penumbra::mitsuba {
 struct Shutter {
   double open = 0.0, close = 0.0;
 };
-/// That of the first sensor; none: both are 0.
+/// That of a sensor; null: both are 0.
+Shutter shutter_of(const Object* sensor);
+/// That of the first sensor.
 Shutter shutter_of(const Context& context);
 
 /// The animations of a file. While the scene is built, each object is where it is when the shutter opens.

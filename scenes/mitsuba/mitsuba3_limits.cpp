@@ -54,8 +54,9 @@ constexpr PluginParameterName kParameters[] = {{"area", "sampling"},
                                                {"spot", "falloff"},
                                                {"volpath", "hidden_emitters"}};
 constexpr std::string_view kOfCameras[] = {
-    "blades",       "blade_rotation", "distortion_k1", "distortion_k2", "magnify_red", "magnify_green",
-    "magnify_blue", "refocus_red",    "refocus_green", "refocus_blue",  "pixel_aspect"};
+    "blades",        "blade_rotation", "distortion_k1",  "distortion_k2", "magnify_red",
+    "magnify_green", "magnify_blue",   "refocus_red",    "refocus_green", "refocus_blue",
+    "pixel_aspect",  "shutter_curve",  "rolling_shutter"};
 
 }  // namespace
 

@@ -20,6 +20,7 @@
 #include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/mitsuba/written_motion.h"
+#include "scenes/motion/exposure.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"
@@ -348,10 +349,12 @@ class SceneWriter {
       const std::string name = setting.name();
       if (!setting.key.starts_with("camera.") || name == "to_world" || name == "projection" ||
           name == "fov" || name == "fov_axis" || name == "scale_x" || name == "scale_y" ||
-          name == "aperture_radius" || name == "focus_distance")
+          name == "aperture_radius" || name == "focus_distance" || name == "shutter" ||
+          name == "shutter_position")
         continue;
       const bool of_lens = name.starts_with("blade") || name.starts_with("refocus");
-      if (lens || !of_lens) put_setting(setting, plain, name);
+      const bool of_motion = name == "shutter_curve" || name == "rolling_shutter";
+      if ((lens || !of_lens) && (scene_.motion != nullptr || !of_motion)) put_setting(setting, plain, name);
     }
     put_camera_place(flat);
     // Mitsuba 3's name of the sampler. Only Sobol's differs, and Halton points are no longer available there.
@@ -365,11 +368,19 @@ class SceneWriter {
     xml_.close();
   }
 
+  /// When the shutter opens, and closes for the first row.
+  void put_shutter() {
+    if (scene_.motion == nullptr) return;
+    const Exposure exposure = exposure_of(scene_);
+    const double close = exposure.open + exposure.exposure * (exposure.close - exposure.open);
+    if (exposure.open == 0.0 && close == 0.0) return;
+    xml_.value("float", "shutter_open", fmt::format("{}", exposure.open));
+    xml_.value("float", "shutter_close", fmt::format("{}", close));
+  }
+
   void put_camera_place(bool flat) {
     const CameraSettings& camera = scene_.camera;
-    if (scene_.motion != nullptr && scene_.time != 0.0)
-      for (const char* name : {"shutter_open", "shutter_close"})
-        xml_.value("float", name, fmt::format("{}", scene_.time));
+    put_shutter();
     const auto placed = [&](const glm::dmat4& frame, double x, double y) {
       return flat ? frame * scaling({x, y, 1.0}) : frame;
     };

@@ -21,10 +21,10 @@ struct SceneFile {
 /// it supports the scene's features. Features that only Penumbra has are written with their names here;
 /// `refused`, if given, gets a sentence for each of them,
 /// and for what is approximate.
-/// What moves has keys as in Mitsuba 0.6, and the shutter opens at the time that the scene shows. Numbers
-/// with keys and meshes that deform are as at that time. Reading the file again gives a scene with the same
-/// light, materials and geometry, except for what was left out when the original was read. Errors: features
-/// that a Mitsuba file cannot represent.
+/// What moves has keys as in Mitsuba 0.6, and the shutter opens and closes as exposure_of says. Numbers with
+/// keys and meshes that deform are as at the time that the scene shows. Reading the file again gives a scene
+/// with the same light, materials and geometry, except for what was left out when the original was read.
+/// Errors: features that a Mitsuba file cannot represent.
 Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene, const std::filesystem::path& file,
                                              std::vector<std::string>* refused = nullptr);
 

@@ -19,7 +19,11 @@ inline const SettingNames kPlace = {"near_clip",
                                     "pixel_aspect",
                                     "magnify_red",
                                     "magnify_green",
-                                    "magnify_blue"};
+                                    "magnify_blue",
+                                    "shutter",
+                                    "shutter_position",
+                                    "shutter_curve",
+                                    "rolling_shutter"};
 inline const SettingNames kLens = {"aperture_radius", "focus_distance", "blades",      "blade_rotation",
                                    "refocus_red",     "refocus_green",  "refocus_blue"};
 inline const SettingNames kDistortion = {"distortion_k1", "distortion_k2"};

@@ -15,6 +15,8 @@
 namespace penumbra::mitsuba {
 namespace {
 
+constexpr double kLongestShutter = 1e30;  // seconds
+
 void choose(const PluginReader& plugin, SceneDescription& scene, std::string_view key,
             std::string_view value) {
   if (const auto done = apply_setting(scene, key, value); !done) plugin.wrong(done.error().message);
@@ -44,6 +46,19 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"fov", "fov_axis"});
 }
 
+/// Checks the shutter's times, which Animations takes.
+void read_shutter(PluginReader& plugin) {
+  const double open = plugin.number("shutter_open", 0.0), close = plugin.number("shutter_close", 0.0);
+  if (plugin.has("shutter_close") && !(close >= open && close - open < kLongestShutter))
+    plugin.wrong(
+        "shutter_close",
+        fmt::format("the shutter closes at {}; it opens at {}, and must not close before that or {} later",
+                    close, open, kLongestShutter));
+  if (plugin.has("rolling_shutter_type") || plugin.has("rolling_shutter_duration"))
+    plugin.warn("all rows are exposed at the same time; rolling_shutter delays the last one");
+  plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
+}
+
 /// Reads what all cameras share: position, clipping planes, and effects that do not depend on a lens.
 void read_place(PluginReader& plugin, SceneDescription& scene) {
   plugin.settings(scene, "camera", kPlace);
@@ -62,9 +77,7 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
     scene.camera.near_clip *= glm::length(axes[2]);
     scene.camera.far_clip = scene.camera.near_clip + length;
   }
-  if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
-    plugin.warn("an image is of one instant, so shutter_close has no effect, but on a timed_sunsky");
-  plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
+  read_shutter(plugin);
   if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
   plugin.accept({"cone_scale"});  // about texture filtering, which does not exist here
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/settings.h"
+
 namespace penumbra {
 namespace {
 
@@ -30,6 +32,9 @@ std::optional<MotionFacts> motion_facts(const SceneDescription& scene) {
   };
   const auto varies = [](const auto& keys) { return keys && keys->varies(); };
   MotionFacts facts{.clips = motion.clips, .time = scene.time, .times = time_range(motion)};
+  facts.exposure = exposure_of(scene);
+  facts.position = print_setting(scene, "camera.shutter_position");
+  facts.curve = print_setting(scene, "camera.shutter_curve");
   for (const MovingShape& shape : motion.shapes) {
     const MeshDeformation* deformation = shape.deformation.get();
     const bool deforms =

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/motion/exposure.h"
 #include "scenes/motion/scene_motion.h"
 
 namespace penumbra {
@@ -24,6 +25,8 @@ struct MotionFacts {
   /// an emitter also if its strength alone changes.
   Share shapes = {}, instances = {}, emitters = {};
   std::size_t meshes_that_deform = 0;
+  Exposure exposure = {};
+  std::string position = {}, curve = {};  ///< of the shutter, as its settings print
 };
 
 /// Nothing if the scene has no motion.

@@ -42,8 +42,8 @@ class MotionReader {
  public:
   /// TransformTimes: when the first matrix holds, and when the second does. `end` is after `start`.
   void set_times(double start, double end) { start_ = start, end_ = end; }
-  /// The time at which the scene is built.
-  void show_at(double time) { motion.default_time = time; }
+  /// The shutter opens at this time, at which the scene is built, and is open for `seconds`.
+  void set_shutter(double time, double seconds) { motion.default_time = time, motion.shutter = seconds; }
 
   /// Nothing, and an error, if it is singular at a time.
   std::optional<Placement> place(const TransformPair& pair, SourceLocation location, ReaderReport& report);

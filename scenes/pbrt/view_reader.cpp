@@ -93,7 +93,7 @@ void read_shutter(Context& context, CameraDirective& camera) {
   const double open = camera.parameters.number("shutteropen", 0.0, report),
                close = camera.parameters.number("shutterclose", 1.0, report);
   context.shutter_time = std::abs(close - open);  // pbrt swaps them
-  context.motion.show_at(std::min(open, close));
+  context.motion.set_shutter(std::min(open, close), context.shutter_time);
   if (context.shutter_time > 0.0 && context.shutter_time < 1e30) return;
   report.error(
       camera.parameters.location("shutterclose", camera.location),

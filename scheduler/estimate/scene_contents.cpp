@@ -75,6 +75,16 @@ std::optional<std::pair<std::int64_t, std::int64_t>> frame_range(const MotionFac
   return motion.times ? frames_between(*motion.times, kFramesPerSecond) : std::nullopt;
 }
 
+std::string exposure_text(const MotionFacts& motion) {
+  const Exposure& e = motion.exposure;
+  const double whole = e.close - e.open;
+  if (!(whole > 0.0)) return "of one instant";
+  std::string text = fmt::format("{:.6g} s, from {:.6g} to {:.6g} s, curve {}, frame's time at the {}",
+                                 whole * e.exposure, e.open, e.close, motion.curve, motion.position);
+  if (e.rolling > 0.0) text += fmt::format("; the last row starts {:.6g} s later", whole * e.rolling);
+  return text;
+}
+
 NamedTexts motion_text(const MotionFacts& motion) {
   NamedTexts texts;
   for (const Clip& clip : motion.clips)
@@ -87,6 +97,7 @@ NamedTexts motion_text(const MotionFacts& motion) {
   if (const auto frames = frame_range(motion))
     texts.emplace_back(
         "frames", fmt::format("{} to {}, {:.6g} a second", frames->first, frames->second, kFramesPerSecond));
+  texts.emplace_back("exposure", exposure_text(motion));
   const auto put = [&](const char* what, const MotionFacts::Share& share) {
     if (share.moving > 0) texts.emplace_back(what, fmt::format("{} of {}", share.moving, share.all));
   };
@@ -111,6 +122,13 @@ nlohmann::ordered_json motion_json(const MotionFacts& motion) {
   if (motion.times) json["times"] = {motion.times->first, motion.times->second};
   json["fps"] = kFramesPerSecond;
   if (const auto frames = frame_range(motion)) json["frames"] = {frames->first, frames->second};
+  const Exposure& e = motion.exposure;
+  json["exposure"] = {{"open", e.open},
+                      {"close", e.close},
+                      {"seconds", e.exposure * (e.close - e.open)},
+                      {"rolling", e.rolling * (e.close - e.open)},
+                      {"position", motion.position},
+                      {"curve", motion.curve}};
   json["shapes"] = motion.shapes.moving;
   json["meshes_that_deform"] = motion.meshes_that_deform;
   json["instances"] = motion.instances.moving;

@@ -60,8 +60,7 @@ void add_frame_rows(std::vector<RenderOption>& all) {
   OptionRows frames{all, group::kFrames, kScene, kPixels};
   frames.add("--frame", "N", AT(scene.frame), {whole_number(0, kLastFrame)},
              "One frame of a scene that moves: shows it at N / fps seconds, as $frame and $time of its file");
-  frames.add("--fps", "RATE", AT(scene.fps), {positive_number()}, "Frames per second (default: 24)").matters =
-      [](const RenderRequest& request) { return request.scene.frame.has_value(); };
+  frames.add("--fps", "RATE", AT(scene.fps), {positive_number()}, "Frames per second (default: 24)");
   frames.add("--frame-offset", "N", AT(scene.frame_offset), {}, "Add N to the frame before its time is taken")
       .matters = [](const RenderRequest& request) { return request.scene.frame_offset != 0; };
   frames.add(

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/instances.h"
+#include "scenes/motion/exposure.h"
 #include "scenes/motion/motion_facts.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/transform.h"
@@ -123,6 +124,22 @@ TEST_F(MitsubaAnimations, AreShownWhenTheShutterOpens) {
   EXPECT_EQ(place(1.5, kAnimationKeys), glm::dvec3(3, 1, 0));
   EXPECT_EQ(place(3, kAnimationKeys), glm::dvec3(6, 4, 0));
   EXPECT_EQ(place(7, kAnimationKeys), glm::dvec3(6, 4, 0));
+}
+
+TEST_F(MitsubaAnimations, AreBlurredWhileTheShutterIsOpen) {
+  const auto read = [&](std::string_view close) {
+    return good(sensor(1.5, "<float name='shutter_close' value='" + std::string(close) + "'/>") +
+                in("shape", "sphere", in("emitter", "area") + animation("to_world", kAnimationKeys)));
+  };
+  const SceneDescription blurred = read("2.25"), still = read("1.5");
+  EXPECT_THAT(blurred.warnings, ::testing::IsEmpty());
+  EXPECT_EQ(exposure_of(blurred).open, 1.5);
+  EXPECT_EQ(exposure_of(blurred).close, 2.25);
+  EXPECT_THAT(still.warnings, ::testing::ElementsAre(HasSubstr("it is shown as at 1.5 s")));
+  EXPECT_EQ(exposure_of(still).close, 1.5);
+  // Another time moves the exposure.
+  EXPECT_EQ(exposure_of(at(blurred, 3)).open, 3);
+  EXPECT_EQ(exposure_of(at(blurred, 3)).close, 3.75);
 }
 
 TEST_F(MitsubaAnimations, RotationsTurnEvenlyAndStretchesGrow) {

@@ -136,7 +136,22 @@ TEST_F(MitsubaPlugins, OrthographicAndDistortedCameras) {
   EXPECT_THAT(good(in("sensor", "perspective",
                       "<float name='shutter_open' value='0'/><float name='shutter_close' value='0.1'/>"))
                   .warnings,
-              ::testing::ElementsAre(HasSubstr("of one instant")));
+              ::testing::IsEmpty());
+  EXPECT_THAT(
+      error(scene(in("sensor", "perspective",
+                     "<float name='shutter_open' value='1'/><float name='shutter_close' value='0.5'/>"))),
+      HasSubstr("closes at 0.5; it opens at 1"));
+  EXPECT_THAT(good(in("sensor", "perspective", "<string name='rolling_shutter_type' value='top'/>")).warnings,
+              ::testing::ElementsAre(HasSubstr("rolling_shutter delays")));
+  const CameraSettings named = good(in("sensor", "perspective",
+                                       "<string name='shutter_curve' value='0 1 1'/><float name='shutter' "
+                                       "value='0.5'/><float name='rolling_shutter' value='0.25'/><string "
+                                       "name='shutter_position' value='end'/>"))
+                                   .camera;
+  EXPECT_EQ(named.shutter, 0.5f);
+  EXPECT_EQ(named.shutter_position, ShutterPosition::kEnd);
+  EXPECT_EQ(named.shutter_curve, (std::vector{0.0, 1.0, 1.0}));
+  EXPECT_EQ(named.rolling_shutter, 0.25);
 }
 
 TEST_F(MitsubaPlugins, Films) {

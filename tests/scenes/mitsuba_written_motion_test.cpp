@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "scenes/mitsuba/written_motion.h"
+#include "scenes/motion/exposure.h"
 #include "scenes/motion/scene_motion.h"
+#include "scenes/settings.h"
 #include "scenes/transform.h"
 #include "tests/scenes/gltf_motion.h"
 #include "tests/scenes/mitsuba_text.h"
@@ -167,6 +169,42 @@ TEST_F(WrittenMotion, OfMitsubaStaysTheSame) {
   expect_same(scene, {-1, 0, 0.15, 0.3, 0.4, 1.1, 2, 5});
   EXPECT_THAT(remarks_, Contains(HasSubstr("Mitsuba 3 has no <animation>")));
   EXPECT_THAT(remarks_, Not(Contains(HasSubstr("approximate"))));
+}
+
+TEST_F(WrittenMotion, TheExposureStaysTheSame) {
+  const std::string sphere = in("shape", "sphere", in("emitter", "area") + moves());
+  struct Given {
+    double open, close;
+    std::vector<std::pair<const char*, const char*>> settings;
+  };
+  const Given given[] = {{0, 0, {}},
+                         {0.25, 0.75, {}},
+                         {0.25, 0.75, {{"camera.shutter", "0"}}},
+                         {0.5, 0.5, {{"camera.shutter", "0.5"}, {"camera.shutter_position", "center"}}},
+                         {0.5,
+                          0.75,
+                          {{"camera.shutter_curve", "triangle"},
+                           {"camera.rolling_shutter", "0.25"},
+                           {"camera.shutter_position", "end"}}}};
+  for (const auto& [open, close, settings] : given) {
+    SceneDescription scene =
+        good("<sensor type='perspective'><float name='shutter_open' value='" + std::to_string(open) +
+             "'/><float name='shutter_close' value='" + std::to_string(close) + "'/></sensor>" + sphere);
+    for (const auto& [key, value] : settings) ASSERT_TRUE(apply_setting(scene, key, value)) << key;
+    const Exposure before = exposure_of(scene), after = exposure_of(again(scene));
+    // A few roundings of times below 1, and of their quotients by some 0.01.
+    constexpr double kRounding = 1e-15, kShareRounding = 1e-13;
+    EXPECT_NEAR(after.open, before.open, kRounding);
+    EXPECT_NEAR(after.close, before.close, kRounding);
+    EXPECT_NEAR(after.exposure, before.exposure, kShareRounding);
+    EXPECT_NEAR(after.rolling, before.rolling, kShareRounding);
+    EXPECT_EQ(after.curve, before.curve);
+    const auto refused = Contains(HasSubstr("has no 'rolling_shutter'"));
+    if (before.rolling > 0)
+      EXPECT_THAT(remarks_, refused);
+    else
+      EXPECT_THAT(remarks_, Not(refused));
+  }
 }
 
 TEST_F(WrittenMotion, StretchesStayTheSame) {

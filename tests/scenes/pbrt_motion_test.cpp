@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "scenes/motion/exposure.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/transform.h"
 #include "tests/scenes/pbrt_text.h"
@@ -37,9 +38,11 @@ TEST_F(PbrtMotion, ShapesMoveBetweenTheTimes) {
                 "TransformTimes 1 3 Camera \"perspective\"");
   ASSERT_NE(s.motion, nullptr);
   EXPECT_EQ(time_range(*s.motion), std::pair(1.0, 3.0));
-  // It is shown when the shutter opens, at 0.
+  // The shutter opens at 0, and by default closes at 1.
   expect_near(mesh(s).positions[1], {2, 0, 0});
-  EXPECT_THAT(warnings(s), HasSubstr("it is shown as at 0 s"));
+  EXPECT_THAT(warnings(s), IsEmpty());
+  EXPECT_EQ(exposure_of(s).open, 0);
+  EXPECT_EQ(exposure_of(s).close, 1);
   const double half = std::sqrt(0.5);
   expect_near(mesh(at(s, 2)).positions[0], {1, 2, 0});
   expect_near(mesh(at(s, 2)).positions[1], {1 + half, 2 + half, 0});
@@ -68,6 +71,9 @@ TEST_F(PbrtMotion, TheShutterOpensAtAStillsTime) {
                 "Camera \"perspective\" \"float shutteropen\" 0.75 \"float shutterclose\" 0.25");
   expect_near(mesh(s).positions[0], {1, 0, 0});
   EXPECT_EQ(s.time, 0.25);
+  EXPECT_EQ(exposure_of(s).open, 0.25);
+  EXPECT_EQ(exposure_of(s).close, 0.75);
+  EXPECT_EQ(good_pbrt(kTriangle).motion, nullptr) << "the default shutter alone moves nothing";
 }
 
 TEST_F(PbrtMotion, QuadricsStayWhatTheyAre) {

@@ -64,6 +64,36 @@ TEST(Settings, SetEveryGroup) {
   EXPECT_TRUE(check_settings(scene));
 }
 
+TEST(Settings, TheShutter) {
+  SceneDescription scene;
+  EXPECT_EQ(print_setting(scene, "camera.shutter"), "auto");
+  EXPECT_EQ(print_setting(scene, "camera.shutter_position"), "start");
+  EXPECT_EQ(print_setting(scene, "camera.shutter_curve"), "box");
+  EXPECT_EQ(print_setting(scene, "camera.rolling_shutter"), "0");
+  const auto set = [&](const char* key, const char* value) {
+    const auto done = apply_setting(scene, key, value);
+    EXPECT_TRUE(done) << done.error().message;
+    return print_setting(scene, key);
+  };
+  EXPECT_EQ(set("camera.shutter", "10"), "10");
+  EXPECT_EQ(set("camera.shutter", "auto"), "auto");
+  EXPECT_EQ(set("camera.shutter_position", "centre"), "center");
+  EXPECT_EQ(set("camera.shutter_curve", "triangle"), "triangle");
+  EXPECT_EQ(scene.camera.shutter_curve, (std::vector{0.0, 1.0, 0.0}));
+  EXPECT_EQ(set("camera.shutter_curve", "0 1, 0.5 0"), "0,1,0.5,0");
+  EXPECT_EQ(set("camera.shutter_curve", print_setting(scene, "camera.shutter_curve").c_str()), "0,1,0.5,0");
+  EXPECT_EQ(set("camera.shutter_curve", "1 1"), "box");
+  EXPECT_THAT(error("camera.shutter", "-0.1"), HasSubstr("not between 0 and 10"));
+  EXPECT_THAT(error("camera.shutter", "10.5"), HasSubstr("not between 0 and 10"));
+  EXPECT_THAT(error("camera.shutter_position", "middle"), HasSubstr("start, center"));
+  EXPECT_THAT(error("camera.shutter_curve", "tringle"), HasSubstr("box, triangle"));
+  EXPECT_THAT(error("camera.shutter_curve", "1"), HasSubstr("2 to 256 numbers, not 1"));
+  EXPECT_THAT(error("camera.shutter_curve", "0 0"), HasSubstr("above 0"));
+  EXPECT_THAT(error("camera.shutter_curve", "1 -0.5 1"), HasSubstr("-0.5 is below 0"));
+  EXPECT_THAT(error("camera.shutter_curve", "1 inf"), HasSubstr("box, triangle"));
+  EXPECT_THAT(error("camera.rolling_shutter", "-1"), HasSubstr("at least 0 and below 10"));
+}
+
 TEST(Settings, PathPresets) {
   SceneDescription scene;
   ASSERT_TRUE(apply_setting(scene, "integrator.type", "path_mats"));
