@@ -72,6 +72,7 @@ TEST(Frames, HaveATime) {
   SceneOptions options;
   options.frame = 36;
   EXPECT_EQ(frame_seconds(options), 1.5);
+  EXPECT_EQ(frames_per_second(options), 24);
   options.fps = 30;
   options.frame_offset = -1.5;
   EXPECT_EQ(frame_seconds(options), 1.15);

@@ -129,6 +129,7 @@ TEST(InfoCommand, TellsWhatMoves) {
   ASSERT_EQ(text.exit_code, 0) << text.err;
   for (const char* line : {"\nMotion\n  time                            0.5 to 2 s, shown at 0 s\n",
                            "\n  frames                          12 to 48, 24 a second\n",
+                           "\n  exposure                        of one instant\n",
                            "\n  shapes that move                1 of 2\n"})
     EXPECT_THAT(text.out, HasSubstr(line));
   EXPECT_THAT(text.out, Not(HasSubstr("lights that move")));
@@ -139,6 +140,27 @@ TEST(InfoCommand, TellsWhatMoves) {
   EXPECT_EQ(json["fps"], 24.0);
   EXPECT_EQ(json["shapes"], 1);
   EXPECT_EQ(json["camera"], false);
+  // At frame 4 of 8 a second.
+  std::vector<std::string> shutter = {"info",
+                                      "s.xml",
+                                      "--frame=4",
+                                      "--fps=8",
+                                      "--set=camera.shutter=0.5",
+                                      "--set=camera.shutter_position=end",
+                                      "--set=camera.shutter_curve=triangle",
+                                      "--set=camera.rolling_shutter=0.25"};
+  EXPECT_THAT(
+      run_penumbra(folder.path(), shutter).out,
+      HasSubstr("\n  exposure                        0.0625 s, from 0.40625 to 0.5 s, curve triangle, "
+                "frame's time at the end; the last row starts 0.03125 s later\n"));
+  shutter.push_back("--json");
+  const auto exposure = nlohmann::json::parse(run_penumbra(folder.path(), shutter).out)["motion"]["exposure"];
+  EXPECT_EQ(exposure, (nlohmann::json{{"open", 0.40625},
+                                      {"close", 0.5},
+                                      {"seconds", 0.0625},
+                                      {"rolling", 0.03125},
+                                      {"position", "end"},
+                                      {"curve", "triangle"}}));
   write_small_scene(folder / "s.xml");
   EXPECT_THAT(run_penumbra(folder.path(), {"info", "s.xml"}).out, Not(HasSubstr("Motion")));
 }
