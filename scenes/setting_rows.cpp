@@ -74,9 +74,8 @@ void add_file_rows(std::vector<Setting>& table) {
                           {"motion", AskedLayer::kMotion}}},
       &Film::layers,
       "further layers of the image: where camera rays hit, texture coordinates and geometric normal there, "
-      "the shape's ID; light of at most one bounce, and all other; by how many pixels what is seen moves "
-      "from "
-      "the frame before and to the next");
+      "the shape's ID; light of at most one bounce, and all other; how many pixels away the frame before, "
+      "and the next one, show what is seen");
   add("film.component_format", OneOf<bool>{{{"float32", false}, {"float16", true}}}, &Film::half,
       "precision of an EXR's colours and normals; variance, depth and counts keep 32 bits");
   add("film.compression",

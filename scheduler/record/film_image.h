@@ -33,8 +33,8 @@ std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 ///      albedo_variance.R/G/B, normal_variance.X/Y/Z, depth_variance.Z, half_a.R/G/B, half_b.R/G/B
 ///                        with FEATURE_DENOISING: variances of these means, and the means of two halves of
 ///                        the samples; a half without samples is 0
-///      position.X/Y/Z, uv.U/V, geometric_normal.X/Y/Z, shape.ID, direct.R/G/B, indirect.R/G/B
-///                        those that are asked for (film.layers)
+///      position.X/Y/Z, uv.U/V, geometric_normal.X/Y/Z, shape.ID, direct.R/G/B, indirect.R/G/B,
+///      motion.X/Y/Z/W    those that are asked for (film.layers)
 ///      samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
 ///      CryptoObject00.R … CryptoMaterial02.A
 ///                        with `mattes`, which must belong to the film's scene: see cryptomatte.h
