@@ -67,6 +67,8 @@ LOADED_RECORD(Motion, motion, MOTION_FIELDS)
 #define NEEDS_SPLIT_LIGHT(scene) (NEEDS(scene, DIRECT_LAYER) || NEEDS(scene, INDIRECT_LAYER))
 // Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
+// Whether something moves while the shutter is open. If so, the scene has its tables.
+#define NEEDS_MOTION(scene) (NEEDS(scene, MOTION) && (scene)->header.tables.shutter.count > 0)
 // Whether shadow rays may pass what they hit.
 #define NEEDS_PASSING_LIGHT(scene) (NEEDS(scene, NESTED) || NEEDS(scene, FLAT_GLASS))
 // Whether what shadow rays pass tints their light, and whether that or media colour it.

@@ -283,7 +283,7 @@ JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE P
   const bool moves = has_moving_surfaces(scene);
   if (HAS(MOTION) && moves) find_moving_points(scene, paths, i, &points);
   see_surfaces(paths, i, &points, surfaces);
-  if (NEEDS(scene, MOTION)) note_times(paths, i, surfaces);
+  if (NEEDS_MOTION(scene)) note_times(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
   if (NEEDS(scene, UV)) find_triangle_uvs(scene, paths, i, only, &points, surfaces);
@@ -349,7 +349,7 @@ JIT_CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
-  if (NEEDS_MEDIA(scene) && NEEDS(scene, MOTION)) note_times(paths, i, surfaces);
+  if (NEEDS_MEDIA(scene) && NEEDS_MOTION(scene)) note_times(paths, i, surfaces);
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
 }
 

@@ -86,7 +86,7 @@ FN void intersect_brute_force(const PRIVATE Scene* scene, PRIVATE RayLanes* rays
   if (count < 0) test_all_primitives(scene, &shears, rays);
   if (HAS(QUADRICS)) {
     const int quadric_count =
-        NEEDS(scene, MOTION) ? scene->shutter->still_quadrics : scene->header.tables.quadrics.count;
+        NEEDS_MOTION(scene) ? scene->shutter->still_quadrics : scene->header.tables.quadrics.count;
     for (int k = 0; k < quadric_count; k++) {
       const Quadric q = scene->quadrics[k];
       const int primitive = triangle_count + k;

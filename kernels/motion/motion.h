@@ -40,7 +40,7 @@ FN vec3 vec3_between(vec3 a, vec3 b, float f) { return add_scaled(a, f, sub(b, a
 
 /// Whether anything moves besides camera and lights without a surface.
 FN bool has_moving_surfaces(const PRIVATE Scene* scene) {
-  return NEEDS(scene, MOTION) && scene->header.tables.motion_nodes.count > 0;
+  return NEEDS_MOTION(scene) && scene->header.tables.motion_nodes.count > 0;
 }
 
 FN bool triangle_moves(const PRIVATE Scene* scene, int triangle) {
@@ -55,7 +55,7 @@ FN bool instance_moves(const PRIVATE Scene* scene, int instance) {
 
 /// Whether the hierarchy of what is still has instances.
 FN bool has_still_instances(const PRIVATE Scene* scene) {
-  return NEEDS(scene, INSTANCES) && (!NEEDS(scene, MOTION) || scene->shutter->still_instances > 0);
+  return NEEDS(scene, INSTANCES) && (!NEEDS_MOTION(scene) || scene->shutter->still_instances > 0);
 }
 
 /// The state of a triangle that moves.
@@ -104,7 +104,7 @@ FN Instance instance_at(const PRIVATE Scene* scene, int instance, float time) {
 }
 
 FN bool camera_moves(const PRIVATE Scene* scene) {
-  return NEEDS(scene, MOTION) && scene->header.camera_moves != 0;
+  return NEEDS_MOTION(scene) && scene->header.camera_moves != 0;
 }
 
 /// `camera` at the time, if it moves.

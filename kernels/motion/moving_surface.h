@@ -33,8 +33,8 @@ FN Instance instance_state(const PRIVATE Scene* scene, int instance, bool moves,
 
 /// The instance at the time.
 FN Instance instance_of(const PRIVATE Scene* scene, int instance, float time) {
-  return NEEDS(scene, MOTION) && instance_moves(scene, instance) ? instance_at(scene, instance, time)
-                                                                 : load_instance(scene->instances + instance);
+  return NEEDS_MOTION(scene) && instance_moves(scene, instance) ? instance_at(scene, instance, time)
+                                                                : load_instance(scene->instances + instance);
 }
 
 /// Where the record of a moving triangle has the surface's point.
@@ -57,6 +57,7 @@ FN PrimitivePoint moving_triangle_point(const PRIVATE Scene* scene, int triangle
 
 /// The position at `other` of what is at `s.p` on the surface at the path's time.
 FN vec3 position_at(const PRIVATE Scene* scene, Surface s, float other) {
+  if (!has_moving_surfaces(scene)) return s.p;
   if (is_moving_instance(scene, s.instance))
     return from_group_point(instance_at(scene, s.instance, other),
                             to_group_point(instance_at(scene, s.instance, s.time), s.p));

@@ -72,7 +72,7 @@ FN void emit_photons(const PRIVATE Scene* scene, int first, int count, float tim
                      const PRIVATE PathState* paths) {
   const PRIVATE SceneHeader* h = &scene->header;
   number_photons(scene, first, count, paths);
-  if (NEEDS(scene, MOTION))
+  if (NEEDS_MOTION(scene))
     for (int i = 0; i < count || i % LANES != 0; i++) set_time(paths, i, time);
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES], s[LANES], t[LANES], fine[LANES], channel[LANES];
@@ -241,7 +241,7 @@ CALLED_FN void trace_photons(const PRIVATE Scene* of_image, const PRIVATE Photon
   const Scene of_photons = scene_of_photons(*of_image, task);
   const PRIVATE Scene* scene = &of_photons;
   const uint seed = sequence_seed(of_image->header.sampler.seed, task->sequence);
-  const float time = NEEDS(scene, MOTION) ? time_of_map(scene, seed, task->map) : MIDDLE_TIME;
+  const float time = NEEDS_MOTION(scene) ? time_of_map(scene, seed, task->map) : MIDDLE_TIME;
   emit_photons(scene, first, count, time, paths);
   for (int arrivals = 0; count > 0; arrivals++) {
     intersect_block(scene, paths, count, false);
