@@ -133,6 +133,7 @@ struct EmbreeTracer::Impl {
   PrimitiveGroup whole{};  ///< for a scene without instances
   std::span<const PrimitiveGroup> groups;
   std::span<const Instance> instances;
+  std::size_t still_instances = 0;
 
   /// Sets ray j of a packet; it is valid if `wanted`.
   template <typename Packet>
@@ -295,7 +296,7 @@ struct EmbreeTracer::Impl {
   }
 
   void attach_instances() const {
-    for (std::size_t i = 0; i < instances.size(); ++i) {
+    for (std::size_t i = 0; i < still_instances; ++i) {
       const Instance& instance = instances[i];
       const float columns[12] = {instance.x.x, instance.x.y,  instance.x.z,  instance.y.x,
                                  instance.y.y, instance.y.z,  instance.z.x,  instance.z.y,
@@ -330,7 +331,11 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   const auto triangles = impl.triangles = table<Triangle>(scene, scene.header.tables.triangles);
   const auto quadrics = table<Quadric>(scene, scene.header.tables.quadrics);
   impl.triangle_count = int(triangles.size());
-  impl.whole = {0, 0, impl.triangle_count, 0, int(quadrics.size())};
+  // What moves while the shutter is open has a hierarchy of its own; groups[0] is without it, too.
+  const TableSpans& tables = scene.header.tables;
+  impl.whole = {0, 0, impl.triangle_count - tables.triangle_motions.count, 0,
+                int(quadrics.size()) - tables.quadric_motions.count};
+  impl.still_instances = std::size_t(tables.instances.count - tables.instance_motions.count);
   impl.instances = table<Instance>(scene, scene.header.tables.instances);
   impl.groups = table<PrimitiveGroup>(scene, scene.header.tables.groups);
   if (impl.groups.empty()) impl.groups = std::span(&impl.whole, 1);

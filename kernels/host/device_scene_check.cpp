@@ -146,6 +146,7 @@ class Checker {
     check_instances();
     check_mattes();
     check_layers();
+    check_motion();
     check_media();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
@@ -436,6 +437,106 @@ class Checker {
       require(in(shape, 1, h_.shape_count), "a primitive names a shape that is not there");
   }
 
+  /// Checks the states of what moves, and the hierarchy over it.
+  void check_motion() {
+    const TableSpans& t = h_.tables;
+    const bool some = t.shutter.count + t.shutter_curve.count + t.camera_states.count +
+                          t.triangle_motions.count + t.triangle_states.count + t.quadric_motions.count +
+                          t.quadric_states.count + t.instance_motions.count + t.instance_states.count +
+                          t.light_motions.count + t.light_states.count + t.motion_nodes.count +
+                          t.motion_leaves.count >
+                      0;
+    require(has(FEATURE_MOTION) ? t.shutter.count == 1 : !some, "motion and its feature bit go together");
+    require(has(FEATURE_MOTION) || !has(FEATURE_MOTION_LAYER), "a layer of motion without motion");
+    require(!has(FEATURE_MOTION) || !has(FEATURE_LIGHT_EDGES), "edges of lights where something moves");
+    if (!has(FEATURE_MOTION) || !problem_.empty()) return;
+    const Shutter& s = table<Shutter>(scene_, t.shutter)[0];
+    check_curve(s);
+    require(s.still_triangles == t.triangles.count - t.triangle_motions.count && s.still_triangles >= 0,
+            "triangles that move do not match the triangles");
+    require(s.still_quadrics == t.quadrics.count - t.quadric_motions.count && s.still_quadrics >= 0,
+            "quadrics that move do not match the quadrics");
+    require(s.still_instances == t.instances.count - t.instance_motions.count && s.still_instances >= 0,
+            "instances that move do not match the instances");
+    require(t.light_motions.count == 0 || t.light_motions.count == t.lights.count,
+            "lights that may move do not match the lights");
+    require(in(s.camera_steps, 0, MOST_MOTION_STEPS) &&
+                t.camera_states.count == (s.camera_steps > 0 ? states_of(s.camera_steps) : 0),
+            "the camera's states are not there");
+    check_motions(t.triangle_motions, t.triangle_states, 1);
+    check_motions(t.quadric_motions, t.quadric_states, 1);
+    check_motions(t.instance_motions, t.instance_states, 1);
+    check_motions(t.light_motions, t.light_states, 0);
+    if (problem_.empty()) check_motion_tree(s);
+  }
+
+  void check_curve(const Shutter& s) {
+    const auto share = [](float value) { return value >= 0 && value <= 1; };
+    require(share(s.exposure) && share(s.rolling), "a row is exposed outside of the shutter's time");
+    require(s.curve_knots >= 2 && h_.tables.shutter_curve.count == std::int64_t{2} * s.curve_knots,
+            "a shutter's curve without its knots");
+    if (!problem_.empty()) return;
+    const auto curve = table<float>(scene_, h_.tables.shutter_curve);
+    const auto knots = std::size_t(s.curve_knots);
+    for (std::size_t k = 0; k < knots; ++k)
+      require(curve[k] >= 0 && std::isfinite(curve[k]) && share(curve[knots + k]) &&
+                  (k == 0 || curve[knots + k] >= curve[knots + k - 1]),
+              "a shutter's curve of implausible numbers");
+  }
+
+  [[nodiscard]] int states_of(int steps) const { return steps + 1 + (has(FEATURE_MOTION_LAYER) ? 2 : 0); }
+
+  void check_motions(TableSpan motions, TableSpan states, int fewest_steps) {
+    for (const Motion& m : table<Motion>(scene_, motions)) {
+      require(in(m.steps, fewest_steps, MOST_MOTION_STEPS),
+              "something moves in an implausible number of steps");
+      if (m.steps == 0 || !problem_.empty()) continue;
+      const std::int64_t last = m.first + std::int64_t{m.stride} * (states_of(m.steps) - 1);
+      require(m.first >= 0 && m.stride >= 1 && last < states.count,
+              "something moves to a state that is not there");
+    }
+  }
+
+  /// Children come after their only parent, so that every traversal ends.
+  void check_motion_tree(const Shutter& s) {
+    const TableSpans& t = h_.tables;
+    const bool some = t.triangle_motions.count + t.quadric_motions.count + t.instance_motions.count > 0;
+    require(some == (t.motion_nodes.count > 0), "a hierarchy of what moves where nothing does, or none");
+    const auto nodes = table<MotionNode>(scene_, t.motion_nodes);
+    std::vector<int> depth(nodes.size(), 0);
+    if (!nodes.empty()) depth[0] = 1;
+    for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
+      require(depth[i] > 0, "a node of what moves has no parent");
+      require(depth[i] <= BVH_MAX_DEPTH, "the hierarchy of what moves is too deep");
+      for (int k = 0; k < BVH_WIDTH && problem_.empty(); ++k) {
+        const int child = nodes[i].child[k];
+        if (child < 0) {
+          require(~child < t.motion_leaves.count, "a node of what moves names a leaf that is not there");
+          continue;
+        }
+        require(child > int(i) && child < t.motion_nodes.count,
+                "a node of what moves names a child that is not there");
+        if (!problem_.empty()) return;
+        require(depth[std::size_t(child)] == 0, "a node of what moves has two parents");
+        depth[std::size_t(child)] = depth[i] + 1;
+      }
+    }
+    const auto moves = [&](int primitive) {
+      return in(primitive, s.still_triangles, t.triangles.count - 1) ||
+             (primitive >= t.triangles.count && primitive - t.triangles.count >= s.still_quadrics &&
+              primitive - t.triangles.count < t.quadrics.count);
+    };
+    for (const MotionLeaf& leaf : table<MotionLeaf>(scene_, t.motion_leaves))
+      for (int k = 0; k < BVH_WIDTH; ++k) {
+        require(leaf.primitive[k] == -1 || moves(leaf.primitive[k]),
+                "a leaf of what moves names a primitive that does not");
+        require(leaf.instance[k] == -1 || in(leaf.instance[k], s.still_instances, t.instances.count - 1),
+                "a leaf of what moves names an instance that does not");
+      }
+    require(t.instance_motions.count == 0 || t.nodes.count > 0,
+            "instances that move without the trees of groups");
+  }
+
   /// Checks the tables that the environment map reads, see envmap_light.h.
   void check_envmap() {
     const TableSpans& t = h_.tables;
@@ -572,8 +673,8 @@ class Checker {
   }
 
   void check_search() {
+    if (has(FEATURE_BVH) || h_.tables.nodes.count > 0) check_hierarchy();
     if (h_.intersector == INTERSECTOR_EMBREE) return;
-    if (has(FEATURE_BVH)) check_hierarchy();
     if (has(FEATURE_BVH) && h_.tables.corners.count == 0) return;
     require(h_.tables.instances.count == 0, "a scene with instances that is tested whole");
     require(h_.tables.vertices.count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");

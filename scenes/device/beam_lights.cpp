@@ -1,4 +1,6 @@
 // Converts spot lights and projectors to records; see kernels/light/delta_lights.h.
+#include "scenes/device/beam_lights.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,17 +12,6 @@
 
 namespace penumbra {
 namespace {
-
-/// The frame of a light: orthonormal axes with the transform's z axis; mirrored if the transform mirrors.
-Beam frame_of(const glm::dmat4& to_world) {
-  const glm::dvec3 z = glm::normalize(glm::dvec3(to_world[2])), given(to_world[0]);
-  const glm::dvec3 x = glm::normalize(given - glm::dot(given, z) * z);
-  Beam beam{};
-  beam.x = to_vec3(x);
-  beam.y = to_vec3((is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(z, x));
-  beam.z = to_vec3(z);
-  return beam;
-}
 
 /// A light at the transform's origin. With intensity `colour` its power is `power_of_one` times the colour's
 /// mean.
@@ -52,12 +43,44 @@ LightBounds beam_bounds(const EmitterLight& made, const glm::dmat4& to_world, do
 
 }  // namespace
 
+Beam beam_frame(const glm::dmat4& to_world) {
+  const glm::dvec3 z = glm::normalize(glm::dvec3(to_world[2])), given(to_world[0]);
+  const glm::dvec3 x = glm::normalize(given - glm::dot(given, z) * z);
+  Beam beam{};
+  beam.x = to_vec3(x);
+  beam.y = to_vec3((is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(z, x));
+  beam.z = to_vec3(z);
+  return beam;
+}
+
+void set_light_state(const Emitter& emitter, const std::function<vec3(const glm::dvec3&)>& local,
+                     LightState& state) {
+  const auto set_beam = [&](const glm::dmat4& to_world) {
+    const Beam beam = beam_frame(to_world);
+    state.p0 = local(glm::dvec3(to_world[3]) / to_world[3].w);
+    state.x = beam.x;
+    state.y = beam.y;
+    state.z = beam.z;
+  };
+  if (const auto* point = std::get_if<PointLight>(&emitter)) state.p0 = local(point->position);
+  if (const auto* sun = std::get_if<DirectionalLight>(&emitter))
+    state.p1 = to_vec3(glm::normalize(sun->direction));
+  if (const auto* spot = std::get_if<SpotLight>(&emitter)) set_beam(spot->to_world);
+  if (const auto* projector = std::get_if<ProjectorLight>(&emitter)) set_beam(projector->to_world);
+  if (const auto* map = std::get_if<EnvironmentMapLight>(&emitter)) {
+    const auto axis = [&](int i) { return to_vec3(glm::normalize(glm::dvec3(map->to_world[i]))); };
+    state.p0 = axis(0);
+    state.p1 = axis(1);
+    state.p2 = axis(2);
+  }
+}
+
 EmitterLight SpotLight::light(const EmitterPlace& place) const {
   const double beam_angle = beam_width * kPi / 180, cutoff = cutoff_angle * kPi / 180;
   const auto versine = [](double angle) { return 2 * std::sin(0.5 * angle) * std::sin(0.5 * angle); };
   const bool of_cosine = falloff != SpotFalloff::kLinear;
   const double from = of_cosine ? versine(beam_angle) : beam_angle, to = of_cosine ? versine(cutoff) : cutoff;
-  Beam beam = frame_of(to_world);
+  Beam beam = beam_frame(to_world);
   beam.falloff = int(falloff);
   beam.beam_width = float(from);
   beam.cutoff = float(to);
@@ -79,7 +102,7 @@ EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
   const bool image = irradiance.texture != kNoTexture;
   const glm::ivec2 size = image ? place.textures->size_of(irradiance.texture) : glm::ivec2(1);
   const double x = half_width_tangent(fov, fov_axis, size.x, size.y), y = x * size.y / size.x;
-  Beam beam = frame_of(to_world);
+  Beam beam = beam_frame(to_world);
   beam.u_by_x = float(-0.5 / x);
   beam.v_by_y = float(-0.5 / y);
   // Irradiance pi on the plane at distance 1.

@@ -18,6 +18,7 @@
 #include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"
 #include "scenes/device/flight_centres.h"
+#include "scenes/device/hierarchy/motion_tree.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_choice.h"
@@ -27,6 +28,7 @@
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
+#include "scenes/device/motion_tables.h"
 #include "scenes/device/moving_parts.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
@@ -44,10 +46,10 @@ static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 std::uint64_t feature_of(AskedLayer layer) {
-  constexpr std::uint64_t kFeatures[] = {FEATURE_POSITION_LAYER,         FEATURE_UV_LAYER | FEATURE_UV,
-                                         FEATURE_GEOMETRIC_NORMAL_LAYER, FEATURE_SHAPE_LAYER,
-                                         FEATURE_DIRECT_LAYER,           FEATURE_INDIRECT_LAYER,
-                                         FEATURE_MOTION_LAYER};
+  constexpr std::uint64_t kFeatures[] = {
+      FEATURE_POSITION_LAYER, FEATURE_UV_LAYER | FEATURE_UV, FEATURE_GEOMETRIC_NORMAL_LAYER,
+      FEATURE_SHAPE_LAYER,    FEATURE_DIRECT_LAYER,          FEATURE_INDIRECT_LAYER,
+      FEATURE_MOTION_LAYER};
   return kFeatures[int(layer)];
 }
 
@@ -60,7 +62,9 @@ bool sees_sky(const SceneHeader& h) {
 
 class SceneBuilder {
  public:
-  SceneBuilder(const SceneDescription& scene, const DeviceSceneOptions& options, bool with_hidden_groups)
+  /// `motion`: what moves while the shutter is open; null: an image of one instant.
+  SceneBuilder(const SceneDescription& scene, const DeviceSceneOptions& options, const ExposedMotion* motion,
+               bool with_hidden_groups)
       : scene_(scene),
         options_(options),
         moving_(moving_parts(scene)),
@@ -79,6 +83,12 @@ class SceneBuilder {
     placed_.insert(placed_.end(), moving.begin(), moving.end());
     center_ = origin_of(scene, moving_, placed_);
     radius_ = radius_about(center_, scene, moving_, placed_);
+    if (motion != nullptr) {
+      motion_.emplace(scene, *motion);
+      need(FEATURE_MOTION);
+      h_.motion_error = float(motion->error);
+      radius_ = std::max(radius_, motion_->radius_about(center_, placed_));
+    }
     if (options.mattes != nullptr) mattes_.emplace(scene);
     media_.emplace(scene, placed_);
     lights_.set_textures(light_textures_);
@@ -95,6 +105,9 @@ class SceneBuilder {
     add_all_shapes();
     if (is_short_of_instances_) return DeviceScene();
     add_other_lights();
+    if (motion_)
+      if (Expected<void> done = motion_->fill(center_, records_, lights_); !done)
+        return fail(scene_.source + ": " + done.error().message);
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
@@ -122,6 +135,7 @@ class SceneBuilder {
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = add_intersector(options_.intersector, hierarchies_, h_, records_); !done)
       return std::unexpected(done.error());
+    if (motion_) add_motion_tree(records_, 2 * radius_);
     records_.primitive_boundaries.insert(records_.primitive_boundaries.end(), quadric_boundaries_.begin(),
                                          quadric_boundaries_.end());
     if ((h_.features & FEATURE_PHOTONS) != 0u && (h_.features & FEATURE_MEDIA) != 0u)
@@ -283,6 +297,7 @@ class SceneBuilder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
+      if (motion_ && motion_->in_shape()) motion_->add_corners(corner);
       if (mattes_) records_.mattes.push_back(matte_);
       if (has(FEATURE_SHAPE_LAYER)) records_.primitive_shapes.push_back(shape_);
       if (!media_->empty()) records_.primitive_boundaries.push_back(boundary_);
@@ -297,7 +312,8 @@ class SceneBuilder {
     std::vector<LightTriangle> emitters;
     for (std::size_t i = first; i < records_.triangles.size(); ++i)
       emitters.push_back({records_.triangles[i].p0, records_.triangles[i].p1, records_.triangles[i].p2});
-    const std::vector<int> index = lights_.add_triangles(emitters, shape, int(first));
+    const std::vector<int> index =
+        lights_.add_triangles(emitters, shape, int(first), motion_ && motion_->in_shape());
     for (std::size_t i = first; i < records_.triangles.size(); ++i)
       records_.triangles[i].light = index[i - first];
   }
@@ -340,6 +356,11 @@ class SceneBuilder {
     own.quadric_count = int(records_.quadrics.size()) - own.first_quadric;
     records_.groups[0] = own;
     add_groups(split ? groups_in_order(true) : placed_groups());
+    if (motion_) {
+      add_rigid_shapes();
+      motion_->begin_primitives(records_);
+      add_changing_shapes(emitters);
+    }
     add_instances(still);
     if (split && still.triangles + still.quadrics > 0) {
       hierarchies_.set_still(still);
@@ -349,12 +370,74 @@ class SceneBuilder {
 
   void add_own_shapes(bool moves) {
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
-      if (moving_.shapes[i] != moves) continue;
-      if (mattes_) matte_ = shape_mattes_[i];
-      boundary_ = media_->of_shape(i);
-      shape_ = int(i) + 1;
+      if (moving_.shapes[i] != moves || (motion_ && (motion_->is_rigid(i) || motion_->changes(i)))) continue;
+      start_own_shape(i);
       add_shape(scene_.shapes[i]);
     }
+  }
+
+  void start_own_shape(std::size_t i) {
+    if (mattes_) matte_ = shape_mattes_[i];
+    boundary_ = media_->of_shape(i);
+    shape_ = int(i) + 1;
+  }
+
+  /// Adds each of the scene's own shapes that move as rigid bodies as a group. Their instances are added
+  /// later.
+  void add_rigid_shapes() {
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
+      if (!motion_->is_rigid(i)) continue;
+      start_own_shape(i);
+      matte_ = 0;  // see MatteBook::first_of
+      const glm::dvec3 center = bounds_of(std::span(&scene_.shapes[i], 1)).center();
+      const int group = close_group(open_group(center), [&] { add_shape(scene_.shapes[i]); });
+      if (group > 0) rigid_.push_back({i, group, center});
+    }
+  }
+
+  /// Adds the primitives that move by themselves: shapes that deform or emit, and those that move in groups,
+  /// for each placement.
+  void add_changing_shapes(const std::vector<Shape>& emitters) {
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
+      if (!motion_->changes(i)) continue;
+      start_own_shape(i);
+      add_changing_shape(-1, i, nullptr, scene_.shapes[i]);
+    }
+    std::size_t next = 0;
+    for (const PlacedGroup& place : placed_) {
+      const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
+      int matte = 0;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const Shape* emitter = emits(shapes[i]) && next < emitters.size() ? &emitters[next++] : nullptr;
+        const int number = emitter != nullptr ? 0 : matte++;
+        if (!moves_by_itself(place, i)) continue;
+        if (mattes_)
+          matte_ =
+              emitter != nullptr ? mattes_->of_placed(place, shapes[i]) : mattes_->first_of(place) + number;
+        boundary_ = media_->of_group(place.group, i);
+        shape_ = first_shape(place.group) + int(i);
+        if (emitter != nullptr) {
+          add_changing_shape(place.group, i, &place, *emitter);
+        } else if (auto placed = placed_shape(shapes[i], place.to_world)) {
+          add_changing_shape(place.group, i, &place, *placed);
+        } else {
+          problem_ = placed.error().message;
+        }
+      }
+    }
+  }
+
+  void add_changing_shape(int group, std::size_t index, const PlacedGroup* place, const Shape& shape) {
+    motion_->begin_shape(group, index, place, records_);
+    add_shape(shape);
+    motion_->end_shape(records_);
+  }
+
+  /// Whether the copy of a group's shape has states of its own.
+  [[nodiscard]] bool moves_by_itself(const PlacedGroup& place, std::size_t shape) const {
+    return motion_ &&
+           (motion_->changes(place.group, shape) ||
+            (motion_->moves(place.instance) && emits(scene_.groups[std::size_t(place.group)].shapes[shape])));
   }
 
   /// The groups that are instanced and whose shapes all are still, or of whose shapes some move. A group
@@ -397,14 +480,10 @@ class SceneBuilder {
   void add_instances(StillRecords& still) {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       if (i == still_placed_) still.instances = int(records_.instances.size());
-      const PlacedGroup& place = placed_[i];
-      const auto g = std::size_t(place.group);
-      if (group_index_[g] == 0) continue;
-      check_reach(place, group_bounds_[g]);
-      records_.instances.push_back(instance(place, group_index_[g], group_bounds_[g].center()));
-      if (mattes_) records_.instance_mattes.push_back(mattes_->first_of(place));
+      if (!(motion_ && motion_->moves(placed_[i].instance))) add_instance(placed_[i]);
     }
     if (still_placed_ == placed_.size()) still.instances = int(records_.instances.size());
+    if (motion_) add_moving_instances();
     if (!records_.instances.empty()) {
       need(FEATURE_INSTANCES);
       return;
@@ -412,6 +491,28 @@ class SceneBuilder {
     // Without instances all primitives are the scene's own.
     is_short_of_instances_ = records_.groups.size() > 1;
     records_.groups.clear();
+  }
+
+  /// Returns whether there is something to place.
+  bool add_instance(const PlacedGroup& place) {
+    const auto g = std::size_t(place.group);
+    if (group_index_[g] == 0) return false;
+    check_reach(place, group_bounds_[g]);
+    records_.instances.push_back(instance(place, group_index_[g], group_bounds_[g].center()));
+    if (mattes_) records_.instance_mattes.push_back(mattes_->first_of(place));
+    return true;
+  }
+
+  void add_moving_instances() {
+    motion_->begin_instances(records_);
+    for (const PlacedGroup& place : placed_)
+      if (motion_->moves(place.instance) && add_instance(place))
+        motion_->add_instance(place, group_bounds_[std::size_t(place.group)].center());
+    for (const RigidShape& rigid : rigid_) {
+      records_.instances.push_back(instance({}, rigid.group, rigid.center));
+      if (mattes_) records_.instance_mattes.push_back(shape_mattes_[rigid.shape]);
+      motion_->add_rigid(rigid.shape, rigid.center);
+    }
   }
 
   /// The emitting shapes of groups, for each instance, in the order of `placed_`.
@@ -431,10 +532,12 @@ class SceneBuilder {
       const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
       for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (!emits(shapes[i])) continue;
+        const Shape& emitter = emitters[next++];
+        if (moves_by_itself(place, i)) continue;
         if (mattes_) matte_ = mattes_->of_placed(place, shapes[i]);
         boundary_ = media_->of_group(place.group, i);
         shape_ = first_shape(place.group) + int(i);
-        add_shape(emitters[next++]);
+        add_shape(emitter);
       }
     }
     return next;
@@ -443,18 +546,28 @@ class SceneBuilder {
   /// Returns the index of the group's record, or 0 if all of its shapes emit.
   int add_group(int number, const glm::dvec3& center) {
     const std::vector<Shape>& shapes = scene_.groups[std::size_t(number)].shapes;
+    matte_ = 0;  // see MatteBook::first_of
+    return close_group(open_group(center), [&] {
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (emits(shapes[i])) continue;
+        boundary_ = media_->of_group(number, i);
+        shape_ = first_shape(number) + int(i);
+        if (!(motion_ && motion_->changes(number, i))) add_shape(shapes[i]);
+        ++matte_;
+      }
+    });
+  }
+
+  PrimitiveGroup open_group(const glm::dvec3& center) {
     PrimitiveGroup record{};
     record.first_triangle = int(records_.triangles.size());
     record.first_quadric = int(records_.quadrics.size());
     in_group_ = center;
-    matte_ = 0;  // see MatteBook::first_of
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      if (emits(shapes[i])) continue;
-      boundary_ = media_->of_group(number, i);
-      shape_ = first_shape(number) + int(i);
-      add_shape(shapes[i]);
-      ++matte_;
-    }
+    return record;
+  }
+  /// `add`: adds the group's shapes. Returns the index of the record, or 0 if it has no primitives.
+  int close_group(PrimitiveGroup record, const auto& add) {
+    add();
     in_group_.reset();
     record.triangle_count = int(records_.triangles.size()) - record.first_triangle;
     record.quadric_count = int(records_.quadrics.size()) - record.first_quadric;
@@ -609,6 +722,7 @@ class SceneBuilder {
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
         const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_, balanced});
+        if (motion_) add_moving_emitter(std::size_t(&emitter - scene_.emitters.data()), light);
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();
@@ -621,6 +735,13 @@ class SceneBuilder {
       mark_flat_glass(scene_.shapes);
       for (const ShapeGroup& group : scene_.groups) mark_flat_glass(group.shapes);
     }
+  }
+
+  void add_moving_emitter(std::size_t emitter, int light) {
+    if (scene_.motion == nullptr) return;
+    const std::vector<MovingEmitter>& moving = scene_.motion->emitters;
+    for (std::size_t i = 0; i < moving.size(); ++i)
+      if (moving[i].emitter == emitter) motion_->add_emitter(i, light);
   }
 
   /// Whether shadow rays pass plates of glass: with `path` where there are no media, and where no light is
@@ -650,7 +771,8 @@ class SceneBuilder {
               add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_, hierarchy);
           !done)
         return done;
-    return scene_.film.closed_light_edges ? add_light_edges(h_, records_, hierarchy) : Expected<void>();
+    return scene_.film.closed_light_edges && !motion_ ? add_light_edges(h_, records_, hierarchy)
+                                                      : Expected<void>();
   }
 
   void set_camera() {
@@ -702,6 +824,13 @@ class SceneBuilder {
   int boundary_ = -1;  ///< of the shape that is being added
   std::vector<int> quadric_boundaries_;
   std::string problem_;
+  std::optional<MotionTables> motion_;
+  struct RigidShape {
+    std::size_t shape;
+    int group;
+    glm::dvec3 center;
+  };
+  std::vector<RigidShape> rigid_;
 };
 
 }  // namespace
@@ -712,9 +841,25 @@ glm::dvec3 scene_center(const SceneDescription& scene) {
 }
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
-  SceneBuilder builder(scene, options, true);
-  auto built = builder.build();
-  if (builder.is_short_of_instances()) built = SceneBuilder(scene, options, false).build();
+  const auto motion = exposed_motion(scene);
+  if (!motion) return fail(scene.source + ": " + motion.error().message);
+  const bool moves = motion->any() || motion->has_layer;
+  std::optional<SceneDescription> middle;
+  if (moves && scene.motion != nullptr) {
+    middle = scene;
+    if (auto done = set_time(*middle, motion->exposure.middle()); !done)
+      return fail(scene.source + ": " + done.error().message);
+  }
+  const SceneDescription& shown = middle ? *middle : scene;
+  const auto build = [&](bool with_hidden_groups, bool& again) {
+    SceneBuilder builder(shown, options, moves ? &*motion : nullptr, with_hidden_groups);
+    auto built = builder.build();
+    again = builder.is_short_of_instances();
+    return built;
+  };
+  bool again = false, never = false;
+  auto built = build(true, again);
+  if (again) built = build(false, never);
   if (!built) return built;
   // Report it here, not by every worker that would refuse the scene.
   if (const auto checked = check_device_scene(*built); !checked)

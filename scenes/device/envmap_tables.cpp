@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/light/envmap_grid.h"
+#include "scenes/device/beam_lights.h"
 #include "scenes/device/sum_levels.h"
 #include "scenes/emitters.h"
 #include "scenes/image/bitmap_values.h"
@@ -90,9 +91,11 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   append_sum_levels(std::size_t(envmap_shares(height)), records.envmap_rows);
   EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean), sky_power(place));
   // The transform from world directions to those of the image.
-  made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
-  made.light.p1 = to_vec3(glm::normalize(glm::dvec3(to_world[1])));
-  made.light.p2 = to_vec3(glm::normalize(glm::dvec3(to_world[2])));
+  LightState state{};
+  set_light_state(*this, place.local, state);
+  made.light.p0 = state.p0;
+  made.light.p1 = state.p1;
+  made.light.p2 = state.p2;
   return made;
 }
 

@@ -20,11 +20,16 @@ constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
+bool has_moving_surfaces(const SceneRecords& records) {
+  return !records.triangle_motions.empty() || !records.quadric_motions.empty() ||
+         !records.instance_motions.empty();
+}
+
 /// Collects distinct vertices and the triangles over them. Returns false if the scene is too large to test
 /// every primitive.
 bool collect_corners(SceneRecords& records) {
-  if (!records.instances.empty() || records.triangles.size() > MAX_WHOLE_TRIANGLES ||
-      records.quadrics.size() > kMaxWholeQuadrics)
+  if (!records.instances.empty() || has_moving_surfaces(records) ||
+      records.triangles.size() > MAX_WHOLE_TRIANGLES || records.quadrics.size() > kMaxWholeQuadrics)
     return false;
   std::map<std::array<float, 3>, int> index;
   const auto find = [&](const vec3& p) {
@@ -108,6 +113,9 @@ Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source
     if (Expected<void> done = source.add_hierarchy(records); !done) return done;
     header.features |= FEATURE_BVH;
   }
+  // Rays that enter moving groups use their trees.
+  if (!portable && !records.instance_motions.empty())
+    if (Expected<void> done = source.add_hierarchy(records, true); !done) return done;
   if (!portable || !either) {
     records.corners.clear();
     records.vertices.clear();
@@ -115,14 +123,18 @@ Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source
   return {};
 }
 
-Expected<void> HierarchySource::add_hierarchy(SceneRecords& records) {
-  const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
-  const HierarchyInput input = {
-      .triangles = records.triangles,
-      .quadrics = records.quadrics,
-      .groups = records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups),
-      .instances = records.instances,
-      .still = still_};
+Expected<void> HierarchySource::add_hierarchy(SceneRecords& records, bool groups_alone) {
+  std::vector<PrimitiveGroup> groups = records.groups;
+  if (groups.empty())
+    groups.push_back({0, 0, int(records.triangles.size() - records.triangle_motions.size()), 0,
+                      int(records.quadrics.size() - records.quadric_motions.size())});
+  if (groups_alone) groups[0] = {};
+  const std::size_t instances = groups_alone ? 0 : records.instances.size() - records.instance_motions.size();
+  const HierarchyInput input = {.triangles = records.triangles,
+                                .quadrics = records.quadrics,
+                                .groups = groups,
+                                .instances = std::span(records.instances).first(instances),
+                                .still = groups_alone ? std::nullopt : still_};
   Expected<Hierarchy> hierarchy = fail("");
   std::optional<Hierarchy> kept =
       still_ && earlier_ != nullptr ? still_hierarchy(input, *earlier_) : std::nullopt;

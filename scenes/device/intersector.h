@@ -30,9 +30,10 @@ class HierarchySource {
   /// See HierarchyInput::still.
   void set_still(const StillRecords& still) { still_ = still; }
 
-  /// Adds the hierarchy over the primitives and instances of the records, of which there must be at least
-  /// one, and the roots of their groups. Errors: those of build_hierarchy.
-  Expected<void> add_hierarchy(SceneRecords& records);
+  /// Adds the hierarchy over the primitives and instances of the records that do not move while the shutter
+  /// is open, and the roots of their groups. There must be a primitive. `groups_alone`: only the trees of
+  /// groups. Errors: those of build_hierarchy.
+  Expected<void> add_hierarchy(SceneRecords& records, bool groups_alone = false);
 
   /// What is still in the hierarchy that was added.
   [[nodiscard]] const StillRecords& built() const { return built_; }

@@ -95,6 +95,72 @@ LightBounds bounds_of_light(const Light& light, double power) {
   return bounds;
 }
 
+LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const LightState& from,
+                           const LightState& to) {
+  const auto at = [&](const LightState& state) {
+    Light there = light;
+    there.p0 = state.p0;
+    there.p1 = state.p1;
+    there.p2 = state.p2;
+    return bounds_of_light(there, 1);
+  };
+  LightBounds bounds = at_rest;
+  auto include_axis = [&, first = true](const glm::dvec3& axis) mutable {
+    const double length = glm::length(axis);
+    if (!(length > 0)) return;
+    LightBounds one = at_rest;
+    one.axis = axis / length;
+    one.spread = light.kind == LIGHT_SPOT || light.kind == LIGHT_PROJECTOR ? at_rest.spread : 0;
+    if (first)
+      bounds = one;
+    else
+      join_cones(bounds, LightBounds(bounds), one);
+    first = false;
+  };
+  switch (light.kind) {
+    case LIGHT_TRIANGLE: {
+      // The normal of a triangle whose corners move evenly is a quadratic curve, within the cone of the
+      // control points of its Bezier form.
+      const auto edge = [](const vec3& a, const vec3& b) { return widened(b) - widened(a); };
+      const glm::dvec3 a0 = edge(from.p0, from.p1), b0 = edge(from.p0, from.p2), a1 = edge(to.p0, to.p1),
+                       b1 = edge(to.p0, to.p2);
+      include_axis(glm::cross(a0, b0));
+      include_axis(0.5 * (glm::cross(a0, b1) + glm::cross(a1, b0)));
+      include_axis(glm::cross(a1, b1));
+      break;
+    }
+    case LIGHT_DISK:
+    case LIGHT_DIRECTIONAL:
+      include_axis(widened(from.p1));
+      include_axis(widened(to.p1));
+      break;
+    case LIGHT_SPOT:
+    case LIGHT_PROJECTOR:
+      include_axis(widened(from.z));
+      include_axis(widened(to.z));
+      break;
+    default:
+      break;
+  }
+  if (at_rest.infinite) return bounds;
+  const bool is_point = light.kind == LIGHT_SPOT || light.kind == LIGHT_PROJECTOR;
+  for (const LightState* state : {&from, &to}) {
+    const LightBounds box =
+        is_point ? LightBounds{.low = widened(state->p0), .high = widened(state->p0)} : at(*state);
+    bounds.low = state == &from ? box.low : glm::min(bounds.low, box.low);
+    bounds.high = state == &from ? box.high : glm::max(bounds.high, box.high);
+  }
+  if (light.kind == LIGHT_DISK || light.kind == LIGHT_CYLINDER) {
+    // On the way the axis leans otherwise: whatever it does, it is within these distances of the centre.
+    for (const LightState* state : {&from, &to}) {
+      const double reach = std::hypot(double(state->p2.x), double(state->p2.z));
+      bounds.low = glm::min(bounds.low, widened(state->p0) - reach);
+      bounds.high = glm::max(bounds.high, widened(state->p0) + reach);
+    }
+  }
+  return bounds;
+}
+
 LightBounds joined(const LightBounds& a, const LightBounds& b) {
   LightBounds all;
   all.low = glm::min(a.low, b.low);

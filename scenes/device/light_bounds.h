@@ -26,6 +26,11 @@ struct LightBounds {
 /// The bounds of one light. `power` is the weight with which it is chosen; 0: no light.
 LightBounds bounds_of_light(const Light& light, double power);
 
+/// Bounds of a light on its way from one state to the next, see LightState. `at_rest`: bounds of the light in
+/// any place, for its reach and whether it is two-sided. The intensity is that of those.
+LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const LightState& from,
+                           const LightState& to);
+
 /// Bounds of the union. Both arguments must be infinite, or neither.
 LightBounds joined(const LightBounds& a, const LightBounds& b);
 

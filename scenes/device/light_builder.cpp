@@ -59,9 +59,14 @@ Outlines separate(std::span<const LightTriangle> triangles) {
   Outlines result;
   std::set<Corners> seen;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (seen.insert(corners_of(triangles[i])).second)
-      result.outlines.emplace_back().triangles = {int(i)};
-    else
+    const LightTriangle& t = triangles[i];
+    if (seen.insert(corners_of(t)).second) {
+      Outline& outline = result.outlines.emplace_back();
+      outline.triangles = {int(i)};
+      outline.loops = {{t.p0, t.p1, t.p2}};
+      outline.area = triangle_area(t);
+      outline.size = std::max({length3(sub(t.p1, t.p0)), length3(sub(t.p2, t.p1)), length3(sub(t.p0, t.p2))});
+    } else
       result.duplicates.push_back(int(i));
   }
   return result;
@@ -111,10 +116,10 @@ double LightBuilder::show(const LightTexture& texture, Light& light) {
 }
 
 std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape,
-                                             int first_triangle) {
+                                             int first_triangle, bool moves) {
   const int sampling = triangle_sampling(triangles, shape);
   const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
-  const bool merges = polygons || (!textured && sampling != EMITTER_PROJECTED);
+  const bool merges = !moves && (polygons || (!textured && sampling != EMITTER_PROJECTED));
   const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
@@ -127,7 +132,7 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
     light.two_sided = shape.two_sided_emission ? 1 : 0;
     light.unseen = shape.unseen_emission ? 1 : 0;
     light.polygon = polygons ? int(polygons_.size()) : -1;
-    const bool whole = !textured && take_whole(outline, light);
+    const bool whole = merges && !textured && take_whole(outline, light);
     if (whole) add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
     for (const int t : outline.triangles) {
       const LightTriangle& triangle = triangles[std::size_t(t)];
@@ -203,6 +208,14 @@ int LightBuilder::add(Light light, const glm::vec3& radiance, double area, doubl
   light.radiance = to_vec3(radiance);
   light.area = float(area);
   return add({light, mean(radiance) * power});
+}
+
+void LightBuilder::cover(int light, std::span<const LightState> states) {
+  LightBounds& bounds = bounds_[std::size_t(light)];
+  const LightBounds at_rest = bounds;
+  for (std::size_t k = 0; k + 1 < states.size(); ++k)
+    bounds = joined(bounds, bounds_between(lights_[std::size_t(light)], at_rest, states[k], states[k + 1]));
+  bounds.intensity = at_rest.intensity;
 }
 
 void LightBuilder::finish() {

@@ -38,7 +38,9 @@ class LightBuilder {
   /// Adds the triangles of an emitting shape, which start at `first` in the table of triangles. Returns the
   /// index of each triangle's light. A triangle that duplicates another shares its light; otherwise it would
   /// shine twice.
-  std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape, int first = 0);
+  /// `moves`: while the shutter is open, so each triangle is a light and an outline of its own.
+  std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape, int first = 0,
+                                 bool moves = false);
 
   /// Adds a sphere or a disk. `light` is complete except for its radiance and sampling. `quadric` is needed
   /// for a texture.
@@ -46,6 +48,9 @@ class LightBuilder {
 
   /// Adds an emitter, which must not be black.
   int add_emitter(const Emitter& emitter, const EmitterPlace& place);
+
+  /// Extends the bounds of a light to all places between these states, which it takes one after the other.
+  void cover(int light, std::span<const LightState> states);
 
   /// Sets the probability of choosing each light by its power.
   void finish();

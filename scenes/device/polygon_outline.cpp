@@ -28,7 +28,7 @@ constexpr double kSquareness = 1e-5;
 // tried.
 constexpr std::size_t kMaxAtEdge = 32;
 
-struct Box {
+struct CornerBox {
   dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
   void include(const dvec3& p) {
     low = glm::min(low, p);
@@ -144,7 +144,7 @@ class Patch {
   [[nodiscard]] bool accepts(int triangle) const {
     const std::array<dvec3, 3> p = corners(triangle);
     if (!(area > 0) || !(glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), area_vector_) > 0)) return false;
-    Box extent = box;
+    CornerBox extent = box;
     for (const dvec3& corner : p) extent.include(corner);
     const dvec3 n = normal(), at = moment_ / area;
     for (const dvec3& corner : p) {
@@ -158,7 +158,7 @@ class Patch {
 
   std::vector<int> triangles;
   double area = 0;
-  Box box;
+  CornerBox box;
 
  private:
   [[nodiscard]] std::array<dvec3, 3> corners(int triangle) const {

@@ -78,7 +78,7 @@ class Flattener {
   Flattener(Hierarchy& out, std::span<const Triangle> triangles, int empty_child)
       : out_(out), triangles_(triangles), empty_child_(empty_child) {}
 
-  /// Appends a tree over the parts that have a root, of which there must be one. Returns its root.
+  /// Appends a tree over the parts that have a root; without any, a node without children. Returns its root.
   int flatten(std::span<const Part> parts) {
     const Part* only = nullptr;
     int count = 0;
@@ -267,16 +267,6 @@ std::vector<Box> boxes_of(std::span<const Primitive> primitives, Box (*box_of)(c
   return boxes;
 }
 
-Box bounds_of(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
-              const PrimitiveGroup& group) {
-  Box box;
-  for (int i = 0; i < group.triangle_count; ++i)
-    box.include(hit_bounds(triangles[std::size_t(group.first_triangle + i)]));
-  for (int i = 0; i < group.quadric_count; ++i)
-    box.include(bounds_of(quadrics[std::size_t(group.first_quadric + i)]));
-  return box;
-}
-
 std::array<double, 3> axes(const vec3& v) { return {v.x, v.y, v.z}; }
 
 /// The box of a placed group without margins, and the sums of what is rounded when it is computed.
@@ -304,7 +294,7 @@ std::vector<Box> group_boxes(const HierarchyInput& input) {
   std::vector<Box> boxes;
   boxes.reserve(input.groups.size());
   for (const PrimitiveGroup& group : input.groups)
-    boxes.push_back(bounds_of(input.triangles, input.quadrics, group));
+    boxes.push_back(group_bounds(input.triangles, input.quadrics, group));
   return boxes;
 }
 
@@ -327,31 +317,12 @@ double extent_of(const HierarchyInput& input, std::span<const Box> groups) {
   return std::ldexp(1.0, exponent);
 }
 
-/// Bounds of the placed groups, enlarged by the rounding errors of rays that enter a group from anywhere in
-/// the scene, which has that extent: about 5 rounding errors of the products in either direction; see
-/// from_group_extent.
 std::vector<Box> instance_bounds(std::span<const Instance> instances, std::span<const Box> groups,
                                  double extent) {
-  constexpr double kRoundings = 16 * HALF_EPSILON;
   std::vector<Box> boxes;
   boxes.reserve(instances.size());
-  for (const Instance& instance : instances) {
-    const PlacedBox placed = placed_box(instance, groups[std::size_t(instance.group)]);
-    const std::array<double, 3> columns[] = {axes(instance.x), axes(instance.y), axes(instance.z)};
-    const std::array<double, 3> rows[] = {axes(instance.row_x), axes(instance.row_y), axes(instance.row_z)};
-    Box box;
-    for (std::size_t k = 0; k < 3; ++k) {
-      // By what transforming back and forth amplifies rounding errors.
-      double stretch = 0;
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j)
-          stretch = std::max(stretch, 3 * std::abs(columns[i][k]) * std::abs(rows[i][j]));
-      const double margin = kRoundings * stretch * extent;
-      box.low[k] = float(float(placed.low[k] - kRoundings * placed.rounded[k]) - margin);
-      box.high[k] = float(float(placed.high[k] + kRoundings * placed.rounded[k]) + margin);
-    }
-    boxes.push_back(box);
-  }
+  for (const Instance& instance : instances)
+    boxes.push_back(placed_bounds(instance, groups[std::size_t(instance.group)], extent).box);
   return boxes;
 }
 
@@ -374,7 +345,13 @@ class Builder {
     Expected<Trees> trees = trees_over(all);
     if (!trees) return std::unexpected(trees.error());
     out_.roots[0] = flattener_.flatten(trees->parts);
-    return add_groups(1, in_.groups.size());
+    if (auto done = add_groups(1, in_.groups.size()); !done) return done;
+    // Empty slots name a leaf.
+    if (out_.triangle_leaves.empty() && out_.quadric_leaves.empty()) {
+      constexpr int kNone[BVH_WIDTH] = {-1, -1, -1, -1, -1, -1, -1, -1};
+      out_.triangle_leaves.push_back(triangle_leaf(kNone, in_.triangles));
+    }
+    return {};
   }
 
   /// The root, and below it all that is still.
@@ -420,7 +397,8 @@ class Builder {
   /// A leaf that is there; with still primitives one of theirs.
   static int empty_child(const HierarchyInput& input) {
     const bool still = input.still && input.still->triangles + input.still->quadrics > 0;
-    const bool triangles = still ? input.still->triangles > 0 : !input.triangles.empty();
+    const bool triangles =
+        still ? input.still->triangles > 0 : !input.triangles.empty() || input.quadrics.empty();
     return leaf_code(triangles ? kTriangleLeaf : kQuadricLeaf, 0);
   }
 
@@ -490,6 +468,37 @@ Expected<EmbreeBuilder> start_embree(int threads) {
 }
 
 }  // namespace
+
+Box group_bounds(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
+                 const PrimitiveGroup& group) {
+  Box box;
+  for (int i = 0; i < group.triangle_count; ++i)
+    box.include(hit_bounds(triangles[std::size_t(group.first_triangle + i)]));
+  for (int i = 0; i < group.quadric_count; ++i)
+    box.include(bounds_of(quadrics[std::size_t(group.first_quadric + i)]));
+  return box;
+}
+
+/// About 5 rounding errors of the products in either direction; see from_group_extent.
+PlacedBounds placed_bounds(const Instance& instance, const Box& group, double extent) {
+  constexpr double kRoundings = 16 * HALF_EPSILON;
+  const PlacedBox placed = placed_box(instance, group);
+  const std::array<double, 3> columns[] = {axes(instance.x), axes(instance.y), axes(instance.z)};
+  const std::array<double, 3> rows[] = {axes(instance.row_x), axes(instance.row_y), axes(instance.row_z)};
+  PlacedBounds bounds;
+  for (std::size_t k = 0; k < 3; ++k) {
+    // By what transforming back and forth amplifies rounding errors.
+    double stretch = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        stretch = std::max(stretch, 3 * std::abs(columns[i][k]) * std::abs(rows[i][j]));
+    const double margin = kRoundings * stretch * extent;
+    bounds.box.low[k] = float(float(placed.low[k] - kRoundings * placed.rounded[k]) - margin);
+    bounds.box.high[k] = float(float(placed.high[k] + kRoundings * placed.rounded[k]) + margin);
+    bounds.margin = std::max(bounds.margin, margin);
+  }
+  return bounds;
+}
 
 TriangleLeaf triangle_leaf(std::span<const int, BVH_WIDTH> primitives, std::span<const Triangle> triangles) {
   TriangleLeaf leaf{};

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/host/bounds.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
@@ -36,6 +37,18 @@ struct HierarchyInput {
 
 /// A leaf with the vertices of these of all triangles; -1: none.
 TriangleLeaf triangle_leaf(std::span<const int, BVH_WIDTH> primitives, std::span<const Triangle> triangles);
+
+/// The box in which rays may hit a group's primitives, in its own space.
+Box group_bounds(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
+                 const PrimitiveGroup& group);
+
+/// The bounds of a placed group, enlarged by `margin`, that of the rounding errors of rays that enter the
+/// group from anywhere in a scene of that extent.
+struct PlacedBounds {
+  Box box;
+  double margin = 0;
+};
+PlacedBounds placed_bounds(const Instance& instance, const Box& group, double extent);
 
 /// Builds the hierarchy over all triangles and quadrics, of which there must be at least one. It uses
 /// Embree's builder with a fixed instruction set on all cores. The same scene always gets the same hierarchy.

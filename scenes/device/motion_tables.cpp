@@ -1,0 +1,372 @@
+#include "scenes/device/motion_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/device/beam_lights.h"
+#include "scenes/device/camera_builder.h"
+#include "scenes/device/to_vec3.h"
+#include "scenes/transform.h"
+
+namespace penumbra {
+namespace {
+
+/// A singular matrix has no inverse. With a small share of that of the middle it has.
+constexpr double kShareOfMiddle = 1e-6;
+/// A quadric that is not there at a time.
+constexpr float kNoRadius = 1e-15f;
+
+glm::dmat4 regular(glm::dmat4 matrix, const glm::dmat4& middle) {
+  if (!is_singular(matrix)) return matrix;
+  for (int column = 0; column < 3; ++column) matrix[column] += kShareOfMiddle * middle[column];
+  return matrix;
+}
+
+/// The quadric at the time of this geometry.
+Quadric moved(Quadric q, const Geometry& geometry, bool flipped,
+              const std::function<vec3(glm::dvec3)>& local) {
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    q.center = local(sphere->center);
+    q.radius = float(sphere->radius);
+    q.x_axis = to_vec3(sphere->x_axis);
+    q.y_axis = to_vec3(sphere->y_axis);
+    q.normal = to_vec3(sphere->z_axis);
+  } else if (const auto* disk = std::get_if<Disk>(&geometry)) {
+    q.center = local(disk->center);
+    q.radius = float(disk->radius);
+    q.x_axis = to_vec3(disk->x_axis);
+    q.y_axis = to_vec3(disk->y_axis);
+    q.normal = to_vec3(flipped ? -disk->normal : disk->normal);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
+    q.center = local(cylinder->center);
+    q.radius = float(cylinder->radius);
+    q.length = float(cylinder->length);
+    q.x_axis = to_vec3(cylinder->x_axis);
+    q.y_axis = to_vec3(cylinder->y_axis);
+    q.normal = to_vec3(cylinder->axis);
+  } else {
+    q.radius = kNoRadius;
+  }
+  return q;
+}
+
+}  // namespace
+
+MotionTables::MotionTables(const SceneDescription& scene, const ExposedMotion& motion)
+    : scene_(scene), motion_(motion), posed_(scene) {
+  rigid_.assign(scene.shapes.size(), -1);
+  own_ = rigid_;
+  instances_.assign(scene.instances.size(), -1);
+  for (const ShapeGroup& group : scene.groups) in_groups_.emplace_back(group.shapes.size(), -1);
+  if (scene.motion == nullptr) return;
+  const std::vector<glm::dmat4> nodes = nodes_to_world(*scene.motion, scene.time);
+  const auto at_middle = [&](const NodePlace& place) {
+    return place.node < 0 ? place.to_node : nodes[std::size_t(place.node)] * place.to_node;
+  };
+  const SceneMotion& all = *scene.motion;
+  for (std::size_t i = 0; i < all.shapes.size(); ++i) {
+    const MovingShape& moving = all.shapes[i];
+    middle_.push_back(at_middle(moving.place));
+    if (motion.shapes[i].steps == 0) continue;
+    Paths& paths = moving.group >= 0              ? in_groups_[std::size_t(moving.group)]
+                   : moves_rigidly(scene, moving) ? rigid_
+                                                  : own_;
+    paths[moving.shape] = int(i);
+  }
+  for (std::size_t i = 0; i < all.instances.size(); ++i)
+    if (motion.instances[i].steps > 0) instances_[all.instances[i].instance] = int(i);
+}
+
+vec3 MotionTables::local(const glm::dvec3& p) const { return to_vec3(p - origin_); }
+
+const ExposedPath* MotionTables::path_of_shape(int group, std::size_t shape) const {
+  const int path = path_of(group < 0 ? own_ : in_groups_[std::size_t(group)], shape);
+  return path < 0 ? nullptr : &motion_.shapes[std::size_t(path)];
+}
+
+glm::dmat4 MotionTables::placed_at(const PlacedGroup& place, std::size_t k) const {
+  const int path = path_of(instances_, place.instance);
+  if (path < 0) return place.to_world;
+  const glm::dmat4& middle = scene_.instances[place.instance].to_world;
+  const glm::dmat4& now = motion_.instances[std::size_t(path)].to_world[k];
+  return regular(now, middle) * glm::inverse(middle) * place.to_world;
+}
+
+int MotionTables::state_at(std::size_t k, int steps) const {
+  if (steps == 0) return -1;
+  if (k > std::size_t(kFinestSteps)) return steps + int(k) - kFinestSteps;
+  const int stride = kFinestSteps / steps;
+  return int(k) % stride == 0 ? int(k) / stride : -1;
+}
+
+double MotionTables::radius_about(const glm::dvec3& origin, std::span<const PlacedGroup> placed) const {
+  double radius = 0;
+  const auto include = [&](const SceneBounds& bounds) {
+    if (!bounds.empty())
+      radius = std::max(radius, glm::length(glm::max(bounds.high - origin, origin - bounds.low)));
+  };
+  for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
+    if (const ExposedPath* path = path_of_shape(-1, i)) include(path->swept);
+    const int rigid = path_of(rigid_, i);
+    if (rigid < 0) continue;
+    const SceneBounds middle = bounds_of(std::span(&scene_.shapes[i], 1));
+    const glm::dmat4& from = middle_[std::size_t(rigid)];
+    if (is_singular(from)) continue;
+    for (const glm::dmat4& matrix : motion_.shapes[std::size_t(rigid)].to_world)
+      include(bounds_of(middle, matrix * glm::inverse(from)));
+  }
+  std::vector<SceneBounds> groups;
+  for (std::size_t g = 0; g < scene_.groups.size(); ++g) {
+    groups.push_back(bounds_of(scene_.groups[g].shapes));
+    for (std::size_t i = 0; i < scene_.groups[g].shapes.size(); ++i)
+      if (const ExposedPath* path = path_of_shape(int(g), i)) groups.back().include(path->swept);
+  }
+  for (const PlacedGroup& place : placed) {
+    const std::size_t times = moves(place.instance) ? motion_.times.size() : 1;
+    for (std::size_t k = 0; k < times; ++k)
+      include(bounds_of(groups[std::size_t(place.group)], placed_at(place, k)));
+  }
+  return radius;
+}
+
+void MotionTables::begin_primitives(const SceneRecords& records) {
+  still_triangles_ = int(records.triangles.size());
+  still_quadrics_ = int(records.quadrics.size());
+}
+
+void MotionTables::begin_shape(int group, std::size_t shape, const PlacedGroup* place,
+                               const SceneRecords& records) {
+  Source source{.group = group, .shape = shape};
+  if (const ExposedPath* path = path_of_shape(group, shape)) source.steps = path->steps;
+  if (place != nullptr) {
+    source.place = *place;
+    if (const int path = path_of(instances_, place->instance); path >= 0)
+      source.steps = std::max(source.steps, motion_.instances[std::size_t(path)].steps);
+  }
+  source.first_triangle = int(records.triangles.size());
+  source.first_quadric = int(records.quadrics.size());
+  sources_.push_back(std::move(source));
+  in_shape_ = true;
+}
+
+void MotionTables::end_shape(const SceneRecords& records) {
+  Source& source = sources_.back();
+  source.triangles = int(records.triangles.size()) - source.first_triangle;
+  source.quadrics = int(records.quadrics.size()) - source.first_quadric;
+  in_shape_ = false;
+}
+
+void MotionTables::add_instance(const PlacedGroup& place, const glm::dvec3& center) {
+  Placement placement{.center = center};
+  placement.steps = motion_.instances[std::size_t(path_of(instances_, place.instance))].steps;
+  for (std::size_t k = 0; k < motion_.times.size(); ++k) placement.matrices.push_back(placed_at(place, k));
+  placements_.push_back(std::move(placement));
+}
+
+void MotionTables::add_rigid(std::size_t shape, const glm::dvec3& center) {
+  const auto path = std::size_t(path_of(rigid_, shape));
+  Placement placement{.center = center, .steps = motion_.shapes[path].steps};
+  for (const glm::dmat4& matrix : motion_.shapes[path].to_world)
+    placement.matrices.push_back(regular(matrix, middle_[path]) * glm::inverse(middle_[path]));
+  placements_.push_back(std::move(placement));
+}
+
+Expected<void> MotionTables::fill(const glm::dvec3& origin, SceneRecords& records, LightBuilder& lights) {
+  origin_ = origin;
+  const Exposure& exposure = motion_.exposure;
+  Shutter shutter{};
+  shutter.still_triangles = still_triangles_;
+  shutter.still_quadrics = still_quadrics_;
+  shutter.still_instances = still_instances_;
+  shutter.camera_steps = motion_.camera.steps;
+  shutter.exposure = float(exposure.exposure);
+  shutter.rolling = float(exposure.rolling);
+  shutter.curve_knots = int(exposure.curve.size());
+  records.shutter = {shutter};
+  // The curve as a density over the exposure, and its integral up to each knot.
+  std::vector<double> sums{0.0};
+  for (std::size_t i = 1; i < exposure.curve.size(); ++i)
+    sums.push_back(sums.back() + 0.5 * (exposure.curve[i - 1] + exposure.curve[i]));
+  const double pieces = double(exposure.curve.size() - 1);
+  for (const double value : exposure.curve)
+    records.shutter_curve.push_back(float(value * pieces / sums.back()));
+  for (const double sum : sums) records.shutter_curve.push_back(float(sum / sums.back()));
+
+  for (Source& source : sources_) {
+    source.triangle_states = {int(records.triangle_states.size()), source.triangles, source.steps};
+    source.quadric_states = {int(records.quadric_states.size()), source.quadrics, source.steps};
+    const auto states = std::size_t(states_of(source.steps));
+    records.triangle_states.resize(records.triangle_states.size() + states * std::size_t(source.triangles));
+    records.quadric_states.resize(records.quadric_states.size() + states * std::size_t(source.quadrics));
+    for (int i = 0; i < source.triangles; ++i)
+      records.triangle_motions.push_back({source.triangle_states.first + i, source.triangles, source.steps});
+    for (int i = 0; i < source.quadrics; ++i)
+      records.quadric_motions.push_back({source.quadric_states.first + i, source.quadrics, source.steps});
+  }
+  for (const Placement& placement : placements_) {
+    records.instance_motions.push_back({int(records.instance_states.size()), 1, placement.steps});
+    records.instance_states.resize(records.instance_states.size() + std::size_t(states_of(placement.steps)));
+  }
+  if (motion_.camera.steps > 0) records.camera_states.resize(std::size_t(states_of(motion_.camera.steps)));
+  std::vector<Motion> of_lights(records.lights.size());
+  bool lights_move = false;
+  for (const MovingLight& moving : emitters_) {
+    const int steps = motion_.emitters[moving.emitter].steps;
+    if (steps == 0) continue;
+    of_lights[std::size_t(moving.light)] = {int(records.light_states.size()), 1, steps};
+    records.light_states.resize(records.light_states.size() + std::size_t(states_of(steps)));
+    lights_move = true;
+  }
+  for (const Source& source : sources_) {
+    for (int i = 0; i < source.triangles; ++i) {
+      const int light = records.triangles[std::size_t(source.first_triangle + i)].light;
+      if (light < 0 || of_lights[std::size_t(light)].steps > 0) continue;
+      of_lights[std::size_t(light)] = {int(records.light_states.size()), 1, source.steps};
+      records.light_states.resize(records.light_states.size() + std::size_t(states_of(source.steps)));
+      lights_move = true;
+    }
+    for (int i = 0; i < source.quadrics; ++i) {
+      const int light = records.quadrics[std::size_t(source.first_quadric + i)].light;
+      if (light < 0) continue;
+      of_lights[std::size_t(light)] = {int(records.light_states.size()), 1, source.steps};
+      records.light_states.resize(records.light_states.size() + std::size_t(states_of(source.steps)));
+      lights_move = true;
+    }
+  }
+  if (lights_move) records.light_motions = std::move(of_lights);
+  for (std::size_t k = 0; k < motion_.times.size(); ++k)
+    if (auto done = add_states(k, records); !done) return done;
+  if (lights_move) add_light_states(records, lights);
+  return {};
+}
+
+Expected<void> MotionTables::add_states(std::size_t k, SceneRecords& records) {
+  const bool poses =
+      std::ranges::any_of(sources_, [&](const Source& s) { return state_at(k, s.steps) >= 0; }) ||
+      state_at(k, motion_.camera.steps) >= 0 ||
+      std::ranges::any_of(emitters_, [&](const MovingLight& moving) {
+        return state_at(k, motion_.emitters[moving.emitter].steps) >= 0;
+      });
+  if (poses) {
+    if (auto done = posed_.set_time(motion_.times[k]); !done) return done;
+    for (const Source& source : sources_)
+      if (const int state = state_at(k, source.steps); state >= 0)
+        if (auto done = add_states(source, k, state, records); !done) return done;
+    if (const int state = state_at(k, motion_.camera.steps); state >= 0) {
+      const CameraSettings& camera = posed_.parts().camera;
+      records.camera_states[std::size_t(state)] =
+          build_camera(camera, scene_.film, local(glm::dvec3(camera.to_world[3])));
+    }
+    for (const MovingLight& moving : emitters_) add_states_of_emitter(moving, k, records);
+  }
+  for (std::size_t i = 0; i < placements_.size(); ++i) {
+    const Placement& placement = placements_[i];
+    const int state = state_at(k, placement.steps);
+    if (state < 0) continue;
+    const glm::dmat4& matrix = placement.matrices[k];
+    records.instance_states[std::size_t(records.instance_motions[i].first + state)] = {
+        to_vec3(glm::dvec3(matrix[0])), to_vec3(glm::dvec3(matrix[1])), to_vec3(glm::dvec3(matrix[2])),
+        local(transform_point(matrix, placement.center))};
+  }
+  return {};
+}
+
+Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int state,
+                                        SceneRecords& records) {
+  const Shape& still = source.group < 0 ? scene_.shapes[source.shape]
+                                        : scene_.groups[std::size_t(source.group)].shapes[source.shape];
+  const bool changes = path_of_shape(source.group, source.shape) != nullptr;
+  const SceneDescription& parts = posed_.parts();
+  const Shape& now = !changes           ? still
+                     : source.group < 0 ? parts.shapes[source.shape]
+                                        : parts.groups[std::size_t(source.group)].shapes[source.shape];
+  Shape copy;
+  const Shape* shape = &now;
+  if (source.place) {
+    auto placed = placed_shape(now, placed_at(*source.place, k));
+    if (!placed) return std::unexpected(placed.error());
+    copy = std::move(*placed);
+    shape = &copy;
+  }
+  const auto* mesh = std::get_if<Mesh>(&shape->geometry);
+  const float sign = shape->flip_normals ? -1.0f : 1.0f;
+  for (int i = 0; i < source.triangles; ++i) {
+    TriangleState& to =
+        records.triangle_states[std::size_t(source.triangle_states.first + state * source.triangles + i)];
+    if (mesh == nullptr || mesh->positions.empty()) {
+      // It has no size at this time: all of it is in one point, that of its state before or of the record.
+      const Triangle& record = records.triangles[std::size_t(source.first_triangle)];
+      const vec3 p = state > 0 ? records
+                                     .triangle_states[std::size_t(source.triangle_states.first +
+                                                                  (state - 1) * source.triangles)]
+                                     .p0
+                               : record.p0;
+      to = {p, p, p, to.n0, to.n1, to.n2};
+      continue;
+    }
+    const glm::uvec3 c = source.corners[std::size_t(i)];
+    to.p0 = local(mesh->positions[c.x]);
+    to.p1 = local(mesh->positions[c.y]);
+    to.p2 = local(mesh->positions[c.z]);
+    if (mesh->normals.empty()) continue;
+    to.n0 = to_vec3(sign * mesh->normals[c.x]);
+    to.n1 = to_vec3(sign * mesh->normals[c.y]);
+    to.n2 = to_vec3(sign * mesh->normals[c.z]);
+  }
+  for (int i = 0; i < source.quadrics; ++i)
+    records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)] =
+        moved(records.quadrics[std::size_t(source.first_quadric + i)], shape->geometry, shape->flip_normals,
+              [&](glm::dvec3 p) { return local(p); });
+  return {};
+}
+
+void MotionTables::add_states_of_emitter(const MovingLight& moving, std::size_t k, SceneRecords& records) {
+  const int state = state_at(k, motion_.emitters[moving.emitter].steps);
+  if (state < 0) return;
+  const std::size_t emitter = scene_.motion->emitters[moving.emitter].emitter;
+  const Light& light = records.lights[std::size_t(moving.light)];
+  LightState to{light.p0, light.p1, light.p2, {}, {}, {}};
+  set_light_state(
+      posed_.parts().emitters[emitter], [&](const glm::dvec3& p) { return local(p); }, to);
+  records.light_states[std::size_t(records.light_motions[std::size_t(moving.light)].first + state)] = to;
+}
+
+/// The states of lights that are shapes are those of their primitives.
+void MotionTables::add_light_states(SceneRecords& records, LightBuilder& lights) {
+  for (const Source& source : sources_) {
+    const int states = states_of(source.steps);
+    for (int i = 0; i < source.triangles; ++i) {
+      const int light = records.triangles[std::size_t(source.first_triangle + i)].light;
+      if (light < 0) continue;
+      const int first = records.light_motions[std::size_t(light)].first;
+      for (int s = 0; s < states; ++s) {
+        const TriangleState& from =
+            records.triangle_states[std::size_t(source.triangle_states.first + s * source.triangles + i)];
+        records.light_states[std::size_t(first + s)] = {from.p0, from.p1, from.p2, {}, {}, {}};
+      }
+    }
+    for (int i = 0; i < source.quadrics; ++i) {
+      const Quadric& record = records.quadrics[std::size_t(source.first_quadric + i)];
+      if (record.light < 0) continue;
+      const int first = records.light_motions[std::size_t(record.light)].first;
+      for (int s = 0; s < states; ++s) {
+        const Quadric& q =
+            records.quadric_states[std::size_t(source.quadric_states.first + s * source.quadrics + i)];
+        LightState& to = records.light_states[std::size_t(first + s)];
+        to.p0 = q.center;
+        if (q.kind != QUADRIC_SPHERE) to.p1 = q.normal;
+        to.p2 = make_vec3(q.radius, q.orientation, q.kind == QUADRIC_CYLINDER ? q.length : 0.0f);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < records.lights.size(); ++i) {
+    const Motion& motion = records.light_motions[i];
+    if (motion.steps == 0) continue;
+    lights.cover(
+        int(i),
+        std::span(records.light_states).subspan(std::size_t(motion.first), std::size_t(motion.steps) + 1));
+  }
+}
+
+}  // namespace penumbra

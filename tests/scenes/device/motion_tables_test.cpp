@@ -1,0 +1,207 @@
+// What moves while the shutter is open: states against the scene at their times, and the hierarchy's boxes
+// against states as kernels interpolate them.
+#include "kernels/motion/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <glm/glm.hpp>
+#include <random>
+#include <string>
+
+#include "kernels/host/device_scene.h"
+#include "scenes/device/device_scene_builder.h"
+#include "scenes/motion/exposure.h"
+#include "scenes/motion/scene_motion.h"
+#include "scenes/transform.h"
+#include "tests/scenes/mitsuba_text.h"
+
+namespace penumbra {
+namespace {
+
+std::string key(double time, std::string_view steps) {
+  return "<transform time='" + std::to_string(time) + "'>" + std::string(steps) + "</transform>";
+}
+std::string moving(std::string_view first, std::string_view last) {
+  return "<animation name='to_world'>" + key(0, first) + key(1, last) + "</animation>";
+}
+std::string integrator() { return in("integrator", "path"); }
+
+/// A scene whose shutter is open from time 0 to 1.
+class MotionTablesTest : public SceneText {
+ protected:
+  SceneDescription open(const std::string& inside, std::string_view of_sensor = "") {
+    SceneDescription scene =
+        good(integrator() +
+             "<sensor type='perspective'><float name='shutter_open' value='0'/><film type='hdrfilm'><integer "
+             "name='width' value='100'/><integer name='height' value='80'/></film>" +
+             std::string(of_sensor) + "</sensor>" + inside);
+    scene.time = 0.0;
+    scene.frame_duration = 1.0;
+    scene.camera.shutter = 1.0f;
+    EXPECT_DOUBLE_EQ(exposure_of(scene).close - exposure_of(scene).open, 1.0);
+    return scene;
+  }
+  static DeviceScene built(const SceneDescription& scene) {
+    auto made = build_device_scene(scene, {.feature_layers = false});
+    EXPECT_TRUE(made) << made.error().message;
+    return made ? std::move(*made) : DeviceScene();
+  }
+};
+
+const char* const kStill =
+    "<shape type='rectangle'/><shape type='rectangle'><emitter type='area'><rgb name='radiance' "
+    "value='1'/></emitter></shape>";
+
+/// Calls with(scene) with the scene as kernels see it.
+Scene kernel_scene(const DeviceScene& scene) { return make_scene(scene.header, scene.words.data()); }
+
+double far(const vec3& a, const glm::dvec3& b) { return glm::length(glm::dvec3(a.x, a.y, a.z) - b); }
+
+TEST_F(MotionTablesTest, StillScenesHaveNoTables) {
+  const DeviceScene scene = built(open(kStill));
+  EXPECT_EQ(scene.header.features & (FEATURE_MOTION | FEATURE_MOTION_LAYER), 0u);
+  EXPECT_EQ(scene.header.tables.shutter.count, 0);
+}
+
+TEST_F(MotionTablesTest, ARigidMeshIsAnInstance) {
+  const SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'>" +
+           moving("<translate x='5'/>", "<rotate z='1' angle='90'/><translate x='9' y='1'/>") + "</shape>");
+  const DeviceScene device = built(scene);
+  const TableSpans& t = device.header.tables;
+  ASSERT_NE(device.header.features & FEATURE_MOTION, 0u);
+  ASSERT_EQ(t.instance_motions.count, 1);
+  EXPECT_EQ(t.triangle_motions.count, 0);
+  EXPECT_EQ(t.camera_states.count, 0);
+  const Scene s = kernel_scene(device);
+  const Motion m = s.instance_motions[0];
+  SceneDescription at = scene;
+  for (int k = 0; k <= m.steps; ++k) {
+    const double time = double(k) / m.steps;
+    ASSERT_TRUE(set_time(at, time));
+    const Instance i = instance_at(&s, 0, float(time));
+    const auto& mesh = std::get<Mesh>(at.shapes[2].geometry);
+    const PrimitiveGroup group = s.groups[i.group];
+    ASSERT_EQ(group.triangle_count, int(mesh.triangles.size()));
+    for (int f = 0; f < group.triangle_count; ++f)
+      EXPECT_LT(far(from_group_point(i, s.triangles[group.first_triangle + f].p1),
+                    mesh.positions[mesh.triangles[std::size_t(f)].y] - scene_center(at)),
+                1e-5);
+  }
+}
+
+TEST_F(MotionTablesTest, MovingEmittersHaveStates) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  const SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'>" + light +
+               moving("<translate x='5'/>", "<scale value='2'/><translate x='9' y='1'/>") +
+               "</shape><shape "
+               "type='sphere'>" +
+               light + moving("", "<scale value='3'/><translate z='4'/>") + "</shape>",
+           moving("<lookat origin='0,0,-9' target='0,0,0' up='0,1,0'/>",
+                  "<lookat origin='0,4,-9' target='0,0,0' up='0,1,0'/>"));
+  const DeviceScene device = built(scene);
+  const TableSpans& t = device.header.tables;
+  ASSERT_EQ(t.triangle_motions.count, 12);
+  ASSERT_EQ(t.quadric_motions.count, 1);
+  ASSERT_EQ(t.light_motions.count, t.lights.count);
+  const Scene s = kernel_scene(device);
+  EXPECT_GT(s.shutter->camera_steps, 0);
+  for (int i = 0; i < t.triangles.count; ++i) {
+    const Triangle& triangle = s.triangles[i];
+    if (!triangle_moves(&s, i)) continue;
+    ASSERT_GE(triangle.light, 0);
+    EXPECT_EQ(s.lights[triangle.light].kind, LIGHT_TRIANGLE);
+    const Motion m = s.light_motions[triangle.light];
+    for (const float time : {0.0f, 0.3f, 1.0f}) {
+      const TriangleState state = triangle_at(&s, i, time);
+      const Between b = between_states(m, time);
+      const vec3 p2 = STATE_BETWEEN(s.light_states, p2);
+      EXPECT_EQ(state.p2.x, p2.x);
+      EXPECT_EQ(state.p2.y, p2.y);
+      EXPECT_EQ(state.p2.z, p2.z);
+    }
+  }
+  const Quadric end = quadric_at(&s, s.shutter->still_quadrics, 1.0f);
+  EXPECT_NEAR(end.radius, 3, 1e-6);
+  SceneDescription at = scene;
+  ASSERT_TRUE(set_time(at, 0.5));
+  EXPECT_LT(far(end.center, glm::dvec3(0, 0, 4) - scene_center(at)), 1e-5);
+}
+
+/// Points that move, with the box of each at any time.
+void expect_contained(const Scene& s, int mover, bool is_instance, float time, const vec3& p, int at = 0) {
+  bool inside = false;
+  std::function<void(int)> visit = [&](int node) {
+    const MotionNode& n = s.motion_nodes[node];
+    for (int k = 0; k < BVH_WIDTH && !inside; ++k) {
+      if (time < n.begin[k] || time > n.end[k]) continue;
+      const float c[3] = {p.x, p.y, p.z};
+      bool in_box = true;
+      for (int axis = 0; axis < 3; ++axis)
+        in_box = in_box && n.low[axis][k] + time * n.low_speed[axis][k] <= c[axis] &&
+                 c[axis] <= n.high[axis][k] + time * n.high_speed[axis][k];
+      if (!in_box) continue;
+      if (n.child[k] >= 0) {
+        visit(n.child[k]);
+        continue;
+      }
+      const MotionLeaf& leaf = s.motion_leaves[~n.child[k]];
+      for (int j = 0; j < BVH_WIDTH; ++j)
+        inside = inside || (is_instance ? leaf.instance[j] : leaf.primitive[j]) == mover;
+    }
+  };
+  visit(at);
+  EXPECT_TRUE(inside) << "mover " << mover << " at time " << time;
+}
+
+TEST_F(MotionTablesTest, BoxesHoldWhatMoves) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  std::string inside = kStill;
+  for (int i = 0; i < 12; ++i) {
+    const std::string x = std::to_string(7 * i), turn = std::to_string(30 * i);
+    inside += "<shape type='cube'>" + (i % 2 == 0 ? light : "") +
+              moving("<translate y='" + x + "'/>",
+                     "<rotate z='1' y='2' angle='" + turn + "'/><translate x='40' y='-" + x + "'/>") +
+              "</shape><shape type='sphere'>" + (i % 2 == 0 ? light : "") +
+              moving("<translate z='" + x + "'/>", "<scale value='2'/><translate x='" + x + "'/>") +
+              "</shape>";
+  }
+  const DeviceScene device = built(open(inside));
+  const TableSpans& t = device.header.tables;
+  ASSERT_EQ(t.triangle_motions.count, 6 * 12);
+  ASSERT_EQ(t.quadric_motions.count, 6);
+  ASSERT_EQ(t.instance_motions.count, 12);
+  const Scene s = kernel_scene(device);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const float time = trial < 9 ? float(trial) / 8 : unit(random);
+    const int triangle = s.shutter->still_triangles + int(random() % unsigned(t.triangle_motions.count));
+    const TriangleState state = triangle_at(&s, triangle, time);
+    for (const vec3& p : {state.p0, state.p1, state.p2}) expect_contained(s, triangle, false, time, p);
+    const int quadric = s.shutter->still_quadrics + int(random() % unsigned(t.quadric_motions.count));
+    const Quadric q = quadric_at(&s, quadric, time);
+    for (int axis = 0; axis < 3; ++axis) {
+      vec3 d = make_vec3(0, 0, 0);
+      (axis == 0 ? d.x : axis == 1 ? d.y : d.z) = trial % 2 == 0 ? q.radius : -q.radius;
+      expect_contained(s, t.triangles.count + quadric, false, time, add(q.center, d));
+    }
+    const int instance = s.shutter->still_instances + int(random() % unsigned(t.instance_motions.count));
+    const Instance i = instance_at(&s, instance, time);
+    const PrimitiveGroup group = s.groups[i.group];
+    for (int f = 0; f < group.triangle_count; ++f)
+      expect_contained(s, instance, true, time,
+                       from_group_point(i, s.triangles[group.first_triangle + f].p0));
+    for (int f = 0; f < group.quadric_count; ++f) {
+      const Quadric& sphere = s.quadrics[group.first_quadric + f];
+      expect_contained(s, instance, true, time,
+                       from_group_point(i, add(sphere.center, make_vec3(0, sphere.radius, 0))));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
