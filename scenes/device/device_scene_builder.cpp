@@ -843,6 +843,7 @@ glm::dvec3 scene_center(const SceneDescription& scene) {
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
   const auto motion = exposed_motion(scene);
   if (!motion) return fail(scene.source + ": " + motion.error().message);
+  if (options.warnings != nullptr) *options.warnings = motion->warnings;
   const bool moves = motion->any() || motion->has_layer;
   std::optional<SceneDescription> middle;
   if (moves && scene.motion != nullptr) {

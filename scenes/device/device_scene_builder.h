@@ -24,6 +24,8 @@ struct DeviceSceneOptions {
   /// Another frame's device scene, or null. What is equal there need not be made again. The result is the
   /// same, whatever scene it is.
   const DeviceScene* earlier = nullptr;
+  /// If not null, receives what moves too irregularly to be blurred exactly, see exposed_motion.
+  std::vector<std::string>* warnings = nullptr;
 };
 
 /// The centre of the bounding box of what is still, or of everything if all moves. Positions in the device

@@ -51,10 +51,17 @@ Quadric moved(Quadric q, const Geometry& geometry, bool flipped,
   return q;
 }
 
+std::vector<bool> shapes_with_states(const SceneDescription& scene, const ExposedMotion& motion) {
+  std::vector<bool> have(motion.shapes.size(), false);
+  for (std::size_t i = 0; i < have.size(); ++i)
+    have[i] = motion.shapes[i].steps > 0 && !moves_rigidly(scene, scene.motion->shapes[i]);
+  return have;
+}
+
 }  // namespace
 
 MotionTables::MotionTables(const SceneDescription& scene, const ExposedMotion& motion)
-    : scene_(scene), motion_(motion), posed_(scene) {
+    : scene_(scene), motion_(motion), posed_(scene, shapes_with_states(scene, motion)) {
   rigid_.assign(scene.shapes.size(), -1);
   own_ = rigid_;
   instances_.assign(scene.instances.size(), -1);
@@ -89,15 +96,15 @@ glm::dmat4 MotionTables::placed_at(const PlacedGroup& place, std::size_t k) cons
   const int path = path_of(instances_, place.instance);
   if (path < 0) return place.to_world;
   const glm::dmat4& middle = scene_.instances[place.instance].to_world;
-  const glm::dmat4& now = motion_.instances[std::size_t(path)].to_world[k];
-  return regular(now, middle) * glm::inverse(middle) * place.to_world;
-}
-
-int MotionTables::state_at(std::size_t k, int steps) const {
-  if (steps == 0) return -1;
-  if (k > std::size_t(kFinestSteps)) return steps + int(k) - kFinestSteps;
-  const int stride = kFinestSteps / steps;
-  return int(k) % stride == 0 ? int(k) / stride : -1;
+  const ExposedPath& moving = motion_.instances[std::size_t(path)];
+  const auto at = [&](std::size_t state) {
+    return regular(moving.to_world[state], middle) * glm::inverse(middle) * place.to_world;
+  };
+  if (const int state = ExposedMotion::state_at(k, moving.steps); state >= 0) return at(std::size_t(state));
+  const double where = double(k) * moving.steps / kFinestSteps;
+  const auto before = std::size_t(where);
+  const glm::dmat4 from = at(before), to = at(before + 1);
+  return from + (where - double(before)) * (to - from);
 }
 
 double MotionTables::radius_about(const glm::dvec3& origin, std::span<const PlacedGroup> placed) const {
@@ -160,7 +167,8 @@ void MotionTables::end_shape(const SceneRecords& records) {
 void MotionTables::add_instance(const PlacedGroup& place, const glm::dvec3& center) {
   Placement placement{.center = center};
   placement.steps = motion_.instances[std::size_t(path_of(instances_, place.instance))].steps;
-  for (std::size_t k = 0; k < motion_.times.size(); ++k) placement.matrices.push_back(placed_at(place, k));
+  for (std::size_t k = 0; k < motion_.times.size(); ++k)
+    if (ExposedMotion::state_at(k, placement.steps) >= 0) placement.states.push_back(placed_at(place, k));
   placements_.push_back(std::move(placement));
 }
 
@@ -168,7 +176,7 @@ void MotionTables::add_rigid(std::size_t shape, const glm::dvec3& center) {
   const auto path = std::size_t(path_of(rigid_, shape));
   Placement placement{.center = center, .steps = motion_.shapes[path].steps};
   for (const glm::dmat4& matrix : motion_.shapes[path].to_world)
-    placement.matrices.push_back(regular(matrix, middle_[path]) * glm::inverse(middle_[path]));
+    placement.states.push_back(regular(matrix, middle_[path]) * glm::inverse(middle_[path]));
   placements_.push_back(std::move(placement));
 }
 
@@ -243,17 +251,18 @@ Expected<void> MotionTables::fill(const glm::dvec3& origin, SceneRecords& record
 
 Expected<void> MotionTables::add_states(std::size_t k, SceneRecords& records) {
   const bool poses =
-      std::ranges::any_of(sources_, [&](const Source& s) { return state_at(k, s.steps) >= 0; }) ||
-      state_at(k, motion_.camera.steps) >= 0 ||
+      std::ranges::any_of(sources_,
+                          [&](const Source& s) { return ExposedMotion::state_at(k, s.steps) >= 0; }) ||
+      ExposedMotion::state_at(k, motion_.camera.steps) >= 0 ||
       std::ranges::any_of(emitters_, [&](const MovingLight& moving) {
-        return state_at(k, motion_.emitters[moving.emitter].steps) >= 0;
+        return ExposedMotion::state_at(k, motion_.emitters[moving.emitter].steps) >= 0;
       });
   if (poses) {
     if (auto done = posed_.set_time(motion_.times[k]); !done) return done;
     for (const Source& source : sources_)
-      if (const int state = state_at(k, source.steps); state >= 0)
+      if (const int state = ExposedMotion::state_at(k, source.steps); state >= 0)
         if (auto done = add_states(source, k, state, records); !done) return done;
-    if (const int state = state_at(k, motion_.camera.steps); state >= 0) {
+    if (const int state = ExposedMotion::state_at(k, motion_.camera.steps); state >= 0) {
       const CameraSettings& camera = posed_.parts().camera;
       records.camera_states[std::size_t(state)] =
           build_camera(camera, scene_.film, local(glm::dvec3(camera.to_world[3])));
@@ -262,9 +271,9 @@ Expected<void> MotionTables::add_states(std::size_t k, SceneRecords& records) {
   }
   for (std::size_t i = 0; i < placements_.size(); ++i) {
     const Placement& placement = placements_[i];
-    const int state = state_at(k, placement.steps);
+    const int state = ExposedMotion::state_at(k, placement.steps);
     if (state < 0) continue;
-    const glm::dmat4& matrix = placement.matrices[k];
+    const glm::dmat4& matrix = placement.states[std::size_t(state)];
     records.instance_states[std::size_t(records.instance_motions[i].first + state)] = {
         to_vec3(glm::dvec3(matrix[0])), to_vec3(glm::dvec3(matrix[1])), to_vec3(glm::dvec3(matrix[2])),
         local(transform_point(matrix, placement.center))};
@@ -322,7 +331,7 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
 }
 
 void MotionTables::add_states_of_emitter(const MovingLight& moving, std::size_t k, SceneRecords& records) {
-  const int state = state_at(k, motion_.emitters[moving.emitter].steps);
+  const int state = ExposedMotion::state_at(k, motion_.emitters[moving.emitter].steps);
   if (state < 0) return;
   const std::size_t emitter = scene_.motion->emitters[moving.emitter].emitter;
   const Light& light = records.lights[std::size_t(moving.light)];

@@ -77,7 +77,7 @@ class MotionTables {
     Motion triangle_states{}, quadric_states{};  ///< of the first one
   };
   struct Placement {
-    std::vector<glm::dmat4> matrices = {};  ///< to the world from where the group's record is
+    std::vector<glm::dmat4> states = {};  ///< to the world from where the group's record is
     glm::dvec3 center{0.0};
     int steps = 0;
   };
@@ -87,10 +87,9 @@ class MotionTables {
   };
 
   [[nodiscard]] const ExposedPath* path_of_shape(int group, std::size_t shape) const;
+  /// Where a moving instance brings the place at times[k]: between its states, linear as kernels have it.
   [[nodiscard]] glm::dmat4 placed_at(const PlacedGroup& place, std::size_t k) const;
   [[nodiscard]] int states_of(int steps) const { return steps + 1 + (motion_.has_layer ? 2 : 0); }
-  /// The number of the state at that time of something with so many steps, or -1.
-  [[nodiscard]] int state_at(std::size_t k, int steps) const;
   Expected<void> add_states(std::size_t k, SceneRecords& records);
   Expected<void> add_states(const Source& source, std::size_t k, int state, SceneRecords& records);
   void add_light_states(SceneRecords& records, LightBuilder& lights);

@@ -23,7 +23,7 @@ bool moves_rigidly(const SceneDescription& scene, const MovingShape& moving);
 /// A thing that moves. `steps` is 0 for one that stands still while the shutter is open.
 struct ExposedPath {
   int steps = 0;
-  /// Of what is placed by a matrix, and moves: at each of the times.
+  /// Of what is placed by a matrix, and moves: at each of its states.
   std::vector<glm::dmat4> to_world = {};
   /// Of a shape that is not rigid: where it is over the whole time, in the space of its group.
   SceneBounds swept = {};
@@ -37,19 +37,24 @@ struct ExposedMotion {
       times;  ///< kFinestSteps + 1 from `open` to `close`; with the layer `before` and `after`
   std::vector<ExposedPath> shapes, instances, emitters;
   ExposedPath camera;
-  double error = 0.0;  ///< the largest deviation from a true path, in pixels
+  /// What deviates from its true path by more than kMostDeviation, and by how many pixels.
   std::vector<std::string> warnings;
 
   /// Whether anything moves.
   [[nodiscard]] bool any() const;
+  /// The number of the state at times[k] of something with so many steps, or -1 if it has none there.
+  [[nodiscard]] static int state_at(std::size_t k, int steps);
 };
+
+/// In pixels, as the camera sees it.
+constexpr double kMostDeviation = 0.1;
 
 /// A part of a scene that moves, which can be taken to any time at little cost.
 class PosedParts {
  public:
-  /// The scene's camera, emitters and instances, and of its shapes those that `moves_rigidly` does not hold
-  /// for. Others are empty.
-  explicit PosedParts(const SceneDescription& scene);
+  /// The scene's camera, emitters and instances, and of its shapes those of the `wanted` entries of
+  /// SceneMotion::shapes. Others are empty.
+  PosedParts(const SceneDescription& scene, const std::vector<bool>& wanted);
 
   /// Errors: those of set_time.
   Expected<void> set_time(double time) { return penumbra::set_time(parts_, time); }
@@ -63,8 +68,10 @@ class PosedParts {
   SceneDescription parts_;
 };
 
-/// What moves in the scene during its exposure, or from frame to frame if the layer of motion is wanted.
-/// Errors: those of set_time.
+/// What moves in the scene during its exposure, or from frame to frame if the layer of motion is wanted. Of
+/// 1, 2, 4 … kFinestSteps, each gets the least number of steps between which its path may be linear: at twice
+/// as many irregular times, no point of it is farther than kMostDeviation from where it should be. Errors:
+/// those of set_time.
 Expected<ExposedMotion> exposed_motion(const SceneDescription& scene);
 
 }  // namespace penumbra
