@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "kernels/host/device_scene.h"
+#include "kernels/host/view.h"
 #include "scenes/device/camera_builder.h"
 #include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"
@@ -86,7 +87,6 @@ class SceneBuilder {
     if (motion != nullptr) {
       motion_.emplace(scene, *motion);
       need(FEATURE_MOTION);
-      h_.motion_error = float(motion->error);
       radius_ = std::max(radius_, motion_->radius_about(center_, placed_));
     }
     if (options.mattes != nullptr) mattes_.emplace(scene);
@@ -779,6 +779,11 @@ class SceneBuilder {
     const vec3 origin = local(glm::dvec3(scene_.camera.to_world[3]), [] { return "the camera"; });
     h_.camera = build_camera(scene_.camera, scene_.film, origin);
     need(camera_features(scene_.camera));
+    if (records_.camera_states.empty()) return;
+    h_.own_camera = camera_key(h_.camera);
+    h_.camera_moves = 1;
+    for (const Camera& state : records_.camera_states)
+      if (state.lens_radius > 0) need(FEATURE_CAMERA);
   }
 
   void set_film() {

@@ -191,7 +191,7 @@ class MotionTreeBuilder {
     }
     const int stride = mover.steps / parts;
     for (int s = 0; s < mover.steps; s += stride) {
-      Reference reference{.mover = index, .first_step = s, .last_step = s + stride};
+      Reference reference{.mover = index, .first_step = s, .last_step = s + stride, .swept = {}};
       for (int k = s; k <= s + stride; ++k) reference.swept.include(boxes[std::size_t(k)]);
       reference.begin = float(s) / float(mover.steps);
       reference.end = float(s + stride) / float(mover.steps);
@@ -281,9 +281,15 @@ class MotionTreeBuilder {
       }
     }
     if (best_axis >= 0) {
-      const auto above =
-          std::ranges::stable_partition(items, [&](int item) { return bin_of(item, best_axis) <= best_bin; });
-      return items.size() - above.size();
+      std::vector<int> above;
+      std::size_t below = 0;
+      for (const int item : items)
+        if (bin_of(item, best_axis) <= best_bin)
+          items[below++] = item;
+        else
+          above.push_back(item);
+      std::ranges::copy(above, items.begin() + std::ptrdiff_t(below));
+      return below;
     }
     int widest = 0;
     for (int axis = 1; axis < 4; ++axis)
