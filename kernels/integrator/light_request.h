@@ -36,13 +36,17 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   return request;
 }
 
-STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                                const PRIVATE Closures* RESTRICT closures,
-                                PRIVATE ShadingPoints* RESTRICT points) {
+FN void store_shading_points_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                                   const PRIVATE Closures* RESTRICT closures,
+                                   PRIVATE ShadingPoints* RESTRICT points, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
+      store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j, strategies);
 }
+STILL_OR_IN_MOTION(store_shading_points, NEEDS(scene, MOTION),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                    const PRIVATE Closures* RESTRICT closures, PRIVATE ShadingPoints* RESTRICT points),
+                   scene, surfaces, closures, points)
 
 STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,
@@ -101,9 +105,10 @@ FN vec3 projected_about(vec3 normal, Closure c) {
 }
 
 /// Projected solid angles of the lights that were chosen by power, or through the hierarchy.
-STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                            const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
-                            const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
+FN void project_by_power_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
+                               const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected,
+                               ulong strategies) {
   const bool by_tree = NEEDS_LIGHT_TREE(scene);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -111,17 +116,23 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
       const ChosenLight by_power =
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       const int index = by_tree ? chosen[j] : by_power.light;
-      GLOBAL const Light* light = scene->lights + index;
+      const Light light = light_at(scene, index, r.time, strategies);
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
       const bool none = is_own_light(scene, r, index) | lets_light_through(load_closure(closures, j));
       projected[j] = (!by_tree & (chosen[j] >= 0)) ? projected[j] : (none ? 0.0 : e);
     }
 }
+STILL_OR_IN_MOTION(project_by_power, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                    const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
+                    const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected),
+                   scene, receivers, closures, chosen, u, projected)
 
 /// Samples directions by projected solid angle towards the chosen lights.
-STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                                   const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
-                                   PRIVATE LightSamplings* RESTRICT samplings) {
+FN void sample_projected_lights_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                                      const PRIVATE float* RESTRICT u,
+                                      const PRIVATE double* RESTRICT projected,
+                                      PRIVATE LightSamplings* RESTRICT samplings, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const float number = u[DIM_LIGHT_U * LANES + j];
@@ -130,27 +141,42 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Sur
       const bool is_chosen = chosen >= 0;
       sample_projected_light(scene, receiver_of(load_surface(receivers, j)),
                              is_chosen ? chosen : by_power.light, (float)projected[j],
-                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
+                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j,
+                             strategies);
     }
 }
+STILL_OR_IN_MOTION(sample_projected_lights, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                    const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
+                    PRIVATE LightSamplings* RESTRICT samplings),
+                   scene, receivers, u, projected, samplings)
 
 /// Pdfs, for MIS, of the lights that the last rays hit, as sampled at these surfaces.
-STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                         const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found) {
+FN void project_found_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                            const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found,
+                            ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 n = projected_about(LOAD_LANE_vec3(receivers->shading, j), load_closure(closures, j));
-      found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n);
+      found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n, strategies);
     }
 }
+STILL_OR_IN_MOTION(project_found, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                    const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found),
+                   scene, receivers, closures, found)
 /// The same, as sampled at the surfaces that the paths left.
-STAGE void projected_pdfs_of_hit_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                        PRIVATE FoundLights* RESTRICT found) {
+FN void projected_pdfs_of_hit_lights_lanes(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                           PRIVATE FoundLights* RESTRICT found, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
       found->projected_pdf[j] =
-          projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j));
+          projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j), strategies);
 }
+STILL_OR_IN_MOTION(projected_pdfs_of_hit_lights, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                    PRIVATE FoundLights* RESTRICT found),
+                   scene, paths, i, found)
 
 /// Stores the surfaces' normals: the next rays leave these surfaces.
 STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
@@ -162,10 +188,11 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVAT
 }
 
 // The same three functions for closures with control lobes.
-STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                               const PRIVATE Closures* RESTRICT closures,
-                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
-                               PRIVATE LightSamplings* RESTRICT samplings) {
+FN void sample_lobes_lights_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                                  const PRIVATE Closures* RESTRICT closures,
+                                  const PRIVATE ControlLanes* RESTRICT controls,
+                                  const PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
+                                  ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(receivers, j);
@@ -179,9 +206,14 @@ STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surface
                          receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
                                         load_control_lobes(controls, j)),
                          light, is_own_light(scene, r, light), is_chosen ? number : by_power.u,
-                         u[DIM_LIGHT_V * LANES + j], samplings, j);
+                         u[DIM_LIGHT_V * LANES + j], samplings, j, strategies);
     }
 }
+STILL_OR_IN_MOTION(sample_lobes_lights, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                    const PRIVATE Closures* RESTRICT closures, const PRIVATE ControlLanes* RESTRICT controls,
+                    const PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings),
+                   scene, receivers, closures, controls, u, samplings)
 FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
   ReceiverLobes r;
   r.normal = get_left_normal(paths, i);
@@ -190,24 +222,34 @@ FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
   r.specular = get_left_specular(paths, i);
   return r;
 }
-STAGE void project_found_lobes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                               const PRIVATE Closures* RESTRICT closures,
-                               const PRIVATE ControlLanes* RESTRICT controls,
-                               PRIVATE FoundLights* RESTRICT found) {
+FN void project_found_lobes_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                                  const PRIVATE Closures* RESTRICT closures,
+                                  const PRIVATE ControlLanes* RESTRICT controls,
+                                  PRIVATE FoundLights* RESTRICT found, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(receivers, j);
       const ReceiverLobes lobes = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
                                                  load_control_lobes(controls, j));
-      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
+      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes, strategies);
     }
 }
-STAGE void project_found_lobes_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                        PRIVATE FoundLights* RESTRICT found) {
+STILL_OR_IN_MOTION(project_found_lobes, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                    const PRIVATE Closures* RESTRICT closures, const PRIVATE ControlLanes* RESTRICT controls,
+                    PRIVATE FoundLights* RESTRICT found),
+                   scene, receivers, closures, controls, found)
+FN void project_found_lobes_of_paths_lanes(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                           PRIVATE FoundLights* RESTRICT found, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), left_lobes(paths, i + j));
+      found->projected_pdf[j] =
+          lobes_density(scene, load_found_light(found, j), left_lobes(paths, i + j), strategies);
 }
+STILL_OR_IN_MOTION(project_found_lobes_of_paths, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                    PRIVATE FoundLights* RESTRICT found),
+                   scene, paths, i, found)
 STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures,
                            const PRIVATE ControlLanes* RESTRICT controls) {

@@ -9,11 +9,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(cylinder)
 
-FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
-  const vec3 center = load3(&light->p0), axis = load3(&light->p1);
-  const float radius = light->p2.x, orientation = light->p2.y, length = light->p2.z;
+FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
+                                      float u, float v, ulong strategies) {
+  const vec3 center = light.p0, axis = light.p1;
+  const float radius = light.p2.x, orientation = light.p2.y, length = light.p2.z;
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const vec3 outward = from_frame(axis, cosine, sine, 0.0f);
@@ -25,14 +24,14 @@ FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Lig
   s.pdf = 0.0f;
   if (BY(strategies, UV)) {
     const TexturePoint on =
-        cylinder_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), length);
+        cylinder_uv(to_light_frame(scene, index, r.time, from_center, strategies), length);
     s.at.u = on.u;
     s.at.v = on.v;
   }
   return s;
 }
 
-SAMPLE_LIGHT_BY_POINT(cylinder)
+SAMPLE_LIGHT_BY_POINT(cylinder, CYLINDER)
 
 FIND_LIGHT_BY_AREA(cylinder)
 

@@ -89,8 +89,8 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
 }
 
 // Loops over lanes for each kind of light: the plain strategy, and sampling by solid angle for scenes that
-// need nothing else, each with a variant for a single light; and all strategies of the kind. `light` is the
-// lane's light.
+// need nothing else, each with a variant for a single light; all strategies of the kind; and those for lights
+// that move. `light` is the lane's light.
 #define SAMPLE_LANES(stage, name, NAME, light, strategies)                                          \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,          \
                    const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,    \
@@ -105,20 +105,21 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
         keep_light_sample(choice, LIGHT_##NAME, s, first, strategies, samples, j);                  \
       }                                                                                             \
   }
-#define FOUND_LANES(stage, name, NAME, compared, strategies)                                 \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,    \
-                   PRIVATE Emissions* RESTRICT emissions) {                                  \
-    LANE_LOOP                                                                                \
-      for (int j = 0; j < LANES; j++) {                                                      \
-        const FoundLight one = load_found_light(found, j);                                   \
-        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);        \
-        LightPoint at = light_point(one.p, one.normal);                                      \
-        at.u = one.u;                                                                        \
-        at.v = one.v;                                                                        \
-        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);               \
-        const float pdf = compared ? name##_light_pdf(scene, light, one, strategies) : 0.0f; \
-        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                       \
-      }                                                                                      \
+#define FOUND_LANES(stage, name, NAME, compared, strategies)                                             \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,                \
+                   PRIVATE Emissions* RESTRICT emissions) {                                              \
+    LANE_LOOP                                                                                            \
+      for (int j = 0; j < LANES; j++) {                                                                  \
+        const FoundLight one = load_found_light(found, j);                                               \
+        const Light light =                                                                              \
+            light_of_kind_at(scene, one.light >= 0 ? one.light : 0, LIGHT_##NAME, one.time, strategies); \
+        LightPoint at = light_point(one.p, one.normal);                                                  \
+        at.u = one.u;                                                                                    \
+        at.v = one.v;                                                                                    \
+        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);                           \
+        const float pdf = compared ? name##_light_pdf(scene, light, one, strategies) : 0.0f;             \
+        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                                   \
+      }                                                                                                  \
   }
 #define KIND_LANES(name, NAME, number, strategies, description)                                              \
   SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                         \
@@ -128,13 +129,26 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
                COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
   SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                                     \
                COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+  SAMPLE_LANES(sample_##name##_lights_in_motion, name, NAME, choice.light,                                   \
+               COMPILED_FEATURES&((strategies) | FEATURE_MOTION))                                            \
   FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                        \
   FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                       \
-  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies))
+  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies))               \
+  FOUND_LANES(see_##name##_lights_in_motion, name, NAME, 0, COMPILED_FEATURES& FEATURE_MOTION)               \
+  FOUND_LANES(find_##name##_lights_in_motion, name, NAME, 1,                                                 \
+              COMPILED_FEATURES&((strategies) | FEATURE_MOTION))
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
 #undef FOUND_LANES
 #undef SAMPLE_LANES
+
+// Kinds of lights that can move; those whose radiance changes with it; those that rays find and that can
+// move.
+#define MOVING_KINDS (~(1u << LIGHT_ENVIRONMENT | 1u << LIGHT_RECTANGLE))
+#define TURNING_KINDS (1u << LIGHT_ENVMAP)
+#define FOUND_MOVING_KINDS \
+  (1u << LIGHT_TRIANGLE | 1u << LIGHT_SPHERE | 1u << LIGHT_DISK | 1u << LIGHT_CYLINDER | TURNING_KINDS)
+#define IS_AMONG(number, kinds) (((kinds) >> (number)&1u) != 0u)
 
 /// Whether the scene needs any of these sampling strategies.
 #define NEEDS_STRATEGIES(scene, strategies) \
@@ -186,12 +200,14 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   ChosenLights chosen;
   float of_grid[LANES];
   const uint among = choose_lane_lights(scene, receivers, number, v, fine, samplings, &chosen, of_grid);
-  const bool one = has_one_light(scene);
+  const bool one = has_one_light(scene), moving = lights_move(scene);
   if (NEEDS(scene, LIGHT_TEXTURES)) v = of_grid;
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, strategies, description)                                          \
   if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                             \
-    if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE) && one)                              \
+    if (IS_AMONG(number, MOVING_KINDS) && moving)                                                         \
+      sample_##name##_lights_in_motion(scene, receivers, &chosen, v, samplings, first, samples);          \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE) && one)                         \
       sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
     else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                                \
       sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples);     \
@@ -206,18 +222,23 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
-  if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
+  if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, receivers->time, samples);
 }
 
 /// The emission of the lights that rays hit. Pdfs are 0 unless `compared`.
 CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                               PRIVATE Emissions* emissions) {
   const uint among = kinds_among(scene, found->kind);
+  const bool moving = lights_move(scene);
   no_emissions(scene, found, emissions);
 #define FIND_KIND(name, NAME, number, strategies, description)   \
   if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {    \
-    if (!compared)                                               \
+    if (IS_AMONG(number, TURNING_KINDS) && moving && !compared)  \
+      see_##name##_lights_in_motion(scene, found, emissions);    \
+    else if (!compared)                                          \
       see_##name##_lights(scene, found, emissions);              \
+    else if (IS_AMONG(number, FOUND_MOVING_KINDS) && moving)     \
+      find_##name##_lights_in_motion(scene, found, emissions);   \
     else if (NEEDS_STRATEGIES(scene, strategies))                \
       find_##name##_lights_by_strategy(scene, found, emissions); \
     else                                                         \

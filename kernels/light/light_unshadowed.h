@@ -19,17 +19,27 @@ typedef struct {
   double specular[3 * LANES];  ///< likewise
   int closed[LANES];           ///< 0: the BSDF has no closed form; its lights are chosen by power
   double polygon[LANES];       ///< the polygon light that the point is on, which adds nothing, or -1
+  float time[LANES];           ///< of the receivers, see Surface; with FEATURE_MOTION only
 } ShadingPoints;
 
 /// Sets lane j to the surface `s`. The position on a triangle is recomputed in double: far from the scene's
 /// centre, the deviation of a rounded position from the surface is larger than the closed forms tolerate.
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
-                            int j) {
+                            int j, ulong strategies) {
   bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
   on_triangle = on_triangle & (!NEEDS(scene, INSTANCES) | (s.instance < 0));
   const vec3 o = s.from, d = negate(s.wo);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
-  const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+  vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+  if (BY(strategies, MOTION)) {
+    const bool moves = on_triangle & triangle_moves(scene, s.primitive);
+    const TriangleState at =
+        triangle_at(scene, moves ? s.primitive : scene->shutter->still_triangles, s.time);
+    p0 = select3(moves, at.p0, p0);
+    p1 = select3(moves, at.p1, p1);
+    p2 = select3(moves, at.p2, p2);
+    points->time[j] = s.time;
+  }
   const double ax = (double)p1.x - p0.x, ay = (double)p1.y - p0.y, az = (double)p1.z - p0.z;
   const double bx = (double)p2.x - p0.x, by = (double)p2.y - p0.y, bz = (double)p2.z - p0.z;
   const double gx = ay * bz - az * by, gy = az * bx - ax * bz, gz = ax * by - ay * bx;
@@ -168,6 +178,33 @@ FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, dou
   return mean * (is_sky ? pi : across ? 1.0 : limited);
 }
 
+/// The polygon light whose only part is triangle light `light`, which moves, at the receivers' times.
+STAGE void place_moving_triangle(const PRIVATE Scene* scene, int light,
+                                 const PRIVATE ShadingPoints* RESTRICT points,
+                                 PRIVATE LaneTriangles* RESTRICT triangles) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Light at = light_of_kind_at(scene, light, LIGHT_TRIANGLE, points->time[j], FEATURE_MOTION);
+      store_lane_corner(triangles->p0, j, at.p0);
+      store_lane_corner(triangles->p1, j, at.p1);
+      store_lane_corner(triangles->p2, j, at.p2);
+    }
+}
+
+/// The closed forms of polygon light `k` at the receivers' times, see polygon_terms. One that moves is one
+/// triangle.
+FN void polygon_terms_in_time(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, int k,
+                              PRIVATE double* irradiance, PRIVATE double* lobe) {
+  GLOBAL const Polygon* polygon = scene->polygons + k;
+  if (lights_move(scene) && light_moves(scene, polygon->first_light)) {
+    LaneTriangles triangles;
+    place_moving_triangle(scene, polygon->first_light, points, &triangles);
+    lane_triangle_terms(scene, &points->receivers, &triangles, polygon->two_sided != 0, irradiance, lobe);
+    return;
+  }
+  polygon_terms(scene, &points->receivers, k, irradiance, lobe);
+}
+
 /// Sums the closed forms of all polygon lights except the point's own: unshadowed reflected radiance towards
 /// wo, channel c of lane j at `analytic[c * LANES + j]`. With `choose`, also adds all lights to the
 /// reservoir: polygon k as item k, and light k that is not part of a polygon as item polygon_count + k.
@@ -176,7 +213,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
   for (int k = 0; k < scene->header.tables.polygons.count; k++) {
     double irradiance[LANES], lobe[LANES];
-    polygon_terms(scene, &points->receivers, k, irradiance, lobe);
+    polygon_terms_in_time(scene, points, k, irradiance, lobe);
     GLOBAL const Polygon* polygon = scene->polygons + k;
     const vec3 radiance = load3(&polygon->radiance);
     LANE_LOOP
@@ -215,26 +252,45 @@ FN double sum_of_channels(const PRIVATE double* values, int j) {
 }
 /// For k-th parts that are sampled by projected solid angle: sets the weights to what both control lobes
 /// receive.
-STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
-                            const PRIVATE Reservoir* RESTRICT reservoir, int k,
-                            PRIVATE double* RESTRICT weights) {
+FN void weigh_part_lobes_lanes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                               const PRIVATE Reservoir* RESTRICT reservoir, int k,
+                               PRIVATE double* RESTRICT weights, ulong strategies) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
+      const Light light =
+          light_at(scene, part_of(scene, reservoir->chosen[j], k), points->time[j], strategies);
       const PRIVATE Receivers* r = &points->receivers;
-      const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
       const vec3d x = receiver_point(r, j);
-      const vec3d a = lane_to_cosine_space(r, j, sub_d(widen3(p0), x));
-      const vec3d b = lane_to_cosine_space(r, j, sub_d(widen3(p1), x));
-      const vec3d c = lane_to_cosine_space(r, j, sub_d(widen3(p2), x));
-      const double lobe = corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c),
-                                             make_vec3d(0.0, 0.0, 1.0), light->two_sided != 0);
-      const bool by_lobes = (light->sampling == EMITTER_PROJECTED) & (r->inverse_x[j] > 0.0);
+      const double lobe = lane_ltc_irradiance(r, j, sub_d(widen3(light.p0), x), sub_d(widen3(light.p1), x),
+                                              sub_d(widen3(light.p2), x), light.two_sided != 0);
+      const bool by_lobes = (light.sampling == EMITTER_PROJECTED) & (r->inverse_x[j] > 0.0);
       const double sum =
           sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe;
       weights[j] = by_lobes ? sum : weights[j];
     }
 }
+STILL_OR_IN_MOTION(weigh_part_lobes, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                    const PRIVATE Reservoir* RESTRICT reservoir, int k, PRIVATE double* RESTRICT weights),
+                   scene, points, reservoir, k, weights)
+
+/// For k-th parts that are sampled by projected solid angle: sets the weights to it.
+FN void weigh_projected_parts_lanes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                                    const PRIVATE Reservoir* RESTRICT reservoir, int k,
+                                    PRIVATE double* RESTRICT weights, ulong strategies) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Light light =
+          light_at(scene, part_of(scene, reservoir->chosen[j], k), points->time[j], strategies);
+      const PRIVATE Receivers* r = &points->receivers;
+      const double e = light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
+      weights[j] = light.sampling == EMITTER_PROJECTED ? e : weights[j];
+    }
+}
+STILL_OR_IN_MOTION(weigh_projected_parts, lights_move(scene),
+                   (const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                    const PRIVATE Reservoir* RESTRICT reservoir, int k, PRIVATE double* RESTRICT weights),
+                   scene, points, reservoir, k, weights)
 
 /// Chooses one part of the chosen polygon, in proportion to projected solid angle if the light is sampled by
 /// it, else to area. Sets the light and its probability in the samplings, its projected solid angle in
@@ -258,16 +314,7 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     LANE_LOOP
       for (int j = 0; j < LANES; j++)
         weights[j] = scene->lights[part_of(scene, reservoir->chosen[j], k)].area;
-    if (HAS(PROJECTED) && by_projection) {
-      LANE_LOOP
-        for (int j = 0; j < LANES; j++) {
-          GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
-          const PRIVATE Receivers* r = &points->receivers;
-          const double e =
-              light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
-          weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
-        }
-    }
+    if (HAS(PROJECTED) && by_projection) weigh_projected_parts(scene, points, reservoir, k, weights);
     if (HAS(LTC) && leans) weigh_part_lobes(scene, points, reservoir, k, weights);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {

@@ -94,25 +94,30 @@ typedef struct {
   double sum[LANES];   ///< over the horizon's arcs only, so that its order does not depend on other lanes
 } Horizon;
 
-/// Like add_edge_irradiances; also computes the edges' arcs and crossings.
+/// Adds the edge from `from` to `to` = from + d to lane j's irradiance; also computes its arc and crossing.
+FN void add_lane_edge(vec3d from, vec3d to, vec3d d, int j, const PRIVATE Receivers* r,
+                      PRIVATE IrradianceSums* sums, const PRIVATE Lobes* lobes, PRIVATE LobeArcs* arcs,
+                      PRIVATE Horizon* horizon) {
+  const vec3d x = receiver_point(r, j), n = receiver_normal(r, j), w = receiver_mirror(r, j);
+  const VisibleEdge e = visible_edge(sub_d(from, x), sub_d(to, x), d, n);
+  const double angle = atan2_d(e.sine, e.cosine);
+  add_lane_irradiance(sums, j, e, angle, n);
+  const double visible = angle > 0.0 ? 1.0 : 0.0;
+  store_lobe_arc(arcs, j, lobes, e.from, e.normal, e.sine, e.cosine, angle, n, w, visible);
+  const vec3d q = crossing_place(e);
+  horizon->x[j] = q.x;
+  horizon->y[j] = q.y;
+  horizon->z[j] = q.z;
+  horizon->crossing[j] = e.crossing;
+}
+
+/// Like add_edge_irradiances, by add_lane_edge.
 STAGE void add_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
                      PRIVATE IrradianceSums* RESTRICT sums, const PRIVATE Lobes* RESTRICT lobes,
                      PRIVATE LobeArcs* RESTRICT arcs, PRIVATE Horizon* RESTRICT horizon) {
   const vec3d d = sub_d(to, from);
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j), n = receiver_normal(r, j), w = receiver_mirror(r, j);
-      const VisibleEdge e = visible_edge(sub_d(from, x), sub_d(to, x), d, n);
-      const double angle = atan2_d(e.sine, e.cosine);
-      add_lane_irradiance(sums, j, e, angle, n);
-      const double visible = angle > 0.0 ? 1.0 : 0.0;
-      store_lobe_arc(arcs, j, lobes, e.from, e.normal, e.sine, e.cosine, angle, n, w, visible);
-      const vec3d q = crossing_place(e);
-      horizon->x[j] = q.x;
-      horizon->y[j] = q.y;
-      horizon->z[j] = q.z;
-      horizon->crossing[j] = e.crossing;
-    }
+    for (int j = 0; j < LANES; j++) add_lane_edge(from, to, d, j, r, sums, lobes, arcs, horizon);
 }
 
 /// Adds the arcs between pairs of crossings.
@@ -159,6 +164,29 @@ STAGE void join_crossings(const PRIVATE Receivers* RESTRICT r, const PRIVATE Lob
     }
 }
 
+/// Before the first edge.
+FN void start_horizon(PRIVATE Horizon* horizon, PRIVATE double* sum) {
+  for (int j = 0; j < LANES; j++) {
+    sum[j] = horizon->sum[j] = horizon->open[j] = horizon->pair[j] = 0.0;
+    horizon->ax[j] = horizon->ay[j] = horizon->az[j] = 0.0;
+    horizon->bx[j] = horizon->by[j] = horizon->bz[j] = 0.0;
+  }
+}
+
+/// After each edge, and after the last one.
+FN void add_arcs_of_edge(const PRIVATE Receivers* r, const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs,
+                         PRIVATE Horizon* horizon, PRIVATE double* sum) {
+  add_lobe_arcs(lobes, arcs, sum);
+  join_crossings(r, lobes, horizon);
+}
+FN void add_last_horizon(const PRIVATE Receivers* r, const PRIVATE Lobes* lobes, PRIVATE Horizon* horizon,
+                         PRIVATE double* sum) {
+  double pairs = 0.0;
+  for (int j = 0; j < LANES; j++) pairs += FABS_D(horizon->pair[j]);
+  if (pairs > 0.0) add_horizon_arcs(r, lobes, horizon);
+  for (int j = 0; j < LANES; j++) sum[j] += horizon->sum[j];
+}
+
 /// Irradiance and lobe together. `sum` is (e + 2) times the lobe's integral, with the sign of the light's
 /// orientation.
 STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count,
@@ -166,22 +194,22 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
                                   PRIVATE IrradianceSums* RESTRICT sums, PRIVATE double* RESTRICT sum) {
   LobeArcs arcs;
   Horizon horizon;
-  for (int j = 0; j < LANES; j++) {
-    sum[j] = horizon.sum[j] = horizon.open[j] = horizon.pair[j] = 0.0;
-    horizon.ax[j] = horizon.ay[j] = horizon.az[j] = 0.0;
-    horizon.bx[j] = horizon.by[j] = horizon.bz[j] = 0.0;
-  }
+  start_horizon(&horizon, sum);
   for (int i = 1; i < count; i++) {
     if (corners[i].starts != 0) continue;
     add_edges(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, sums, lobes, &arcs,
               &horizon);
-    add_lobe_arcs(lobes, &arcs, sum);
-    join_crossings(r, lobes, &horizon);
+    add_arcs_of_edge(r, lobes, &arcs, &horizon, sum);
   }
-  double pairs = 0.0;
-  for (int j = 0; j < LANES; j++) pairs += FABS_D(horizon.pair[j]);
-  if (pairs > 0.0) add_horizon_arcs(r, lobes, &horizon);
-  for (int j = 0; j < LANES; j++) sum[j] += horizon.sum[j];
+  add_last_horizon(r, lobes, &horizon, sum);
+}
+
+FN vec3d up_d(void) { return make_vec3d(0.0, 0.0, 1.0); }
+
+/// Lane j's Phong lobe from the sum over a polygon's edges, see add_polygon_with_lobes.
+FN double total_lobe(const PRIVATE Receivers* r, int j, double sum, bool two_sided) {
+  const double total = -0.5 / PI_D * sum;
+  return r->exponent[j] >= 0.0 ? max_d(two_sided ? FABS_D(total) : total, 0.0) : 0.0;
 }
 
 /// Transforms a world-space vector to the space where lane j's lobe is a cosine about the z axis.
@@ -198,7 +226,7 @@ STAGE void add_ltc_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT
   const vec3d d = sub_d(to, from);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j), up = make_vec3d(0.0, 0.0, 1.0);
+      const vec3d x = receiver_point(r, j), up = up_d();
       const vec3d a = lane_to_cosine_space(r, j, sub_d(from, x));
       const vec3d b = lane_to_cosine_space(r, j, sub_d(to, x));
       const VisibleEdge e = visible_edge(a, b, lane_to_cosine_space(r, j, d), up);
@@ -240,6 +268,15 @@ STAGE void add_ltc_lobes(GLOBAL const PolygonCorner* corners, int count, bool tw
   for (int j = 0; j < LANES; j++) lobe[j] = r->inverse_x[j] > 0.0 ? irradiance[j] * (1.0 / PI_D) : lobe[j];
 }
 
+/// The integral of a linearly transformed cosine's density over a triangle, times pi; the corners are
+/// relative to lane j's receiver.
+FN double lane_ltc_irradiance(const PRIVATE Receivers* r, int j, vec3d q0, vec3d q1, vec3d q2,
+                              bool two_sided) {
+  const vec3d a = lane_to_cosine_space(r, j, q0), b = lane_to_cosine_space(r, j, q1);
+  const vec3d c = lane_to_cosine_space(r, j, q2);
+  return corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c), up_d(), two_sided);
+}
+
 FN bool any_wants_ltc(const PRIVATE Receivers* r) {
   bool any = false;
   for (int j = 0; j < LANES; j++) any |= r->inverse_x[j] > 0.0;
@@ -270,10 +307,7 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   if (with_lobes) {
     double lobe_sum[LANES];
     add_polygon_with_lobes(corners, count, r, &lobes, &sums, lobe_sum);
-    for (int j = 0; j < LANES; j++) {
-      const double total = -0.5 / PI_D * lobe_sum[j];
-      lobe[j] = r->exponent[j] >= 0.0 ? max_d(two_sided ? FABS_D(total) : total, 0.0) : 0.0;
-    }
+    for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, lobe_sum[j], two_sided);
   }
   for (int i = 1; i < count; i++) {
     if (!with_lobes & (corners[i].starts == 0))
@@ -281,6 +315,83 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   }
   total_irradiances(&sums, two_sided, irradiance);
   if (NEEDS_LTC(scene) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
+}
+
+/// A triangle for each lane: a light that moves, at the lanes' times.
+typedef struct {
+  double p0[3 * LANES], p1[3 * LANES], p2[3 * LANES];  ///< component k of lane j is at k * LANES + j
+} LaneTriangles;
+
+FN vec3d lane_corner(const PRIVATE double* p, int j) {
+  return make_vec3d(p[j], p[LANES + j], p[2 * LANES + j]);
+}
+FN void store_lane_corner(PRIVATE double* p, int j, vec3 corner) {
+  p[j] = corner.x;
+  p[LANES + j] = corner.y;
+  p[2 * LANES + j] = corner.z;
+}
+
+/// Like add_edges, between corners of each lane's own triangle.
+STAGE void add_lane_edges(const PRIVATE double* RESTRICT from, const PRIVATE double* RESTRICT to,
+                          const PRIVATE Receivers* RESTRICT r, PRIVATE IrradianceSums* RESTRICT sums,
+                          const PRIVATE Lobes* RESTRICT lobes, PRIVATE LobeArcs* RESTRICT arcs,
+                          PRIVATE Horizon* RESTRICT horizon) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3d a = lane_corner(from, j), b = lane_corner(to, j);
+      add_lane_edge(a, b, sub_d(b, a), j, r, sums, lobes, arcs, horizon);
+    }
+}
+
+STAGE void lane_triangle_irradiances(const PRIVATE Receivers* RESTRICT r,
+                                     const PRIVATE LaneTriangles* RESTRICT triangles, bool two_sided,
+                                     PRIVATE double* RESTRICT irradiance) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3d x = receiver_point(r, j), p0 = lane_corner(triangles->p0, j);
+      const vec3d p1 = lane_corner(triangles->p1, j), p2 = lane_corner(triangles->p2, j);
+      irradiance[j] = corners_irradiance(sub_d(p0, x), sub_d(p1, x), sub_d(p2, x), sub_d(p1, p0),
+                                         sub_d(p2, p1), sub_d(p0, p2), receiver_normal(r, j), two_sided);
+    }
+}
+
+STAGE void lane_triangle_ltcs(const PRIVATE Receivers* RESTRICT r,
+                              const PRIVATE LaneTriangles* RESTRICT triangles, bool two_sided,
+                              PRIVATE double* RESTRICT lobe) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3d x = receiver_point(r, j);
+      const double e = lane_ltc_irradiance(r, j, sub_d(lane_corner(triangles->p0, j), x),
+                                           sub_d(lane_corner(triangles->p1, j), x),
+                                           sub_d(lane_corner(triangles->p2, j), x), two_sided);
+      lobe[j] = r->inverse_x[j] > 0.0 ? e * (1.0 / PI_D) : lobe[j];
+    }
+}
+
+/// Like polygon_terms, for a triangle of each lane's own.
+FN void lane_triangle_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
+                            const PRIVATE LaneTriangles* triangles, bool two_sided,
+                            PRIVATE double* irradiance, PRIVATE double* lobe) {
+  Lobes lobes;
+  for (int j = 0; j < LANES; j++) lobe[j] = 0.0;
+  lane_triangle_irradiances(r, triangles, two_sided, irradiance);
+  if (HAS_FAMILY(PHONG) && start_lobes(r, &lobes)) {
+    IrradianceSums sums;
+    LobeArcs arcs;
+    Horizon horizon;
+    double sum[LANES];
+    start_irradiances(&sums);
+    start_horizon(&horizon, sum);
+    for (int k = 0; k < 3; k++) {
+      const PRIVATE double* from = k == 0 ? triangles->p0 : (k == 1 ? triangles->p1 : triangles->p2);
+      const PRIVATE double* to = k == 0 ? triangles->p1 : (k == 1 ? triangles->p2 : triangles->p0);
+      add_lane_edges(from, to, r, &sums, &lobes, &arcs, &horizon);
+      add_arcs_of_edge(r, &lobes, &arcs, &horizon, sum);
+    }
+    add_last_horizon(r, &lobes, &horizon, sum);
+    for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, sum[j], two_sided);
+  }
+  if (NEEDS_LTC(scene) && any_wants_ltc(r)) lane_triangle_ltcs(r, triangles, two_sided, lobe);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -114,7 +114,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   found.wi = sample.wi;
   found.distance = sample.tmax;
   found.cosine = 1.0f;  // not used for a cone
-  out[4] = sphere_light_pdf(&scene, light, found, 0u);
+  out[4] = sphere_light_pdf(&scene, load_light(light), found, 0u);
   out[5] = sample.tmax;
 }
 

@@ -209,9 +209,9 @@ TEST(MediumReceiver, NoDirectionIsSampledByProjectedSolidAngle) {
   LightSamplings samplings;
   clear_light_samplings(&samplings);
   const vec3 up = make_vec3(0, 0, 1), here = make_vec3(0, 0, 0);
-  sample_projected_light(&scene, receiver_of(receiver(here, up)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  sample_projected_light(&scene, receiver_of(receiver(here, up)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0, 0u);
   EXPECT_GT(load_light_sampling(&samplings, 0).scale, 0);
-  sample_projected_light(&scene, receiver_of(surface_in_medium(here)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  sample_projected_light(&scene, receiver_of(surface_in_medium(here)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0, 0u);
   EXPECT_LT(load_light_sampling(&samplings, 0).scale, 0);
 }
 
