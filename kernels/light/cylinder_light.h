@@ -9,8 +9,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(cylinder)
 
-FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
-                                      float u, float v, ulong strategies) {
+FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                      LightReceiver r, float u, float v, ulong strategies) {
   const vec3 center = light.p0, axis = light.p1;
   const float radius = light.p2.x, orientation = light.p2.y, length = light.p2.z;
   float sine, cosine;
@@ -23,15 +23,14 @@ FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Lig
   s.spread = dot3(abs3(outward), add(abs3(center), make_vec3(reach, reach, reach)));
   s.pdf = 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on =
-        cylinder_uv(to_light_frame(scene, index, r.time, from_center, strategies), length);
+    const TexturePoint on = cylinder_uv(to_light_axes(axes, from_center), length);
     s.at.u = on.u;
     s.at.v = on.v;
   }
   return s;
 }
 
-SAMPLE_LIGHT_BY_POINT(cylinder, CYLINDER)
+SAMPLE_LIGHT_BY_POINT(cylinder)
 
 FIND_LIGHT_BY_AREA(cylinder)
 

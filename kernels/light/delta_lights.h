@@ -22,9 +22,9 @@ PENUMBRA_NAMESPACE_BEGIN
 /// Radiant intensity.
 LIGHT_EMITS_UNIFORMLY(point)
 
-FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                  LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_POINT, r.time, strategies);
+FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                  LightReceiver r, float u, float v, LightSampling sampling,
+                                  ulong strategies) {
   float inverse_d2;
   LightSample s = toward_delta_point(light, r, &inverse_d2);
   const LightPoint at = light_point(light.p0, negate(s.wi));
@@ -39,9 +39,9 @@ NO_RAY_FINDS_LIGHT(point)
 /// Irradiance on a surface perpendicular to the direction.
 LIGHT_EMITS_UNIFORMLY(directional)
 
-FN LightSample sample_directional_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                        float v, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_DIRECTIONAL, r.time, strategies);
+FN LightSample sample_directional_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                        LightReceiver r, float u, float v, LightSampling sampling,
+                                        ulong strategies) {
   LightSample s = toward_infinity(r, negate(light.p1));
   s.pdf = 1.0f;
   s.delta = true;
@@ -64,18 +64,27 @@ FN LightPoint beam_point(Light light, Beam beam, vec3 wi) {
   return at;
 }
 
+/// The beam of light `index`, with those axes.
+FN Beam beam_along(const PRIVATE Scene* scene, int index, LightAxes axes) {
+  Beam beam = load_beam(beam_of(scene, index));
+  beam.x = axes.x;
+  beam.y = axes.y;
+  beam.z = axes.z;
+  return beam;
+}
+
 // Defines sample_<name>_light for a light with a beam.
-#define SAMPLE_LIGHT_BY_BEAM(name, NAME)                                                                \
-  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
-                                       float v, LightSampling sampling, ulong strategies) {             \
-    const Light light = light_of_kind_at(scene, index, LIGHT_##NAME, r.time, strategies);               \
-    const Beam beam = beam_at(scene, index, r.time, strategies);                                        \
-    float inverse_d2;                                                                                   \
-    LightSample s = toward_delta_point(light, r, &inverse_d2);                                          \
-    const LightPoint at = beam_point(light, beam, s.wi);                                                \
-    s.radiance = scale(name##_intensity(light, beam, at, s.wi), inverse_d2);                            \
-    s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;                                         \
-    return at_place(s, at);                                                                             \
+#define SAMPLE_LIGHT_BY_BEAM(name)                                                                         \
+  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, \
+                                       LightReceiver r, float u, float v, LightSampling sampling,          \
+                                       ulong strategies) {                                                 \
+    float inverse_d2;                                                                                      \
+    LightSample s = toward_delta_point(light, r, &inverse_d2);                                             \
+    const Beam beam = beam_along(scene, index, axes);                                                      \
+    const LightPoint at = beam_point(light, beam, s.wi);                                                   \
+    s.radiance = scale(name##_intensity(light, beam, at, s.wi), inverse_d2);                               \
+    s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;                                            \
+    return at_place(s, at);                                                                                \
   }
 
 // Spot lights: the radiant intensity falls off between two angles to an axis, linearly in the angle
@@ -100,7 +109,7 @@ FN vec3 spot_intensity(Light light, Beam beam, LightPoint at, vec3 wi) {
   return scale(light.radiance, spot_falloff(beam, negate(wi)));
 }
 
-SAMPLE_LIGHT_BY_BEAM(spot, SPOT)
+SAMPLE_LIGHT_BY_BEAM(spot)
 
 NO_RAY_FINDS_BEAM(spot)
 
@@ -116,7 +125,7 @@ FN vec3 projector_intensity(Light light, Beam beam, LightPoint at, vec3 wi) {
   return scale(light.radiance, within ? PI_F / divisor : 0.0f);
 }
 
-SAMPLE_LIGHT_BY_BEAM(projector, PROJECTOR)
+SAMPLE_LIGHT_BY_BEAM(projector)
 
 NO_RAY_FINDS_BEAM(projector)
 

@@ -9,8 +9,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(disk)
 
-FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
-                                  float u, float v, ulong strategies) {
+FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                  LightReceiver r, float u, float v, ulong strategies) {
   const vec3 center = light.p0, normal = light.p1;
   const float radius = light.p2.x, root = SQRT(u);
   float sine, cosine;
@@ -21,14 +21,14 @@ FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, Light l
   s.spread = dot3(abs3(normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on = disk_uv(to_light_frame(scene, index, r.time, from_center, strategies), radius);
+    const TexturePoint on = disk_uv(to_light_axes(axes, from_center), radius);
     s.at.u = on.u;
     s.at.v = on.v;
   }
   return s;
 }
 
-SAMPLE_LIGHT_BY_POINT(disk, DISK)
+SAMPLE_LIGHT_BY_POINT(disk)
 
 FIND_LIGHT_BY_AREA(disk)
 

@@ -17,9 +17,9 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(environment)
 
-FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                        float v, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_ENVIRONMENT, r.time, 0u);
+FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                        LightReceiver r, float u, float v, LightSampling sampling,
+                                        ulong strategies) {
   LightSample s = toward_infinity(r, sample_uniform_sphere(u, v));
   s.pdf = 0.25f * INV_PI_F;
   s.radiance = environment_light_radiance(scene, light, light_point(s.origin, negate(s.wi)), s.wi);
@@ -159,9 +159,9 @@ FN void choose_envmap_cells(const PRIVATE Scene* scene, const PRIVATE int* kinds
               targets, samplings->column);
 }
 
-FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                   LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_ENVMAP, r.time, strategies);
+FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                   LightReceiver r, float u, float v, LightSampling sampling,
+                                   ulong strategies) {
   const EnvironmentMap map = scene->envmaps[0];
   const int x = sampling.column, y = sampling.row;
   const float t = sampling.between;

@@ -45,29 +45,27 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
 
 FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
 
-/// Barycentric coordinates in a triangle of light `light`, whose shape at the time is `flat`. A light that
-/// moves is one triangle.
-FN Barycentric barycentric_on_light(const PRIVATE Scene* scene, int light, FlatLight flat, int triangle,
-                                    vec3 p, ulong strategies) {
-  GLOBAL const Triangle* t = scene->triangles + triangle;
-  vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
-  if (BY(strategies, MOTION)) {
-    const bool moves = light_moves(scene, light);
-    p0 = select3(moves, flat.p0, p0);
-    p1 = select3(moves, flat.p1, p1);
-    p2 = select3(moves, flat.p2, p2);
-  }
-  return barycentric_among(p0, p1, p2, p);
+/// The triangles of light `light`.
+FN GLOBAL const LightTriangles* triangles_of_light(const PRIVATE Scene* scene, int light) {
+  return scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+}
+
+/// Sets the point's texture coordinates on light `light`, which is one triangle with the corners of `flat`.
+FN LightPoint with_corner_uv(const PRIVATE Scene* scene, int light, FlatLight flat, LightPoint at) {
+  const int own = triangles_of_light(scene, light)->first;
+  const Barycentric b = barycentric_among(flat.p0, flat.p1, flat.p2, at.p);
+  const TexturePoint t = triangle_uv(uvs_of(scene, own >= 0 ? own : 0), b.b0, b.b1, b.b2);
+  at.u = t.u;
+  at.v = t.v;
+  return at;
 }
 
 /// Sets the point's texture coordinates from the triangle of light `light` on which it lies.
-FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, FlatLight flat, LightPoint at,
-                           ulong strategies) {
-  GLOBAL const LightTriangles* parts =
-      scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, LightPoint at) {
+  GLOBAL const LightTriangles* parts = triangles_of_light(scene, light);
   const int first = parts->first >= 0 ? parts->first : 0, second = parts->second >= 0 ? parts->second : 0;
-  const Barycentric b = barycentric_on_light(scene, light, flat, first, at.p, strategies);
-  const Barycentric c = barycentric_on_light(scene, light, flat, second, at.p, strategies);
+  const Barycentric b = barycentric_of(scene->triangles + first, at.p);
+  const Barycentric c = barycentric_of(scene->triangles + second, at.p);
   const TexturePoint s = triangle_uv(uvs_of(scene, first), b.b0, b.b1, b.b2);
   const TexturePoint t = triangle_uv(uvs_of(scene, second), c.b0, c.b1, c.b2);
   const bool on_first = least_of(b) >= least_of(c);

@@ -13,14 +13,14 @@ PENUMBRA_NAMESPACE_BEGIN
   }
 
 // Defines sample_<name>_light for a light with a surface, by sample_<name>_point.
-#define SAMPLE_LIGHT_BY_POINT(name, NAME)                                                               \
-  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
-                                       float v, LightSampling sampling, ulong strategies) {             \
-    const Light light = light_of_kind_at(scene, index, LIGHT_##NAME, r.time, strategies);               \
-    const SampledPoint point = sample_##name##_point(scene, index, light, r, u, v, strategies);         \
-    LightSample s = toward_light(light, r, point);                                                      \
-    s.radiance = name##_light_radiance(scene, light, point.at, s.wi);                                   \
-    return s;                                                                                           \
+#define SAMPLE_LIGHT_BY_POINT(name)                                                                        \
+  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, \
+                                       LightReceiver r, float u, float v, LightSampling sampling,          \
+                                       ulong strategies) {                                                 \
+    const SampledPoint point = sample_##name##_point(scene, index, light, axes, r, u, v, strategies);      \
+    LightSample s = toward_light(light, r, point);                                                         \
+    s.radiance = name##_light_radiance(scene, light, point.at, s.wi);                                      \
+    return s;                                                                                              \
   }
 
 // Defines <name>_light_pdf for a light that is sampled uniformly by area.

@@ -22,11 +22,7 @@ FN LightSample emitted_ray(LightPoint at, vec3 origin, vec3 direction, vec3 powe
 }
 
 /// A receiver for which points on the light are uniform by area: none subtends a cone or a solid angle there.
-FN LightReceiver receiver_at_light(Light light, float time) {
-  Surface at = surface_in_medium(light.p0);
-  at.time = time;
-  return receiver_of(at);
-}
+FN LightReceiver receiver_at_light(Light light) { return receiver_of(surface_in_medium(light.p0)); }
 
 /// A cosine-weighted ray from a point on a light's surface that is uniform by area.
 FN LightSample emit_from_surface(Light light, SampledPoint point, vec3 radiance, float s, float t) {
@@ -42,21 +38,21 @@ FN LightSample emit_from_surface(Light light, SampledPoint point, vec3 radiance,
 // The strategies of sampling points that depend on a receiver are left out.
 #define POINT_STRATEGIES(strategies) ((strategies) & ~(FEATURE_SOLID_ANGLE | FEATURE_PROJECTED))
 
-#define EMIT_LIGHT_BY_POINT(name, NAME, ...)                                                                 \
-  FN LightSample emit_##name##_light(const PRIVATE Scene* scene, int index, float time, float u, float v,    \
-                                     float s, float t, LightSampling sampling, ulong strategies) {           \
-    const Light light = light_of_kind_at(scene, index, LIGHT_##NAME, time, strategies);                      \
-    const SampledPoint point = sample_##name##_point(scene, index, light, receiver_at_light(light, time), u, \
-                                                     v, __VA_ARGS__ POINT_STRATEGIES(strategies));           \
-    return emit_from_surface(light, point, name##_light_radiance(scene, light, point.at, point.at.normal),   \
-                             s, t);                                                                          \
+#define EMIT_LIGHT_BY_POINT(name, ...)                                                                     \
+  FN LightSample emit_##name##_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,   \
+                                     float u, float v, float s, float t, LightSampling sampling,           \
+                                     ulong strategies) {                                                   \
+    const SampledPoint point =                                                                             \
+        sample_##name##_point(scene, index, light, __VA_ARGS__ POINT_STRATEGIES(strategies));              \
+    return emit_from_surface(light, point, name##_light_radiance(scene, light, point.at, point.at.normal), \
+                             s, t);                                                                        \
   }
 #define AND ,
-EMIT_LIGHT_BY_POINT(triangle, TRIANGLE, sampling AND)
-EMIT_LIGHT_BY_POINT(rectangle, RECTANGLE, )
-EMIT_LIGHT_BY_POINT(sphere, SPHERE, )
-EMIT_LIGHT_BY_POINT(disk, DISK, )
-EMIT_LIGHT_BY_POINT(cylinder, CYLINDER, )
+EMIT_LIGHT_BY_POINT(triangle, receiver_at_light(light) AND u AND v AND sampling AND)
+EMIT_LIGHT_BY_POINT(rectangle, axes AND receiver_at_light(light) AND u AND v AND)
+EMIT_LIGHT_BY_POINT(sphere, axes AND receiver_at_light(light) AND u AND v AND)
+EMIT_LIGHT_BY_POINT(disk, axes AND receiver_at_light(light) AND u AND v AND)
+EMIT_LIGHT_BY_POINT(cylinder, axes AND receiver_at_light(light) AND u AND v AND)
 #undef AND
 #undef EMIT_LIGHT_BY_POINT
 
@@ -71,21 +67,21 @@ FN LightSample emit_from_infinity(const PRIVATE Scene* scene, vec3 direction, ve
                      scale(irradiance, PI_F * sqr(radius)));
 }
 
-FN LightSample emit_directional_light(const PRIVATE Scene* scene, int index, float time, float u, float v,
-                                      float s, float t, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_DIRECTIONAL, time, strategies);
+FN LightSample emit_directional_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                      float u, float v, float s, float t, LightSampling sampling,
+                                      ulong strategies) {
   return emit_from_infinity(scene, light.p1, light.radiance, s, t);
 }
 
-#define EMIT_ENVIRONMENT(name)                                                                            \
-  FN LightSample emit_##name##_light(const PRIVATE Scene* scene, int index, float time, float u, float v, \
-                                     float s, float t, LightSampling sampling, ulong strategies) {        \
-    Surface middle = surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f));                                      \
-    middle.time = time;                                                                                   \
-    const LightReceiver centre = receiver_of(middle);                                                     \
-    const LightSample seen = sample_##name##_light(scene, index, centre, u, v, sampling, strategies);     \
-    const float inverse = seen.pdf > 0.0f ? 1.0f / seen.pdf : 0.0f;                                       \
-    return emit_from_infinity(scene, negate(seen.wi), scale(seen.radiance, inverse), s, t);               \
+#define EMIT_ENVIRONMENT(name)                                                                           \
+  FN LightSample emit_##name##_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, \
+                                     float u, float v, float s, float t, LightSampling sampling,         \
+                                     ulong strategies) {                                                 \
+    const LightReceiver centre = receiver_of(surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f)));            \
+    const LightSample seen =                                                                             \
+        sample_##name##_light(scene, index, light, axes, centre, u, v, sampling, strategies);            \
+    const float inverse = seen.pdf > 0.0f ? 1.0f / seen.pdf : 0.0f;                                      \
+    return emit_from_infinity(scene, negate(seen.wi), scale(seen.radiance, inverse), s, t);              \
   }
 EMIT_ENVIRONMENT(environment)
 EMIT_ENVIRONMENT(envmap)
@@ -96,19 +92,17 @@ FN LightSample emit_from_point(Light light, LightPoint at, vec3 direction, vec3 
   return emitted_ray(at, light.p0, direction, power);
 }
 
-FN LightSample emit_point_light(const PRIVATE Scene* scene, int index, float time, float u, float v, float s,
-                                float t, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_POINT, time, strategies);
+FN LightSample emit_point_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
+                                float v, float s, float t, LightSampling sampling, ulong strategies) {
   const vec3 direction = sample_uniform_sphere(s, t);
   return emit_from_point(light, light_point(light.p0, direction), direction,
                          scale(light.radiance, 4.0f * PI_F));
 }
 
 /// Uniform in the cone beyond which a spot light is dark.
-FN LightSample emit_spot_light(const PRIVATE Scene* scene, int index, float time, float u, float v, float s,
-                               float t, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_SPOT, time, strategies);
-  const Beam beam = beam_at(scene, index, time, strategies);
+FN LightSample emit_spot_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
+                               float v, float s, float t, LightSampling sampling, ulong strategies) {
+  const Beam beam = beam_along(scene, index, axes);
   float half_sine, half_cosine, sine, cosine;
   sincos_2pi(min_f(beam.cutoff, PI_F) * (0.25f * INV_PI_F), &half_sine, &half_cosine);
   const float widest = beam.falloff == SPOT_LINEAR ? 2.0f * sqr(half_sine) : min_f(beam.cutoff, 2.0f);
@@ -122,10 +116,10 @@ FN LightSample emit_spot_light(const PRIVATE Scene* scene, int index, float time
 }
 
 /// Uniform over the image of a projector on a plane, of which its radiance is a share.
-FN LightSample emit_projector_light(const PRIVATE Scene* scene, int index, float time, float u, float v,
-                                    float s, float t, LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_PROJECTOR, time, strategies);
-  const Beam beam = beam_at(scene, index, time, strategies);
+FN LightSample emit_projector_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                    float u, float v, float s, float t, LightSampling sampling,
+                                    ulong strategies) {
+  const Beam beam = beam_along(scene, index, axes);
   const float by_x = FABS(beam.u_by_x), by_y = FABS(beam.v_by_y);
   const float width = by_x > 0.0f ? 1.0f / by_x : 0.0f, height = by_y > 0.0f ? 1.0f / by_y : 0.0f;
   const vec3 onto = add_scaled(add_scaled(beam.z, (s - 0.5f) * width, beam.x), (t - 0.5f) * height, beam.y);
@@ -135,25 +129,24 @@ FN LightSample emit_projector_light(const PRIVATE Scene* scene, int index, float
 }
 
 // For each kind of light, the lanes that chose it.
-#define EMIT_LANES(stage, name, NAME, strategies)                                                       \
-  STAGE void stage(const PRIVATE Scene* scene, float time, const PRIVATE ChosenLights* RESTRICT chosen, \
-                   const PRIVATE float* RESTRICT v, const PRIVATE float* RESTRICT s,                    \
-                   const PRIVATE float* RESTRICT t, const PRIVATE LightSamplings* RESTRICT samplings,   \
-                   bool first, PRIVATE LightSamples* RESTRICT rays) {                                   \
-    LANE_LOOP                                                                                           \
-      for (int j = 0; j < LANES; j++) {                                                                 \
-        const LaneLight choice = load_chosen_light(chosen, j);                                          \
-        LightSample ray = emit_##name##_light(scene, choice.light, time, choice.u, v[j], s[j], t[j],    \
-                                              load_light_sampling(samplings, j), strategies);           \
-        ray.radiance = scale(ray.radiance, 1.0f / (choice.pmf > 0.0f ? choice.pmf : 1.0f));             \
-        keep_light_sample(choice, LIGHT_##NAME, ray, first, strategies, rays, j);                       \
-      }                                                                                                 \
+#define EMIT_LANES(name, NAME, number, strategies, description)                                            \
+  STAGE void emit_##name##_lights(                                                                         \
+      const PRIVATE Scene* scene, const PRIVATE ChosenLights* RESTRICT chosen,                             \
+      const PRIVATE PlacedLights* RESTRICT places, const PRIVATE float* RESTRICT v,                        \
+      const PRIVATE float* RESTRICT s, const PRIVATE float* RESTRICT t,                                    \
+      const PRIVATE LightSamplings* RESTRICT samplings, bool first, PRIVATE LightSamples* RESTRICT rays) { \
+    LANE_LOOP                                                                                              \
+      for (int j = 0; j < LANES; j++) {                                                                    \
+        const LaneLight choice = load_chosen_light(chosen, j);                                             \
+        LightSample ray =                                                                                  \
+            emit_##name##_light(scene, choice.light, PLACED_LIGHT(choice.light),                           \
+                                PLACED_AXES(choice.light, LIGHT_##NAME), choice.u, v[j], s[j], t[j],       \
+                                load_light_sampling(samplings, j), COMPILED_FEATURES & (strategies));      \
+        ray.radiance = scale(ray.radiance, 1.0f / (choice.pmf > 0.0f ? choice.pmf : 1.0f));                \
+        keep_light_sample(choice, LIGHT_##NAME, ray, first, COMPILED_FEATURES&(strategies), rays, j);      \
+      }                                                                                                    \
   }
-#define EMIT_KIND_LANES(name, NAME, number, strategies, description)           \
-  EMIT_LANES(emit_##name##_lights, name, NAME, COMPILED_FEATURES&(strategies)) \
-  EMIT_LANES(emit_##name##_lights_in_motion, name, NAME, COMPILED_FEATURES&((strategies) | FEATURE_MOTION))
-LIGHT_KINDS(EMIT_KIND_LANES)
-#undef EMIT_KIND_LANES
+LIGHT_KINDS(EMIT_LANES)
 #undef EMIT_LANES
 
 /// LANES rays from lights at `time`, 0 to 1. `number` and `fine` choose the light, see choose_light; the
@@ -165,6 +158,7 @@ CALLED_FN void emit_rays(const PRIVATE Scene* scene, float time, const PRIVATE f
   Surfaces nowhere;
   ChosenLights chosen;
   LightSamplings samplings;
+  PlacedLights places;
   float of_grid[LANES], times[LANES];
   for (int j = 0; j < LANES; j++) {
     store_surface(&nowhere, j, surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f)));
@@ -172,16 +166,14 @@ CALLED_FN void emit_rays(const PRIVATE Scene* scene, float time, const PRIVATE f
   }
   clear_light_samplings(&samplings);
   const uint among = choose_lane_lights(scene, &nowhere, number, v, fine, &samplings, &chosen, of_grid);
-  const bool moving = lights_move(scene);
   if (NEEDS(scene, LIGHT_TEXTURES)) v = of_grid;
+  place_lights(scene, chosen.light, times, &places.places);
+  place_light_axes(scene, chosen.light, times, &places.axes);
   bool first = true;
-#define EMIT_KIND(name, NAME, number, strategies, description)                                \
-  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                 \
-    if (IS_AMONG(number, MOVING_KINDS) && moving)                                             \
-      emit_##name##_lights_in_motion(scene, time, &chosen, v, s, t, &samplings, first, rays); \
-    else                                                                                      \
-      emit_##name##_lights(scene, time, &chosen, v, s, t, &samplings, first, rays);           \
-    first = false;                                                                            \
+#define EMIT_KIND(name, NAME, number, strategies, description)                       \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                        \
+    emit_##name##_lights(scene, &chosen, &places, v, s, t, &samplings, first, rays); \
+    first = false;                                                                   \
   }
   LIGHT_KINDS(EMIT_KIND)
 #undef EMIT_KIND

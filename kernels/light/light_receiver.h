@@ -14,7 +14,6 @@ typedef struct {
   bool has_normal;  ///< false: a point in a medium, which light reaches from all directions
   bool front;       ///< wo is on the surface's front side
   int light;        ///< the light that the surface is part of, or -1
-  float time;       ///< at which light arrives, see Surface
 } LightReceiver;
 
 /// The receiver at this surface. A point in a medium has no normal: see surface_in_medium.
@@ -27,7 +26,6 @@ FN LightReceiver receiver_of(Surface s) {
   r.has_normal = dot3(s.geometric, s.geometric) > 0.0f;
   r.front = s.front;
   r.light = s.light;
-  r.time = s.time;
   return r;
 }
 

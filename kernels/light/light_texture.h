@@ -71,15 +71,16 @@ STAGE void colour_light_samples(const PRIVATE TextureLanes* RESTRICT values,
     }
 }
 
-FN void colour_emissions_lanes(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
-                               const PRIVATE TextureLanes* RESTRICT values,
-                               PRIVATE Emissions* RESTRICT emissions, ulong strategies) {
+STAGE void colour_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
+                            const PRIVATE LightPlaces* RESTRICT places,
+                            const PRIVATE TextureLanes* RESTRICT values,
+                            PRIVATE Emissions* RESTRICT emissions) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int index = found->light[j] >= 0 ? found->light[j] : 0;
       GLOBAL const Light* light = scene->lights + index;
-      const TexturePoint at = numbers_of_light_point(light_at(scene, index, found->time[j], strategies),
-                                                     LOAD_LANE_vec3(found->p, j));
+      const TexturePoint at = numbers_of_light_point(
+          placed_light(load_light(light), load_light_place(places, j)), LOAD_LANE_vec3(found->p, j));
       const bool has_grid = (found->light[j] >= 0) & (light->grid >= 0);
       const float density = light_grid_density(scene, light, at.u, at.v);
       emissions->pdf[j] = has_grid ? emissions->pdf[j] * density : emissions->pdf[j];
@@ -87,10 +88,6 @@ FN void colour_emissions_lanes(const PRIVATE Scene* scene, const PRIVATE FoundLi
       STORE_LANE_vec3(emissions->radiance, j, radiance);
     }
 }
-STILL_OR_IN_MOTION(colour_emissions, lights_move(scene),
-                   (const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
-                    const PRIVATE TextureLanes* RESTRICT values, PRIVATE Emissions* RESTRICT emissions),
-                   scene, found, values, emissions)
 
 /// Multiplies the samples' radiance by the textures of their lights, at those times.
 FN void texture_light_samples(const PRIVATE Scene* scene, const PRIVATE float* times,
@@ -107,7 +104,7 @@ FN void texture_light_samples(const PRIVATE Scene* scene, const PRIVATE float* t
 
 /// The same for emission that rays hit; also multiplies its pdfs by the grids' densities.
 FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found,
-                          PRIVATE Emissions* emissions) {
+                          const PRIVATE LightPlaces* light_places, PRIVATE Emissions* emissions) {
   Surfaces places;
   TextureLanes values;
   int textures[LANES];
@@ -115,7 +112,7 @@ FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights*
   if (NEEDS(scene, MOTION))
     for (int j = 0; j < LANES; j++) places.time[j] = found->time[j];
   eval_textures(scene, &places, textures, &values);
-  colour_emissions(scene, found, &values, emissions);
+  colour_emissions(scene, found, light_places, &values, emissions);
 }
 
 PENUMBRA_NAMESPACE_END

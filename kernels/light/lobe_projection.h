@@ -137,10 +137,9 @@ FN ProjectedPolygon select_projected(bool c, ProjectedPolygon a, ProjectedPolygo
 }
 
 /// Like sample_projected_light, by the mixture.
-FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, ReceiverLobes lobes, int light,
-                           bool own, float u, float v, PRIVATE LightSamplings* samplings, int j,
-                           ulong strategies) {
-  const LobeProjection l = project_lobes(light_at(scene, light, r.time, strategies), r.p, lobes);
+FN void sample_lobes_light(Light light, LightReceiver r, ReceiverLobes lobes, bool own, float u, float v,
+                           PRIVATE LightSamplings* samplings, int j) {
+  const LobeProjection l = project_lobes(light, r.p, lobes);
   const bool some = r.has_normal & !own & (l.share >= 0.0f);
   const float share = max_f(l.share, 0.0f);
   const bool specular = u < share;
@@ -156,8 +155,7 @@ FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, Receiver
 }
 
 /// Like projected_density, for the mixture.
-FN float lobes_density(const PRIVATE Scene* scene, FoundLight found, ReceiverLobes lobes, ulong strategies) {
-  const Light light = light_at(scene, found.light >= 0 ? found.light : 0, found.time, strategies);
+FN float lobes_density(Light light, FoundLight found, ReceiverLobes lobes) {
   const LobeProjection l = project_lobes(light, found.from, lobes);
   const bool some = (found.light >= 0) & (l.share >= 0.0f);
   const float cosine = max_f(dot3(lobes.normal, found.wi), 0.0f);

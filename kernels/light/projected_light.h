@@ -30,10 +30,9 @@ FN ProjectedPolygon project_light(Light light, vec3 from, vec3 n) {
   return polygon;
 }
 
-/// Pdf, by projected solid angle, of the direction in which a ray hit the light from a point with shading
+/// Pdf, by projected solid angle, of the direction in which a ray hit `light` from a point with shading
 /// normal `n`; negative: the light is not sampled that way.
-FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n, ulong strategies) {
-  const Light light = light_at(scene, found.light >= 0 ? found.light : 0, found.time, strategies);
+FN float projected_density(Light light, FoundLight found, vec3 n) {
   const ProjectedPolygon polygon = project_light(light, found.from, n);
   const float area = (float)light_irradiance(light, found.from.x, found.from.y, found.from.z, n.x, n.y, n.z);
   const bool some = (found.light >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
@@ -41,11 +40,11 @@ FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n,
   return some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
-/// Samples a direction from the receiver to light `light` by (u, v). `area` is its light_irradiance.
-/// Receivers without a normal get no direction.
-FN void sample_projected_light(const PRIVATE Scene* scene, LightReceiver r, int light, float area, float u,
-                               float v, PRIVATE LightSamplings* samplings, int j, ulong strategies) {
-  const ProjectedPolygon polygon = project_light(light_at(scene, light, r.time, strategies), r.p, r.shading);
+/// Samples a direction from the receiver to the light by (u, v). `area` is its light_irradiance. Receivers
+/// without a normal get no direction.
+FN void sample_projected_light(Light light, LightReceiver r, float area, float u, float v,
+                               PRIVATE LightSamplings* samplings, int j) {
+  const ProjectedPolygon polygon = project_light(light, r.p, r.shading);
   const bool some = r.has_normal & (polygon.area > 0.0f) & (area > 0.0f);
   const vec3 w = sample_projected_polygon(polygon, u, v);
   const vec3 wi = from_frame(r.shading, w.x, w.y, w.z);

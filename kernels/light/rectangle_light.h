@@ -18,8 +18,8 @@ FN SphericalRectangle seen_rectangle(Light light, vec3 from) {
 
 LIGHT_EMITS_UNIFORMLY(rectangle)
 
-FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
-                                       float u, float v, ulong strategies) {
+FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                       LightReceiver r, float u, float v, ulong strategies) {
   const FlatLight flat = flat_light(light);
   SampledPoint s = flat_light_point(flat, r.p, (1.0f - u) - v, u, v);
   if (BY(strategies, SOLID_ANGLE)) {
@@ -28,11 +28,11 @@ FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Li
     s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), s.at.p);
     s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
   }
-  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, flat, s.at, strategies);
+  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
   return s;
 }
 
-SAMPLE_LIGHT_BY_POINT(rectangle, RECTANGLE)
+SAMPLE_LIGHT_BY_POINT(rectangle)
 
 FN float rectangle_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light.area);

@@ -21,8 +21,8 @@ FN bool sphere_light_is_cone(Light light, float d2, float r2) {
 
 LIGHT_EMITS_UNIFORMLY(sphere)
 
-FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
-                                    float u, float v, ulong strategies) {
+FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                    LightReceiver r, float u, float v, ulong strategies) {
   const vec3 center = light.p0;
   const float radius = light.p2.x, orientation = light.p2.y;
   float sine, cosine;
@@ -52,14 +52,14 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   s.spread = dot3(abs3(s.at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on = sphere_uv(to_light_frame(scene, index, r.time, outward, strategies));
+    const TexturePoint on = sphere_uv(to_light_axes(axes, outward));
     s.at.u = on.u;
     s.at.v = on.v;
   }
   return s;
 }
 
-SAMPLE_LIGHT_BY_POINT(sphere, SPHERE)
+SAMPLE_LIGHT_BY_POINT(sphere)
 
 FN float sphere_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
   const vec3 to_center = sub(light.p0, found.from);

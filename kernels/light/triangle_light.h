@@ -35,13 +35,13 @@ FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, Lig
   }
   if (BY(strategies, PROJECTED))
     s.at.p = select3(sampling.scale > 0.0f, flat_light_seen(flat, r.p, sampling.wi), s.at.p);
-  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, flat, s.at, strategies);
+  if (BY(strategies, UV)) s.at = with_corner_uv(scene, index, flat, s.at);
   return s;
 }
 
-FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     LightSampling sampling, ulong strategies) {
-  const Light light = light_of_kind_at(scene, index, LIGHT_TRIANGLE, r.time, strategies);
+FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                     LightReceiver r, float u, float v, LightSampling sampling,
+                                     ulong strategies) {
   const SampledPoint point = sample_triangle_point(scene, index, light, r, u, v, sampling, strategies);
   LightSample s = toward_light(light, r, point);
   if (BY(strategies, PROJECTED)) {

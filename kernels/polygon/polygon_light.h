@@ -204,8 +204,6 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
   add_last_horizon(r, lobes, &horizon, sum);
 }
 
-FN vec3d up_d(void) { return make_vec3d(0.0, 0.0, 1.0); }
-
 /// Lane j's Phong lobe from the sum over a polygon's edges, see add_polygon_with_lobes.
 FN double total_lobe(const PRIVATE Receivers* r, int j, double sum, bool two_sided) {
   const double total = -0.5 / PI_D * sum;
@@ -226,7 +224,7 @@ STAGE void add_ltc_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT
   const vec3d d = sub_d(to, from);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j), up = up_d();
+      const vec3d x = receiver_point(r, j), up = make_vec3d(0.0, 0.0, 1.0);
       const vec3d a = lane_to_cosine_space(r, j, sub_d(from, x));
       const vec3d b = lane_to_cosine_space(r, j, sub_d(to, x));
       const VisibleEdge e = visible_edge(a, b, lane_to_cosine_space(r, j, d), up);
@@ -266,15 +264,6 @@ STAGE void add_ltc_lobes(GLOBAL const PolygonCorner* corners, int count, bool tw
   }
   total_irradiances(&sums, two_sided, irradiance);
   for (int j = 0; j < LANES; j++) lobe[j] = r->inverse_x[j] > 0.0 ? irradiance[j] * (1.0 / PI_D) : lobe[j];
-}
-
-/// The integral of a linearly transformed cosine's density over a triangle, times pi; the corners are
-/// relative to lane j's receiver.
-FN double lane_ltc_irradiance(const PRIVATE Receivers* r, int j, vec3d q0, vec3d q1, vec3d q2,
-                              bool two_sided) {
-  const vec3d a = lane_to_cosine_space(r, j, q0), b = lane_to_cosine_space(r, j, q1);
-  const vec3d c = lane_to_cosine_space(r, j, q2);
-  return corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c), up_d(), two_sided);
 }
 
 FN bool any_wants_ltc(const PRIVATE Receivers* r) {
@@ -317,22 +306,17 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   if (NEEDS_LTC(scene) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
 }
 
-/// A triangle for each lane: a light that moves, at the lanes' times.
+/// The corners of a triangle for each lane, such as a light that moves has at the lanes' times; vec3 lanes.
 typedef struct {
-  double p0[3 * LANES], p1[3 * LANES], p2[3 * LANES];  ///< component k of lane j is at k * LANES + j
+  const PRIVATE float* p0;
+  const PRIVATE float* p1;
+  const PRIVATE float* p2;
 } LaneTriangles;
 
-FN vec3d lane_corner(const PRIVATE double* p, int j) {
-  return make_vec3d(p[j], p[LANES + j], p[2 * LANES + j]);
-}
-FN void store_lane_corner(PRIVATE double* p, int j, vec3 corner) {
-  p[j] = corner.x;
-  p[LANES + j] = corner.y;
-  p[2 * LANES + j] = corner.z;
-}
+FN vec3d lane_corner(const PRIVATE float* p, int j) { return widen3(LOAD_LANE_vec3(p, j)); }
 
 /// Like add_edges, between corners of each lane's own triangle.
-STAGE void add_lane_edges(const PRIVATE double* RESTRICT from, const PRIVATE double* RESTRICT to,
+STAGE void add_lane_edges(const PRIVATE float* RESTRICT from, const PRIVATE float* RESTRICT to,
                           const PRIVATE Receivers* RESTRICT r, PRIVATE IrradianceSums* RESTRICT sums,
                           const PRIVATE Lobes* RESTRICT lobes, PRIVATE LobeArcs* RESTRICT arcs,
                           PRIVATE Horizon* RESTRICT horizon) {
@@ -343,55 +327,26 @@ STAGE void add_lane_edges(const PRIVATE double* RESTRICT from, const PRIVATE dou
     }
 }
 
-STAGE void lane_triangle_irradiances(const PRIVATE Receivers* RESTRICT r,
-                                     const PRIVATE LaneTriangles* RESTRICT triangles, bool two_sided,
-                                     PRIVATE double* RESTRICT irradiance) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j), p0 = lane_corner(triangles->p0, j);
-      const vec3d p1 = lane_corner(triangles->p1, j), p2 = lane_corner(triangles->p2, j);
-      irradiance[j] = corners_irradiance(sub_d(p0, x), sub_d(p1, x), sub_d(p2, x), sub_d(p1, p0),
-                                         sub_d(p2, p1), sub_d(p0, p2), receiver_normal(r, j), two_sided);
-    }
-}
-
-STAGE void lane_triangle_ltcs(const PRIVATE Receivers* RESTRICT r,
-                              const PRIVATE LaneTriangles* RESTRICT triangles, bool two_sided,
-                              PRIVATE double* RESTRICT lobe) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j);
-      const double e = lane_ltc_irradiance(r, j, sub_d(lane_corner(triangles->p0, j), x),
-                                           sub_d(lane_corner(triangles->p1, j), x),
-                                           sub_d(lane_corner(triangles->p2, j), x), two_sided);
-      lobe[j] = r->inverse_x[j] > 0.0 ? e * (1.0 / PI_D) : lobe[j];
-    }
-}
-
-/// Like polygon_terms, for a triangle of each lane's own.
-FN void lane_triangle_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
-                            const PRIVATE LaneTriangles* triangles, bool two_sided,
-                            PRIVATE double* irradiance, PRIVATE double* lobe) {
+/// The lobes of polygon_terms for a triangle of each lane's own, in lanes with a Phong lobe; 0 in others.
+FN void lane_triangle_lobes(const PRIVATE Receivers* r, LaneTriangles triangles, bool two_sided,
+                            PRIVATE double* lobe) {
   Lobes lobes;
   for (int j = 0; j < LANES; j++) lobe[j] = 0.0;
-  lane_triangle_irradiances(r, triangles, two_sided, irradiance);
-  if (HAS_FAMILY(PHONG) && start_lobes(r, &lobes)) {
-    IrradianceSums sums;
-    LobeArcs arcs;
-    Horizon horizon;
-    double sum[LANES];
-    start_irradiances(&sums);
-    start_horizon(&horizon, sum);
-    for (int k = 0; k < 3; k++) {
-      const PRIVATE double* from = k == 0 ? triangles->p0 : (k == 1 ? triangles->p1 : triangles->p2);
-      const PRIVATE double* to = k == 0 ? triangles->p1 : (k == 1 ? triangles->p2 : triangles->p0);
-      add_lane_edges(from, to, r, &sums, &lobes, &arcs, &horizon);
-      add_arcs_of_edge(r, &lobes, &arcs, &horizon, sum);
-    }
-    add_last_horizon(r, &lobes, &horizon, sum);
-    for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, sum[j], two_sided);
+  if (!HAS_FAMILY(PHONG) || !start_lobes(r, &lobes)) return;
+  IrradianceSums sums;
+  LobeArcs arcs;
+  Horizon horizon;
+  double sum[LANES];
+  start_irradiances(&sums);
+  start_horizon(&horizon, sum);
+  for (int k = 0; k < 3; k++) {
+    const PRIVATE float* from = k == 0 ? triangles.p0 : (k == 1 ? triangles.p1 : triangles.p2);
+    const PRIVATE float* to = k == 0 ? triangles.p1 : (k == 1 ? triangles.p2 : triangles.p0);
+    add_lane_edges(from, to, r, &sums, &lobes, &arcs, &horizon);
+    add_arcs_of_edge(r, &lobes, &arcs, &horizon, sum);
   }
-  if (NEEDS_LTC(scene) && any_wants_ltc(r)) lane_triangle_ltcs(r, triangles, two_sided, lobe);
+  add_last_horizon(r, &lobes, &horizon, sum);
+  for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, sum[j], two_sided);
 }
 
 PENUMBRA_NAMESPACE_END

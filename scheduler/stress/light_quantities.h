@@ -106,7 +106,8 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
   const LightReceiver r = receiver_of(s);
   const LightSample sample =
-      sample_sphere_light(&scene, 0, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
+      sample_sphere_light(&scene, 0, load_light(light), still_axes(&scene, 0, LIGHT_SPHERE), r, in_f(in, 10),
+                          in_f(in, 11), no_light_sampling(), 0u);
   out_v(out, 0, sample.wi);
   out[3] = sample.pdf;
   FoundLight found;
