@@ -143,6 +143,8 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
                COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE, OWN_LIGHT, OWN_AXES)                      \
   FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u, OWN_LIGHT)                                             \
   FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u, OWN_LIGHT)                                            \
+  FOUND_LANES(find_##name##_lights_by_solid_angle, name, NAME, 1,                                            \
+              COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE, OWN_LIGHT)                                 \
   FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies), PLACED_LIGHT)
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
@@ -162,7 +164,8 @@ LIGHT_KINDS(KIND_LANES)
   ((COMPILED_FEATURES & (strategies) & (few)) != 0 && \
    (SCENE_FEATURES(&(scene)->header) & (strategies)) == (few))
 
-/// Whether stages need the places of lights: those of all strategies, and of lights that move.
+/// Whether stages read the places of lights: those of all strategies, but not those of solid angles alone;
+/// and any of lights that move.
 FN bool needs_places(const PRIVATE Scene* scene) {
   return lights_move(scene) ||
          NEEDS_STRATEGIES(scene, FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES);
@@ -256,6 +259,8 @@ CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLig
       find_##name##_lights_by_strategy(scene, found, &places, emissions);                          \
     else if (!compared)                                                                            \
       see_##name##_lights(scene, found, &places, emissions);                                       \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                         \
+      find_##name##_lights_by_solid_angle(scene, found, &places, emissions);                       \
     else if (NEEDS_STRATEGIES(scene, strategies))                                                  \
       find_##name##_lights_by_strategy(scene, found, &places, emissions);                          \
     else                                                                                           \
