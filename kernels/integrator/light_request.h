@@ -80,7 +80,7 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
-  if (NEEDS(scene, MOTION))
+  if (NEEDS_MOTION(scene))
     store_moving_shading_points(scene, surfaces, closures, &points);
   else
     store_shading_points(scene, surfaces, closures, &points);

@@ -85,7 +85,7 @@ FN void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces
                     PRIVATE FoundLights* found) {
   store_found_lights(scene, surfaces, found);
   if (NEEDS(scene, UV)) store_found_uvs(surfaces, found);
-  if (NEEDS(scene, MOTION)) store_found_times(surfaces, found);
+  if (NEEDS_MOTION(scene)) store_found_times(surfaces, found);
 }
 
 // The radiance that a ray brings from the light that it hits, or from the environment. `pdf` is the density

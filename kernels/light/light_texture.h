@@ -97,7 +97,7 @@ FN void texture_light_samples(const PRIVATE Scene* scene, const PRIVATE float* t
   TextureLanes values;
   int textures[LANES];
   place_light_samples(scene, samples, &places, textures);
-  if (NEEDS(scene, MOTION))
+  if (NEEDS_MOTION(scene))
     for (int j = 0; j < LANES; j++) places.time[j] = times[j];
   eval_textures(scene, &places, textures, &values);
   colour_light_samples(&values, samples);
@@ -110,7 +110,7 @@ FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights*
   TextureLanes values;
   int textures[LANES];
   place_found_lights(scene, found, &places, textures);
-  if (NEEDS(scene, MOTION))
+  if (NEEDS_MOTION(scene))
     for (int j = 0; j < LANES; j++) places.time[j] = found->time[j];
   eval_textures(scene, &places, textures, &values);
   colour_emissions(scene, found, light_places, &values, emissions);

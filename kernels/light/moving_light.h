@@ -21,7 +21,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// Whether any light of the scene moves. If so, each has its Motion.
 FN bool lights_move(const PRIVATE Scene* scene) {
-  return NEEDS(scene, MOTION) && scene->header.tables.light_motions.count > 0;
+  return NEEDS_MOTION(scene) && scene->header.tables.light_motions.count > 0;
 }
 
 /// Whether this one does, in a scene where lights_move.
@@ -110,8 +110,8 @@ FN LightAxes still_axes(const PRIVATE Scene* scene, int index, int kind) {
     GLOBAL const Beam* beam = beam_of(scene, index);
     return make_light_axes(load3(&beam->x), load3(&beam->y), load3(&beam->z));
   }
-  GLOBAL const Quadric* q = quadric_of_light(scene, index);
-  return make_light_axes(load3(&q->x_axis), load3(&q->y_axis), load3(&q->normal));
+  const Quadric q = quadric_of_light(scene, index);
+  return make_light_axes(q.x_axis, q.y_axis, q.normal);
 }
 
 /// The axes of light `index` at `time`; arbitrary if it has none.

@@ -118,7 +118,7 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
                                   kWays);
     // Angles widen towards the axis.
     const vec3 w = sub(point.at.p, rounded(center));
-    const vec3 from_axis = to_quadric_frame(&tables.quadrics[0], w);
+    const vec3 from_axis = to_quadric_frame(tables.quadrics[0], w);
     const double reach = std::hypot(double(from_axis.x), double(from_axis.y));
     if (reach < 1e-2) continue;
     expect_found(scene, 0, here, point.at, 2e-5 / reach);
