@@ -397,8 +397,12 @@ class Builder {
   /// A leaf that is there; with still primitives one of theirs.
   static int empty_child(const HierarchyInput& input) {
     const bool still = input.still && input.still->triangles + input.still->quadrics > 0;
+    const auto some = [&](int PrimitiveGroup::*count) {
+      return std::ranges::any_of(input.groups, [&](const PrimitiveGroup& group) { return group.*count > 0; });
+    };
     const bool triangles =
-        still ? input.still->triangles > 0 : !input.triangles.empty() || input.quadrics.empty();
+        still ? input.still->triangles > 0
+              : some(&PrimitiveGroup::triangle_count) || !some(&PrimitiveGroup::quadric_count);
     return leaf_code(triangles ? kTriangleLeaf : kQuadricLeaf, 0);
   }
 

@@ -131,6 +131,96 @@ TEST_F(MotionTablesTest, MovingEmittersHaveStates) {
   EXPECT_LT(far(end.center, glm::dvec3(0, 0, 4) - scene_center(at)), 1e-5);
 }
 
+/// The number of steps of the only instance that moves.
+int steps_of(const DeviceScene& device) {
+  EXPECT_EQ(device.header.tables.instance_motions.count, 1);
+  return device.header.tables.instance_motions.count == 1 ? kernel_scene(device).instance_motions[0].steps
+                                                          : 0;
+}
+
+TEST_F(MotionTablesTest, StepsFollowThePathWithinATenthOfAPixel) {
+  const auto shape = [&](const std::string& animation) {
+    return built(open(std::string(kStill) + "<shape type='cube'>" + animation + "</shape>",
+                      to_world("<lookat origin='0,0,-20' target='0,0,0' up='0,1,0'/>")));
+  };
+  EXPECT_EQ(steps_of(shape(moving("", "<translate x='5' z='1'/>"))), 1);
+  // A linear path with a corner at 1/4.
+  EXPECT_EQ(steps_of(shape("<animation name='to_world'>" + key(0, "") + key(0.25, "<translate x='1'/>") +
+                           key(1, "<translate y='2'/>") + "</animation>")),
+            4);
+  // A turn about the axis of a cube: the sagitta of the chord of a step, at the corners of the front, in
+  // pixels of the film's corner.
+  const SceneDescription view = open("");
+  const HalfFilm half = half_film(view.camera, view.film);
+  const double distance = std::sqrt(19.0 * 19.0 + 2.0);
+  const double radius_in_pixels =
+      std::sqrt(2.0) / distance * 50 / half.x * (1 + half.x * half.x + half.y * half.y);
+  for (const double degrees : {20.0, 60.0, 90.0, 170.0}) {
+    int wanted = 1;
+    while (radius_in_pixels * (1 - std::cos(degrees * 3.14159265358979 / 360 / wanted)) > 0.1) wanted *= 2;
+    EXPECT_EQ(steps_of(shape(moving("", "<rotate z='1' angle='" + std::to_string(degrees) + "'/>"))), wanted)
+        << degrees;
+  }
+}
+
+TEST_F(MotionTablesTest, FastTurnsAreNotTakenForStillnessAndAWarningNamesThem) {
+  std::string keys;
+  constexpr int kTurns = 64;  // a state at each full turn
+  for (int i = 0; i <= 3 * kTurns; ++i)
+    keys += key(double(i) / (3 * kTurns), "<rotate z='1' angle='" + std::to_string(120 * i) + "'/>");
+  const SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube' id='top'><animation name='to_world'>" + keys +
+               "</animation></shape>",
+           to_world("<lookat origin='0,0,-20' target='0,0,0' up='0,1,0'/>"));
+  std::vector<std::string> warnings;
+  const auto device = build_device_scene(scene, {.warnings = &warnings});
+  ASSERT_TRUE(device) << device.error().message;
+  EXPECT_EQ(steps_of(*device), 64);
+  EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("'top' moves too fast"), HasSubstr("64 steps"))));
+}
+
+TEST_F(MotionTablesTest, WhatMovesAtOtherTimesIsStill) {
+  const SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'><animation name='to_world'>" + key(2, "") +
+           key(3, "<translate x='5' z='1'/>") + "</animation></shape>");
+  const DeviceScene blurred = built(scene);
+  EXPECT_EQ(blurred.header.features & FEATURE_MOTION, 0u);
+  SceneDescription instant = scene;
+  instant.camera.shutter = 0.0f;
+  EXPECT_EQ(blurred.serialize(), built(instant).serialize());
+  SceneDescription layered = scene;
+  layered.film.layers = {AskedLayer::kMotion};
+  layered.time = 1.5;  // the next frame is during the motion
+  const DeviceScene with_layer = built(layered);
+  EXPECT_EQ(with_layer.header.tables.instance_motions.count, 1);
+  layered.time = 0.0;
+  const DeviceScene still_layer = built(layered);
+  EXPECT_EQ(still_layer.header.tables.instance_motions.count, 0);
+  EXPECT_EQ(still_layer.header.features & (FEATURE_MOTION | FEATURE_MOTION_LAYER),
+            FEATURE_MOTION | FEATURE_MOTION_LAYER);
+}
+
+TEST_F(MotionTablesTest, AnEarlierFrameGivesTheSameBytes) {
+  SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'>" +
+           moving("", "<rotate z='1' angle='90'/><translate x='9' y='1'/>") + "</shape>");
+  scene.camera.shutter = 0.25f;
+  const DeviceScene first = built(scene);
+  ASSERT_TRUE(set_time(scene, 0.5));
+  const auto with = build_device_scene(scene, {.feature_layers = false, .earlier = &first});
+  ASSERT_TRUE(with) << with.error().message;
+  EXPECT_EQ(with->serialize(), built(scene).serialize());
+}
+
+TEST_F(MotionTablesTest, EverythingMayMove) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  const DeviceScene device =
+      built(open("<shape type='sphere'>" + light + moving("", "<translate x='1'/>") + "</shape>"));
+  EXPECT_EQ(device.header.tables.quadric_motions.count, 1);
+  EXPECT_EQ(device.header.tables.nodes.count, 1);
+  EXPECT_TRUE(DeviceScene::deserialize(device.serialize()));
+}
+
 /// Points that move, with the box of each at any time.
 void expect_contained(const Scene& s, int mover, bool is_instance, float time, const vec3& p, int at = 0) {
   bool inside = false;
