@@ -446,7 +446,8 @@ class Checker {
                           t.light_motions.count + t.light_states.count + t.motion_nodes.count +
                           t.motion_leaves.count >
                       0;
-    require(has(FEATURE_MOTION) ? t.shutter.count == 1 : !some, "motion and its feature bit go together");
+    require(has(FEATURE_MOTION) ? t.shutter.count == 1 : !some && h_.camera_moves == 0,
+            "motion and its feature bit go together");
     require(has(FEATURE_MOTION) || !has(FEATURE_MOTION_LAYER), "a layer of motion without motion");
     require(!has(FEATURE_MOTION) || !has(FEATURE_LIGHT_EDGES), "edges of lights where something moves");
     if (!has(FEATURE_MOTION) || !problem_.empty()) return;
@@ -463,6 +464,7 @@ class Checker {
     require(in(s.camera_steps, 0, MOST_MOTION_STEPS) &&
                 t.camera_states.count == (s.camera_steps > 0 ? states_of(s.camera_steps) : 0),
             "the camera's states are not there");
+    require(in(h_.camera_moves, 0, t.camera_states.count > 0 ? 1 : 0), "a camera that moves without states");
     check_motions(t.triangle_motions, t.triangle_states, 1);
     check_motions(t.quadric_motions, t.quadric_states, 1);
     check_motions(t.instance_motions, t.instance_states, 1);

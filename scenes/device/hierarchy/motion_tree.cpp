@@ -31,7 +31,7 @@ struct Mover {
 /// A mover for a part of the time, from one of its states to another.
 struct Reference {
   int mover = 0, first_step = 0, last_step = 0;
-  Box swept;
+  Box swept = {};
   float begin = 0, end = 0;
 };
 
