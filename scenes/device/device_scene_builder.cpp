@@ -722,13 +722,7 @@ class SceneBuilder {
   }
 
   void set_film() {
-    const Film& film = scene_.film;
-    h_.film.width = film.width;
-    h_.film.height = film.height;
-    h_.film.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
-                     : film.filter == FilterKind::kTent ? FILTER_TENT
-                                                        : FILTER_TABULATED;
-    h_.film.filter_radius = film.filter_radius;
+    h_.film = film_parameters(scene_.film);
     h_.sampler.kind = int(scene_.sampler.kind);
     h_.sampler.spp = scene_.sampler.spp;
     h_.sampler.seed = scene_.sampler.seed;

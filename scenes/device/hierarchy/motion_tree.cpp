@@ -281,9 +281,16 @@ class MotionTreeBuilder {
       }
     }
     if (best_axis >= 0) {
-      const auto above =
-          std::ranges::stable_partition(items, [&](int item) { return bin_of(item, best_axis) <= best_bin; });
-      return items.size() - above.size();
+      std::vector<int> above;
+      std::size_t below = 0;
+      for (const int item : items) {
+        if (bin_of(item, best_axis) <= best_bin)
+          items[below++] = item;
+        else
+          above.push_back(item);
+      }
+      std::ranges::copy(above, items.begin() + std::ptrdiff_t(below));
+      return below;
     }
     int widest = 0;
     for (int axis = 1; axis < 4; ++axis)
