@@ -7,7 +7,6 @@
 #include <climits>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +30,7 @@
 #include "scenes/device/media_book.h"
 #include "scenes/device/motion_tables.h"
 #include "scenes/device/moving_parts.h"
+#include "scenes/device/quadric_record.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
@@ -125,7 +125,8 @@ class SceneBuilder {
     hide_unseen(records_.quadrics);
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
-    if (Expected<void> done = check_split_light(); !done) return std::unexpected(done.error());
+    if (Expected<void> done = check_split_light(scene_.integrator, h_); !done)
+      return fail(scene_.source + ": " + done.error().message);
     h_.film.sky_coverage = scene_.film.alpha && sees_sky(h_) ? 1.0f : 0.0f;
     if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
         (h_.families & ltc_families()) != 0u) {
@@ -255,10 +256,8 @@ class SceneBuilder {
     // Materials of the geometric front and back. With flipped normals they are exchanged.
     const int front = material_index(shape.front_bsdf), back = material_index(shape.back_bsdf);
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
-    if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);
-    if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry))
-      add_cylinder(shape, *cylinder, front, back);
+    const auto place = [&](const glm::dvec3& p, double reach) { return local(p, shape, reach); };
+    if (const auto quadric = quadric_record(shape, place)) add_quadric(shape, *quadric, front, back);
   }
 
   /// Takes unseen lights from the primitives, so that rays find none there.
@@ -603,60 +602,13 @@ class SceneBuilder {
     return i;
   }
 
-  void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
-    Quadric q{};
-    q.kind = QUADRIC_SPHERE;
-    q.length = 1.0f;
-    q.center = local(sphere.center, shape, sphere.radius);
-    q.radius = float(sphere.radius);
-    q.orientation = shape.flip_normals ? -1.0f : 1.0f;
-    q.x_axis = to_vec3(sphere.x_axis);
-    q.y_axis = to_vec3(sphere.y_axis);
-    q.normal = to_vec3(sphere.z_axis);
-    add_quadric(shape, q, front, back, LIGHT_SPHERE, 4 * std::numbers::pi * sphere.radius * sphere.radius);
-  }
-
-  void add_disk(const Shape& shape, const Disk& disk, int front, int back) {
-    Quadric q{};
-    q.kind = QUADRIC_DISK;
-    q.length = 1.0f;
-    q.center = local(disk.center, shape, disk.radius);
-    q.normal = to_vec3(shape.flip_normals ? -disk.normal : disk.normal);
-    q.radius = float(disk.radius);
-    q.orientation = 1.0f;
-    q.x_axis = to_vec3(disk.x_axis);
-    q.y_axis = to_vec3(disk.y_axis);
-    add_quadric(shape, q, front, back, LIGHT_DISK, std::numbers::pi * disk.radius * disk.radius);
-  }
-
-  void add_cylinder(const Shape& shape, const Cylinder& cylinder, int front, int back) {
-    need(FEATURE_CYLINDERS);
-    Quadric q{};
-    q.kind = QUADRIC_CYLINDER;
-    q.center = local(cylinder.center, shape, cylinder.radius + cylinder.length);
-    q.normal = to_vec3(cylinder.axis);
-    q.radius = float(cylinder.radius);
-    q.length = float(cylinder.length);
-    q.orientation = shape.flip_normals ? -1.0f : 1.0f;
-    q.x_axis = to_vec3(cylinder.x_axis);
-    q.y_axis = to_vec3(cylinder.y_axis);
-    add_quadric(shape, q, front, back, LIGHT_CYLINDER,
-                2 * std::numbers::pi * cylinder.radius * cylinder.length);
-  }
-
-  void add_quadric(const Shape& shape, Quadric q, int front, int back, int light_kind, double area) {
+  void add_quadric(const Shape& shape, Quadric q, int front, int back) {
     need(FEATURE_QUADRICS);
+    if (q.kind == QUADRIC_CYLINDER) need(FEATURE_CYLINDERS);
     q.front = front;
     q.back = back;
-    q.light = -1;
-    if (emits(shape)) {
-      Light light{};
-      light.kind = light_kind;
-      light.p0 = q.center;
-      if (q.kind != QUADRIC_SPHERE) light.p1 = q.normal;
-      light.p2 = make_vec3(q.radius, q.orientation, q.kind == QUADRIC_CYLINDER ? q.length : 0.0f);
-      q.light = lights_.add_quadric(light, shape, area, q);
-    }
+    if (emits(shape))
+      q.light = lights_.add_quadric(light_of_quadric(q), shape, quadric_area(shape.geometry), q);
     records_.quadrics.push_back(q);
     if (mattes_) quadric_mattes_.push_back(matte_);
     if (has(FEATURE_SHAPE_LAYER)) quadric_shapes_.push_back(shape_);
@@ -693,23 +645,6 @@ class SceneBuilder {
       return fail(fmt::format("{}: film.layers: {} shapes; the layer 'shape' has numbers for {}",
                               scene_.source, all, MAX_SHAPES));
     h_.shape_count = all;
-    return {};
-  }
-
-  /// Error: the integrator cannot tell direct from indirect light, which film.layers asks for.
-  [[nodiscard]] Expected<void> check_split_light() const {
-    if (!has(FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)) return {};
-    const std::string_view name = method_name(scene_.integrator.method);
-    if (h_.integrator.kind != INTEGRATOR_PATH || has(FEATURE_PHOTONS))
-      return fail(
-          fmt::format("{}: film.layers: integrator '{}' does not tell direct from indirect light; path and "
-                      "volpath do",
-                      scene_.source, name));
-    if (h_.integrator.estimator != ESTIMATOR_SAMPLES)
-      return fail(
-          fmt::format("{}: film.layers: integrator '{}' with closed forms of polygon lights does not tell "
-                      "direct from indirect light; set nee to sample and light_choice to auto",
-                      scene_.source, name));
     return {};
   }
 
@@ -787,13 +722,7 @@ class SceneBuilder {
   }
 
   void set_film() {
-    const Film& film = scene_.film;
-    h_.film.width = film.width;
-    h_.film.height = film.height;
-    h_.film.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
-                     : film.filter == FilterKind::kTent ? FILTER_TENT
-                                                        : FILTER_TABULATED;
-    h_.film.filter_radius = film.filter_radius;
+    h_.film = film_parameters(scene_.film);
     h_.sampler.kind = int(scene_.sampler.kind);
     h_.sampler.spp = scene_.sampler.spp;
     h_.sampler.seed = scene_.sampler.seed;
@@ -840,11 +769,6 @@ class SceneBuilder {
 
 }  // namespace
 
-glm::dvec3 scene_center(const SceneDescription& scene) {
-  const auto placed = place_groups(scene);
-  return origin_of(scene, moving_parts(scene), placed ? *placed : std::vector<PlacedGroup>());
-}
-
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
   const auto motion = exposed_motion(scene);
   if (!motion) return fail(scene.source + ": " + motion.error().message);
@@ -852,9 +776,9 @@ Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const De
   const bool moves = motion->any() || motion->has_layer;
   std::optional<SceneDescription> middle;
   if (moves && scene.motion != nullptr) {
-    middle = scene;
-    if (auto done = set_time(*middle, motion->exposure.middle()); !done)
-      return fail(scene.source + ": " + done.error().message);
+    auto there = at_middle(scene, *motion);
+    if (!there) return fail(scene.source + ": " + there.error().message);
+    middle = std::move(*there);
   }
   const SceneDescription& shown = middle ? *middle : scene;
   const auto build = [&](bool with_hidden_groups, bool& again) {

@@ -129,4 +129,15 @@ double FilterMass::up_to(double x) const {
   return 0.5 * (1 + std::copysign(nearer, x));
 }
 
+FilmParameters film_parameters(const Film& film) {
+  FilmParameters made{};
+  made.width = film.width;
+  made.height = film.height;
+  made.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
+                : film.filter == FilterKind::kTent ? FILTER_TENT
+                                                   : FILTER_TABULATED;
+  made.filter_radius = film.filter_radius;
+  return made;
+}
+
 }  // namespace penumbra

@@ -41,4 +41,7 @@ class FilterMass {
   std::vector<double> nearer_;  ///< cumulative distribution of |x| at each knot
 };
 
+/// The film as kernels know it, except for `sky_coverage`.
+FilmParameters film_parameters(const Film& film);
+
 }  // namespace penumbra

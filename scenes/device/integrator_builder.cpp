@@ -1,5 +1,7 @@
 #include "scenes/device/integrator_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <climits>
 #include <limits>
@@ -266,6 +268,20 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
     h.features |= FEATURE_LIGHT_TREE;
   }
   set_estimator(integrator, lights, h);
+  return {};
+}
+
+Expected<void> check_split_light(const IntegratorSettings& integrator, const SceneHeader& header) {
+  if ((header.features & (FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER)) == 0u) return {};
+  const std::string_view name = method_name(integrator.method);
+  if (header.integrator.kind != INTEGRATOR_PATH || (header.features & FEATURE_PHOTONS) != 0u)
+    return fail(fmt::format(
+        "film.layers: integrator '{}' does not tell direct from indirect light; path and volpath do", name));
+  if (header.integrator.estimator != ESTIMATOR_SAMPLES)
+    return fail(
+        fmt::format("film.layers: integrator '{}' with closed forms of polygon lights does not tell direct "
+                    "from indirect light; set nee to sample and light_choice to auto",
+                    name));
   return {};
 }
 

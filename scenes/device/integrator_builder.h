@@ -27,4 +27,8 @@ EmitterSampling default_sampling(const IntegratorSettings& integrator, bool narr
 Expected<void> set_integrator(const IntegratorSettings& integrator, const LightBuilder& lights,
                               double scene_radius, SceneHeader& header);
 
+/// Error: the integrator cannot tell direct from indirect light, which layers ask for. The header's features
+/// and its fields of the integrator must be there.
+Expected<void> check_split_light(const IntegratorSettings& integrator, const SceneHeader& header);
+
 }  // namespace penumbra

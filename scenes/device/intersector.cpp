@@ -20,16 +20,19 @@ constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
-bool has_moving_surfaces(const SceneRecords& records) {
-  return !records.triangle_motions.empty() || !records.quadric_motions.empty() ||
-         !records.instance_motions.empty();
+/// How many triangles and quadrics do not move while the shutter is open; they come first.
+std::size_t still_triangles(const SceneRecords& records) {
+  return records.triangles.size() - records.triangle_motions.size();
+}
+std::size_t still_quadrics(const SceneRecords& records) {
+  return records.quadrics.size() - records.quadric_motions.size();
 }
 
-/// Collects distinct vertices and the triangles over them. Returns false if the scene is too large to test
-/// every primitive.
+/// Collects distinct vertices and the triangles over them, of what does not move. Returns false if the scene
+/// is too large to test every primitive.
 bool collect_corners(SceneRecords& records) {
-  if (!records.instances.empty() || has_moving_surfaces(records) ||
-      records.triangles.size() > MAX_WHOLE_TRIANGLES || records.quadrics.size() > kMaxWholeQuadrics)
+  if (!records.instances.empty() || still_triangles(records) > MAX_WHOLE_TRIANGLES ||
+      still_quadrics(records) > kMaxWholeQuadrics)
     return false;
   std::map<std::array<float, 3>, int> index;
   const auto find = [&](const vec3& p) {
@@ -37,7 +40,8 @@ bool collect_corners(SceneRecords& records) {
     if (added) records.vertices.push_back(p);
     return at->second;
   };
-  for (const Triangle& t : records.triangles) records.corners.push_back({find(t.p0), find(t.p1), find(t.p2)});
+  for (const Triangle& t : std::span(records.triangles).first(still_triangles(records)))
+    records.corners.push_back({find(t.p0), find(t.p1), find(t.p2)});
   return records.vertices.size() <= MAX_WHOLE_VERTICES;
 }
 
@@ -109,7 +113,7 @@ Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source
                        : choice == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                               : INTERSECTOR_PORTABLE;
   const bool portable = header.intersector == INTERSECTOR_PORTABLE;
-  if (portable && !(either && records.triangles.size() <= kMaxWholeTriangles)) {
+  if (portable && !(either && still_triangles(records) <= kMaxWholeTriangles)) {
     if (Expected<void> done = source.add_hierarchy(records); !done) return done;
     header.features |= FEATURE_BVH;
   }
@@ -126,8 +130,7 @@ Expected<void> add_intersector(IntersectorChoice choice, HierarchySource& source
 Expected<void> HierarchySource::add_hierarchy(SceneRecords& records, bool groups_alone) {
   std::vector<PrimitiveGroup> groups = records.groups;
   if (groups.empty())
-    groups.push_back({0, 0, int(records.triangles.size() - records.triangle_motions.size()), 0,
-                      int(records.quadrics.size() - records.quadric_motions.size())});
+    groups.push_back({0, 0, int(still_triangles(records)), 0, int(still_quadrics(records))});
   if (groups_alone) groups[0] = {};
   const std::size_t instances = groups_alone ? 0 : records.instances.size() - records.instance_motions.size();
   const HierarchyInput input = {.triangles = records.triangles,

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/device/beam_lights.h"
 #include "scenes/device/camera_builder.h"
+#include "scenes/device/quadric_record.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/transform.h"
 
@@ -21,34 +21,6 @@ glm::dmat4 regular(glm::dmat4 matrix, const glm::dmat4& middle) {
   if (!is_singular(matrix)) return matrix;
   for (int column = 0; column < 3; ++column) matrix[column] += kShareOfMiddle * middle[column];
   return matrix;
-}
-
-/// The quadric at the time of this geometry.
-Quadric moved(Quadric q, const Geometry& geometry, bool flipped,
-              const std::function<vec3(glm::dvec3)>& local) {
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-    q.center = local(sphere->center);
-    q.radius = float(sphere->radius);
-    q.x_axis = to_vec3(sphere->x_axis);
-    q.y_axis = to_vec3(sphere->y_axis);
-    q.normal = to_vec3(sphere->z_axis);
-  } else if (const auto* disk = std::get_if<Disk>(&geometry)) {
-    q.center = local(disk->center);
-    q.radius = float(disk->radius);
-    q.x_axis = to_vec3(disk->x_axis);
-    q.y_axis = to_vec3(disk->y_axis);
-    q.normal = to_vec3(flipped ? -disk->normal : disk->normal);
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
-    q.center = local(cylinder->center);
-    q.radius = float(cylinder->radius);
-    q.length = float(cylinder->length);
-    q.x_axis = to_vec3(cylinder->x_axis);
-    q.y_axis = to_vec3(cylinder->y_axis);
-    q.normal = to_vec3(cylinder->axis);
-  } else {
-    q.radius = kNoRadius;
-  }
-  return q;
 }
 
 std::vector<bool> shapes_with_states(const SceneDescription& scene, const ExposedMotion& motion) {
@@ -323,10 +295,20 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
     to.n1 = to_vec3(sign * mesh->normals[c.y]);
     to.n2 = to_vec3(sign * mesh->normals[c.z]);
   }
-  for (int i = 0; i < source.quadrics; ++i)
-    records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)] =
-        moved(records.quadrics[std::size_t(source.first_quadric + i)], shape->geometry, shape->flip_normals,
-              [&](glm::dvec3 p) { return local(p); });
+  for (int i = 0; i < source.quadrics; ++i) {
+    Quadric& to =
+        records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)];
+    const Quadric& record = records.quadrics[std::size_t(source.first_quadric + i)];
+    to = record;
+    if (const auto now = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
+      to = *now;
+      to.front = record.front;
+      to.back = record.back;
+      to.light = record.light;
+    } else {
+      to.radius = kNoRadius;
+    }
+  }
   return {};
 }
 
@@ -362,10 +344,8 @@ void MotionTables::add_light_states(SceneRecords& records, LightBuilder& lights)
       for (int s = 0; s < states; ++s) {
         const Quadric& q =
             records.quadric_states[std::size_t(source.quadric_states.first + s * source.quadrics + i)];
-        LightState& to = records.light_states[std::size_t(first + s)];
-        to.p0 = q.center;
-        if (q.kind != QUADRIC_SPHERE) to.p1 = q.normal;
-        to.p2 = make_vec3(q.radius, q.orientation, q.kind == QUADRIC_CYLINDER ? q.length : 0.0f);
+        const Light light = light_of_quadric(q);
+        records.light_states[std::size_t(first + s)] = {light.p0, light.p1, light.p2, {}, {}, {}};
       }
     }
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/glm.hpp>
 
+#include "scenes/device/device_scene_builder.h"
+#include "scenes/motion/exposure.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/scene_bounds.h"
 
@@ -50,6 +52,21 @@ double radius_about(const glm::dvec3& origin, const SceneDescription& scene, con
   const SceneBounds all = bounds_of(scene, placed);
   if (!moving.any()) return 0.5 * glm::length(all.high - all.low);
   return glm::length(glm::max(all.high - origin, origin - all.low));
+}
+
+glm::dvec3 scene_center(const SceneDescription& scene) {
+  const MovingParts moving = moving_parts(scene);
+  const auto center_of = [&](const SceneDescription& shown) {
+    const auto placed = place_groups(shown);
+    return origin_of(shown, moving, placed ? *placed : std::vector<PlacedGroup>());
+  };
+  // What is still determines it; only where all moves does it depend on the time.
+  const double middle = exposure_of(scene).middle();
+  if (!moving.any() || middle == scene.time) return center_of(scene);
+  const auto placed = place_groups(scene);
+  if (placed && !still_bounds(scene, moving, *placed).empty()) return center_of(scene);
+  SceneDescription shown = scene;
+  return set_time(shown, middle) ? center_of(shown) : center_of(scene);
 }
 
 }  // namespace penumbra

@@ -548,4 +548,10 @@ Expected<ExposedMotion> exposed_motion(const SceneDescription& scene) {
   return Tracker(scene).run();
 }
 
+Expected<SceneDescription> at_middle(const SceneDescription& scene, const ExposedMotion& motion) {
+  SceneDescription middle = scene;
+  if (auto done = set_time(middle, motion.exposure.middle()); !done) return std::unexpected(done.error());
+  return middle;
+}
+
 }  // namespace penumbra

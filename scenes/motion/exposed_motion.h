@@ -74,4 +74,7 @@ class PosedParts {
 /// those of set_time.
 Expected<ExposedMotion> exposed_motion(const SceneDescription& scene);
 
+/// The scene at the middle of the exposure. Errors: those of set_time.
+Expected<SceneDescription> at_middle(const SceneDescription& scene, const ExposedMotion& motion);
+
 }  // namespace penumbra

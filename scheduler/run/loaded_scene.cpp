@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <iterator>
 
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
@@ -134,6 +135,15 @@ Expected<ReadScene> read_scene_to_render(const SceneOptions& options) {
   return ReadScene{std::move(*description), sampler_replaced};
 }
 
+namespace {
+
+void add_device_warnings(LoadedScene& scene) {
+  std::ranges::move(scene.device_warnings, std::back_inserter(scene.description.warnings));
+  scene.device_warnings.clear();
+}
+
+}  // namespace
+
 Expected<LoadedScene> load_scene(const SceneOptions& options,
                                  const std::function<void(SceneDescription&)>& adjust) {
   const auto begin = std::chrono::steady_clock::now();
@@ -143,6 +153,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   auto scene = build_scene(*read, options);
   if (!scene) return scene;
   scene->description = std::move(read->description);
+  add_device_warnings(*scene);
   scene->seconds = seconds_since(begin);
   return scene;
 }
@@ -156,9 +167,12 @@ Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& opt
   if (kept != nullptr) device_options.earlier = &kept->scene;
   MatteNames mattes;
   if (options.cryptomatte) device_options.mattes = &mattes;
+  std::vector<std::string> warnings;
+  device_options.warnings = &warnings;
   auto device = build_device_scene(read.description, device_options);
   if (!device) return std::unexpected(device.error());
   LoadedScene scene{{}, std::move(*device), {}, std::move(mattes), {}, 0, {}};
+  scene.device_warnings = std::move(warnings);
   scene.boundary_names = boundary_names(read.description);
   scene.summary = summarize(scene.device);
   scene.sampler_replaced = read.sampler_replaced;
@@ -172,6 +186,7 @@ void reduce(LoadedScene& scene, const SceneDescription& description) {
   scene.center = scene_center(description);
   scene.description = polygon_lights_of(description);
   scene.description.motion.reset();
+  add_device_warnings(scene);
 }
 
 }  // namespace penumbra

@@ -34,6 +34,8 @@ struct LoadedScene {
   double seconds = 0;             ///< load time
   std::shared_ptr<const KeptFrame> kept = {};  ///< of the same shot, or null
   glm::dvec3 center{0.0};                      ///< see scene_center; set by reduce
+  /// Of the device scene, until they are among the description's.
+  std::vector<std::string> device_warnings = {};
 };
 
 /// Frees the description's shapes except polygon_lights_of it. Meshes and images are also in the device

@@ -31,7 +31,7 @@ struct Mover {
 /// A mover for a part of the time, from one of its states to another.
 struct Reference {
   int mover = 0, first_step = 0, last_step = 0;
-  Box swept;
+  Box swept = {};
   float begin = 0, end = 0;
 };
 
@@ -191,7 +191,7 @@ class MotionTreeBuilder {
     }
     const int stride = mover.steps / parts;
     for (int s = 0; s < mover.steps; s += stride) {
-      Reference reference{.mover = index, .first_step = s, .last_step = s + stride, .swept = {}};
+      Reference reference{.mover = index, .first_step = s, .last_step = s + stride};
       for (int k = s; k <= s + stride; ++k) reference.swept.include(boxes[std::size_t(k)]);
       reference.begin = float(s) / float(mover.steps);
       reference.end = float(s + stride) / float(mover.steps);
@@ -283,11 +283,12 @@ class MotionTreeBuilder {
     if (best_axis >= 0) {
       std::vector<int> above;
       std::size_t below = 0;
-      for (const int item : items)
+      for (const int item : items) {
         if (bin_of(item, best_axis) <= best_bin)
           items[below++] = item;
         else
           above.push_back(item);
+      }
       std::ranges::copy(above, items.begin() + std::ptrdiff_t(below));
       return below;
     }

@@ -214,11 +214,26 @@ TEST_F(MotionTablesTest, AnEarlierFrameGivesTheSameBytes) {
 
 TEST_F(MotionTablesTest, EverythingMayMove) {
   const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
-  const DeviceScene device =
-      built(open("<shape type='sphere'>" + light + moving("", "<translate x='1'/>") + "</shape>"));
-  EXPECT_EQ(device.header.tables.quadric_motions.count, 1);
-  EXPECT_EQ(device.header.tables.nodes.count, 1);
-  EXPECT_TRUE(DeviceScene::deserialize(device.serialize()));
+  const std::string lamp = "<shape type='sphere'>" + light + moving("", "<translate x='1'/>") + "</shape>";
+  const DeviceScene primitive = built(open(lamp));
+  EXPECT_EQ(primitive.header.tables.quadric_motions.count, 1);
+  EXPECT_TRUE(DeviceScene::deserialize(primitive.serialize()));
+  const DeviceScene instance =
+      built(open(lamp + "<shape type='cube'>" + moving("", "<translate x='1'/>") + "</shape>"));
+  EXPECT_TRUE(DeviceScene::deserialize(instance.serialize()));
+  EXPECT_EQ(instance.header.tables.instance_motions.count, 1);
+  ASSERT_GE(instance.header.tables.nodes.count, 2);
+  const BvhNode root = kernel_scene(instance).nodes[0];
+  for (int k = 0; k < BVH_WIDTH; ++k) EXPECT_GT(root.bounds[0][k], root.bounds[3][k]);
+}
+
+TEST_F(MotionTablesTest, SmallScenesTestWhatIsStill) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  const DeviceScene device = built(open(std::string(kStill) + "<shape type='cube'>" + light +
+                                        moving("", "<translate x='1'/>") + "</shape>"));
+  EXPECT_EQ(device.header.features & FEATURE_BVH, 0u);
+  EXPECT_EQ(device.header.tables.triangle_motions.count, 12);
+  EXPECT_EQ(device.header.tables.corners.count, 4);
 }
 
 /// Points that move, with the box of each at any time.
