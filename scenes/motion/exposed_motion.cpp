@@ -227,12 +227,7 @@ class Tracker {
     return place.node >= 0 && moves_[std::size_t(place.node)];
   }
   [[nodiscard]] glm::dmat4 matrix_at(const NodePlace& place, double time) const {
-    glm::dmat4 matrix = place.to_node;
-    for (int n = place.node; n >= 0; n = motion_.nodes[std::size_t(n)].parent) {
-      const MovingNode& node = motion_.nodes[std::size_t(n)];
-      matrix = (node.keys ? transform_at(*node.keys, time) : node.to_parent) * matrix;
-    }
-    return matrix;
+    return penumbra::matrix_at(motion_, place, time);
   }
 
   void warn(const std::string& what, const StepChoice& choice) {
@@ -492,6 +487,15 @@ class Tracker {
 
 }  // namespace
 
+glm::dmat4 matrix_at(const SceneMotion& motion, const NodePlace& place, double time) {
+  glm::dmat4 matrix = place.to_node;
+  for (int n = place.node; n >= 0; n = motion.nodes[std::size_t(n)].parent) {
+    const MovingNode& node = motion.nodes[std::size_t(n)];
+    matrix = (node.keys ? transform_at(*node.keys, time) : node.to_parent) * matrix;
+  }
+  return matrix;
+}
+
 int ExposedMotion::state_at(std::size_t k, int steps) {
   if (steps == 0) return -1;
   if (k > std::size_t(kFinestSteps)) return steps + int(k) - kFinestSteps;
@@ -548,9 +552,44 @@ Expected<ExposedMotion> exposed_motion(const SceneDescription& scene) {
   return Tracker(scene).run();
 }
 
-Expected<SceneDescription> at_middle(const SceneDescription& scene, const ExposedMotion& motion) {
+Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotion& motion) {
   SceneDescription middle = scene;
-  if (auto done = set_time(middle, motion.exposure.middle()); !done) return std::unexpected(done.error());
+  const double time = motion.exposure.middle();
+  if (auto done = set_time(middle, time); !done) return std::unexpected(done.error());
+  const std::vector<MovingInstance>& instances = scene.motion->instances;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    ShapeInstance& instance = middle.instances[instances[i].instance];
+    const auto regular = std::ranges::find_if_not(motion.instances[i].to_world, is_singular);
+    if (!instance.hidden || regular == motion.instances[i].to_world.end()) continue;
+    instance.hidden = false;
+    instance.to_world = *regular;
+  }
+  const std::vector<MovingShape>& shapes = scene.motion->shapes;
+  const auto shape_of = [](SceneDescription& of, const MovingShape& moving) -> Shape& {
+    return moving.group < 0 ? of.shapes[moving.shape]
+                            : of.groups[std::size_t(moving.group)].shapes[moving.shape];
+  };
+  const auto is_empty = [](const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+    return mesh != nullptr && mesh->triangles.empty();
+  };
+  std::vector<std::size_t> empty;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    motion.shapes[i].shown_at = time;
+    if (motion.shapes[i].steps > 0 && is_empty(shape_of(middle, shapes[i]))) empty.push_back(i);
+  }
+  if (empty.empty()) return middle;
+  SceneDescription other = scene;
+  for (int k = 0; k <= kFinestSteps && !empty.empty(); ++k) {
+    const double then = motion.times[std::size_t(k)];
+    if (auto done = set_time(other, then); !done) return std::unexpected(done.error());
+    std::erase_if(empty, [&](std::size_t i) {
+      if (is_empty(shape_of(other, shapes[i]))) return false;
+      shape_of(middle, shapes[i]).geometry = shape_of(other, shapes[i]).geometry;
+      motion.shapes[i].shown_at = then;
+      return true;
+    });
+  }
   return middle;
 }
 

@@ -236,6 +236,44 @@ TEST_F(MotionTablesTest, SmallScenesTestWhatIsStill) {
   EXPECT_EQ(device.header.tables.corners.count, 4);
 }
 
+TEST_F(MotionTablesTest, WhatHasNoSizeAtATimeKeepsItsRecords) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'/><shape type='cube'>" + light +
+           "</shape><shape type='sphere'>" + light +
+           "</shape><shape type='shapegroup' id='g'><shape type='cube'/></shape><shape type='instance'><ref "
+           "id='g'/></shape>");
+  ASSERT_EQ(scene.shapes.size(), 5u);
+  ASSERT_EQ(scene.instances.size(), 1u);
+  // Everything shrinks to nothing at the middle and grows again.
+  auto motion = std::make_shared<SceneMotion>();
+  KeyedTransform keys;
+  keys.stretch = {.times = {0, 0.5, 1}, .values = {glm::dmat3(1), glm::dmat3(0), glm::dmat3(2)}};
+  motion->nodes.push_back({.keys = keys});
+  for (std::size_t i = 2; i < 5; ++i)
+    motion->shapes.push_back({.shape = i, .rest = scene.shapes[i].geometry, .place = {.node = 0}});
+  motion->instances.push_back({0, {.node = 0}});
+  scene.motion = motion;
+  const DeviceScene device = built(scene);
+  const TableSpans& t = device.header.tables;
+  EXPECT_EQ(t.instance_motions.count, 2);
+  EXPECT_EQ(t.triangle_motions.count, 12);
+  EXPECT_EQ(t.quadric_motions.count, 1);
+  const Scene s = kernel_scene(device);
+  for (int i = 0; i < t.instance_states.count; ++i) EXPECT_TRUE(std::isfinite(s.instance_states[i].at.x));
+  // At the middle they are points; at the end they are as large as they should be.
+  EXPECT_LT(quadric_at(&s, 0, 0.5f).radius, 1e-12f);
+  EXPECT_NEAR(quadric_at(&s, 0, 1.0f).radius, 2, 1e-6);
+  const TriangleState middle = triangle_at(&s, s.shutter->still_triangles, 0.5f);
+  EXPECT_EQ(length3(cross3(sub(middle.p1, middle.p0), sub(middle.p2, middle.p0))), 0.0f);
+  for (int i = 0; i < 2; ++i) {
+    const Instance end = instance_at(&s, s.shutter->still_instances + i, 1.0f),
+                   start = instance_at(&s, s.shutter->still_instances + i, 0.0f);
+    EXPECT_NEAR(end.x.x / start.x.x, 2, 1e-5);
+    EXPECT_LT(instance_at(&s, s.shutter->still_instances + i, 0.5f).x.x, 1e-5f);
+  }
+}
+
 /// Points that move, with the box of each at any time.
 void expect_contained(const Scene& s, int mover, bool is_instance, float time, const vec3& p, int at = 0) {
   bool inside = false;
