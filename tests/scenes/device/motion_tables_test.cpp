@@ -274,6 +274,50 @@ TEST_F(MotionTablesTest, WhatHasNoSizeAtATimeKeepsItsRecords) {
   }
 }
 
+TEST_F(MotionTablesTest, WorkersRefuseTablesThatDoNotFit) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  const DeviceScene good =
+      built(open(std::string(kStill) + "<shape type='cube'>" + light + moving("", "<translate x='1'/>") +
+                     "</shape><shape type='sphere'>" + moving("", "<translate x='1'/>") + "</shape>",
+                 moving("<translate z='-9'/>", "<translate z='-8'/>")));
+  ASSERT_TRUE(check_device_scene(good));
+  const auto expect_refused = [&](const char* what, auto table_of, auto change) {
+    DeviceScene bad = good;
+    const TableSpan span = table_of(bad.header.tables);
+    change(bad, bad.words.data() + span.offset);
+    const auto checked = check_device_scene(bad);
+    EXPECT_FALSE(checked) << what;
+    if (!checked) EXPECT_THAT(checked.error().message, HasSubstr(what));
+  };
+#define CHANGED(table, Record, change)                                                  \
+  [](const TableSpans& t) { return t.table; }, [](DeviceScene&, std::uint32_t* words) { \
+    auto& record = *reinterpret_cast<Record*>(words);                                   \
+    change;                                                                             \
+  }
+  expect_refused("triangles that move do not match", CHANGED(shutter, Shutter, ++record.still_triangles));
+  expect_refused("quadrics that move do not match", CHANGED(shutter, Shutter, --record.still_quadrics));
+  expect_refused("instances that move do not match", CHANGED(shutter, Shutter, --record.still_instances));
+  expect_refused("camera's states", CHANGED(shutter, Shutter, ++record.camera_steps));
+  expect_refused("outside of the shutter's time", CHANGED(shutter, Shutter, record.exposure = 1.5f));
+  expect_refused("curve without its knots", CHANGED(shutter, Shutter, record.curve_knots = 1000));
+  expect_refused("curve of implausible numbers", CHANGED(shutter_curve, float, record = -1));
+  expect_refused("state that is not there", CHANGED(triangle_motions, Motion, record.first = 1 << 20));
+  expect_refused("state that is not there", CHANGED(instance_motions, Motion, record.stride = 1 << 20));
+  expect_refused("implausible number of steps", CHANGED(triangle_motions, Motion, record.steps = 0));
+  expect_refused("implausible number of steps", CHANGED(instance_motions, Motion, record.steps = 65));
+  expect_refused("leaf that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = ~1000));
+  expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 1000));
+  expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 0));
+  expect_refused("names a primitive that does not",
+                 CHANGED(motion_leaves, MotionLeaf, record.primitive[7] = 0));
+  expect_refused("names an instance that does not",
+                 CHANGED(motion_leaves, MotionLeaf, record.instance[7] = 9));
+#undef CHANGED
+  DeviceScene bad = good;
+  bad.header.features &= ~std::uint64_t(FEATURE_MOTION);
+  EXPECT_FALSE(check_device_scene(bad));
+}
+
 /// Points that move, with the box of each at any time.
 void expect_contained(const Scene& s, int mover, bool is_instance, float time, const vec3& p, int at = 0) {
   bool inside = false;
