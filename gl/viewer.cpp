@@ -78,6 +78,7 @@ Expected<void> Viewer::update() {
       return done;
   }
   if (Expected<void> done = look_after_scheduler(); !done) return done;
+  blur_at_rest();
   refine();
   return {};
 }
@@ -103,7 +104,10 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   status_.named_layers = job.layers;
   status_.named_layers.insert(status_.named_layers.end(), {"samples", "variance"});
   analytic_.reset();
-  status_.hybrid = job.hybrid && scene_ != nullptr;
+  const bool moves = header_ && (header_->features & FEATURE_MOTION) != 0u;
+  if (job.hybrid && moves)
+    say("the closed form that a window draws is of one instant: what moves is shown by samples alone");
+  status_.hybrid = job.hybrid && scene_ != nullptr && !moves;
   if (status_.hybrid) {
     if (auto made = AnalyticPass::create(*scene_)) {
       analytic_ = std::move(*made);

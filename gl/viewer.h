@@ -56,7 +56,9 @@ class Viewer {
   void act(Action action);
   /// To be called before any news: refines any scene automatically.
   void refine_from_the_start() { settings_.automatic = true; }
-  void set_pose(const CameraPose& pose);
+  /// `steering`: the camera goes on moving soon. Until it rests, what moves is shown as in the middle of the
+  /// exposure, without blur.
+  void set_pose(const CameraPose& pose, bool steering = false);
   void set_alpha(float alpha);
   void set_exposure(float stops) { settings_.exposure = stops; }
   void set_view(const ImageView& view) { settings_.view = view; }
@@ -137,6 +139,7 @@ class Viewer {
   void toggle_automatic();
   void reset_camera();
   void show_pose();
+  void blur_at_rest();
   void forget_samples();
   void reload();
   void save_view();
@@ -205,6 +208,7 @@ class Viewer {
 
   std::optional<Clock::time_point> asked_;  // when samples were requested of which no tile has arrived
   std::uint32_t asked_spp_ = 0;
+  std::optional<Clock::time_point> steered_;     // when the camera moved last, until it rests
   std::uint32_t samples_before_connection_ = 0;  // requested when there was none yet
   std::uint32_t requested_spp_ = 0;  // samples per pixel of the current view that this window requested
   int starts_without_success_ = 0;

@@ -18,6 +18,7 @@ namespace {
 // wait, and little enough that it stops quickly.
 constexpr double kSecondsAhead = 0.3;
 constexpr double kLeastSppAhead = 2, kMostSppAhead = 256;
+constexpr double kSecondsToRest = 0.25;
 constexpr double kOrbitStep = std::numbers::pi / 36, kDollyStep = 0.9;
 constexpr const char* kNoFurtherSamples =
     "warning: this render takes the samples that it was asked for, and no others";
@@ -131,13 +132,21 @@ void Viewer::refine() {
   want_samples(status_.spp_done + std::uint32_t(ahead));
 }
 
-void Viewer::set_pose(const CameraPose& pose) {
+void Viewer::set_pose(const CameraPose& pose, bool steering) {
   if (!can_steer()) {
     say("warning: the camera of this render cannot be moved");
     return;
   }
   pose_ = pose;
   moved_ = true;
+  const bool moves = (header_->features & FEATURE_MOTION) != 0u;
+  steered_ = steering && moves ? std::optional(Clock::now()) : std::nullopt;
+  show_pose();
+}
+
+void Viewer::blur_at_rest() {
+  if (!steered_ || seconds_since(*steered_) < kSecondsToRest || !can_steer()) return;
+  steered_.reset();
   show_pose();
 }
 
@@ -157,6 +166,7 @@ void Viewer::show_pose() {
   if (moved_) set_camera(pose_, header);
   view_.camera = header.camera;
   view_.adjustable.alpha = settings_.alpha;
+  view_.adjustable.frozen = steered_ ? 1.0f : 0.0f;
   client_->change_view(view_);
   forget_samples();
 }
@@ -194,21 +204,23 @@ void Viewer::handle(const WindowEvents& events) {
   const double per_pixel = 1.0 / std::max(window_.height(), 1);
   if (events.orbit_x != 0 || events.orbit_y != 0)
     set_pose(orbit(pose_, -side * events.orbit_x * per_pixel * kRadiansPerHeight,
-                   events.orbit_y * per_pixel * kRadiansPerHeight));
+                   events.orbit_y * per_pixel * kRadiansPerHeight),
+             true);
   if (events.pan_x != 0 || events.pan_y != 0) {
     // The target follows the mouse.
     const double distance = glm::length(pose_.at - pose_.eye);
     const double height = 2 * double(length3(header_->camera.y)) * distance * per_pixel;
-    set_pose(move(pose_, -side * events.pan_x * height, events.pan_y * height, 0));
+    set_pose(move(pose_, -side * events.pan_x * height, events.pan_y * height, 0), true);
   }
-  if (events.wheel != 0) set_pose(dolly(pose_, std::pow(kDollyStep, events.wheel)));
+  if (events.wheel != 0) set_pose(dolly(pose_, std::pow(kDollyStep, events.wheel)), true);
 }
 
 void Viewer::act(Action action) {
   stale_ = true;
   if (change_display(action, status_.hybrid, settings_) || act_on_shot(action)) return;
   const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
-  if (const auto pose = step_camera(action, pose_, step_length(pose_, extent_), side)) return set_pose(*pose);
+  if (const auto pose = step_camera(action, pose_, step_length(pose_, extent_), side))
+    return set_pose(*pose, true);
   const std::array<double, 2> middle{picture_area_.x + 0.5 * picture_area_.width,
                                      picture_area_.y + 0.5 * picture_area_.height};
   switch (action) {
@@ -275,6 +287,7 @@ void Viewer::reset_camera() {
   if (!can_steer()) return;
   pose_ = scene_pose_;
   moved_ = false;
+  steered_.reset();
   show_pose();
 }
 

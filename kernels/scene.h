@@ -53,6 +53,7 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 LOADED_RECORD(Instance, instance, INSTANCE_FIELDS)
 LOADED_RECORD(Quadric, quadric, QUADRIC_FIELDS)
 LOADED_RECORD(Light, light, LIGHT_FIELDS)
+LOADED_RECORD(Beam, beam, BEAM_FIELDS)
 LOADED_RECORD(Motion, motion, MOTION_FIELDS)
 #undef LOADED_RECORD
 #undef LOAD_MEMBER

@@ -112,7 +112,7 @@ PENUMBRA_NAMESPACE_BEGIN
   16777216.0f                 // 2^24: probabilities in the light hierarchy are multiples of its inverse
 #define LIGHT_CUT 16          // largest number of nodes where descents through the light hierarchy may start
 #define MAX_PHOTONS 16777216  // largest number of photons that are emitted for a map
-#define MOST_MOTION_STEPS 64  // largest number of steps of a motion
+#define MOST_MOTION_STEPS 64  // of what moves while the shutter is open
 #define MAX_BRANCH_DEPTH 8    // largest number of surfaces in a row at which a path may branch
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of the table of linearly transformed cosines

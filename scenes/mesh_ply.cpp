@@ -58,7 +58,7 @@ std::optional<Type> type_named(std::string_view name) {
 }
 
 /// The fields of a vertex. -1 means an ignored property.
-enum Field : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kFields };
+enum PlyField : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kFields };
 int field_named(std::string_view name) {
   static constexpr std::pair<std::string_view, int> kNames[] = {
       {"x", kX},        {"y", kY},         {"z", kZ},     {"nx", kNormalX},  {"ny", kNormalY},

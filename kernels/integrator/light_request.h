@@ -36,13 +36,17 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   return request;
 }
 
-STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                                const PRIVATE Closures* RESTRICT closures,
-                                PRIVATE ShadingPoints* RESTRICT points) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
-}
+#define SHADING_POINT_LANES(stage, strategies)                                                          \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,               \
+                   const PRIVATE Closures* RESTRICT closures, PRIVATE ShadingPoints* RESTRICT points) { \
+    LANE_LOOP                                                                                           \
+      for (int j = 0; j < LANES; j++)                                                                   \
+        store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j,     \
+                            strategies);                                                                \
+  }
+SHADING_POINT_LANES(store_shading_points, 0u)
+SHADING_POINT_LANES(store_moving_shading_points, FEATURE_MOTION)
+#undef SHADING_POINT_LANES
 
 STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
                                 const PRIVATE Closures* RESTRICT closures,
@@ -76,7 +80,10 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
-  store_shading_points(scene, surfaces, closures, &points);
+  if (NEEDS_MOTION(scene))
+    store_moving_shading_points(scene, surfaces, closures, &points);
+  else
+    store_shading_points(scene, surfaces, closures, &points);
   if (NEEDS_LTC(scene)) store_control_points(surfaces, closures, controls, &points);
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
@@ -100,56 +107,76 @@ FN vec3 projected_about(vec3 normal, Closure c) {
   return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
 }
 
+/// The lights that lanes sample by projected solid angle: those that `chosen` names, or that are chosen by
+/// power. The rests of the numbers that choose them are for points on them.
+STAGE void take_projected_lights(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT chosen,
+                                 const PRIVATE float* RESTRICT u, PRIVATE int* RESTRICT lights,
+                                 PRIVATE float* RESTRICT numbers) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float number = u[DIM_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
+      const bool is_chosen = chosen[j] >= 0;
+      lights[j] = is_chosen ? chosen[j] : by_power.light;
+      numbers[j] = is_chosen ? number : by_power.u;
+    }
+}
+
 /// Projected solid angles of the lights that were chosen by power, or through the hierarchy.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                            const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
-                            const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
+                            const PRIVATE Closures* RESTRICT closures,
+                            const PRIVATE PlacedParts* RESTRICT parts, const PRIVATE int* RESTRICT chosen,
+                            PRIVATE double* RESTRICT projected) {
   const bool by_tree = NEEDS_LIGHT_TREE(scene);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LightReceiver r = receiver_of(load_surface(receivers, j));
-      const ChosenLight by_power =
-          choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
-      const int index = by_tree ? chosen[j] : by_power.light;
-      GLOBAL const Light* light = scene->lights + index;
+      const int index = parts->lights[j];
+      const Light light = placed_part(scene, parts, j);
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
       const bool none = is_own_light(scene, r, index) | lets_light_through(load_closure(closures, j));
       projected[j] = (!by_tree & (chosen[j] >= 0)) ? projected[j] : (none ? 0.0 : e);
     }
 }
 
-/// Samples directions by projected solid angle towards the chosen lights.
+/// Samples directions by projected solid angle towards the lights.
 STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                                   const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
+                                   const PRIVATE PlacedParts* RESTRICT parts,
+                                   const PRIVATE float* RESTRICT numbers, const PRIVATE float* RESTRICT v,
+                                   const PRIVATE double* RESTRICT projected,
                                    PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const float number = u[DIM_LIGHT_U * LANES + j];
-      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
-      const int chosen = samplings->light[j];
-      const bool is_chosen = chosen >= 0;
-      sample_projected_light(scene, receiver_of(load_surface(receivers, j)),
-                             is_chosen ? chosen : by_power.light, (float)projected[j],
-                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
-    }
+    for (int j = 0; j < LANES; j++)
+      sample_projected_light(placed_part(scene, parts, j), receiver_of(load_surface(receivers, j)),
+                             (float)projected[j], numbers[j], v[j], samplings, j);
+}
+
+/// The lights that rays hit, at the rays' times.
+FN void place_found(const PRIVATE Scene* scene, const PRIVATE FoundLights* found,
+                    PRIVATE PlacedParts* parts) {
+  for (int j = 0; j < LANES; j++) parts->lights[j] = found->light[j] >= 0 ? found->light[j] : 0;
+  place_lights(scene, parts->lights, found->time, &parts->places);
 }
 
 /// Pdfs, for MIS, of the lights that the last rays hit, as sampled at these surfaces.
-STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE PlacedParts* RESTRICT parts,
+                         const PRIVATE Surfaces* RESTRICT receivers,
                          const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 n = projected_about(LOAD_LANE_vec3(receivers->shading, j), load_closure(closures, j));
-      found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n);
+      found->projected_pdf[j] =
+          projected_density(placed_part(scene, parts, j), load_found_light(found, j), n);
     }
 }
 /// The same, as sampled at the surfaces that the paths left.
-STAGE void projected_pdfs_of_hit_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+STAGE void projected_pdfs_of_hit_lights(const PRIVATE Scene* scene, const PRIVATE PlacedParts* RESTRICT parts,
+                                        const PRIVATE PathState* paths, int i,
                                         PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      found->projected_pdf[j] =
-          projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j));
+      found->projected_pdf[j] = projected_density(placed_part(scene, parts, j), load_found_light(found, j),
+                                                  get_left_normal(paths, i + j));
 }
 
 /// Stores the surfaces' normals: the next rays leave these surfaces.
@@ -164,22 +191,18 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVAT
 // The same three functions for closures with control lobes.
 STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                const PRIVATE Closures* RESTRICT closures,
-                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
+                               const PRIVATE ControlLanes* RESTRICT controls,
+                               const PRIVATE PlacedParts* RESTRICT parts,
+                               const PRIVATE float* RESTRICT numbers, const PRIVATE float* RESTRICT v,
                                PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(receivers, j);
-      const float number = u[DIM_LIGHT_U * LANES + j];
-      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
-      const int chosen = samplings->light[j];
-      const bool is_chosen = chosen >= 0;
-      const int light = is_chosen ? chosen : by_power.light;
       const LightReceiver r = receiver_of(s);
-      sample_lobes_light(scene, r,
+      sample_lobes_light(placed_part(scene, parts, j), r,
                          receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
                                         load_control_lobes(controls, j)),
-                         light, is_own_light(scene, r, light), is_chosen ? number : by_power.u,
-                         u[DIM_LIGHT_V * LANES + j], samplings, j);
+                         is_own_light(scene, r, parts->lights[j]), numbers[j], v[j], samplings, j);
     }
 }
 FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
@@ -190,7 +213,8 @@ FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
   r.specular = get_left_specular(paths, i);
   return r;
 }
-STAGE void project_found_lobes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+STAGE void project_found_lobes(const PRIVATE Scene* scene, const PRIVATE PlacedParts* RESTRICT parts,
+                               const PRIVATE Surfaces* RESTRICT receivers,
                                const PRIVATE Closures* RESTRICT closures,
                                const PRIVATE ControlLanes* RESTRICT controls,
                                PRIVATE FoundLights* RESTRICT found) {
@@ -199,14 +223,17 @@ STAGE void project_found_lobes(const PRIVATE Scene* scene, const PRIVATE Surface
       const Surface s = load_surface(receivers, j);
       const ReceiverLobes lobes = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
                                                  load_control_lobes(controls, j));
-      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
+      found->projected_pdf[j] =
+          lobes_density(placed_part(scene, parts, j), load_found_light(found, j), lobes);
     }
 }
-STAGE void project_found_lobes_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+STAGE void project_found_lobes_of_paths(const PRIVATE Scene* scene, const PRIVATE PlacedParts* RESTRICT parts,
+                                        const PRIVATE PathState* paths, int i,
                                         PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), left_lobes(paths, i + j));
+      found->projected_pdf[j] =
+          lobes_density(placed_part(scene, parts, j), load_found_light(found, j), left_lobes(paths, i + j));
 }
 STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures,
@@ -227,21 +254,30 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
 /// these surfaces.
 FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE FoundLights* found) {
+  PlacedParts parts;
+  place_found(scene, found, &parts);
   if (NEEDS_LTC(scene)) {
-    project_found_lobes_of_paths(scene, paths, i, found);
+    project_found_lobes_of_paths(scene, &parts, paths, i, found);
     return;
   }
-  projected_pdfs_of_hit_lights(scene, paths, i, found);
+  projected_pdfs_of_hit_lights(scene, &parts, paths, i, found);
+}
+FN void project_at_surfaces(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                            const PRIVATE Closures* closures, const PRIVATE ControlLanes* controls,
+                            PRIVATE FoundLights* found) {
+  PlacedParts parts;
+  place_found(scene, found, &parts);
+  if (NEEDS_LTC(scene)) {
+    project_found_lobes(scene, &parts, surfaces, closures, controls, found);
+    return;
+  }
+  project_found(scene, &parts, surfaces, closures, found);
 }
 FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
                               const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
-  if (NEEDS_LTC(scene)) {
-    ControlLanes controls;
-    find_controls(scene, families, closures, surfaces, &controls);
-    project_found_lobes(scene, surfaces, closures, &controls, found);
-    return;
-  }
-  project_found(scene, surfaces, closures, found);
+  ControlLanes controls;
+  if (NEEDS_LTC(scene)) find_controls(scene, families, closures, surfaces, &controls);
+  project_at_surfaces(scene, surfaces, closures, &controls, found);
 }
 
 /// What the choice of lights depends on: position and normal. The normal is 0 for closures that transmit
@@ -348,25 +384,28 @@ CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, 
   if (HAS(LIGHT_TREE) && (request.tree | request.tree_found))
     request_by_tree(scene, request, finds, step, paths, i);
   if (!HAS(PROJECTED)) return;
-  if (NEEDS_LTC(scene)) {
-    if (request.found & finds & request.path) project_found_lobes_of_paths(scene, paths, i, &step->found);
-    if (request.found & finds & !request.path)
-      project_found_lobes(scene, &step->surfaces, &step->closures, &step->controls, &step->found);
-    if (request.found & request.path)
+  if (request.found & finds & request.path) project_from_left(scene, paths, i, &step->found);
+  if (request.found & finds & !request.path)
+    project_at_surfaces(scene, &step->surfaces, &step->closures, &step->controls, &step->found);
+  if (request.found & request.path) {
+    if (NEEDS_LTC(scene))
       note_left_lobes(paths, i, &step->surfaces, &step->closures, &step->controls);
-    if (request.projected)
-      sample_lobes_lights(scene, &step->surfaces, &step->closures, &step->controls, step->u,
-                          &step->samplings);
+    else
+      note_left_normals(paths, i, &step->surfaces, &step->closures);
+  }
+  if (!request.projected) return;
+  PlacedParts parts;
+  float numbers[LANES];
+  const PRIVATE float* v = step->u + DIM_LIGHT_V * LANES;
+  take_projected_lights(scene, step->samplings.light, step->u, parts.lights, numbers);
+  place_lights(scene, parts.lights, step->surfaces.time, &parts.places);
+  if (NEEDS_LTC(scene)) {
+    sample_lobes_lights(scene, &step->surfaces, &step->closures, &step->controls, &parts, numbers, v,
+                        &step->samplings);
     return;
   }
-  if (request.found & finds & request.path) projected_pdfs_of_hit_lights(scene, paths, i, &step->found);
-  if (request.found & finds & !request.path)
-    project_found(scene, &step->surfaces, &step->closures, &step->found);
-  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, &step->closures);
-  if (request.projected)
-    project_by_power(scene, &step->surfaces, &step->closures, step->samplings.light, step->u, projected);
-  if (request.projected)
-    sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
+  project_by_power(scene, &step->surfaces, &step->closures, &parts, step->samplings.light, projected);
+  sample_projected_lights(scene, &step->surfaces, &parts, numbers, v, projected, &step->samplings);
 }
 
 PENUMBRA_NAMESPACE_END

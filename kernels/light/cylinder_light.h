@@ -9,11 +9,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(cylinder)
 
-FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
-  const vec3 center = load3(&light->p0), axis = load3(&light->p1);
-  const float radius = light->p2.x, orientation = light->p2.y, length = light->p2.z;
+FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                      LightReceiver r, float u, float v, ulong strategies) {
+  const vec3 center = light.p0, axis = light.p1;
+  const float radius = light.p2.x, orientation = light.p2.y, length = light.p2.z;
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const vec3 outward = from_frame(axis, cosine, sine, 0.0f);
@@ -24,8 +23,7 @@ FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, Lig
   s.spread = dot3(abs3(outward), add(abs3(center), make_vec3(reach, reach, reach)));
   s.pdf = 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on =
-        cylinder_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), length);
+    const TexturePoint on = cylinder_uv(to_light_axes(axes, from_center), length);
     s.at.u = on.u;
     s.at.v = on.v;
   }

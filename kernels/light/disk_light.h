@@ -9,11 +9,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(disk)
 
-FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                  ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
-  const vec3 center = load3(&light->p0), normal = load3(&light->p1);
-  const float radius = light->p2.x, root = SQRT(u);
+FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                  LightReceiver r, float u, float v, ulong strategies) {
+  const vec3 center = light.p0, normal = light.p1;
+  const float radius = light.p2.x, root = SQRT(u);
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const vec3 from_center = from_frame(normal, radius * root * cosine, radius * root * sine, 0.0f);
@@ -22,7 +21,7 @@ FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightRe
   s.spread = dot3(abs3(normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on = disk_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), radius);
+    const TexturePoint on = disk_uv(to_light_axes(axes, from_center), radius);
     s.at.u = on.u;
     s.at.v = on.v;
   }

@@ -17,17 +17,16 @@ PENUMBRA_NAMESPACE_BEGIN
 
 LIGHT_EMITS_UNIFORMLY(environment)
 
-FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                        float v, LightSampling sampling, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
+FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                        LightReceiver r, float u, float v, LightSampling sampling,
+                                        ulong strategies) {
   LightSample s = toward_infinity(r, sample_uniform_sphere(u, v));
   s.pdf = 0.25f * INV_PI_F;
   s.radiance = environment_light_radiance(scene, light, light_point(s.origin, negate(s.wi)), s.wi);
   return s;
 }
 
-FN float environment_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                               ulong strategies) {
+FN float environment_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
   return 0.25f * INV_PI_F;
 }
 
@@ -49,9 +48,8 @@ FN EnvmapPoint envmap_point(EnvironmentMap map, float x, float y) {
 }
 
 /// The grid point of the unit direction, and the sine of its angle to the axis.
-FN EnvmapPoint envmap_at(GLOBAL const Light* light, EnvironmentMap map, vec3 wi, PRIVATE float* sine) {
-  const float x = dot3(load3(&light->p0), wi), y = dot3(load3(&light->p1), wi),
-              z = dot3(load3(&light->p2), wi);
+FN EnvmapPoint envmap_at(Light light, EnvironmentMap map, vec3 wi, PRIVATE float* sine) {
+  const float x = dot3(light.p0, wi), y = dot3(light.p1, wi), z = dot3(light.p2, wi);
   const float turns = atan2_f(x, -z) * (0.5f * INV_PI_F);
   const float u = turns < 0.0f ? turns + 1.0f : turns;
   const float column = u * (float)map.width - 0.5f;
@@ -62,13 +60,12 @@ FN EnvmapPoint envmap_at(GLOBAL const Light* light, EnvironmentMap map, vec3 wi,
 }
 
 /// The direction of a grid point, and the sine of its angle to the axis.
-FN vec3 envmap_direction(GLOBAL const Light* light, EnvironmentMap map, float x, float y,
-                         PRIVATE float* sine) {
+FN vec3 envmap_direction(Light light, EnvironmentMap map, float x, float y, PRIVATE float* sine) {
   float sine_u, cosine_u, cosine;
   sincos_2pi((x + 0.5f) / (float)map.width, &sine_u, &cosine_u);
   sincos_2pi(0.5f * y / (float)(map.height - 1), sine, &cosine);
-  const vec3 along_x = scale(load3(&light->p0), sine_u * *sine), along_y = scale(load3(&light->p1), cosine);
-  return add(add(along_x, along_y), scale(load3(&light->p2), -cosine_u * *sine));
+  const vec3 along_x = scale(light.p0, sine_u * *sine), along_y = scale(light.p1, cosine);
+  return add(add(along_x, along_y), scale(light.p2, -cosine_u * *sine));
 }
 
 FN vec3 envmap_texel(const PRIVATE Scene* scene, EnvironmentMap map, int x, int y) {
@@ -96,7 +93,7 @@ FN float envmap_density(const PRIVATE Scene* scene, EnvironmentMap map, float we
   return whole > 0.0f ? weight / whole * (cells / area) : 0.0f;
 }
 
-FN vec3 envmap_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 envmap_light_radiance(const PRIVATE Scene* scene, Light light, LightPoint at, vec3 wi) {
   const EnvironmentMap map = scene->envmaps[0];
   float sine;
   return envmap_radiance(scene, map, envmap_at(light, map, wi, &sine));
@@ -162,9 +159,9 @@ FN void choose_envmap_cells(const PRIVATE Scene* scene, const PRIVATE int* kinds
               targets, samplings->column);
 }
 
-FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                   LightSampling sampling, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
+FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                   LightReceiver r, float u, float v, LightSampling sampling,
+                                   ulong strategies) {
   const EnvironmentMap map = scene->envmaps[0];
   const int x = sampling.column, y = sampling.row;
   const float t = sampling.between;
@@ -185,8 +182,7 @@ FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightR
   return s;
 }
 
-FN float envmap_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                          ulong strategies) {
+FN float envmap_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
   const EnvironmentMap map = scene->envmaps[0];
   float sine;
   const EnvmapPoint p = envmap_at(light, map, found.wi, &sine);

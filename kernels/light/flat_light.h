@@ -11,11 +11,11 @@ typedef struct {
   vec3 normal;
 } FlatLight;
 
-FN FlatLight flat_light(GLOBAL const Light* light) {
+FN FlatLight flat_light(Light light) {
   FlatLight f;
-  f.p0 = load3(&light->p0);
-  f.p1 = load3(&light->p1);
-  f.p2 = load3(&light->p2);
+  f.p0 = light.p0;
+  f.p1 = light.p1;
+  f.p2 = light.p2;
   f.normal = normalize3(cross3(sub(f.p1, f.p0), sub(f.p2, f.p0)));
   return f;
 }
@@ -45,10 +45,24 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
 
 FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
 
+/// The triangles of light `light`.
+FN GLOBAL const LightTriangles* triangles_of_light(const PRIVATE Scene* scene, int light) {
+  return scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+}
+
+/// Sets the point's texture coordinates on light `light`, which is one triangle with the corners of `flat`.
+FN LightPoint with_corner_uv(const PRIVATE Scene* scene, int light, FlatLight flat, LightPoint at) {
+  const int own = triangles_of_light(scene, light)->first;
+  const Barycentric b = barycentric_among(flat.p0, flat.p1, flat.p2, at.p);
+  const TexturePoint t = triangle_uv(uvs_of(scene, own >= 0 ? own : 0), b.b0, b.b1, b.b2);
+  at.u = t.u;
+  at.v = t.v;
+  return at;
+}
+
 /// Sets the point's texture coordinates from the triangle of light `light` on which it lies.
 FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, LightPoint at) {
-  GLOBAL const LightTriangles* parts =
-      scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+  GLOBAL const LightTriangles* parts = triangles_of_light(scene, light);
   const int first = parts->first >= 0 ? parts->first : 0, second = parts->second >= 0 ? parts->second : 0;
   const Barycentric b = barycentric_of(scene->triangles + first, at.p);
   const Barycentric c = barycentric_of(scene->triangles + second, at.p);

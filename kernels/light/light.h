@@ -16,6 +16,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+/// Lights at places, and their axes.
+typedef struct {
+  LightPlaces places;
+  LightAxesLanes axes;
+} PlacedLights;
+
 // The light that a lane samples.
 #define CHOSEN_LIGHT_FIELDS(F, a)                                                   \
   F(a, int, light)                                                                  \
@@ -89,52 +95,66 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
 }
 
 // Loops over lanes for each kind of light: the plain strategy, and sampling by solid angle for scenes that
-// need nothing else, each with a variant for a single light; and all strategies of the kind. `light` is the
-// lane's light.
-#define SAMPLE_LANES(stage, name, NAME, light, strategies)                                          \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,          \
-                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,    \
-                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                    \
-                   PRIVATE LightSamples* RESTRICT samples) {                                        \
-    LANE_LOOP                                                                                       \
-      for (int j = 0; j < LANES; j++) {                                                             \
-        const LaneLight choice = load_chosen_light(chosen, j);                                      \
-        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                     \
-        const LightSample s = sample_##name##_light(scene, light, receiver, choice.u, v[j],         \
-                                                    load_light_sampling(samplings, j), strategies); \
-        keep_light_sample(choice, LIGHT_##NAME, s, first, strategies, samples, j);                  \
-      }                                                                                             \
+// need nothing else, each with a variant for a single light; and all strategies of the kind, for lights at
+// the given places. `index` is the lane's light.
+#define SAMPLE_LANES(stage, name, NAME, index, strategies, light_of_lane, axes_of_lane)                      \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,                   \
+                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE PlacedLights* RESTRICT places, \
+                   const PRIVATE float* RESTRICT v, const PRIVATE LightSamplings* RESTRICT samplings,        \
+                   bool first, PRIVATE LightSamples* RESTRICT samples) {                                     \
+    LANE_LOOP                                                                                                \
+      for (int j = 0; j < LANES; j++) {                                                                      \
+        const LaneLight choice = load_chosen_light(chosen, j);                                               \
+        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                              \
+        const LightSample s =                                                                                \
+            sample_##name##_light(scene, index, light_of_lane(index), axes_of_lane(index, LIGHT_##NAME),     \
+                                  receiver, choice.u, v[j], load_light_sampling(samplings, j), strategies);  \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, strategies, samples, j);                           \
+      }                                                                                                      \
   }
-#define FOUND_LANES(stage, name, NAME, compared, strategies)                                 \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,    \
-                   PRIVATE Emissions* RESTRICT emissions) {                                  \
-    LANE_LOOP                                                                                \
-      for (int j = 0; j < LANES; j++) {                                                      \
-        const FoundLight one = load_found_light(found, j);                                   \
-        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);        \
-        LightPoint at = light_point(one.p, one.normal);                                      \
-        at.u = one.u;                                                                        \
-        at.v = one.v;                                                                        \
-        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);               \
-        const float pdf = compared ? name##_light_pdf(scene, light, one, strategies) : 0.0f; \
-        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                       \
-      }                                                                                      \
+#define FOUND_LANES(stage, name, NAME, compared, strategies, light_of_lane)                              \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,                \
+                   const PRIVATE PlacedLights* RESTRICT places, PRIVATE Emissions* RESTRICT emissions) { \
+    LANE_LOOP                                                                                            \
+      for (int j = 0; j < LANES; j++) {                                                                  \
+        const FoundLight one = load_found_light(found, j);                                               \
+        const int index = one.light >= 0 ? one.light : 0;                                                \
+        const Light light = light_of_lane(index);                                                        \
+        LightPoint at = light_point(one.p, one.normal);                                                  \
+        at.u = one.u;                                                                                    \
+        at.v = one.v;                                                                                    \
+        const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);                           \
+        const float pdf = compared ? name##_light_pdf(scene, light, one, strategies) : 0.0f;             \
+        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                                   \
+      }                                                                                                  \
   }
+#define OWN_LIGHT(index) load_light(scene->lights + (index))
+#define OWN_AXES(index, kind) still_axes(scene, index, kind)
+#define PLACED_LIGHT(index) placed_light(OWN_LIGHT(index), load_light_place(&places->places, j))
+#define PLACED_AXES(index, kind) load_light_axes(&places->axes, j)
 #define KIND_LANES(name, NAME, number, strategies, description)                                              \
-  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                         \
-  SAMPLE_LANES(sample_##name##_lights_by_strategy, name, NAME, choice.light, COMPILED_FEATURES&(strategies)) \
-  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                                \
+  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u, OWN_LIGHT, OWN_AXES)                    \
+  SAMPLE_LANES(sample_##name##_lights_by_strategy, name, NAME, choice.light, COMPILED_FEATURES&(strategies), \
+               PLACED_LIGHT, PLACED_AXES)                                                                    \
+  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u, OWN_LIGHT, OWN_AXES)                           \
   SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                              \
-               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE, OWN_LIGHT, OWN_AXES)                      \
   SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                                     \
-               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE)                                           \
-  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                        \
-  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                       \
-  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies))
+               COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE, OWN_LIGHT, OWN_AXES)                      \
+  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u, OWN_LIGHT)                                             \
+  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u, OWN_LIGHT)                                            \
+  FOUND_LANES(find_##name##_lights_by_solid_angle, name, NAME, 1,                                            \
+              COMPILED_FEATURES&(strategies)&FEATURE_SOLID_ANGLE, OWN_LIGHT)                                 \
+  FOUND_LANES(find_##name##_lights_by_strategy, name, NAME, 1, COMPILED_FEATURES&(strategies), PLACED_LIGHT)
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
 #undef FOUND_LANES
 #undef SAMPLE_LANES
+
+// Kinds of lights that can move; and those whose radiance at a ray changes with it.
+#define MOVING_KINDS (~(1u << LIGHT_ENVIRONMENT | 1u << LIGHT_RECTANGLE))
+#define TURNING_KINDS (1u << LIGHT_ENVMAP)
+#define IS_AMONG(number, kinds) (((kinds) >> (number)&1u) != 0u)
 
 /// Whether the scene needs any of these sampling strategies.
 #define NEEDS_STRATEGIES(scene, strategies) \
@@ -143,6 +163,13 @@ LIGHT_KINDS(KIND_LANES)
 #define NEEDS_FEW_STRATEGIES(scene, strategies, few)  \
   ((COMPILED_FEATURES & (strategies) & (few)) != 0 && \
    (SCENE_FEATURES(&(scene)->header) & (strategies)) == (few))
+
+/// Whether stages read the places of lights: those of all strategies, but not those of solid angles alone;
+/// and any of lights that move.
+FN bool needs_places(const PRIVATE Scene* scene) {
+  return lights_move(scene) ||
+         NEEDS_STRATEGIES(scene, FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES);
+}
 
 /// A mask of the kinds among LANES that the scene has; negative kinds are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
@@ -186,46 +213,64 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
   ChosenLights chosen;
   float of_grid[LANES];
   const uint among = choose_lane_lights(scene, receivers, number, v, fine, samplings, &chosen, of_grid);
-  const bool one = has_one_light(scene);
+  const bool one = has_one_light(scene), moving = lights_move(scene);
   if (NEEDS(scene, LIGHT_TEXTURES)) v = of_grid;
+  PlacedLights places;
+  if (needs_places(scene)) {
+    place_lights(scene, chosen.light, receivers->time, &places.places);
+    place_light_axes(scene, chosen.light, receivers->time, &places.axes);
+  }
   bool first = true;
-#define SAMPLE_KIND(name, NAME, number, strategies, description)                                          \
-  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                             \
-    if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE) && one)                              \
-      sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
-    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                                \
-      sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples);     \
-    else if (NEEDS_STRATEGIES(scene, strategies))                                                         \
-      sample_##name##_lights_by_strategy(scene, receivers, &chosen, v, samplings, first, samples);        \
-    else if (one)                                                                                         \
-      sample_only_##name##_light(scene, receivers, &chosen, v, samplings, first, samples);                \
-    else                                                                                                  \
-      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);                    \
-    first = false;                                                                                        \
+#define SAMPLE_KIND(name, NAME, number, strategies, description)                                            \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                               \
+    if (IS_AMONG(number, MOVING_KINDS) && moving)                                                           \
+      sample_##name##_lights_by_strategy(scene, receivers, &chosen, &places, v, samplings, first, samples); \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE) && one)                           \
+      sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, &places, v, samplings, first,    \
+                                                samples);                                                   \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                                  \
+      sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, &places, v, samplings, first,        \
+                                            samples);                                                       \
+    else if (NEEDS_STRATEGIES(scene, strategies))                                                           \
+      sample_##name##_lights_by_strategy(scene, receivers, &chosen, &places, v, samplings, first, samples); \
+    else if (one)                                                                                           \
+      sample_only_##name##_light(scene, receivers, &chosen, &places, v, samplings, first, samples);         \
+    else                                                                                                    \
+      sample_##name##_lights(scene, receivers, &chosen, &places, v, samplings, first, samples);             \
+    first = false;                                                                                          \
   }
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
-  if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
+  if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, receivers->time, samples);
 }
 
 /// The emission of the lights that rays hit. Pdfs are 0 unless `compared`.
 CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                               PRIVATE Emissions* emissions) {
   const uint among = kinds_among(scene, found->kind);
+  const bool moving = lights_move(scene);
+  PlacedLights places;
+  if (needs_places(scene)) place_lights(scene, found->light, found->time, &places.places);
   no_emissions(scene, found, emissions);
-#define FIND_KIND(name, NAME, number, strategies, description)   \
-  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {    \
-    if (!compared)                                               \
-      see_##name##_lights(scene, found, emissions);              \
-    else if (NEEDS_STRATEGIES(scene, strategies))                \
-      find_##name##_lights_by_strategy(scene, found, emissions); \
-    else                                                         \
-      find_##name##_lights(scene, found, emissions);             \
+#define FIND_KIND(name, NAME, number, strategies, description)                                     \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                      \
+    if (IS_AMONG(number, MOVING_KINDS) && moving && (compared || IS_AMONG(number, TURNING_KINDS))) \
+      find_##name##_lights_by_strategy(scene, found, &places, emissions);                          \
+    else if (!compared)                                                                            \
+      see_##name##_lights(scene, found, &places, emissions);                                       \
+    else if (NEEDS_FEW_STRATEGIES(scene, strategies, FEATURE_SOLID_ANGLE))                         \
+      find_##name##_lights_by_solid_angle(scene, found, &places, emissions);                       \
+    else if (NEEDS_STRATEGIES(scene, strategies))                                                  \
+      find_##name##_lights_by_strategy(scene, found, &places, emissions);                          \
+    else                                                                                           \
+      find_##name##_lights(scene, found, &places, emissions);                                      \
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND
-  if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, emissions);
+  if (moving && !compared)
+    for (int j = 0; j < LANES; j++) emissions->pdf[j] = 0.0f;
+  if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, &places.places, emissions);
 }
 
 PENUMBRA_NAMESPACE_END

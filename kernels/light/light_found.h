@@ -20,7 +20,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, projected_pdf) /* by projected solid angle, without pmf; negative: not sampled so */ \
   F(a, float, pmf)           /* probability of choosing the light */                               \
   F(a, int, light)           /* index, or negative: none */                                        \
-  F(a, int, kind)            /* LIGHT_*, or negative */
+  F(a, int, kind)            /* LIGHT_*, or negative */                                            \
+  F(a, float, time)          /* see Surface; 0 in scenes without FEATURE_MOTION */
 // clang-format on
 LANE_RECORD(FoundLight, FoundLights, found_light, FOUND_LIGHT_FIELDS)
 
@@ -61,6 +62,7 @@ STAGE void store_found_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces
       one.pmf = light->pmf;
       one.light = index;
       one.kind = index >= 0 ? kind : -1;
+      one.time = 0.0f;
       store_found_light(found, j, one);
     }
 }
@@ -73,11 +75,17 @@ STAGE void store_found_uvs(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Fo
     }
 }
 
+STAGE void store_found_times(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) found->time[j] = surfaces->time[j];
+}
+
 /// The lights that the rays that ended on these surfaces hit.
 FN void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                     PRIVATE FoundLights* found) {
   store_found_lights(scene, surfaces, found);
   if (NEEDS(scene, UV)) store_found_uvs(surfaces, found);
+  if (NEEDS_MOTION(scene)) store_found_times(surfaces, found);
 }
 
 // The radiance that a ray brings from the light that it hits, or from the environment. `pdf` is the density

@@ -72,9 +72,9 @@ FN float light_grid_density(const PRIVATE Scene* scene, GLOBAL const Light* ligh
 
 /// The numbers with which sample_triangle_light, sample_disk_light or sample_sphere_light would sample this
 /// point: the inverse of the mapping.
-FN TexturePoint numbers_of_light_point(GLOBAL const Light* light, vec3 p) {
-  const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
-  const bool triangle = light->kind == LIGHT_TRIANGLE, disk = light->kind == LIGHT_DISK;
+FN TexturePoint numbers_of_light_point(Light light, vec3 p) {
+  const vec3 p0 = light.p0, p1 = light.p1, p2 = light.p2;
+  const bool triangle = light.kind == LIGHT_TRIANGLE, disk = light.kind == LIGHT_DISK;
   const Barycentric b = barycentric_among(p0, p1, p2, p);
   const float root = 1.0f - b.b0;
   const vec3 from_center = sub(p, p0);

@@ -3,6 +3,7 @@
 #ifndef PENUMBRA_LIGHT_SAMPLE_H
 #define PENUMBRA_LIGHT_SAMPLE_H
 #include "kernels/light/light_receiver.h"
+#include "kernels/light/moving_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -67,9 +68,6 @@ typedef struct {
   float pdf;     ///< per solid angle; 0: the point is uniform by area
 } SampledPoint;
 
-/// Whether lights are sampled by this strategy; `strategies` is a constant.
-#define BY(strategies, name) (HAS(name) && ((strategies)&FEATURE_##name) != 0)
-
 /// Sets the position on the light.
 FN LightSample at_place(LightSample s, LightPoint at) {
   s.place = at.p;
@@ -105,7 +103,7 @@ FN LightSample toward_point(LightReceiver r, vec3 target, PRIVATE float* d2) {
 }
 
 /// The same to a point on a light's surface; sets the pdf.
-FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledPoint point) {
+FN LightSample toward_light(Light light, LightReceiver r, SampledPoint point) {
   const LightPoint at = point.at;
   // The offset is at most half of the receiver's distance to the light's plane: a receiver closer to the
   // light than the position's error would otherwise see the wrong side.
@@ -114,18 +112,18 @@ FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledP
   float d2;
   LightSample s = toward_point(r, leave_surface(at.p, at.normal, error, back), &d2);
   const float cosine_front = -dot3(s.wi, at.normal);
-  const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
-  s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light->area);
-  s.delta = light->unseen != 0;
+  const float cosine = light.two_sided ? FABS(cosine_front) : cosine_front;
+  s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light.area);
+  s.delta = light.unseen != 0;
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
   return at_place(s, at);
 }
 
 /// The sample of a point light. The caller sets the radiance: intensity times `inverse_d2`. No contribution
 /// if the receiver is at the light itself.
-FN LightSample toward_delta_point(GLOBAL const Light* light, LightReceiver r, PRIVATE float* inverse_d2) {
+FN LightSample toward_delta_point(Light light, LightReceiver r, PRIVATE float* inverse_d2) {
   float d2;
-  LightSample s = toward_point(r, load3(&light->p0), &d2);
+  LightSample s = toward_point(r, light.p0, &d2);
   s.pdf = 1.0f;
   s.delta = true;
   *inverse_d2 = 1.0f / d2;

@@ -73,13 +73,15 @@ STAGE void colour_light_samples(const PRIVATE TextureLanes* RESTRICT values,
 }
 
 STAGE void colour_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
+                            const PRIVATE LightPlaces* RESTRICT places,
                             const PRIVATE TextureLanes* RESTRICT values,
                             PRIVATE Emissions* RESTRICT emissions) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int index = found->light[j] >= 0 ? found->light[j] : 0;
       GLOBAL const Light* light = scene->lights + index;
-      const TexturePoint at = numbers_of_light_point(light, LOAD_LANE_vec3(found->p, j));
+      const TexturePoint at = numbers_of_light_point(
+          placed_light(load_light(light), load_light_place(places, j)), LOAD_LANE_vec3(found->p, j));
       const bool has_grid = (found->light[j] >= 0) & (light->grid >= 0);
       const float density = light_grid_density(scene, light, at.u, at.v);
       emissions->pdf[j] = has_grid ? emissions->pdf[j] * density : emissions->pdf[j];
@@ -88,25 +90,30 @@ STAGE void colour_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLight
     }
 }
 
-/// Multiplies the samples' radiance by the textures of their lights.
-FN void texture_light_samples(const PRIVATE Scene* scene, PRIVATE LightSamples* samples) {
+/// Multiplies the samples' radiance by the textures of their lights, at those times.
+FN void texture_light_samples(const PRIVATE Scene* scene, const PRIVATE float* times,
+                              PRIVATE LightSamples* samples) {
   Surfaces places;
   TextureLanes values;
   int textures[LANES];
   place_light_samples(scene, samples, &places, textures);
+  if (NEEDS_MOTION(scene))
+    for (int j = 0; j < LANES; j++) places.time[j] = times[j];
   eval_textures(scene, &places, textures, &values);
   colour_light_samples(&values, samples);
 }
 
 /// The same for emission that rays hit; also multiplies its pdfs by the grids' densities.
 FN void texture_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found,
-                          PRIVATE Emissions* emissions) {
+                          const PRIVATE LightPlaces* light_places, PRIVATE Emissions* emissions) {
   Surfaces places;
   TextureLanes values;
   int textures[LANES];
   place_found_lights(scene, found, &places, textures);
+  if (NEEDS_MOTION(scene))
+    for (int j = 0; j < LANES; j++) places.time[j] = found->time[j];
   eval_textures(scene, &places, textures, &values);
-  colour_emissions(scene, found, &values, emissions);
+  colour_emissions(scene, found, light_places, &values, emissions);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -19,17 +19,27 @@ typedef struct {
   double specular[3 * LANES];  ///< likewise
   int closed[LANES];           ///< 0: the BSDF has no closed form; its lights are chosen by power
   double polygon[LANES];       ///< the polygon light that the point is on, which adds nothing, or -1
+  float time[LANES];           ///< of the receivers, see Surface; with FEATURE_MOTION only
 } ShadingPoints;
 
 /// Sets lane j to the surface `s`. The position on a triangle is recomputed in double: far from the scene's
 /// centre, the deviation of a rounded position from the surface is larger than the closed forms tolerate.
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
-                            int j) {
+                            int j, ulong strategies) {
   bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
   on_triangle = on_triangle & (!NEEDS(scene, INSTANCES) | (s.instance < 0));
   const vec3 o = s.from, d = negate(s.wo);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
-  const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+  vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+  if (BY(strategies, MOTION)) {
+    const bool moves = on_triangle & triangle_moves(scene, s.primitive);
+    const TriangleState at =
+        triangle_at(scene, moves ? s.primitive : scene->shutter->still_triangles, s.time);
+    p0 = select3(moves, at.p0, p0);
+    p1 = select3(moves, at.p1, p1);
+    p2 = select3(moves, at.p2, p2);
+    points->time[j] = s.time;
+  }
   const double ax = (double)p1.x - p0.x, ay = (double)p1.y - p0.y, az = (double)p1.z - p0.z;
   const double bx = (double)p2.x - p0.x, by = (double)p2.y - p0.y, bz = (double)p2.z - p0.z;
   const double gx = ay * bz - az * by, gy = az * bx - ax * bz, gz = ax * by - ay * bx;
@@ -168,6 +178,68 @@ FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, dou
   return mean * (is_sky ? pi : across ? 1.0 : limited);
 }
 
+/// Lights that lanes sample or have hit, and their places.
+typedef struct {
+  int lights[LANES];
+  LightPlaces places;
+} PlacedParts;
+
+FN Light placed_part(const PRIVATE Scene* scene, const PRIVATE PlacedParts* parts, int j) {
+  return placed_light(load_light(scene->lights + parts->lights[j]), load_light_place(&parts->places, j));
+}
+
+/// Projected solid angles of triangle lights at the points; 0 of other kinds.
+STAGE void part_irradiances(const PRIVATE Scene* scene, const PRIVATE Receivers* RESTRICT r,
+                            const PRIVATE PlacedParts* RESTRICT parts, PRIVATE double* RESTRICT irradiance) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Light light = placed_part(scene, parts, j);
+      irradiance[j] = light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
+    }
+}
+
+/// Integrals of linearly transformed cosines' densities over triangle lights, times pi; arbitrary in lanes
+/// without such a lobe.
+STAGE void part_ltcs(const PRIVATE Scene* scene, const PRIVATE Receivers* RESTRICT r,
+                     const PRIVATE PlacedParts* RESTRICT parts, PRIVATE double* RESTRICT lobe) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int two_sided = scene->lights[parts->lights[j]].two_sided;
+      const LightPlace place = load_light_place(&parts->places, j);
+      const vec3d x = receiver_point(r, j);
+      const vec3d a = lane_to_cosine_space(r, j, sub_d(widen3(place.p0), x));
+      const vec3d b = lane_to_cosine_space(r, j, sub_d(widen3(place.p1), x));
+      const vec3d c = lane_to_cosine_space(r, j, sub_d(widen3(place.p2), x));
+      lobe[j] = corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c), make_vec3d(0.0, 0.0, 1.0),
+                                   two_sided != 0);
+    }
+}
+
+/// The closed forms of polygon light `k` at the points' times, see polygon_terms. One that moves is one
+/// triangle.
+FN void polygon_terms_in_time(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, int k,
+                              PRIVATE double* irradiance, PRIVATE double* lobe) {
+  GLOBAL const Polygon* polygon = scene->polygons + k;
+  const PRIVATE Receivers* r = &points->receivers;
+  if (!(lights_move(scene) && light_moves(scene, polygon->first_light))) {
+    polygon_terms(scene, r, k, irradiance, lobe);
+    return;
+  }
+  PlacedParts only;
+  for (int j = 0; j < LANES; j++) only.lights[j] = polygon->first_light;
+  place_lights(scene, only.lights, points->time, &only.places);
+  part_irradiances(scene, r, &only, irradiance);
+  LaneTriangles triangles;
+  triangles.p0 = only.places.p0;
+  triangles.p1 = only.places.p1;
+  triangles.p2 = only.places.p2;
+  lane_triangle_lobes(r, triangles, polygon->two_sided != 0, lobe);
+  if (!NEEDS_LTC(scene) || !any_wants_ltc(r)) return;
+  double ltc[LANES];
+  part_ltcs(scene, r, &only, ltc);
+  for (int j = 0; j < LANES; j++) lobe[j] = r->inverse_x[j] > 0.0 ? ltc[j] * (1.0 / PI_D) : lobe[j];
+}
+
 /// Sums the closed forms of all polygon lights except the point's own: unshadowed reflected radiance towards
 /// wo, channel c of lane j at `analytic[c * LANES + j]`. With `choose`, also adds all lights to the
 /// reservoir: polygon k as item k, and light k that is not part of a polygon as item polygon_count + k.
@@ -176,7 +248,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
   for (int k = 0; k < scene->header.tables.polygons.count; k++) {
     double irradiance[LANES], lobe[LANES];
-    polygon_terms(scene, &points->receivers, k, irradiance, lobe);
+    polygon_terms_in_time(scene, points, k, irradiance, lobe);
     GLOBAL const Polygon* polygon = scene->polygons + k;
     const vec3 radiance = load3(&polygon->radiance);
     LANE_LOOP
@@ -213,27 +285,40 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
 FN double sum_of_channels(const PRIVATE double* values, int j) {
   return values[j] + values[LANES + j] + values[2 * LANES + j];
 }
-/// For k-th parts that are sampled by projected solid angle: sets the weights to what both control lobes
-/// receive.
-STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
-                            const PRIVATE Reservoir* RESTRICT reservoir, int k,
-                            PRIVATE double* RESTRICT weights) {
+
+/// The k-th parts of the chosen polygons: their lights, whether they exist, and their areas as weights.
+STAGE void find_parts(const PRIVATE Scene* scene, const PRIVATE Reservoir* RESTRICT reservoir, int k,
+                      PRIVATE int* RESTRICT lights, PRIVATE int* RESTRICT exist,
+                      PRIVATE double* RESTRICT weights) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
-      const PRIVATE Receivers* r = &points->receivers;
-      const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
-      const vec3d x = receiver_point(r, j);
-      const vec3d a = lane_to_cosine_space(r, j, sub_d(widen3(p0), x));
-      const vec3d b = lane_to_cosine_space(r, j, sub_d(widen3(p1), x));
-      const vec3d c = lane_to_cosine_space(r, j, sub_d(widen3(p2), x));
-      const double lobe = corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c),
-                                             make_vec3d(0.0, 0.0, 1.0), light->two_sided != 0);
-      const bool by_lobes = (light->sampling == EMITTER_PROJECTED) & (r->inverse_x[j] > 0.0);
-      const double sum =
-          sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe;
-      weights[j] = by_lobes ? sum : weights[j];
+      const int light = part_of(scene, reservoir->chosen[j], k);
+      lights[j] = light;
+      exist[j] = is_part(scene, reservoir->chosen[j], k) ? 1 : 0;
+      weights[j] = scene->lights[light].area;
     }
+}
+
+/// Of parts that are sampled by projected solid angle: sets the weights to it; with `leans`, to what both
+/// control lobes receive.
+FN void weigh_projected_parts(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool leans,
+                              PRIVATE PlacedParts* parts, PRIVATE double* weights) {
+  const PRIVATE Receivers* r = &points->receivers;
+  double irradiance[LANES], lobe[LANES];
+  place_lights(scene, parts->lights, points->time, &parts->places);
+  part_irradiances(scene, r, parts, irradiance);
+  for (int j = 0; j < LANES; j++) {
+    const bool projected = scene->lights[parts->lights[j]].sampling == EMITTER_PROJECTED;
+    weights[j] = projected ? irradiance[j] : weights[j];
+  }
+  if (!HAS(LTC) || !leans) return;
+  part_ltcs(scene, r, parts, lobe);
+  for (int j = 0; j < LANES; j++) {
+    const bool projected = scene->lights[parts->lights[j]].sampling == EMITTER_PROJECTED;
+    const double sum =
+        sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe[j];
+    weights[j] = (projected & (r->inverse_x[j] > 0.0)) ? sum : weights[j];
+  }
 }
 
 /// Chooses one part of the chosen polygon, in proportion to projected solid angle if the light is sampled by
@@ -255,25 +340,13 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
   const bool leans = NEEDS_LTC(scene) && by_projection && any_wants_ltc(&points->receivers);
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
+    int exist[LANES];
+    PlacedParts these;
+    find_parts(scene, reservoir, k, these.lights, exist, weights);
+    if (HAS(PROJECTED) && by_projection) weigh_projected_parts(scene, points, leans, &these, weights);
     LANE_LOOP
       for (int j = 0; j < LANES; j++)
-        weights[j] = scene->lights[part_of(scene, reservoir->chosen[j], k)].area;
-    if (HAS(PROJECTED) && by_projection) {
-      LANE_LOOP
-        for (int j = 0; j < LANES; j++) {
-          GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
-          const PRIVATE Receivers* r = &points->receivers;
-          const double e =
-              light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
-          weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
-        }
-    }
-    if (HAS(LTC) && leans) weigh_part_lobes(scene, points, reservoir, k, weights);
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) {
-        const int number = part_of(scene, reservoir->chosen[j], k);
-        add_to_reservoir(&part, j, number, is_part(scene, reservoir->chosen[j], k) ? weights[j] : 0.0);
-      }
+        add_to_reservoir(&part, j, these.lights[j], exist[j] != 0 ? weights[j] : 0.0);
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {

@@ -65,14 +65,14 @@ FN vec3 narrow3(vec3d v) { return make_vec3((float)v.x, (float)v.y, (float)v.z);
 
 /// Integral of the transformed cosine's density over a triangle light as seen from the point, times pi, in
 /// double; 0 for other kinds.
-FN double light_lobe(GLOBAL const Light* light, double px, double py, double pz, CosineAxes axes) {
+FN double light_lobe(Light light, double px, double py, double pz, CosineAxes axes) {
   const vec3d p = make_vec3d(px, py, pz);
-  const vec3d q0 = widen3(load3(&light->p0)), q1 = widen3(load3(&light->p1)), q2 = widen3(load3(&light->p2));
+  const vec3d q0 = widen3(light.p0), q1 = widen3(light.p1), q2 = widen3(light.p2);
   const double e = corners_irradiance(in_axes(axes, sub_d(q0, p)), in_axes(axes, sub_d(q1, p)),
                                       in_axes(axes, sub_d(q2, p)), in_axes(axes, sub_d(q1, q0)),
                                       in_axes(axes, sub_d(q2, q1)), in_axes(axes, sub_d(q0, q2)),
-                                      make_vec3d(0.0, 0.0, 1.0), light->two_sided != 0);
-  return light->kind == LIGHT_TRIANGLE ? e : 0.0;
+                                      make_vec3d(0.0, 0.0, 1.0), light.two_sided != 0);
+  return light.kind == LIGHT_TRIANGLE ? e : 0.0;
 }
 
 /// A light as both lobes see it.
@@ -82,12 +82,12 @@ typedef struct {
   float share;  ///< probability of the specular lobe; negative: neither lobe can be used
 } LobeProjection;
 
-FN LobeProjection project_lobes(GLOBAL const Light* light, vec3 from, ReceiverLobes r) {
+FN LobeProjection project_lobes(Light light, vec3 from, ReceiverLobes r) {
   const CosineAxes axes = cosine_axes(r);
   const vec3d p = widen3(from);
-  const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
+  const vec3 p0 = light.p0, p1 = light.p1, p2 = light.p2;
   const vec3 q0 = sub(p0, from), q1 = sub(p1, from), q2 = sub(p2, from);
-  const bool behind = (light->two_sided != 0) & (dot3(cross3(sub(q1, q0), sub(q2, q0)), q0) > 0.0f);
+  const bool behind = (light.two_sided != 0) & (dot3(cross3(sub(q1, q0), sub(q2, q0)), q0) > 0.0f);
   const vec3 a = narrow3(in_axes(axes, sub_d(widen3(p0), p)));
   const vec3 b = narrow3(in_axes(axes, sub_d(widen3(p1), p)));
   const vec3 c = narrow3(in_axes(axes, sub_d(widen3(p2), p)));
@@ -98,7 +98,7 @@ FN LobeProjection project_lobes(GLOBAL const Light* light, vec3 from, ReceiverLo
   const double specular = light_lobe(light, from.x, from.y, from.z, axes);
   l.diffuse_area = (float)diffuse;
   l.specular_area = (float)specular;
-  const bool projected = (light->kind == LIGHT_TRIANGLE) & (light->sampling == EMITTER_PROJECTED);
+  const bool projected = (light.kind == LIGHT_TRIANGLE) & (light.sampling == EMITTER_PROJECTED);
   const bool by_diffuse = projected & (r.specular < 1.0f) & (l.diffuse.area > 0.0f) & (l.diffuse_area > 0.0f);
   const bool by_specular =
       projected & (r.specular > 0.0f) & (l.specular.area > 0.0f) & (l.specular_area > 0.0f);
@@ -137,9 +137,9 @@ FN ProjectedPolygon select_projected(bool c, ProjectedPolygon a, ProjectedPolygo
 }
 
 /// Like sample_projected_light, by the mixture.
-FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, ReceiverLobes lobes, int light,
-                           bool own, float u, float v, PRIVATE LightSamplings* samplings, int j) {
-  const LobeProjection l = project_lobes(scene->lights + light, r.p, lobes);
+FN void sample_lobes_light(Light light, LightReceiver r, ReceiverLobes lobes, bool own, float u, float v,
+                           PRIVATE LightSamplings* samplings, int j) {
+  const LobeProjection l = project_lobes(light, r.p, lobes);
   const bool some = r.has_normal & !own & (l.share >= 0.0f);
   const float share = max_f(l.share, 0.0f);
   const bool specular = u < share;
@@ -155,8 +155,7 @@ FN void sample_lobes_light(const PRIVATE Scene* scene, LightReceiver r, Receiver
 }
 
 /// Like projected_density, for the mixture.
-FN float lobes_density(const PRIVATE Scene* scene, FoundLight found, ReceiverLobes lobes) {
-  GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
+FN float lobes_density(Light light, FoundLight found, ReceiverLobes lobes) {
   const LobeProjection l = project_lobes(light, found.from, lobes);
   const bool some = (found.light >= 0) & (l.share >= 0.0f);
   const float cosine = max_f(dot3(lobes.normal, found.wi), 0.0f);

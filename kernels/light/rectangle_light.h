@@ -8,20 +8,18 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// The rectangle as seen from `from`. The solid angle is 0 if the light is not sampled by it.
-FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
-  const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
-  SphericalRectangle s = spherical_rectangle(p0, p1, sub(load3(&light->p2), from));
-  const bool wanted =
-      (light->sampling == EMITTER_SOLID_ANGLE) & (s.solid_angle > SMALL_RECTANGLE_SOLID_ANGLE);
+FN SphericalRectangle seen_rectangle(Light light, vec3 from) {
+  const vec3 p0 = sub(light.p0, from), p1 = sub(light.p1, from);
+  SphericalRectangle s = spherical_rectangle(p0, p1, sub(light.p2, from));
+  const bool wanted = (light.sampling == EMITTER_SOLID_ANGLE) & (s.solid_angle > SMALL_RECTANGLE_SOLID_ANGLE);
   s.solid_angle = wanted ? s.solid_angle : 0.0f;
   return s;
 }
 
 LIGHT_EMITS_UNIFORMLY(rectangle)
 
-FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                       float v, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
+FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                       LightReceiver r, float u, float v, ulong strategies) {
   const FlatLight flat = flat_light(light);
   SampledPoint s = flat_light_point(flat, r.p, (1.0f - u) - v, u, v);
   if (BY(strategies, SOLID_ANGLE)) {
@@ -36,9 +34,8 @@ FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Li
 
 SAMPLE_LIGHT_BY_POINT(rectangle)
 
-FN float rectangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                             ulong strategies) {
-  float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+FN float rectangle_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
+  float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light.area);
   if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_rectangle(light, found.from).solid_angle;
     pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;

@@ -15,17 +15,16 @@ FN float cone_versine(float d2, float radius2) {
 
 /// Not for a sphere that emits inwards: its inside is a receiver, and rounding puts points on either side of
 /// it.
-FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
-  return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
+FN bool sphere_light_is_cone(Light light, float d2, float r2) {
+  return (light.p2.y > 0.0f) & (d2 > r2) & (light.sampling != EMITTER_AREA);
 }
 
 LIGHT_EMITS_UNIFORMLY(sphere)
 
-FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                    ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
-  const vec3 center = load3(&light->p0);
-  const float radius = light->p2.x, orientation = light->p2.y;
+FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                    LightReceiver r, float u, float v, ulong strategies) {
+  const vec3 center = light.p0;
+  const float radius = light.p2.x, orientation = light.p2.y;
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const vec3 uniform = sample_uniform_sphere(u, v);
@@ -53,7 +52,7 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   s.spread = dot3(abs3(s.at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
   s.pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f;
   if (BY(strategies, UV)) {
-    const TexturePoint on = sphere_uv(to_quadric_frame(quadric_of_light(scene, index), outward));
+    const TexturePoint on = sphere_uv(to_light_axes(axes, outward));
     s.at.u = on.u;
     s.at.v = on.v;
   }
@@ -62,13 +61,12 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
 
 SAMPLE_LIGHT_BY_POINT(sphere)
 
-FN float sphere_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                          ulong strategies) {
-  const vec3 to_center = sub(load3(&light->p0), found.from);
-  const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
+FN float sphere_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
+  const vec3 to_center = sub(light.p0, found.from);
+  const float d2 = dot3(to_center, to_center), r2 = sqr(light.p2.x);
   const bool cone = sphere_light_is_cone(light, d2, r2);
   const float versine = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
-  const float by_area = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+  const float by_area = area_to_solid_angle(sqr(found.distance), found.cosine, light.area);
   return cone ? 1.0f / (2.0f * PI_F * versine) : by_area;
 }
 

@@ -12,19 +12,18 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SMALL_SOLID_ANGLE 3e-4f
 
 /// The triangle as seen from `from`. The solid angle is 0 if the light is not sampled by it.
-FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
-  const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
-  SphericalTriangle t = spherical_triangle(p0, p1, sub(load3(&light->p2), from));
-  const bool wanted = (light->sampling == EMITTER_SOLID_ANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+FN SphericalTriangle seen_triangle(Light light, vec3 from) {
+  const vec3 p0 = sub(light.p0, from), p1 = sub(light.p1, from);
+  SphericalTriangle t = spherical_triangle(p0, p1, sub(light.p2, from));
+  const bool wanted = (light.sampling == EMITTER_SOLID_ANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
   t.solid_angle = wanted ? t.solid_angle : 0.0f;
   return t;
 }
 
 LIGHT_EMITS_UNIFORMLY(triangle)
 
-FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, LightSampling sampling, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
+FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, Light light, LightReceiver r,
+                                      float u, float v, LightSampling sampling, ulong strategies) {
   const FlatLight flat = flat_light(light);
   const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
   SampledPoint s = flat_light_point(flat, r.p, b0, b1, (1.0f - b0) - b1);
@@ -36,14 +35,14 @@ FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, Lig
   }
   if (BY(strategies, PROJECTED))
     s.at.p = select3(sampling.scale > 0.0f, flat_light_seen(flat, r.p, sampling.wi), s.at.p);
-  if (BY(strategies, UV)) s.at = with_flat_uv(scene, index, s.at);
+  if (BY(strategies, UV)) s.at = with_corner_uv(scene, index, flat, s.at);
   return s;
 }
 
-FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     LightSampling sampling, ulong strategies) {
-  GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_triangle_point(scene, index, r, u, v, sampling, strategies);
+FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                     LightReceiver r, float u, float v, LightSampling sampling,
+                                     ulong strategies) {
+  const SampledPoint point = sample_triangle_point(scene, index, light, r, u, v, sampling, strategies);
   LightSample s = toward_light(light, r, point);
   if (BY(strategies, PROJECTED)) {
     const bool is_directed = sampling.scale > 0.0f;
@@ -56,9 +55,8 @@ FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, Ligh
   return s;
 }
 
-FN float triangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                            ulong strategies) {
-  float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+FN float triangle_light_pdf(const PRIVATE Scene* scene, Light light, FoundLight found, ulong strategies) {
+  float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light.area);
   if (BY(strategies, SOLID_ANGLE)) {
     const float solid_angle = seen_triangle(light, found.from).solid_angle;
     pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;

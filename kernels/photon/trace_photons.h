@@ -80,7 +80,7 @@ FN void emit_photons(const PRIVATE Scene* scene, int first, int count, float tim
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_EMISSION), paths, i, s, t);
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_EMITTER), paths, i, fine, channel);
-    emit_rays(scene, u, v, fine, s, t, &rays);
+    emit_rays(scene, 0.5f, u, v, fine, s, t, &rays);
     start_photons(&rays, paths, i);
     start_chains(paths, i);
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);

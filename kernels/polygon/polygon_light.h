@@ -94,25 +94,30 @@ typedef struct {
   double sum[LANES];   ///< over the horizon's arcs only, so that its order does not depend on other lanes
 } Horizon;
 
-/// Like add_edge_irradiances; also computes the edges' arcs and crossings.
+/// Adds the edge from `from` to `to` = from + d to lane j's irradiance; also computes its arc and crossing.
+FN void add_lane_edge(vec3d from, vec3d to, vec3d d, int j, const PRIVATE Receivers* r,
+                      PRIVATE IrradianceSums* sums, const PRIVATE Lobes* lobes, PRIVATE LobeArcs* arcs,
+                      PRIVATE Horizon* horizon) {
+  const vec3d x = receiver_point(r, j), n = receiver_normal(r, j), w = receiver_mirror(r, j);
+  const VisibleEdge e = visible_edge(sub_d(from, x), sub_d(to, x), d, n);
+  const double angle = atan2_d(e.sine, e.cosine);
+  add_lane_irradiance(sums, j, e, angle, n);
+  const double visible = angle > 0.0 ? 1.0 : 0.0;
+  store_lobe_arc(arcs, j, lobes, e.from, e.normal, e.sine, e.cosine, angle, n, w, visible);
+  const vec3d q = crossing_place(e);
+  horizon->x[j] = q.x;
+  horizon->y[j] = q.y;
+  horizon->z[j] = q.z;
+  horizon->crossing[j] = e.crossing;
+}
+
+/// Like add_edge_irradiances, by add_lane_edge.
 STAGE void add_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
                      PRIVATE IrradianceSums* RESTRICT sums, const PRIVATE Lobes* RESTRICT lobes,
                      PRIVATE LobeArcs* RESTRICT arcs, PRIVATE Horizon* RESTRICT horizon) {
   const vec3d d = sub_d(to, from);
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3d x = receiver_point(r, j), n = receiver_normal(r, j), w = receiver_mirror(r, j);
-      const VisibleEdge e = visible_edge(sub_d(from, x), sub_d(to, x), d, n);
-      const double angle = atan2_d(e.sine, e.cosine);
-      add_lane_irradiance(sums, j, e, angle, n);
-      const double visible = angle > 0.0 ? 1.0 : 0.0;
-      store_lobe_arc(arcs, j, lobes, e.from, e.normal, e.sine, e.cosine, angle, n, w, visible);
-      const vec3d q = crossing_place(e);
-      horizon->x[j] = q.x;
-      horizon->y[j] = q.y;
-      horizon->z[j] = q.z;
-      horizon->crossing[j] = e.crossing;
-    }
+    for (int j = 0; j < LANES; j++) add_lane_edge(from, to, d, j, r, sums, lobes, arcs, horizon);
 }
 
 /// Adds the arcs between pairs of crossings.
@@ -159,6 +164,29 @@ STAGE void join_crossings(const PRIVATE Receivers* RESTRICT r, const PRIVATE Lob
     }
 }
 
+/// Before the first edge.
+FN void start_horizon(PRIVATE Horizon* horizon, PRIVATE double* sum) {
+  for (int j = 0; j < LANES; j++) {
+    sum[j] = horizon->sum[j] = horizon->open[j] = horizon->pair[j] = 0.0;
+    horizon->ax[j] = horizon->ay[j] = horizon->az[j] = 0.0;
+    horizon->bx[j] = horizon->by[j] = horizon->bz[j] = 0.0;
+  }
+}
+
+/// After each edge, and after the last one.
+FN void add_arcs_of_edge(const PRIVATE Receivers* r, const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs,
+                         PRIVATE Horizon* horizon, PRIVATE double* sum) {
+  add_lobe_arcs(lobes, arcs, sum);
+  join_crossings(r, lobes, horizon);
+}
+FN void add_last_horizon(const PRIVATE Receivers* r, const PRIVATE Lobes* lobes, PRIVATE Horizon* horizon,
+                         PRIVATE double* sum) {
+  double pairs = 0.0;
+  for (int j = 0; j < LANES; j++) pairs += FABS_D(horizon->pair[j]);
+  if (pairs > 0.0) add_horizon_arcs(r, lobes, horizon);
+  for (int j = 0; j < LANES; j++) sum[j] += horizon->sum[j];
+}
+
 /// Irradiance and lobe together. `sum` is (e + 2) times the lobe's integral, with the sign of the light's
 /// orientation.
 STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count,
@@ -166,22 +194,20 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
                                   PRIVATE IrradianceSums* RESTRICT sums, PRIVATE double* RESTRICT sum) {
   LobeArcs arcs;
   Horizon horizon;
-  for (int j = 0; j < LANES; j++) {
-    sum[j] = horizon.sum[j] = horizon.open[j] = horizon.pair[j] = 0.0;
-    horizon.ax[j] = horizon.ay[j] = horizon.az[j] = 0.0;
-    horizon.bx[j] = horizon.by[j] = horizon.bz[j] = 0.0;
-  }
+  start_horizon(&horizon, sum);
   for (int i = 1; i < count; i++) {
     if (corners[i].starts != 0) continue;
     add_edges(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, sums, lobes, &arcs,
               &horizon);
-    add_lobe_arcs(lobes, &arcs, sum);
-    join_crossings(r, lobes, &horizon);
+    add_arcs_of_edge(r, lobes, &arcs, &horizon, sum);
   }
-  double pairs = 0.0;
-  for (int j = 0; j < LANES; j++) pairs += FABS_D(horizon.pair[j]);
-  if (pairs > 0.0) add_horizon_arcs(r, lobes, &horizon);
-  for (int j = 0; j < LANES; j++) sum[j] += horizon.sum[j];
+  add_last_horizon(r, lobes, &horizon, sum);
+}
+
+/// Lane j's Phong lobe from the sum over a polygon's edges, see add_polygon_with_lobes.
+FN double total_lobe(const PRIVATE Receivers* r, int j, double sum, bool two_sided) {
+  const double total = -0.5 / PI_D * sum;
+  return r->exponent[j] >= 0.0 ? max_d(two_sided ? FABS_D(total) : total, 0.0) : 0.0;
 }
 
 /// Transforms a world-space vector to the space where lane j's lobe is a cosine about the z axis.
@@ -270,10 +296,7 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   if (with_lobes) {
     double lobe_sum[LANES];
     add_polygon_with_lobes(corners, count, r, &lobes, &sums, lobe_sum);
-    for (int j = 0; j < LANES; j++) {
-      const double total = -0.5 / PI_D * lobe_sum[j];
-      lobe[j] = r->exponent[j] >= 0.0 ? max_d(two_sided ? FABS_D(total) : total, 0.0) : 0.0;
-    }
+    for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, lobe_sum[j], two_sided);
   }
   for (int i = 1; i < count; i++) {
     if (!with_lobes & (corners[i].starts == 0))
@@ -281,6 +304,49 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   }
   total_irradiances(&sums, two_sided, irradiance);
   if (NEEDS_LTC(scene) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
+}
+
+/// The corners of a triangle for each lane, such as a light that moves has at the lanes' times; vec3 lanes.
+typedef struct {
+  const PRIVATE float* p0;
+  const PRIVATE float* p1;
+  const PRIVATE float* p2;
+} LaneTriangles;
+
+FN vec3d lane_corner(const PRIVATE float* p, int j) { return widen3(LOAD_LANE_vec3(p, j)); }
+
+/// Like add_edges, between corners of each lane's own triangle.
+STAGE void add_lane_edges(const PRIVATE float* RESTRICT from, const PRIVATE float* RESTRICT to,
+                          const PRIVATE Receivers* RESTRICT r, PRIVATE IrradianceSums* RESTRICT sums,
+                          const PRIVATE Lobes* RESTRICT lobes, PRIVATE LobeArcs* RESTRICT arcs,
+                          PRIVATE Horizon* RESTRICT horizon) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3d a = lane_corner(from, j), b = lane_corner(to, j);
+      add_lane_edge(a, b, sub_d(b, a), j, r, sums, lobes, arcs, horizon);
+    }
+}
+
+/// The lobes of polygon_terms for a triangle of each lane's own, in lanes with a Phong lobe; 0 in others.
+FN void lane_triangle_lobes(const PRIVATE Receivers* r, LaneTriangles triangles, bool two_sided,
+                            PRIVATE double* lobe) {
+  Lobes lobes;
+  for (int j = 0; j < LANES; j++) lobe[j] = 0.0;
+  if (!HAS_FAMILY(PHONG) || !start_lobes(r, &lobes)) return;
+  IrradianceSums sums;
+  LobeArcs arcs;
+  Horizon horizon;
+  double sum[LANES];
+  start_irradiances(&sums);
+  start_horizon(&horizon, sum);
+  for (int k = 0; k < 3; k++) {
+    const PRIVATE float* from = k == 0 ? triangles.p0 : (k == 1 ? triangles.p1 : triangles.p2);
+    const PRIVATE float* to = k == 0 ? triangles.p1 : (k == 1 ? triangles.p2 : triangles.p0);
+    add_lane_edges(from, to, r, &sums, &lobes, &arcs, &horizon);
+    add_arcs_of_edge(r, &lobes, &arcs, &horizon, sum);
+  }
+  add_last_horizon(r, &lobes, &horizon, sum);
+  for (int j = 0; j < LANES; j++) lobe[j] = total_lobe(r, j, sum[j], two_sided);
 }
 
 PENUMBRA_NAMESPACE_END

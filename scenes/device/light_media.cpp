@@ -102,7 +102,7 @@ vec3 emitting_point(const Scene& scene, const Light& light) {
   switch (light.kind) {
     case LIGHT_TRIANGLE:
     case LIGHT_RECTANGLE: {
-      const FlatLight flat = flat_light(&light);
+      const FlatLight flat = flat_light(light);
       const vec3 middle = scale(add(flat.p1, flat.p2), 0.5f);
       const vec3 centre =
           light.kind == LIGHT_TRIANGLE ? scale(add(add(flat.p0, flat.p1), flat.p2), 1.0f / 3.0f) : middle;

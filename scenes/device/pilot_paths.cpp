@@ -104,9 +104,11 @@ class PilotPaths {
     const float v = number();
     LightSample found = no_light_sample();
     switch (scene_.lights[light].kind) {
-#define SAMPLE_KIND(name, NAME, number, ways, description)                           \
-  case LIGHT_##NAME:                                                                 \
-    found = sample_##name##_light(&scene_, light, r, u, v, no_light_sampling(), 0u); \
+#define SAMPLE_KIND(name, NAME, number, ways, description)                                                 \
+  case LIGHT_##NAME:                                                                                       \
+    found =                                                                                                \
+        sample_##name##_light(&scene_, light, load_light(scene_.lights + light),                           \
+                              still_axes(&scene_, light, LIGHT_##NAME), r, u, v, no_light_sampling(), 0u); \
     break;
       LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND

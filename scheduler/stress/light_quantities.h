@@ -106,7 +106,8 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
   const LightReceiver r = receiver_of(s);
   const LightSample sample =
-      sample_sphere_light(&scene, 0, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
+      sample_sphere_light(&scene, 0, load_light(light), still_axes(&scene, 0, LIGHT_SPHERE), r, in_f(in, 10),
+                          in_f(in, 11), no_light_sampling(), 0u);
   out_v(out, 0, sample.wi);
   out[3] = sample.pdf;
   FoundLight found;
@@ -114,7 +115,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   found.wi = sample.wi;
   found.distance = sample.tmax;
   found.cosine = 1.0f;  // not used for a cone
-  out[4] = sphere_light_pdf(&scene, light, found, 0u);
+  out[4] = sphere_light_pdf(&scene, load_light(light), found, 0u);
   out[5] = sample.tmax;
 }
 

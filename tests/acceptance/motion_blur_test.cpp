@@ -162,7 +162,7 @@ std::vector<Case> cases() {
   add("AreaLight", [] {
     SceneDescription scene = scene_of(cube(kGrey));
     Mover move(scene);
-    move.shape(1, move.node({-2.5, -0.7, 0}, 70, {0, 0, 1}, {1, 3, 0}));
+    move.shape(1, move.node({-2.5, 0.8, 0}, 70, {0, 0, 1}, {1, 3, 0}));
     return scene;
   });
   add("RoundLights", [] {
@@ -234,7 +234,7 @@ std::vector<Case> cases() {
     SceneDescription scene =
         scene_of(cube(kGrey), "<integrator type='path'><string name='nee' value='cv'/></integrator>");
     Mover move(scene);
-    move.shape(1, move.node({-2.5, -0.7, 0}, 70, {0, 0, 1}, {1, 3, 0}));
+    move.shape(1, move.node({-2.5, 0.8, 0}, 70, {0, 0, 1}, {1, 3, 0}));
     move.last_shape(move.node({0.8, 0.4, 0}, 50));
     return scene;
   });
@@ -244,7 +244,7 @@ std::vector<Case> cases() {
         "<integrator type='direct'><integer name='emitter_samples' value='2'/><integer name='bsdf_samples' "
         "value='2'/></integrator>");
     Mover move(scene);
-    move.shape(1, move.node({-2.5, -0.7, 0}, 70, {0, 0, 1}, {1, 3, 0}));
+    move.shape(1, move.node({-2.5, 0.8, 0}, 70, {0, 0, 1}, {1, 3, 0}));
     move.last_shape(move.node({0.8, 0.4, 0}, 50));
     return scene;
   });

@@ -209,9 +209,10 @@ TEST(MediumReceiver, NoDirectionIsSampledByProjectedSolidAngle) {
   LightSamplings samplings;
   clear_light_samplings(&samplings);
   const vec3 up = make_vec3(0, 0, 1), here = make_vec3(0, 0, 0);
-  sample_projected_light(&scene, receiver_of(receiver(here, up)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  sample_projected_light(tables.lights[0], receiver_of(receiver(here, up)), 0.5f, 0.3f, 0.6f, &samplings, 0);
   EXPECT_GT(load_light_sampling(&samplings, 0).scale, 0);
-  sample_projected_light(&scene, receiver_of(surface_in_medium(here)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  sample_projected_light(tables.lights[0], receiver_of(surface_in_medium(here)), 0.5f, 0.3f, 0.6f, &samplings,
+                         0);
   EXPECT_LT(load_light_sampling(&samplings, 0).scale, 0);
 }
 

@@ -50,8 +50,8 @@ TEST(LightUv, OfATriangleIsThatOfItsSurface) {
       const Scene scene = tables.scene();
       const vec3 here = make_vec3(0, 0, 0);
       const SampledPoint point =
-          sample_triangle_point(&scene, 0, receiver_at(here, make_vec3(0, 0, 1)), random.unit_float(),
-                                random.unit_float(), no_light_sampling(), kWays);
+          sample_triangle_point(&scene, 0, scene.lights[0], receiver_at(here, make_vec3(0, 0, 1)),
+                                random.unit_float(), random.unit_float(), no_light_sampling(), kWays);
       expect_found(scene, 0, here, point.at, 1e-4);
     }
 }
@@ -77,8 +77,9 @@ TEST(LightUv, OfARectangleIsThatOfTheTriangleUnderIt) {
     tables.light_triangles.push_back({0, 1, -1});
     const Scene scene = tables.scene();
     const vec3 here = make_vec3(0, 0, 0);
-    const SampledPoint point = sample_rectangle_point(&scene, 0, receiver_at(here, make_vec3(0, 0, 1)),
-                                                      random.unit_float(), random.unit_float(), kWays);
+    const SampledPoint point = sample_rectangle_point(
+        &scene, 0, scene.lights[0], still_axes(&scene, 0, LIGHT_RECTANGLE),
+        receiver_at(here, make_vec3(0, 0, 1)), random.unit_float(), random.unit_float(), kWays);
     const Exact3 d = exact(point.at.p) - corner;
     const long double from_diagonal = dot(d, side) - dot(d, other);
     if (std::abs(from_diagonal) < 1e-4L) continue;
@@ -111,10 +112,13 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
     const LightReceiver r = receiver_at(here, make_vec3(0, 0, 1));
     const float u = random.unit_float(), v = random.unit_float();
     const SampledPoint point =
-        disk ? sample_disk_point(&scene, 0, r, u, v, kWays) : sample_sphere_point(&scene, 0, r, u, v, kWays);
+        disk
+            ? sample_disk_point(&scene, 0, scene.lights[0], still_axes(&scene, 0, LIGHT_DISK), r, u, v, kWays)
+            : sample_sphere_point(&scene, 0, scene.lights[0], still_axes(&scene, 0, LIGHT_SPHERE), r, u, v,
+                                  kWays);
     // Angles widen towards the axis.
     const vec3 w = sub(point.at.p, rounded(center));
-    const vec3 from_axis = to_quadric_frame(&tables.quadrics[0], w);
+    const vec3 from_axis = to_quadric_frame(tables.quadrics[0], w);
     const double reach = std::hypot(double(from_axis.x), double(from_axis.y));
     if (reach < 1e-2) continue;
     expect_found(scene, 0, here, point.at, 2e-5 / reach);
@@ -125,7 +129,8 @@ TEST(LightUv, IsNotComputedForScenesWithoutIt) {
   SceneTables tables = disk_light(make_vec3(0, 0, 2), make_vec3(0, 0, -1), 1);
   const Scene scene = tables.scene();
   const LightReceiver r = receiver_at(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
-  const SampledPoint point = sample_disk_point(&scene, 0, r, 0.5f, 0.3f, 0u);
+  const SampledPoint point =
+      sample_disk_point(&scene, 0, scene.lights[0], still_axes(&scene, 0, LIGHT_DISK), r, 0.5f, 0.3f, 0u);
   EXPECT_EQ(point.at.u, 0);
   EXPECT_EQ(point.at.v, 0);
 }

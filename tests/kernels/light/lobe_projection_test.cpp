@@ -78,7 +78,7 @@ class Fixture {
     if (dot(cross(exact(light_.p1) - exact(light_.p0), exact(light_.p2) - exact(light_.p0)),
             exact(light_.p0)) > 0)
       std::swap(light_.p1, light_.p2);
-    projection = project_lobes(&light_, make_vec3(0, 0, 0), lobes);
+    projection = project_lobes(light_, make_vec3(0, 0, 0), lobes);
   }
 
   /// The point of the light with those parameters in [0, 1)^2, uniform in area.
@@ -96,7 +96,7 @@ class Fixture {
     FoundLight found{};
     found.wi = wi;
     found.light = 0;
-    return double(volume / (r * r * r)) * double(std::max(lobes_density(&scene_, found, lobes), 0.0f));
+    return double(volume / (r * r * r)) * double(std::max(lobes_density(light_, found, lobes), 0.0f));
   }
   /// Parameters of a direction; false: it misses the light by more than rounding.
   bool parameters(const vec3& wi, double* u, double* v) const {
@@ -114,7 +114,7 @@ class Fixture {
     r.has_normal = true;
     r.shading = lobes.normal;
     LightSamplings samplings{};
-    sample_lobes_light(&scene_, r, lobes, 0, false, u, v, &samplings, 0);
+    sample_lobes_light(light_, r, lobes, false, u, v, &samplings, 0);
     *wi = LOAD_LANE_vec3(samplings.wi, 0);
     *pdf = samplings.scale[0] * std::max(dot3(*wi, lobes.normal), 0.0f);
     return samplings.scale[0] > 0;
