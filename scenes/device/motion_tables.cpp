@@ -297,8 +297,8 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
         records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)];
     const Quadric& record = records.quadrics[std::size_t(source.first_quadric + i)];
     to = record;
-    if (const auto now = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
-      to = *now;
+    if (const auto moved = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
+      to = *moved;
       to.front = record.front;
       to.back = record.back;
       to.light = record.light;

@@ -124,6 +124,19 @@ TEST_F(MotionTablesTest, MovingEmittersHaveStates) {
       EXPECT_EQ(state.p2.z, p2.z);
     }
   }
+  // At its states the mesh is where the scene has it.
+  const Motion of_cube = s.triangle_motions[0];
+  SceneDescription posed = scene;
+  for (int k = 0; k <= of_cube.steps; ++k) {
+    const double time = double(k) / of_cube.steps;
+    ASSERT_TRUE(set_time(posed, time));
+    const auto& mesh = std::get<Mesh>(posed.shapes[2].geometry);
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+      const TriangleState state = triangle_at(&s, s.shutter->still_triangles + int(f), float(time));
+      EXPECT_LT(far(state.p0, mesh.positions[mesh.triangles[f].x] - scene_center(posed)), 1e-5);
+      EXPECT_LT(far(state.p2, mesh.positions[mesh.triangles[f].z] - scene_center(posed)), 1e-5);
+    }
+  }
   const Quadric end = quadric_at(&s, s.shutter->still_quadrics, 1.0f);
   EXPECT_NEAR(end.radius, 3, 1e-6);
   SceneDescription at = scene;
