@@ -770,7 +770,7 @@ class SceneBuilder {
 }  // namespace
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
-  const auto motion = exposed_motion(scene);
+  auto motion = exposed_motion(scene);
   if (!motion) return fail(scene.source + ": " + motion.error().message);
   if (options.warnings != nullptr) *options.warnings = motion->warnings;
   const bool moves = motion->any() || motion->has_layer;

@@ -39,15 +39,12 @@ MotionTables::MotionTables(const SceneDescription& scene, const ExposedMotion& m
   instances_.assign(scene.instances.size(), -1);
   for (const ShapeGroup& group : scene.groups) in_groups_.emplace_back(group.shapes.size(), -1);
   if (scene.motion == nullptr) return;
-  const std::vector<glm::dmat4> nodes = nodes_to_world(*scene.motion, scene.time);
-  const auto at_middle = [&](const NodePlace& place) {
-    return place.node < 0 ? place.to_node : nodes[std::size_t(place.node)] * place.to_node;
-  };
   const SceneMotion& all = *scene.motion;
   for (std::size_t i = 0; i < all.shapes.size(); ++i) {
     const MovingShape& moving = all.shapes[i];
-    middle_.push_back(at_middle(moving.place));
+    middle_.emplace_back(1.0);
     if (motion.shapes[i].steps == 0) continue;
+    middle_.back() = matrix_at(all, moving.place, motion.shapes[i].shown_at);
     Paths& paths = moving.group >= 0              ? in_groups_[std::size_t(moving.group)]
                    : moves_rigidly(scene, moving) ? rigid_
                                                   : own_;
@@ -300,8 +297,8 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
         records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)];
     const Quadric& record = records.quadrics[std::size_t(source.first_quadric + i)];
     to = record;
-    if (const auto found = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
-      to = *found;
+    if (const auto moved = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
+      to = *moved;
       to.front = record.front;
       to.back = record.back;
       to.light = record.light;

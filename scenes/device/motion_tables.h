@@ -101,7 +101,7 @@ class MotionTables {
   PosedParts posed_;
   Paths rigid_, own_, instances_;
   std::vector<Paths> in_groups_;
-  std::vector<glm::dmat4> middle_;  ///< of each moving shape's place at the middle
+  std::vector<glm::dmat4> middle_;  ///< where each moving shape is in the scene, see ExposedPath::shown_at
   glm::dvec3 origin_{0.0};
   int still_triangles_ = 0, still_quadrics_ = 0, still_instances_ = 0;
   bool in_shape_ = false;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
+#include "kernels/host/parallel.h"
 #include "scenes/instances.h"
 #include "scenes/transform.h"
 
@@ -57,6 +59,22 @@ class StepChoice {
       worst_[c] = std::max(worst_[c], deviation(step * stride, (step + 1) * stride, at * steps - step));
     }
   }
+  /// The choice if the motion is known at all of these times; no more is computed than that takes.
+  /// `deviation(k, i, j, f)`: at time k.
+  static StepChoice of(std::span<const double> times, const auto& deviation) {
+    StepChoice made;
+    for (std::size_t c = 0; c < kChoices; ++c) {
+      const int steps = 1 << c, stride = kFinestSteps / steps;
+      double& worst = made.worst_[c];
+      for (std::size_t k = 0; k < times.size() && (worst <= kMostDeviation || c + 1 == kChoices); ++k) {
+        const int step = std::min(int(times[k] * steps), steps - 1);
+        worst = std::max(worst, deviation(k, step * stride, (step + 1) * stride, times[k] * steps - step));
+      }
+      if (worst <= kMostDeviation) break;
+    }
+    return made;
+  }
+
   [[nodiscard]] int steps() const {
     std::size_t c = 0;
     while (c + 1 < kChoices && worst_[c] > kMostDeviation) ++c;
@@ -227,20 +245,20 @@ class Tracker {
     return place.node >= 0 && moves_[std::size_t(place.node)];
   }
   [[nodiscard]] glm::dmat4 matrix_at(const NodePlace& place, double time) const {
-    glm::dmat4 matrix = place.to_node;
-    for (int n = place.node; n >= 0; n = motion_.nodes[std::size_t(n)].parent) {
-      const MovingNode& node = motion_.nodes[std::size_t(n)];
-      matrix = (node.keys ? transform_at(*node.keys, time) : node.to_parent) * matrix;
-    }
-    return matrix;
+    return penumbra::matrix_at(motion_, place, time);
   }
 
-  void warn(const std::string& what, const StepChoice& choice) {
-    if (choice.worst() > kMostDeviation)
-      out_.warnings.push_back(
-          fmt::format("{} moves too fast or too irregularly while the shutter is open: {} steps deviate from "
-                      "its path by up to {:.2g} pixels",
-                      what, kFinestSteps, choice.worst()));
+  /// Empty if the steps follow the path.
+  static std::string warning(const std::string& what, const StepChoice& choice) {
+    if (choice.worst() <= kMostDeviation) return {};
+    return fmt::format(
+        "{} moves too fast or too irregularly while the shutter is open: {} steps deviate from its path by "
+        "up "
+        "to {:.2g} pixels",
+        what, kFinestSteps, choice.worst());
+  }
+  void warn(std::string text) {
+    if (!text.empty()) out_.warnings.push_back(std::move(text));
   }
 
   Expected<void> follow_camera() {
@@ -276,41 +294,40 @@ class Tracker {
       });
     }
     out_.camera.steps = choice.steps();
-    warn("the camera", choice);
+    warn(warning("the camera", choice));
     return {};
   }
 
   /// `points(matrix)`: points or vectors that show how the matrix moves the thing. `is_vector`: they are
   /// directions.
-  void follow(ExposedPath& path, const NodePlace& place, const std::string& name, const auto& points,
-              bool with_directions) {
-    if (!moves(place)) return;
+  std::string follow(ExposedPath& path, const NodePlace& place, const std::string& name, const auto& points,
+                     bool with_directions) const {
+    if (!moves(place)) return {};
     std::vector<glm::dmat4> matrices;
     for (const double time : out_.times) matrices.push_back(matrix_at(place, time));
     std::vector<glm::dmat4> matrices_between;
     if (is_open_)
       for (const double share : between_) matrices_between.push_back(matrix_at(place, time_at(share)));
     const auto differs = [&](const glm::dmat4& matrix) { return matrix != matrices.front(); };
-    if (!std::ranges::any_of(matrices, differs) && !std::ranges::any_of(matrices_between, differs)) return;
-    StepChoice choice;
-    for (std::size_t i = 0; i < matrices_between.size(); ++i) {
-      const Eye& eye = eyes_between_[i];
-      const auto exact = points(matrices_between[i]);
-      choice.look(between_[i], [&](int a, int b, double f) {
-        const glm::dmat4 &from = matrices[std::size_t(a)], &to = matrices[std::size_t(b)];
-        const auto there = points(from + f * (to - from));
-        double most = 0.0;
-        for (std::size_t p = 0; p < exact.size(); ++p) {
-          const double off = glm::length(there[p] - exact[p]);
-          most = std::max(most, with_directions && p > 0 ? off * eye.pixels : eye.seen(off, exact[p]));
-        }
-        return most;
-      });
-    }
+    if (!std::ranges::any_of(matrices, differs) && !std::ranges::any_of(matrices_between, differs)) return {};
+    std::vector<decltype(points(matrices.front()))> exact;
+    for (const glm::dmat4& matrix : matrices_between) exact.push_back(points(matrix));
+    const std::span<const double> times(between_.data(), matrices_between.size());
+    const StepChoice choice = StepChoice::of(times, [&](std::size_t k, int a, int b, double f) {
+      const glm::dmat4 &from = matrices[std::size_t(a)], &to = matrices[std::size_t(b)];
+      const auto there = points(from + f * (to - from));
+      const Eye& eye = eyes_between_[k];
+      double most = 0.0;
+      for (std::size_t p = 0; p < there.size(); ++p) {
+        const double off = glm::length(there[p] - exact[k][p]);
+        most = std::max(most, with_directions && p > 0 ? off * eye.pixels : eye.seen(off, exact[k][p]));
+      }
+      return most;
+    });
     path.steps = choice.steps();
-    warn(name, choice);
     for (std::size_t k = 0; k < matrices.size(); ++k)
       if (ExposedMotion::state_at(k, path.steps) >= 0) path.to_world.push_back(matrices[k]);
+    return warning(name, choice);
   }
 
   void follow_matrices() {
@@ -324,7 +341,7 @@ class Tracker {
     const auto follow_box = [&](ExposedPath& path, const NodePlace& place, const std::string& name,
                                 const SceneBounds& box) {
       const std::array<glm::dvec3, 8> corners = corners_of(box);
-      follow(
+      return follow(
           path, place, name,
           [&](const glm::dmat4& matrix) {
             std::array<glm::dvec3, 8> moved;
@@ -333,25 +350,31 @@ class Tracker {
           },
           false);
     };
-    for (std::size_t i = 0; i < motion_.shapes.size(); ++i) {
+    const auto follow_all = [&](std::size_t count, const auto& one) {
+      std::vector<std::string> warnings(count);
+      in_parallel(count, core_count(), [&](std::size_t i) { warnings[i] = one(i); });
+      for (std::string& text : warnings) warn(std::move(text));
+    };
+    follow_all(motion_.shapes.size(), [&](std::size_t i) {
       const MovingShape& moving = motion_.shapes[i];
-      if (moves_rigidly(scene_, moving) && moves(moving.place))
-        follow_box(out_.shapes[i], moving.place, "shape '" + scene_.shapes[moving.shape].name + "'",
-                   bounds_of_rest(moving.rest));
-    }
-    for (std::size_t i = 0; i < motion_.instances.size(); ++i) {
+      if (!moves_rigidly(scene_, moving) || !moves(moving.place)) return std::string();
+      return follow_box(out_.shapes[i], moving.place, "shape '" + scene_.shapes[moving.shape].name + "'",
+                        bounds_of_rest(moving.rest));
+    });
+    follow_all(motion_.instances.size(), [&](std::size_t i) {
       const MovingInstance& moving = motion_.instances[i];
       const ShapeInstance& instance = scene_.instances[moving.instance];
       const SceneBounds& box = groups[std::size_t(instance.group)];
-      if (!box.empty()) follow_box(out_.instances[i], moving.place, "instance '" + instance.name + "'", box);
-    }
+      if (box.empty()) return std::string();
+      return follow_box(out_.instances[i], moving.place, "instance '" + instance.name + "'", box);
+    });
     for (std::size_t i = 0; i < motion_.emitters.size(); ++i) {
       const MovingEmitter& moving = motion_.emitters[i];
       const bool is_still = std::holds_alternative<ConstantEnvironment>(moving.rest);
       if (!is_still)
-        follow(
+        warn(follow(
             out_.emitters[i], moving.place, fmt::format("light {}", moving.emitter + 1),
-            [&](const glm::dmat4& matrix) { return place_and_axes(moving.rest, matrix); }, true);
+            [&](const glm::dmat4& matrix) { return place_and_axes(moving.rest, matrix); }, true));
     }
   }
 
@@ -436,7 +459,7 @@ class Tracker {
     for (const Track& track : tracks) {
       if (!track.changes) continue;
       out_.shapes[track.index].steps = track.choice.steps();
-      warn("shape '" + posed.shape(motion_.shapes[track.index]).name + "'", track.choice);
+      warn(warning("shape '" + posed.shape(motion_.shapes[track.index]).name + "'", track.choice));
     }
     return {};
   }
@@ -491,6 +514,15 @@ class Tracker {
 };
 
 }  // namespace
+
+glm::dmat4 matrix_at(const SceneMotion& motion, const NodePlace& place, double time) {
+  glm::dmat4 matrix = place.to_node;
+  for (int n = place.node; n >= 0; n = motion.nodes[std::size_t(n)].parent) {
+    const MovingNode& node = motion.nodes[std::size_t(n)];
+    matrix = (node.keys ? transform_at(*node.keys, time) : node.to_parent) * matrix;
+  }
+  return matrix;
+}
 
 int ExposedMotion::state_at(std::size_t k, int steps) {
   if (steps == 0) return -1;
@@ -548,9 +580,44 @@ Expected<ExposedMotion> exposed_motion(const SceneDescription& scene) {
   return Tracker(scene).run();
 }
 
-Expected<SceneDescription> at_middle(const SceneDescription& scene, const ExposedMotion& motion) {
+Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotion& motion) {
   SceneDescription middle = scene;
-  if (auto done = set_time(middle, motion.exposure.middle()); !done) return std::unexpected(done.error());
+  const double time = motion.exposure.middle();
+  if (auto done = set_time(middle, time); !done) return std::unexpected(done.error());
+  const std::vector<MovingInstance>& instances = scene.motion->instances;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    ShapeInstance& instance = middle.instances[instances[i].instance];
+    const auto regular = std::ranges::find_if_not(motion.instances[i].to_world, is_singular);
+    if (!instance.hidden || regular == motion.instances[i].to_world.end()) continue;
+    instance.hidden = false;
+    instance.to_world = *regular;
+  }
+  const std::vector<MovingShape>& shapes = scene.motion->shapes;
+  const auto shape_of = [](SceneDescription& of, const MovingShape& moving) -> Shape& {
+    return moving.group < 0 ? of.shapes[moving.shape]
+                            : of.groups[std::size_t(moving.group)].shapes[moving.shape];
+  };
+  const auto is_empty = [](const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+    return mesh != nullptr && mesh->triangles.empty();
+  };
+  std::vector<std::size_t> empty;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    motion.shapes[i].shown_at = time;
+    if (motion.shapes[i].steps > 0 && is_empty(shape_of(middle, shapes[i]))) empty.push_back(i);
+  }
+  if (empty.empty()) return middle;
+  SceneDescription other = scene;
+  for (int k = 0; k <= kFinestSteps && !empty.empty(); ++k) {
+    const double then = motion.times[std::size_t(k)];
+    if (auto done = set_time(other, then); !done) return std::unexpected(done.error());
+    std::erase_if(empty, [&](std::size_t i) {
+      if (is_empty(shape_of(other, shapes[i]))) return false;
+      shape_of(middle, shapes[i]).geometry = shape_of(other, shapes[i]).geometry;
+      motion.shapes[i].shown_at = then;
+      return true;
+    });
+  }
   return middle;
 }
 

@@ -25,6 +25,8 @@ struct ExposedPath {
   int steps = 0;
   /// Of what is placed by a matrix, and moves: at each of its states.
   std::vector<glm::dmat4> to_world = {};
+  /// Of a shape: the time at which the scene of at_middle shows it.
+  double shown_at = 0.0;
   /// Of a shape that is not rigid: where it is over the whole time, in the space of its group.
   SceneBounds swept = {};
 };
@@ -45,6 +47,9 @@ struct ExposedMotion {
   /// The number of the state at times[k] of something with so many steps, or -1 if it has none there.
   [[nodiscard]] static int state_at(std::size_t k, int steps);
 };
+
+/// Where a place is in the world.
+glm::dmat4 matrix_at(const SceneMotion& motion, const NodePlace& place, double time);
 
 /// In pixels, as the camera sees it.
 constexpr double kMostDeviation = 0.1;
@@ -74,7 +79,8 @@ class PosedParts {
 /// those of set_time.
 Expected<ExposedMotion> exposed_motion(const SceneDescription& scene);
 
-/// The scene at the middle of the exposure. Errors: those of set_time.
-Expected<SceneDescription> at_middle(const SceneDescription& scene, const ExposedMotion& motion);
+/// The scene at the middle of the exposure. What moves and has no size then is shown as at another time at
+/// which it has, so that it has records. Sets `shown_at`. Errors: those of set_time.
+Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotion& motion);
 
 }  // namespace penumbra

@@ -124,6 +124,19 @@ TEST_F(MotionTablesTest, MovingEmittersHaveStates) {
       EXPECT_EQ(state.p2.z, p2.z);
     }
   }
+  // At its states the mesh is where the scene has it.
+  const Motion of_cube = s.triangle_motions[0];
+  SceneDescription posed = scene;
+  for (int k = 0; k <= of_cube.steps; ++k) {
+    const double time = double(k) / of_cube.steps;
+    ASSERT_TRUE(set_time(posed, time));
+    const auto& mesh = std::get<Mesh>(posed.shapes[2].geometry);
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+      const TriangleState state = triangle_at(&s, s.shutter->still_triangles + int(f), float(time));
+      EXPECT_LT(far(state.p0, mesh.positions[mesh.triangles[f].x] - scene_center(posed)), 1e-5);
+      EXPECT_LT(far(state.p2, mesh.positions[mesh.triangles[f].z] - scene_center(posed)), 1e-5);
+    }
+  }
   const Quadric end = quadric_at(&s, s.shutter->still_quadrics, 1.0f);
   EXPECT_NEAR(end.radius, 3, 1e-6);
   SceneDescription at = scene;
@@ -234,6 +247,88 @@ TEST_F(MotionTablesTest, SmallScenesTestWhatIsStill) {
   EXPECT_EQ(device.header.features & FEATURE_BVH, 0u);
   EXPECT_EQ(device.header.tables.triangle_motions.count, 12);
   EXPECT_EQ(device.header.tables.corners.count, 4);
+}
+
+TEST_F(MotionTablesTest, WhatHasNoSizeAtATimeKeepsItsRecords) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  SceneDescription scene =
+      open(std::string(kStill) + "<shape type='cube'/><shape type='cube'>" + light +
+           "</shape><shape type='sphere'>" + light +
+           "</shape><shape type='shapegroup' id='g'><shape type='cube'/></shape><shape type='instance'><ref "
+           "id='g'/></shape>");
+  ASSERT_EQ(scene.shapes.size(), 5u);
+  ASSERT_EQ(scene.instances.size(), 1u);
+  // Everything shrinks to nothing at the middle and grows again.
+  auto motion = std::make_shared<SceneMotion>();
+  KeyedTransform keys;
+  keys.stretch = {.times = {0, 0.5, 1}, .values = {glm::dmat3(1), glm::dmat3(0), glm::dmat3(2)}};
+  motion->nodes.push_back({.keys = keys});
+  for (std::size_t i = 2; i < 5; ++i)
+    motion->shapes.push_back({.shape = i, .rest = scene.shapes[i].geometry, .place = {.node = 0}});
+  motion->instances.push_back({0, {.node = 0}});
+  scene.motion = motion;
+  const DeviceScene device = built(scene);
+  const TableSpans& t = device.header.tables;
+  EXPECT_EQ(t.instance_motions.count, 2);
+  EXPECT_EQ(t.triangle_motions.count, 12);
+  EXPECT_EQ(t.quadric_motions.count, 1);
+  const Scene s = kernel_scene(device);
+  for (int i = 0; i < t.instance_states.count; ++i) EXPECT_TRUE(std::isfinite(s.instance_states[i].at.x));
+  // At the middle they are points; at the end they are as large as they should be.
+  EXPECT_LT(quadric_at(&s, 0, 0.5f).radius, 1e-12f);
+  EXPECT_NEAR(quadric_at(&s, 0, 1.0f).radius, 2, 1e-6);
+  const TriangleState middle = triangle_at(&s, s.shutter->still_triangles, 0.5f);
+  EXPECT_EQ(length3(cross3(sub(middle.p1, middle.p0), sub(middle.p2, middle.p0))), 0.0f);
+  for (int i = 0; i < 2; ++i) {
+    const Instance end = instance_at(&s, s.shutter->still_instances + i, 1.0f),
+                   start = instance_at(&s, s.shutter->still_instances + i, 0.0f);
+    EXPECT_NEAR(end.x.x / start.x.x, 2, 1e-5);
+    EXPECT_LT(instance_at(&s, s.shutter->still_instances + i, 0.5f).x.x, 1e-5f);
+  }
+}
+
+TEST_F(MotionTablesTest, WorkersRefuseTablesThatDoNotFit) {
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='2'/></emitter>";
+  const DeviceScene good =
+      built(open(std::string(kStill) + "<shape type='cube'>" + light + moving("", "<translate x='1'/>") +
+                     "</shape><shape type='sphere'>" + moving("", "<translate x='1'/>") + "</shape>",
+                 moving("<translate z='-9'/>", "<translate z='-8'/>")));
+  ASSERT_TRUE(check_device_scene(good));
+  const auto expect_refused = [&](const char* what, auto table_of, auto change) {
+    DeviceScene bad = good;
+    const TableSpan span = table_of(bad.header.tables);
+    change(bad, bad.words.data() + span.offset);
+    const auto checked = check_device_scene(bad);
+    EXPECT_FALSE(checked) << what;
+    if (!checked) EXPECT_THAT(checked.error().message, HasSubstr(what));
+  };
+#define CHANGED(table, Record, change)                                                  \
+  [](const TableSpans& t) { return t.table; }, [](DeviceScene&, std::uint32_t* words) { \
+    auto& record = *reinterpret_cast<Record*>(words);                                   \
+    change;                                                                             \
+  }
+  expect_refused("triangles that move do not match", CHANGED(shutter, Shutter, ++record.still_triangles));
+  expect_refused("quadrics that move do not match", CHANGED(shutter, Shutter, --record.still_quadrics));
+  expect_refused("instances that move do not match", CHANGED(shutter, Shutter, --record.still_instances));
+  expect_refused("camera's states", CHANGED(shutter, Shutter, ++record.camera_steps));
+  expect_refused("outside of the shutter's time", CHANGED(shutter, Shutter, record.exposure = 1.5f));
+  expect_refused("curve without its knots", CHANGED(shutter, Shutter, record.curve_knots = 1000));
+  expect_refused("curve of implausible numbers", CHANGED(shutter_curve, float, record = -1));
+  expect_refused("state that is not there", CHANGED(triangle_motions, Motion, record.first = 1 << 20));
+  expect_refused("state that is not there", CHANGED(instance_motions, Motion, record.stride = 1 << 20));
+  expect_refused("implausible number of steps", CHANGED(triangle_motions, Motion, record.steps = 0));
+  expect_refused("implausible number of steps", CHANGED(instance_motions, Motion, record.steps = 65));
+  expect_refused("leaf that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = ~1000));
+  expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 1000));
+  expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 0));
+  expect_refused("names a primitive that does not",
+                 CHANGED(motion_leaves, MotionLeaf, record.primitive[7] = 0));
+  expect_refused("names an instance that does not",
+                 CHANGED(motion_leaves, MotionLeaf, record.instance[7] = 9));
+#undef CHANGED
+  DeviceScene bad = good;
+  bad.header.features &= ~std::uint64_t(FEATURE_MOTION);
+  EXPECT_FALSE(check_device_scene(bad));
 }
 
 /// Points that move, with the box of each at any time.
