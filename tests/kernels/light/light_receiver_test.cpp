@@ -205,7 +205,6 @@ TEST(MediumReceiver, DirectionsAreUniformInACone) {
 TEST(MediumReceiver, NoDirectionIsSampledByProjectedSolidAngle) {
   SceneTables tables = triangle_light(make_vec3(-1, -1, 1), make_vec3(0, 1, 1), make_vec3(1, -1, 1), false);
   tables.lights[0].sampling = EMITTER_PROJECTED;
-  const Scene scene = tables.scene();
   LightSamplings samplings;
   clear_light_samplings(&samplings);
   const vec3 up = make_vec3(0, 0, 1), here = make_vec3(0, 0, 0);
