@@ -448,7 +448,6 @@ class Checker {
                       0;
     require(has(FEATURE_MOTION) ? t.shutter.count == 1 : !some && h_.camera_moves == 0,
             "motion and its feature bit go together");
-    require(has(FEATURE_MOTION) || !has(FEATURE_MOTION_LAYER), "a layer of motion without motion");
     require(!has(FEATURE_MOTION) || !has(FEATURE_LIGHT_EDGES), "edges of lights where something moves");
     if (!has(FEATURE_MOTION) || !problem_.empty()) return;
     const Shutter& s = table<Shutter>(scene_, t.shutter)[0];

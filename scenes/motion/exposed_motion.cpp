@@ -542,6 +542,32 @@ bool ExposedMotion::any() const {
   return camera.steps > 0 || moves(shapes) || moves(instances) || moves(emitters);
 }
 
+namespace {
+
+/// The camera's motion without what settings have replaced: the camera that is shown differs from its keys
+/// there.
+std::optional<MovingCamera> keyed_camera(const SceneDescription& scene) {
+  if (!scene.motion->camera) return {};
+  MovingCamera moving = *scene.motion->camera;
+  const CameraSettings& shown = scene.camera;
+  if (moving.place.node >= 0) {
+    const auto nodes = nodes_to_world(*scene.motion, scene.time);
+    const auto frame = camera_frame(nodes.at(std::size_t(moving.place.node)) * moving.place.to_node);
+    if (!frame || *frame != shown.to_world) moving.place = {-1, shown.to_world};
+  }
+  const auto keep = [&](std::optional<KeyedValue<double>>& keys, double value) {
+    if (keys && value_at(*keys, scene.time) != value) keys.reset();
+  };
+  keep(moving.fov, shown.fov);
+  keep(moving.focus_distance, shown.focus_distance);
+  keep(moving.aperture_radius, shown.aperture_radius);
+  keep(moving.scale_x, shown.scale_x);
+  keep(moving.scale_y, shown.scale_y);
+  return moving;
+}
+
+}  // namespace
+
 PosedParts::PosedParts(const SceneDescription& scene, const std::vector<bool>& wanted) {
   static_cast<RenderSettings&>(parts_) = scene;
   parts_.source = scene.source;
@@ -557,7 +583,7 @@ PosedParts::PosedParts(const SceneDescription& scene, const std::vector<bool>& w
   auto motion = std::make_shared<SceneMotion>();
   motion->nodes = all.nodes;
   motion->emitters = all.emitters;
-  motion->camera = all.camera;
+  motion->camera = keyed_camera(scene);
   for (std::size_t i = 0; i < all.shapes.size(); ++i) {
     if (!wanted[i]) continue;
     const MovingShape& moving = all.shapes[i];
@@ -583,7 +609,11 @@ Expected<ExposedMotion> exposed_motion(const SceneDescription& scene) {
 Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotion& motion) {
   SceneDescription middle = scene;
   const double time = motion.exposure.middle();
-  if (auto done = set_time(middle, time); !done) return std::unexpected(done.error());
+  PosedParts posed(scene, std::vector<bool>(scene.motion->shapes.size(), false));
+  auto done = set_time(middle, time);
+  if (done) done = posed.set_time(time);
+  if (!done) return std::unexpected(done.error());
+  middle.camera = posed.parts().camera;
   const std::vector<MovingInstance>& instances = scene.motion->instances;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     ShapeInstance& instance = middle.instances[instances[i].instance];
@@ -610,7 +640,7 @@ Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotio
   SceneDescription other = scene;
   for (int k = 0; k <= kFinestSteps && !empty.empty(); ++k) {
     const double then = motion.times[std::size_t(k)];
-    if (auto done = set_time(other, then); !done) return std::unexpected(done.error());
+    if (auto taken = set_time(other, then); !taken) return std::unexpected(taken.error());
     std::erase_if(empty, [&](std::size_t i) {
       if (is_empty(shape_of(other, shapes[i]))) return false;
       shape_of(middle, shapes[i]).geometry = shape_of(other, shapes[i]).geometry;

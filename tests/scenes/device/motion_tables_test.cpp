@@ -213,6 +213,22 @@ TEST_F(MotionTablesTest, WhatMovesAtOtherTimesIsStill) {
             FEATURE_MOTION | FEATURE_MOTION_LAYER);
 }
 
+TEST_F(MotionTablesTest, ACameraThatSettingsPlaceStaysThere) {
+  SceneDescription scene = open(kStill, moving("<lookat origin='0,0,-20' target='0,0,0' up='0,1,0'/>",
+                                               "<lookat origin='5,0,-20' target='0,0,0' up='0,1,0'/>"));
+  ASSERT_GT(built(scene).header.tables.camera_states.count, 0);
+  scene.camera.to_world[3].y += 1;
+  const DeviceScene placed = built(scene);
+  EXPECT_EQ(placed.header.tables.camera_states.count, 0);
+  EXPECT_EQ(placed.header.camera.origin.y, float(1 - scene_center(scene).y));
+}
+
+TEST_F(MotionTablesTest, AStillSceneMayHaveALayerOfMotion) {
+  SceneDescription scene = open(kStill);
+  scene.film.layers = {AskedLayer::kMotion};
+  EXPECT_EQ(built(scene).header.features & (FEATURE_MOTION | FEATURE_MOTION_LAYER), FEATURE_MOTION_LAYER);
+}
+
 TEST_F(MotionTablesTest, AnEarlierFrameGivesTheSameBytes) {
   SceneDescription scene =
       open(std::string(kStill) + "<shape type='cube'>" +
