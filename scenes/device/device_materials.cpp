@@ -63,6 +63,15 @@ bool has_flat_sides(const Mesh& mesh) {
   return area > 0 && largest >= kLeastShare * area;
 }
 
+bool mark_flat_glass(const Shape& shape, std::vector<Material>& materials) {
+  const int sides[] = {material_index(shape.front_bsdf), material_index(shape.back_bsdf)};
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  const bool glass = std::ranges::all_of(sides, [&](int side) { return is_glass(materials, side); });
+  if (mesh == nullptr || !glass || !has_flat_sides(*mesh)) return false;
+  for (const int side : sides) materials[std::size_t(side)].flat_glass = 1;
+  return true;
+}
+
 float bend_step(const SceneDescription& scene, int texture) {
   const SceneTexture& heights = scene.textures.at(std::size_t(texture));
   const auto* image = std::get_if<BitmapTexture>(&heights.model);

@@ -24,6 +24,9 @@ bool is_glass(const std::vector<Material>& materials, int index);
 /// its sign.
 bool has_flat_sides(const Mesh& mesh);
 
+/// Marks the materials of a shape of which both hold, so that shadow rays pass it. Returns whether they do.
+bool mark_flat_glass(const Shape& shape, std::vector<Material>& materials);
+
 /// The distance in texture coordinates of a bump map's finite differences. It is a small part of a texel,
 /// because slopes change at the edges of texels.
 float bend_step(const SceneDescription& scene, int texture);

@@ -666,10 +666,10 @@ class SceneBuilder {
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
-    if (h_.environment >= 0 && passes_flat_glass()) {
-      mark_flat_glass(scene_.shapes);
-      for (const ShapeGroup& group : scene_.groups) mark_flat_glass(group.shapes);
-    }
+    if (h_.environment >= 0 && passes_flat_glass())
+      each_shape(scene_, [&](const Shape& shape) {
+        if (mark_flat_glass(shape, records_.materials)) need(FEATURE_FLAT_GLASS);
+      });
   }
 
   void add_moving_emitter(std::size_t emitter, int light) {
@@ -685,17 +685,6 @@ class SceneBuilder {
     const auto* path = scene_.integrator.get<PathIntegrator>();
     const bool whole = path == nullptr || !keeps_parts(*path);
     return follows_paths() && whole && media_->empty() && !has(FEATURE_DIRECT_LAYER | FEATURE_INDIRECT_LAYER);
-  }
-  void mark_flat_glass(const std::vector<Shape>& shapes) {
-    for (const Shape& shape : shapes) {
-      const int sides[] = {material_index(shape.front_bsdf), material_index(shape.back_bsdf)};
-      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-      const bool glass =
-          std::ranges::all_of(sides, [&](int side) { return is_glass(records_.materials, side); });
-      if (mesh == nullptr || !glass || !has_flat_sides(*mesh)) continue;
-      for (const int side : sides) records_.materials[std::size_t(side)].flat_glass = 1;
-      need(FEATURE_FLAT_GLASS);
-    }
   }
 
   /// Adds everything that is found by tracing rays through the scene, which is complete otherwise.
