@@ -92,9 +92,9 @@ TEST(HaltonSampler, LargeBasesAreNotCorrelated) {
 
 TEST(HaltonSampler, EachPairHasItsOwnBases) {
   std::set<uint> places;
-  for (const uint pair : {PAIR_FILM, PAIR_LENS, PAIR_CHANNEL})
+  for (const uint pair : {PAIR_FILM, PAIR_LENS, PAIR_CHANNEL, PAIR_TIME})
     EXPECT_TRUE(places.insert(halton_place(pair)).second);
-  for (uint pair = 1; pair + 2 < HALTON_PAIRS; ++pair) EXPECT_TRUE(places.insert(halton_place(pair)).second);
+  for (uint pair = 1; pair + 3 < HALTON_PAIRS; ++pair) EXPECT_TRUE(places.insert(halton_place(pair)).second);
   EXPECT_EQ(places.size(), std::size_t(HALTON_PAIRS));
   EXPECT_EQ(*places.rbegin(), uint(HALTON_PAIRS - 1));
   for (const uint base : halton_bases)

@@ -152,7 +152,8 @@ TEST(InfoCommand, TellsWhatMoves) {
   EXPECT_THAT(
       run_penumbra(folder.path(), shutter).out,
       HasSubstr("\n  exposure                        0.0625 s, from 0.40625 to 0.5 s, curve triangle, "
-                "frame's time at the end; the last row starts 0.03125 s later\n"));
+                "frame's time at\n"
+                "                                  the end; the last row starts 0.03125 s later\n"));
   shutter.push_back("--json");
   const auto exposure = nlohmann::json::parse(run_penumbra(folder.path(), shutter).out)["motion"]["exposure"];
   EXPECT_EQ(exposure, (nlohmann::json{{"open", 0.40625},
@@ -208,9 +209,9 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
     more += table["everything"].get<std::int64_t>() - table["own"].get<std::int64_t>();
   EXPECT_EQ(bytes["device_scene"]["everything"].get<std::int64_t>(),
             bytes["device_scene"]["own"].get<std::int64_t>() + more);
-  // 13 planes instead of 51: those of the closed form, of denoising and on demand are not there.
+  // 13 planes instead of 55: those of the closed form, of denoising and on demand are not there.
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
-  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 51);
+  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 55);
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
   EXPECT_EQ(bytes["block_state"]["own"], kBlockPaths * bytes["path_state"]["own"].get<int>());
   EXPECT_TRUE(costs["opencl"].is_null()) << "nothing was measured";
