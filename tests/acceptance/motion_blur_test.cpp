@@ -2,116 +2,21 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <glm/gtc/matrix_transform.hpp>
-#include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "scenes/motion/scene_motion.h"
-#include "tests/acceptance/scene_pieces.h"
-#include "tests/support/render_scene.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/acceptance/motion_pieces.h"
 
 namespace penumbra::motion_blur_test {
 namespace {
 
-constexpr int kSide = 24;  ///< of the film
-constexpr int kStills = 64;
-constexpr int kBatches = 10;
-constexpr int kBlock = 3;
-constexpr double kSignificance = 1e-3;  ///< of each scene; the seeds are fixed
-
-/// A floor and a lamp above it. `rest` comes after them, `integrator` is the plugin's name and parameters.
-SceneDescription scene_of(const std::string& rest,
-                          const std::string& integrator = "<integrator type='path'/>", bool lamp = true) {
-  const std::string light =
-      "<shape type='rectangle'><transform name='to_world'><scale value='1.2'/><rotate x='1' angle='90'/>"
-      "<translate y='3' x='1'/></transform><emitter type='area'><rgb name='radiance' value='9 8 "
-      "7'/></emitter>"
-      "</shape>";
-  const std::string text =
-      "<scene version='3.0.0'>" + integrator +
-      "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'>"
-      "<lookat origin='0.3, 1.2, -5' target='0, 0, 0' up='0, 1, 0'/></transform>"
-      "<film type='hdrfilm'><integer name='width' value='24'/><integer name='height' value='24'/>"
-      "<rfilter type='box'/></film><sampler type='independent'/></sensor>"
-      "<shape type='rectangle'><transform name='to_world'><scale value='6'/><rotate x='1' angle='-90'/>"
-      "<translate y='-1'/></transform><bsdf type='diffuse'/></shape>" +
-      (lamp ? light : "") + rest + "</scene>";
-  const TemporaryFolder folder;
-  write_text(folder.path() / "scene.xml", text);
-  SceneDescription scene = read_or_throw(folder.path() / "scene.xml");
-  scene.camera.shutter = 1.0f;
-  scene.frame_duration = 1.0;
-  return scene;
-}
-
-/// Builds the motion of a scene whose shutter is open from 0 to 1.
-class Mover {
- public:
-  explicit Mover(SceneDescription& scene) : scene_(scene) {}
-  ~Mover() { scene_.motion = std::make_shared<const SceneMotion>(std::move(motion_)); }
-  Mover(const Mover&) = delete;
-  Mover& operator=(const Mover&) = delete;
-
-  /// A node that turns about an axis through `center`, by `degrees`, and then moves by `way`.
-  int node(const glm::dvec3& way, double degrees = 0, const glm::dvec3& axis = {0, 1, 0},
-           const glm::dvec3& center = glm::dvec3(0), double size = 1) {
-    std::vector<TransformKey> keys;
-    constexpr int kKeys = 8;  // a turn between two of them is less than half a turn
-    for (int k = 0; k <= kKeys; ++k) {
-      const double t = double(k) / kKeys;
-      glm::dmat4 m = glm::translate(glm::dmat4(1), center + t * way);
-      m = glm::rotate(m, glm::radians(t * degrees), axis);
-      m = glm::scale(m, glm::dvec3(1 + t * (size - 1)));
-      keys.push_back({t, glm::translate(m, -center)});
-    }
-    motion_.nodes.push_back({.keys = keyed_transform(keys).value()});
-    return int(motion_.nodes.size()) - 1;
-  }
-  void shape(std::size_t index, int node) {
-    motion_.shapes.push_back({.shape = index, .rest = scene_.shapes.at(index).geometry, .place = {node}});
-  }
-  void last_shape(int node) { shape(scene_.shapes.size() - 1, node); }
-  void instance(std::size_t index, int node) {
-    motion_.instances.push_back({index, {node, scene_.instances.at(index).to_world}});
-  }
-  void emitter(std::size_t index, int node) {
-    motion_.emitters.push_back({.emitter = index, .rest = scene_.emitters.at(index), .place = {node}});
-  }
-  MovingCamera& camera(int node) {
-    motion_.camera = MovingCamera{.place = {node, scene_.camera.to_world}};
-    return *motion_.camera;
-  }
-  /// The mesh's positions grow by `change` from the beginning to the end.
-  void deform(std::size_t index, const std::function<glm::dvec3(const glm::dvec3&)>& change) {
-    auto deformation = std::make_shared<MeshDeformation>();
-    MorphTarget target;
-    for (const glm::dvec3& p : std::get<Mesh>(scene_.shapes.at(index).geometry).positions)
-      target.positions.push_back(change(p));
-    deformation->targets.push_back(std::move(target));
-    deformation->weights = {.times = {0, 1}, .values = {{0}, {1}}};
-    motion_.shapes.push_back(
-        {.shape = index, .rest = scene_.shapes.at(index).geometry, .deformation = std::move(deformation)});
-  }
-
- private:
-  SceneDescription& scene_;
-  SceneMotion motion_;
-};
+using namespace motion_pieces;
 
 struct Case {
   std::string name;
   std::function<SceneDescription()> scene;
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
-
-std::string cube(const std::string& bsdf, const std::string& place = "") {
-  return "<shape type='cube'><transform name='to_world'><scale value='0.6'/>" + place + "</transform>" +
-         bsdf + "</shape>";
-}
-const std::string kGrey = "<bsdf type='diffuse'><rgb name='reflectance' value='0.7 0.4 0.2'/></bsdf>";
 
 std::vector<Case> cases() {
   std::vector<Case> all;
@@ -251,40 +156,9 @@ std::vector<Case> cases() {
   return all;
 }
 
-/// Means of batches of stills, one at a random time in each of kStills equal parts of the exposure.
-statistics::Estimate of_stills(SceneDescription scene) {
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> within(0, 1);
-  scene.camera.shutter = 0.0f;
-  scene.sampler.spp = 1;
-  std::vector<statistics::Image> batches;
-  for (int b = 0; b < kBatches; ++b) {
-    statistics::Image sum(kSide, kSide, 3);
-    for (int k = 0; k < kStills; ++k) {
-      if (auto done = set_time(scene, (k + within(random)) / kStills); !done)
-        throw std::runtime_error(done.error().message);
-      scene.sampler.seed = std::uint32_t(1000 + b * kStills + k);
-      const statistics::Image still = mean_image(render_or_throw(scene));
-      for (std::size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += still.values[i] / kStills;
-    }
-    batches.push_back(statistics::block_average(sum, kBlock));
-  }
-  return statistics::estimate_from_batches(batches);
-}
-
 class MotionBlur : public testing::TestWithParam<Case> {};
 
-TEST_P(MotionBlur, IsTheMeanOfStills) {
-  SceneDescription scene = GetParam().scene();
-  ASSERT_TRUE(set_time(scene, 0));
-  ASSERT_NE(build_or_throw(scene).header.features & FEATURE_MOTION, 0u);
-  const statistics::Estimate stills = of_stills(scene);
-  scene.sampler.spp = kStills;
-  const statistics::Estimate blurred = block_estimate(scene, kBatches, 1, kBlock);
-  const auto result = statistics::z_test(blurred, stills, {.significance = kSignificance});
-  EXPECT_TRUE(result.passed) << result.summary();
-  RecordProperty("z", result.summary());
-}
+TEST_P(MotionBlur, IsTheMeanOfStills) { expect_mean_of_stills(GetParam().scene()); }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MotionBlur, testing::ValuesIn(cases()),
                          [](const auto& tested) { return tested.param.name; });
