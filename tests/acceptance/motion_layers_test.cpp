@@ -34,23 +34,32 @@ struct Channel {
   double range = 1;
 };
 
-/// Each pixel's mean of each channel. `deviation`: of paths, in pixels; `rounding`: of a value.
-void expect_layers(const SceneDescription& scene, const std::vector<Channel>& channels, double deviation = 0,
-                   double rounding = 1e-4, const Curve& curve = box_curve) {
-  const FilmAccumulator film = render_or_throw(scene);
-  EXPECT_EQ(non_finite_count(film.flagged()), 0u);
+enum class Shape2d { kHasEdges, kIsSmooth };
+
+/// Each pixel's mean of each channel, in all of the scenes. `deviation`: of paths, in pixels; `rounding`: of
+/// a value.
+void expect_layers(const std::vector<SceneDescription>& scenes, const std::vector<Channel>& channels,
+                   Shape2d shape = Shape2d::kHasEdges, double deviation = 0, double rounding = 1e-4) {
+  std::vector<FilmAccumulator> films;
+  for (const SceneDescription& scene : scenes) {
+    films.push_back(render_or_throw(scene));
+    EXPECT_EQ(non_finite_count(films.back().flagged()), 0u);
+  }
+  const int width = films[0].width(), height = films[0].height();
   const double each = statistics::sidak_significance(
-      kSignificance, channels.size() * std::size_t(film.width()) * std::size_t(film.height()));
+      kSignificance, films.size() * channels.size() * std::size_t(width * height));
   double worst = 0;
   for (const Channel& c : channels)
-    for (int y = 0; y < film.height(); ++y)
-      for (int x = 0; x < film.width(); ++x) {
-        const Moments m = moments(x, y, c.value, deviation, c.range, curve);
-        const double limit =
-            bernstein(m, c.range, scene.sampler.spp, each) + m.allowance + rounding * c.range;
-        const double found = film.layer(x, y, c.layer, c.plane);
-        EXPECT_NEAR(found, m.mean, limit) << c.name << " of pixel " << x << ", " << y;
-        worst = std::max(worst, std::abs(found - m.mean) / limit);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const Moments m = shape == Shape2d::kIsSmooth ? moments_of_smooth(x, y, c.value)
+                                                      : moments(x, y, c.value, deviation, c.range);
+        const double limit = bernstein(m, c.range, kSpp, each) + m.allowance + rounding * c.range;
+        for (std::size_t i = 0; i < films.size(); ++i) {
+          const double found = films[i].layer(x, y, c.layer, c.plane);
+          EXPECT_NEAR(found, m.mean, limit) << c.name << " of pixel " << x << ", " << y << " of scene " << i;
+          worst = std::max(worst, std::abs(found - m.mean) / limit);
+        }
       }
   testing::Test::RecordProperty("worst", std::to_string(worst) + " of the limit");
 }
@@ -110,31 +119,27 @@ TEST(MotionLayers, AreMeansOverTheExposure) {
       {"y", LAYER_POSITION, 1, [](double, double y, double) { return y; }},
       {"z", LAYER_POSITION, 2, either(away, constant(Passing::kWall)), Passing::kWall},
   };
-  for (const bool emits : {false, true}) {
-    SCOPED_TRACE(emits ? "emits" : "rigid");
-    expect_layers(passing.scene(emits), channels);
-  }
+  expect_layers({passing.scene(false), passing.scene(true)}, channels);
 }
 
 TEST(MotionLayers, TextureCoordinatesMoveWithTheShape) {
   const Passing passing;
+  std::vector<SceneDescription> scenes;
   for (const bool emits : {false, true}) {
-    SceneDescription scene = passing.scene(emits);
-    scene.shapes.erase(scene.shapes.begin());
-    {
-      Mover move(scene);
-      move.last_shape(move.node(passing.way));
-    }
-    std::vector<Channel> channels;
-    for (const int i : {0, 1})
-      channels.push_back({i == 0 ? "u" : "v", LAYER_UV, i, [&passing, i](double x, double y, double t) {
-                            return passing.is_there(x, y, t) ? passing.place(x, y, t)[i] : 0.0;
-                          }});
-    channels.push_back({"alpha", LAYER_COVERAGE, 0, [&passing](double x, double y, double t) {
-                          return passing.is_there(x, y, t) ? 1.0 : 0.0;
-                        }});
-    expect_layers(scene, channels);
+    scenes.push_back(passing.scene(emits));
+    scenes.back().shapes.erase(scenes.back().shapes.begin());
+    Mover move(scenes.back());
+    move.last_shape(move.node(passing.way));
   }
+  std::vector<Channel> channels;
+  for (const int i : {0, 1})
+    channels.push_back({i == 0 ? "u" : "v", LAYER_UV, i, [&passing, i](double x, double y, double t) {
+                          return passing.is_there(x, y, t) ? passing.place(x, y, t)[i] : 0.0;
+                        }});
+  channels.push_back({"alpha", LAYER_COVERAGE, 0, [&passing](double x, double y, double t) {
+                        return passing.is_there(x, y, t) ? 1.0 : 0.0;
+                      }});
+  expect_layers(scenes, channels);
 }
 
 TEST(MotionLayers, MattesHaveTheShareOfTheTime) {
@@ -174,13 +179,16 @@ struct Mover2d {
 constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 
 /// Frames last 1, and the frame that is shown begins at 0.
-void expect_motion(SceneDescription scene, const Mover2d& thing, double range, double deviation) {
-  scene.film.layers = {AskedLayer::kMotion};
+void expect_motion(std::vector<SceneDescription> scenes, const Mover2d& thing, double range, double deviation,
+                   Shape2d shape = Shape2d::kHasEdges) {
   for (const double shutter : {0.0, 0.5}) {
     SCOPED_TRACE(shutter);
-    scene.camera.shutter = float(shutter);
-    ASSERT_TRUE(set_time(scene, 0));
-    const Exposure exposure = exposure_of(scene);
+    for (SceneDescription& scene : scenes) {
+      scene.film.layers = {AskedLayer::kMotion};
+      scene.camera.shutter = float(shutter);
+      ASSERT_TRUE(set_time(scene, 0));
+    }
+    const Exposure exposure = exposure_of(scenes[0]);
     const std::array times{exposure.before, exposure.after};
     std::vector<Channel> channels;
     for (int frame = 0; frame < 2; ++frame)
@@ -195,7 +203,8 @@ void expect_motion(SceneDescription scene, const Mover2d& thing, double range, d
                             },
                             range});
     // The middle is off its path, and so is what the pixel shows.
-    expect_layers(scene, channels, shutter > 0 ? deviation : 0, 1e-4 + (shutter > 0 ? deviation / range : 0));
+    expect_layers(scenes, channels, shape, shutter > 0 ? deviation : 0,
+                  1e-4 + (shutter > 0 ? deviation / range : 0));
   }
 }
 
@@ -217,17 +226,16 @@ Mover2d translating(dvec2 low, dvec2 high, dvec2 speed) {
 TEST(LayerOfMotion, OfAnObjectThatMoves) {
   const dvec2 low(2.2, 1.7), speed(3.1, -1.2);
   constexpr double kSize = 4;
+  std::vector<SceneDescription> scenes;
   for (const bool emits : {false, true}) {
-    SceneDescription scene = pixel_world(12, 8, kSpp);
+    SceneDescription& scene = scenes.emplace_back(pixel_world(12, 8, kSpp));
     scene.shapes.push_back(
         rectangle({low, 0}, kSize, kSize, kBlackBsdf, emits ? std::optional(1.0f) : std::nullopt));
-    {
-      Mover move(scene);
-      move.last_shape(
-          move.node(keys_of([&](double t) { return glm::translate(glm::dmat4(1), dvec3(t * speed, 0)); })));
-    }
-    expect_motion(scene, translating(low, low + kSize, speed), 6.2, 0);
+    Mover move(scene);
+    move.last_shape(
+        move.node(keys_of([&](double t) { return glm::translate(glm::dmat4(1), dvec3(t * speed, 0)); })));
   }
+  expect_motion(scenes, translating(low, low + kSize, speed), 6.2, 0);
 }
 
 TEST(LayerOfMotion, OfASphereThatMovesAndGrows) {
@@ -242,24 +250,22 @@ TEST(LayerOfMotion, OfASphereThatMovesAndGrows) {
                         const dvec2 q = (p - center_at(t)) / radius_at(t);
                         return glm::length(q) < 1 ? q : dvec2(kNever);
                       }};
-  SceneDescription scene = pixel_world(12, 8, kSpp);
+  std::vector<SceneDescription> scenes;
   for (const bool emits : {false, true}) {
-    scene.shapes.clear();
+    SceneDescription& scene = scenes.emplace_back(pixel_world(12, 8, kSpp));
     Shape sphere;
     sphere.name = "sphere";
     sphere.geometry = Sphere{dvec3(center, 0), kRadius};
     if (emits) sphere.radiance = glm::vec3(1);
     scene.shapes.push_back(sphere);
-    {
-      Mover move(scene);
-      move.last_shape(move.node(keys_of([&](double t) {
-        return glm::scale(glm::translate(glm::dmat4(1), dvec3(center_at(t), 0)),
-                          dvec3(radius_at(t) / kRadius)) *
-               glm::translate(glm::dmat4(1), -dvec3(center, 0));
-      })));
-    }
-    expect_motion(scene, thing, 6, 0);
+    Mover move(scene);
+    move.last_shape(move.node(keys_of([&](double t) {
+      return glm::scale(glm::translate(glm::dmat4(1), dvec3(center_at(t), 0)),
+                        dvec3(radius_at(t) / kRadius)) *
+             glm::translate(glm::dmat4(1), -dvec3(center, 0));
+    })));
   }
+  expect_motion(scenes, thing, 6, 0);
 }
 
 /// Turned about the centre.
@@ -287,7 +293,7 @@ TEST(LayerOfMotion, OfAnObjectThatTurns) {
       return glm::translate(glm::rotate(glm::translate(glm::dmat4(1), c), t * speed, {0, 0, 1}), -c);
     })));
   }
-  expect_motion(scene, thing, 4, kMostDeviation);
+  expect_motion({scene}, thing, 4, kMostDeviation);
 }
 
 TEST(LayerOfMotion, OfAMeshThatDeforms) {
@@ -308,7 +314,7 @@ TEST(LayerOfMotion, OfAMeshThatDeforms) {
     move.deform(
         0, [&](const dvec3& p) { return dvec3(5 * kGrowth * (p.x - low.x), 0, 0); }, -2, 3);
   }
-  expect_motion(scene, thing, 2, 0);
+  expect_motion({scene}, thing, 2, 0);
 }
 
 TEST(LayerOfMotion, OfAnOrthographicCameraThatMoves) {
@@ -320,7 +326,7 @@ TEST(LayerOfMotion, OfAnOrthographicCameraThatMoves) {
     move.camera(
         move.node(keys_of([&](double t) { return glm::translate(glm::dmat4(1), dvec3(t * speed, 0)); })));
   }
-  expect_motion(scene, translating(dvec2(-1e3), dvec2(1e3), -speed), 5, 0);
+  expect_motion({scene}, translating(dvec2(-1e3), dvec2(1e3), -speed), 5, 0, Shape2d::kIsSmooth);
 }
 
 /// A pinhole camera at the origin that looks along z; x to the right, y down, as in pixel_world.
@@ -369,7 +375,7 @@ TEST_P(MovingPinhole, MovesAndTurnsBeforeAWall) {
     Mover move(scene);
     move.camera(move.node(keys_of(to_world)));
   }
-  expect_motion(scene, thing, 6, kMostDeviation);
+  expect_motion({scene}, thing, 6, kMostDeviation, Shape2d::kIsSmooth);
 }
 
 TEST_P(MovingPinhole, TurnsUnderTheSky) {
@@ -391,7 +397,7 @@ TEST_P(MovingPinhole, TurnsUnderTheSky) {
     Mover move(scene);
     move.camera(move.node(keys_of(to_world)));
   }
-  expect_motion(scene, thing, 6, kMostDeviation);
+  expect_motion({scene}, thing, 6, kMostDeviation, Shape2d::kIsSmooth);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shifts, MovingPinhole, testing::Values(dvec2(0), dvec2(0.2, -0.1)),
