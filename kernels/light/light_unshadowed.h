@@ -286,15 +286,17 @@ FN double sum_of_channels(const PRIVATE double* values, int j) {
   return values[j] + values[LANES + j] + values[2 * LANES + j];
 }
 
-/// The k-th parts of the chosen polygons: their lights, whether they exist, and their areas as weights.
+/// The k-th parts of the chosen polygons: their lights, whether they exist, whether they are sampled by
+/// projected solid angle, and their areas as weights.
 STAGE void find_parts(const PRIVATE Scene* scene, const PRIVATE Reservoir* RESTRICT reservoir, int k,
                       PRIVATE int* RESTRICT lights, PRIVATE int* RESTRICT exist,
-                      PRIVATE double* RESTRICT weights) {
+                      PRIVATE int* RESTRICT projected, PRIVATE double* RESTRICT weights) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int light = part_of(scene, reservoir->chosen[j], k);
       lights[j] = light;
       exist[j] = is_part(scene, reservoir->chosen[j], k) ? 1 : 0;
+      projected[j] = scene->lights[light].sampling == EMITTER_PROJECTED ? 1 : 0;
       weights[j] = scene->lights[light].area;
     }
 }
@@ -302,23 +304,22 @@ STAGE void find_parts(const PRIVATE Scene* scene, const PRIVATE Reservoir* RESTR
 /// Of parts that are sampled by projected solid angle: sets the weights to it; with `leans`, to what both
 /// control lobes receive.
 FN void weigh_projected_parts(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool leans,
-                              PRIVATE PlacedParts* parts, PRIVATE double* weights) {
+                              const PRIVATE int* projected, PRIVATE PlacedParts* parts,
+                              PRIVATE double* weights) {
   const PRIVATE Receivers* r = &points->receivers;
   double irradiance[LANES], lobe[LANES];
   place_lights(scene, parts->lights, points->time, &parts->places);
   part_irradiances(scene, r, parts, irradiance);
-  for (int j = 0; j < LANES; j++) {
-    const bool projected = scene->lights[parts->lights[j]].sampling == EMITTER_PROJECTED;
-    weights[j] = projected ? irradiance[j] : weights[j];
-  }
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) weights[j] = projected[j] != 0 ? irradiance[j] : weights[j];
   if (!HAS(LTC) || !leans) return;
   part_ltcs(scene, r, parts, lobe);
-  for (int j = 0; j < LANES; j++) {
-    const bool projected = scene->lights[parts->lights[j]].sampling == EMITTER_PROJECTED;
-    const double sum =
-        sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe[j];
-    weights[j] = (projected & (r->inverse_x[j] > 0.0)) ? sum : weights[j];
-  }
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const double sum =
+          sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe[j];
+      weights[j] = ((projected[j] != 0) & (r->inverse_x[j] > 0.0)) ? sum : weights[j];
+    }
 }
 
 /// Chooses one part of the chosen polygon, in proportion to projected solid angle if the light is sampled by
@@ -340,10 +341,11 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
   const bool leans = NEEDS_LTC(scene) && by_projection && any_wants_ltc(&points->receivers);
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
-    int exist[LANES];
+    int exist[LANES], by_angle[LANES];
     PlacedParts these;
-    find_parts(scene, reservoir, k, these.lights, exist, weights);
-    if (HAS(PROJECTED) && by_projection) weigh_projected_parts(scene, points, leans, &these, weights);
+    find_parts(scene, reservoir, k, these.lights, exist, by_angle, weights);
+    if (HAS(PROJECTED) && by_projection)
+      weigh_projected_parts(scene, points, leans, by_angle, &these, weights);
     LANE_LOOP
       for (int j = 0; j < LANES; j++)
         add_to_reservoir(&part, j, these.lights[j], exist[j] != 0 ? weights[j] : 0.0);

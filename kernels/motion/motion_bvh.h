@@ -66,39 +66,58 @@ FN Hit intersect_moving_instance(const PRIVATE Scene* scene, int instance, const
   return best;
 }
 
-/// The closest of `best` and the hit of a triangle or quadric.
-FN Hit intersect_moving_primitive(const PRIVATE Scene* scene, int primitive, const PRIVATE MovingRay* r,
-                                  Hit best) {
-  if ((primitive == r->skip) & (r->skip_instance < 0)) return best;
-  const int quadric = primitive - scene->header.tables.triangles.count;
-  float t = -1.0f;
-  if (HAS(QUADRICS) && quadric >= 0) {
-    t = intersect_quadric(quadric_at(scene, quadric, r->time), r->ray.o, r->ray.d);
-  } else {
-    const TriangleState s = triangle_at(scene, primitive, r->time);
-    const Shear shear = r->ray.shear;
-    const TriangleHit h =
-        intersect_sheared(shear_point(shear, sub(s.p0, r->ray.o)), shear_point(shear, sub(s.p1, r->ray.o)),
-                          shear_point(shear, sub(s.p2, r->ray.o)));
-    t = h.inside ? h.t : -1.0f;
+/// Bit j of the result is set if the ray hits member j, a triangle, in (0, limit], even if it is the skipped
+/// one. distances[j] has the bits of the distance, or NO_KEY.
+FN uint moving_triangle_hits(const PRIVATE Scene* scene, GLOBAL const MotionLeaf* members,
+                             const PRIVATE MovingRay* r, float limit, PRIVATE int* distances) {
+  GLOBAL const int* primitives = members->primitive;
+  const int still = scene->shutter->still_triangles, end = scene->header.tables.triangles.count;
+  const Shear shear = r->ray.shear;
+  const vec3 o = r->ray.o;
+  const float time = r->time;
+  REGISTER_ARRAY int inside[BVH_WIDTH];
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) {
+    const int primitive = primitives[j];
+    const bool is_triangle = (primitive >= still) & (primitive < end);
+    const TriangleState s = triangle_at(scene, is_triangle ? primitive : still, time);
+    const TriangleHit h = intersect_sheared(
+        shear_point(shear, sub(s.p0, o)), shear_point(shear, sub(s.p1, o)), shear_point(shear, sub(s.p2, o)));
+    const bool hit = is_triangle & h.inside & (h.t > 0.0f) & (h.t <= limit);
+    distances[j] = hit ? (int)FLOAT_BITS(h.t) : NO_KEY;
+    inside[j] = hit ? 1 : 0;
   }
-  if (!(t > 0.0f)) return best;
-  const int instance = best.instance;
-  const Hit closer = closer_hit(best, t, primitive);
-  best = closer;
-  best.instance = closer.primitive == primitive ? -1 : instance;
-  return best;
+  return mask_of_8(inside);
 }
 
+/// The closest of `best` and a hit of what is no instance.
+FN Hit closer_moving_hit(Hit best, float t, int primitive) {
+  Hit closer = closer_hit(best, t, primitive);
+  closer.instance = closer.primitive == primitive ? -1 : best.instance;
+  return closer;
+}
+
+/// An instance is alone in its leaf.
 FN Hit intersect_moving_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE MovingRay* r, Hit best) {
   GLOBAL const MotionLeaf* members = scene->motion_leaves + leaf;
+  if (HAS(INSTANCES) && members->instance[0] >= 0)
+    return intersect_moving_instance(scene, members->instance[0], r, best);
+  const int skip = r->skip_instance < 0 ? r->skip : -1;
+  if (scene->header.tables.triangle_motions.count > 0) {
+    REGISTER_ARRAY int distances[BVH_WIDTH];
+    for (uint hits = moving_triangle_hits(scene, members, r, best.t, distances); hits != 0u;
+         hits &= hits - 1u) {
+      const int j = LOWEST_BIT(hits), primitive = members->primitive[j];
+      if (primitive != skip) best = closer_moving_hit(best, BITS_FLOAT((uint)distances[j]), primitive);
+    }
+  }
+  if (!HAS(QUADRICS) || scene->header.tables.quadric_motions.count == 0) return best;
   for (int j = 0; j < BVH_WIDTH; j++) {
-    const int instance = members->instance[j], primitive = members->primitive[j];
-    if (HAS(INSTANCES) && instance >= 0)
-      best = intersect_moving_instance(scene, instance, r, best);
-    else if (primitive >= 0)
-      best = intersect_moving_primitive(scene, primitive, r, best);
-    if (r->any & (best.primitive >= 0)) return best;
+    const int primitive = members->primitive[j];
+    const int quadric = primitive - scene->header.tables.triangles.count;
+    if (quadric < 0 || primitive == skip) continue;
+    const float t = intersect_quadric(quadric_at(scene, quadric, r->time), r->ray.o, r->ray.d);
+    if (t > 0.0f) best = closer_moving_hit(best, t, primitive);
   }
   return best;
 }
