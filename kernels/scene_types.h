@@ -223,10 +223,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, end[BVH_WIDTH])           \
   F(int, child[BVH_WIDTH])
 
-// What moves in a leaf: an instance, or else a primitive; an unused slot has -1 for both.
+// What moves in a leaf: an instance, or else a primitive; an unused slot has -1 for both. A leaf of
+// primitives has a record for each of their states from `first_step` to `last_step` of `steps`, in which
+// alone traversal looks for it: coordinate k of vertex v of triangle j is p[v][k][j].
 #define MOTION_LEAF_FIELDS(F)  \
+  F(float, p[3][3][BVH_WIDTH]) \
   F(int, primitive[BVH_WIDTH]) \
-  F(int, instance[BVH_WIDTH])
+  F(int, instance[BVH_WIDTH])  \
+  F(int, first_step)           \
+  F(int, last_step)            \
+  F(int, steps)
 
 // A range of consecutive primitives. In a scene with instances, group 0 holds the shapes that are not
 // instanced; the other groups are placed by instances.

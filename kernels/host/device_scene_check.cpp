@@ -498,6 +498,18 @@ class Checker {
     }
   }
 
+  /// Empty slots of nodes name any leaf.
+  void check_motion_leaf(int at) {
+    const auto leaves = table<MotionLeaf>(scene_, h_.tables.motion_leaves);
+    const MotionLeaf& leaf = leaves[std::size_t(at)];
+    require(in(leaf.steps, 1, MOST_MOTION_STEPS) && in(leaf.first_step, 0, leaf.last_step) &&
+                leaf.last_step <= leaf.steps &&
+                at + std::int64_t{leaf.last_step} - leaf.first_step < h_.tables.motion_leaves.count,
+            "a leaf of what moves has states that are not there");
+    require(leaf.instance[0] >= 0 || leaf.last_step > leaf.first_step,
+            "a leaf of what moves has fewer than two states");
+  }
+
   /// Children come after their only parent, so that every traversal ends.
   void check_motion_tree(const Shutter& s) {
     const TableSpans& t = h_.tables;
@@ -513,6 +525,7 @@ class Checker {
         const int child = nodes[i].child[k];
         if (child < 0) {
           require(~child < t.motion_leaves.count, "a node of what moves names a leaf that is not there");
+          if (problem_.empty()) check_motion_leaf(~child);
           continue;
         }
         require(child > int(i) && child < t.motion_nodes.count,

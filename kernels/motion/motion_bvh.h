@@ -66,24 +66,39 @@ FN Hit intersect_moving_instance(const PRIVATE Scene* scene, int instance, const
   return best;
 }
 
-/// Bit j of the result is set if the ray hits member j, a triangle, in (0, limit], even if it is the skipped
-/// one. distances[j] has the bits of the distance, or NO_KEY.
-FN uint moving_triangle_hits(const PRIVATE Scene* scene, GLOBAL const MotionLeaf* members,
-                             const PRIVATE MovingRay* r, float limit, PRIVATE int* distances) {
-  GLOBAL const int* primitives = members->primitive;
-  const int still = scene->shutter->still_triangles, end = scene->header.tables.triangles.count;
-  const Shear shear = r->ray.shear;
-  const vec3 o = r->ray.o;
-  const float time = r->time;
+/// Bit j of the result is set if the ray hits triangle j of the leaf in (0, limit], even if it is the skipped
+/// one. distances[j] has the bits of the distance, or NO_KEY. As triangle_leaf_hits, with vertices as
+/// triangle_at has them.
+FN uint moving_triangle_hits(GLOBAL const MotionLeaf* leaf, const PRIVATE MovingRay* r, float limit,
+                             PRIVATE int* distances) {
+  Motion m;
+  m.first = 0;
+  m.stride = 1;
+  m.steps = leaf->steps;
+  const Between b = between_states(m, r->time);
+  const int from = max_i(min_i(b.from, leaf->last_step - 1) - leaf->first_step, 0);
+  const float f = b.f;
+  const Shear s = r->ray.shear;
+  const float ox = r->ray.ox, oy = r->ray.oy, oz = r->ray.oz;
+  const uint kx = r->ray.kx, ky = r->ray.ky, kz = r->ray.kz;
+  GLOBAL const float* a = leaf[from].p[0][0];  // the rows of a vertex are consecutive
+  GLOBAL const float* c = leaf[from + 1].p[0][0];
+  const uint vertex = 3u * BVH_WIDTH;
   REGISTER_ARRAY int inside[BVH_WIDTH];
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
-    const int primitive = primitives[j];
-    const bool is_triangle = (primitive >= still) & (primitive < end);
-    const TriangleState s = triangle_at(scene, is_triangle ? primitive : still, time);
-    const TriangleHit h = intersect_sheared(
-        shear_point(shear, sub(s.p0, o)), shear_point(shear, sub(s.p1, o)), shear_point(shear, sub(s.p2, o)));
-    const bool hit = is_triangle & h.inside & (h.t > 0.0f) & (h.t <= limit);
+    const float x0 = float_between(a[kx + j], c[kx + j], f), y0 = float_between(a[ky + j], c[ky + j], f);
+    const float z0 = float_between(a[kz + j], c[kz + j], f);
+    const float x1 = float_between(a[vertex + kx + j], c[vertex + kx + j], f);
+    const float y1 = float_between(a[vertex + ky + j], c[vertex + ky + j], f);
+    const float z1 = float_between(a[vertex + kz + j], c[vertex + kz + j], f);
+    const float x2 = float_between(a[2u * vertex + kx + j], c[2u * vertex + kx + j], f);
+    const float y2 = float_between(a[2u * vertex + ky + j], c[2u * vertex + ky + j], f);
+    const float z2 = float_between(a[2u * vertex + kz + j], c[2u * vertex + kz + j], f);
+    const TriangleHit h = intersect_sheared(shear_permuted(s, x0 - ox, y0 - oy, z0 - oz),
+                                            shear_permuted(s, x1 - ox, y1 - oy, z1 - oz),
+                                            shear_permuted(s, x2 - ox, y2 - oy, z2 - oz));
+    const bool hit = h.inside & (h.t > 0.0f) & (h.t <= limit);
     distances[j] = hit ? (int)FLOAT_BITS(h.t) : NO_KEY;
     inside[j] = hit ? 1 : 0;
   }
@@ -105,8 +120,7 @@ FN Hit intersect_moving_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE
   const int skip = r->skip_instance < 0 ? r->skip : -1;
   if (scene->header.tables.triangle_motions.count > 0) {
     REGISTER_ARRAY int distances[BVH_WIDTH];
-    for (uint hits = moving_triangle_hits(scene, members, r, best.t, distances); hits != 0u;
-         hits &= hits - 1u) {
+    for (uint hits = moving_triangle_hits(members, r, best.t, distances); hits != 0u; hits &= hits - 1u) {
       const int j = LOWEST_BIT(hits), primitive = members->primitive[j];
       if (primitive != skip) best = closer_moving_hit(best, BITS_FLOAT((uint)distances[j]), primitive);
     }

@@ -16,8 +16,8 @@ namespace penumbra {
 namespace {
 
 constexpr double kRounding = 0x1p-24;
-constexpr int kMostOfLeaf = 4;  // primitives; an instance is alone
-constexpr int kMostParts = 8;   // parts of the time of a primitive
+constexpr int kMostOfLeaf = BVH_WIDTH;  // primitives; an instance is alone
+constexpr int kMostParts = 8;           // parts of the time of a primitive
 constexpr int kBins = 16;
 constexpr int kDepthOfHalves = 12;  // below it nodes are halved, so that the depth is limited
 
@@ -216,6 +216,7 @@ class MotionTreeBuilder {
   };
 
   [[nodiscard]] const Reference& of(int index) const { return references_[std::size_t(index)]; }
+  [[nodiscard]] const Mover& mover_of(int index) const { return movers_[std::size_t(of(index).mover)]; }
   [[nodiscard]] double middle(int index, int axis) const {
     const Reference& r = of(index);
     return axis < 3 ? 0.5 * (double(r.swept.low[axis]) + r.swept.high[axis])
@@ -229,8 +230,9 @@ class MotionTreeBuilder {
   [[nodiscard]] bool is_leaf(std::span<const int> items) const {
     if (items.size() == 1) return true;
     return items.size() <= std::size_t(kMostOfLeaf) && std::ranges::all_of(items, [&](int item) {
-             return movers_[std::size_t(of(item).mover)].instance < 0 &&
-                    of(item).begin == of(items[0]).begin && of(item).end == of(items[0]).end;
+             return mover_of(item).instance < 0 && mover_of(item).steps == mover_of(items[0]).steps &&
+                    of(item).first_step == of(items[0]).first_step &&
+                    of(item).last_step == of(items[0]).last_step;
            });
   }
 
@@ -302,16 +304,38 @@ class MotionTreeBuilder {
   }
 
   int add_leaf(std::span<const int> items) {
+    const int at = int(records_.motion_leaves.size());
+    const Reference& reference = of(items[0]);
     MotionLeaf leaf{};
     std::fill_n(leaf.primitive, BVH_WIDTH, -1);
     std::fill_n(leaf.instance, BVH_WIDTH, -1);
     for (std::size_t i = 0; i < items.size(); ++i) {
-      const Mover& mover = movers_[std::size_t(of(items[i]).mover)];
-      leaf.primitive[i] = mover.primitive;
-      leaf.instance[i] = mover.instance;
+      leaf.primitive[i] = mover_of(items[i]).primitive;
+      leaf.instance[i] = mover_of(items[i]).instance;
     }
-    records_.motion_leaves.push_back(leaf);
-    return int(records_.motion_leaves.size()) - 1;
+    leaf.steps = mover_of(items[0]).steps;
+    leaf.first_step = reference.first_step;
+    leaf.last_step = leaf.instance[0] >= 0 ? reference.first_step : reference.last_step;
+    for (int step = leaf.first_step; step <= leaf.last_step; ++step) {
+      for (std::size_t i = 0; i < items.size(); ++i) set_vertices(leaf, i, step);
+      records_.motion_leaves.push_back(leaf);
+    }
+    return at;
+  }
+
+  /// Empty slots and quadrics keep vertices of 0, which no ray hits.
+  void set_vertices(MotionLeaf& leaf, std::size_t slot, int step) const {
+    const int triangle = leaf.primitive[slot];
+    if (triangle < 0 || triangle >= int(records_.triangles.size())) return;
+    const Motion& motion =
+        records_.triangle_motions[std::size_t(triangle - records_.shutter.front().still_triangles)];
+    const TriangleState& state = records_.triangle_states[std::size_t(motion.first + step * motion.stride)];
+    const vec3 corners[3] = {state.p0, state.p1, state.p2};
+    for (int v = 0; v < 3; ++v) {
+      leaf.p[v][0][slot] = corners[v].x;
+      leaf.p[v][1][slot] = corners[v].y;
+      leaf.p[v][2][slot] = corners[v].z;
+    }
   }
 
   int add_node(std::span<int> items, int depth) {
@@ -436,8 +460,9 @@ class MotionTreeBuilder {
         node.high_speed[k - 3][slot] = float(slope);
       }
     }
+    // A time at which a part ends is in the next one.
     node.begin[slot] = all.begin;
-    node.end[slot] = all.end;
+    node.end[slot] = all.end < 1 ? std::nextafter(all.end, 0.0f) : all.end;
   }
 
   SceneRecords& records_;
