@@ -14,7 +14,7 @@ namespace {
 
 /// A singular matrix has no inverse. With a small share of that of the middle it has.
 constexpr double kShareOfMiddle = 1e-6;
-/// A quadric that is not there at a time.
+/// Of a quadric that is not there at a time; and its length.
 constexpr float kNoRadius = 1e-15f;
 
 glm::dmat4 regular(glm::dmat4 matrix, const glm::dmat4& middle) {
@@ -272,17 +272,6 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
   for (int i = 0; i < source.triangles; ++i) {
     TriangleState& to =
         records.triangle_states[std::size_t(source.triangle_states.first + state * source.triangles + i)];
-    if (mesh == nullptr || mesh->positions.empty()) {
-      // It has no size at this time: all of it is in one point, that of its state before or of the record.
-      const Triangle& record = records.triangles[std::size_t(source.first_triangle)];
-      const vec3 p = state > 0 ? records
-                                     .triangle_states[std::size_t(source.triangle_states.first +
-                                                                  (state - 1) * source.triangles)]
-                                     .p0
-                               : record.p0;
-      to = {p, p, p, to.n0, to.n1, to.n2};
-      continue;
-    }
     const glm::uvec3 c = source.corners[std::size_t(i)];
     to.p0 = local(mesh->positions[c.x]);
     to.p1 = local(mesh->positions[c.y]);
@@ -296,15 +285,12 @@ Expected<void> MotionTables::add_states(const Source& source, std::size_t k, int
     Quadric& to =
         records.quadric_states[std::size_t(source.quadric_states.first + state * source.quadrics + i)];
     const Quadric& record = records.quadrics[std::size_t(source.first_quadric + i)];
-    to = record;
-    if (const auto moved = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); })) {
-      to = *moved;
-      to.front = record.front;
-      to.back = record.back;
-      to.light = record.light;
-    } else {
-      to.radius = kNoRadius;
-    }
+    to = quadric_record(*shape, [&](const glm::dvec3& p, double) { return local(p); }).value();
+    to.radius = std::max(to.radius, kNoRadius);
+    to.length = std::max(to.length, kNoRadius);
+    to.front = record.front;
+    to.back = record.back;
+    to.light = record.light;
   }
   return {};
 }

@@ -471,8 +471,6 @@ class Tracker {
     const double pixels = moving.group < 0 ? 0.0 : pixels_of_group(moving.group, eye);
     choice.look(between_[i], [&](int a, int b, double f) {
       const auto &from = states[std::size_t(a)], &to = states[std::size_t(b)];
-      // At times at which it has no size, it has no points.
-      if (from.size() != exact.size() || to.size() != exact.size()) return 0.0;
       double most = 0.0;
       for (std::size_t p = 0; p < exact.size(); ++p) {
         const glm::dvec3 there = origin + between(glm::dvec3(from[p]), glm::dvec3(to[p]), f);

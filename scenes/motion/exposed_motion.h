@@ -54,7 +54,8 @@ glm::dmat4 matrix_at(const SceneMotion& motion, const NodePlace& place, double t
 /// In pixels, as the camera sees it.
 constexpr double kMostDeviation = 0.1;
 
-/// A part of a scene that moves, which can be taken to any time at little cost.
+/// A part of a scene that moves, which can be taken to any time at little cost. Things without a size are
+/// points.
 class PosedParts {
  public:
   /// The scene's camera, emitters and instances, and of its shapes those of the `wanted` entries of
@@ -62,7 +63,7 @@ class PosedParts {
   PosedParts(const SceneDescription& scene, const std::vector<bool>& wanted);
 
   /// Errors: those of set_time.
-  Expected<void> set_time(double time) { return penumbra::set_time(parts_, time); }
+  Expected<void> set_time(double time) { return penumbra::set_time(parts_, time, Vanished::kIsAPoint); }
   [[nodiscard]] const SceneDescription& parts() const { return parts_; }
   [[nodiscard]] const Shape& shape(const MovingShape& moving) const {
     return moving.group < 0 ? parts_.shapes[moving.shape]

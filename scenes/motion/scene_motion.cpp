@@ -15,8 +15,12 @@ namespace {
 
 class Pose {
  public:
-  Pose(SceneDescription& scene, double time)
-      : scene_(scene), motion_(*scene.motion), time_(time), nodes_(nodes_to_world(motion_, time)) {}
+  Pose(SceneDescription& scene, double time, Vanished vanished)
+      : scene_(scene),
+        motion_(*scene.motion),
+        time_(time),
+        vanished_(vanished),
+        nodes_(nodes_to_world(motion_, time)) {}
 
   Expected<void> apply() {
     for (const MovingShape& moving : motion_.shapes)
@@ -50,11 +54,14 @@ class Pose {
       shape.geometry = std::move(*mesh);
       return {};
     }
+    shape.geometry = moving.rest;
     if (is_singular(placed)) {
-      shape.geometry = Mesh{};
+      if (vanished_ == Vanished::kIsLeftOut)
+        shape.geometry = Mesh{};
+      else
+        shrink(shape.geometry, placed);
       return {};
     }
-    shape.geometry = moving.rest;
     auto moved = placed_shape(shape, placed);
     if (!moved) return fail_at(shape.name, moved.error().message);
     shape.geometry = std::move(moved->geometry);
@@ -78,7 +85,12 @@ class Pose {
       return glm::length(glm::cross(transform_point(placed, mesh.positions[t.y]) - a,
                                     transform_point(placed, mesh.positions[t.z]) - a)) <= kSmallestCross;
     };
-    if (std::ranges::all_of(mesh.triangles, vanishes)) return Mesh{};
+    if (std::ranges::all_of(mesh.triangles, vanishes)) {
+      if (vanished_ == Vanished::kIsLeftOut) return Mesh{};
+      for (glm::dvec3& position : mesh.positions) position = transform_point(placed, position);
+      mesh.normals.clear();
+      return mesh;
+    }
     glm::dmat4 to_world = placed;
     if (is_singular(placed)) {
       // The normals of a flattened mesh are those of its plane.
@@ -91,18 +103,21 @@ class Pose {
       for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
     if (auto done = place_mesh(mesh, to_world, mesh.normals.empty() && moving.is_faceted); !done)
       return std::unexpected(done.error());
-    return mesh.triangles.empty() ? Mesh{} : mesh;
+    return mesh.triangles.empty() && vanished_ == Vanished::kIsLeftOut ? Mesh{} : mesh;
   }
 
   Expected<void> pose(const MovingEmitter& moving) {
     Emitter& emitter = scene_.emitters.at(moving.emitter);
     emitter = moving.rest;
     const glm::dmat4 placed = to_world(moving.place);
-    if (is_singular(placed)) {
+    if (!is_singular(placed)) {
+      place(emitter, placed);
+    } else if (vanished_ == Vanished::kIsLeftOut) {
       set_strength(emitter, glm::vec3(0.0f));
       return {};
+    } else {
+      shrink(emitter, placed);
     }
-    place(emitter, placed);
     if (!moving.colour && !moving.strength) return {};
     const glm::dvec3 strength = (moving.colour ? value_at(*moving.colour, time_) : glm::dvec3(1.0)) *
                                 (moving.strength ? value_at(*moving.strength, time_) : 1.0);
@@ -112,6 +127,29 @@ class Pose {
                                 time_, strength[c]));
     set_strength(emitter, glm::vec3(strength));
     return {};
+  }
+
+  /// To a point where the transform, which is singular, takes the centre. Directions have no meaning there.
+  static void shrink(Geometry& geometry, const glm::dmat4& placed) {
+    if (auto* sphere = std::get_if<Sphere>(&geometry)) {
+      sphere->center = transform_point(placed, sphere->center);
+      sphere->radius = 0.0;
+    }
+    if (auto* disk = std::get_if<Disk>(&geometry)) {
+      disk->center = transform_point(placed, disk->center);
+      disk->radius = 0.0;
+    }
+    if (auto* cylinder = std::get_if<Cylinder>(&geometry)) {
+      cylinder->center = transform_point(placed, cylinder->center);
+      cylinder->radius = cylinder->length = 0.0;
+    }
+  }
+  static void shrink(Emitter& emitter, const glm::dmat4& placed) {
+    if (auto* point = std::get_if<PointLight>(&emitter))
+      point->position = transform_point(placed, point->position);
+    if (auto* spot = std::get_if<SpotLight>(&emitter)) spot->to_world[3] = placed * spot->to_world[3];
+    if (auto* projector = std::get_if<ProjectorLight>(&emitter))
+      projector->to_world[3] = placed * projector->to_world[3];
   }
 
   static void place(Emitter& emitter, const glm::dmat4& placed) {
@@ -154,6 +192,7 @@ class Pose {
   SceneDescription& scene_;
   const SceneMotion& motion_;
   double time_;
+  Vanished vanished_;
   std::vector<glm::dmat4> nodes_;
 };
 
@@ -207,10 +246,10 @@ std::optional<std::pair<double, double>> time_range(const SceneMotion& motion) {
   return all.range;
 }
 
-Expected<void> set_time(SceneDescription& scene, double time) {
+Expected<void> set_time(SceneDescription& scene, double time, Vanished vanished) {
   if (scene.motion == nullptr) return {};
   scene.time = time;
-  return Pose(scene, time).apply();
+  return Pose(scene, time, vanished).apply();
 }
 
 std::vector<bool> moving_shapes(const SceneDescription& scene) {

@@ -75,13 +75,21 @@ std::vector<glm::dmat4> nodes_to_world(const SceneMotion& motion, double time);
 /// The times of the first and the last key of everything that moves. Nothing if nothing does.
 std::optional<std::pair<double, double>> time_range(const SceneMotion& motion);
 
+/// What becomes of a thing at a time at which it has no size.
+enum class Vanished {
+  kIsLeftOut,  ///< see set_time
+  /// It keeps its kind and all of its points, in one place, for steps of its motion that begin or end there.
+  /// A light keeps its strength.
+  kIsAPoint
+};
+
 /// Takes everything that moves to a time. What a scene shows depends on the time alone, not on earlier ones.
 /// What is flattened at that time is left out: a shape becomes a mesh without triangles, an instance hidden,
 /// a light black. Only a mesh that becomes flat, and still has an area, is shown as that. A camera that is
 /// sheared keeps its view direction, see camera_frame. Does nothing if the scene has no motion. Errors: a
 /// sphere, disk or cylinder that would no longer be one; a mesh that reaches too far; a camera that is
 /// flattened; an intensity below 0.
-Expected<void> set_time(SceneDescription& scene, double time);
+Expected<void> set_time(SceneDescription& scene, double time, Vanished vanished = Vanished::kIsLeftOut);
 
 /// Which of the scene's own shapes move.
 std::vector<bool> moving_shapes(const SceneDescription& scene);
