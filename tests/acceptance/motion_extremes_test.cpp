@@ -48,7 +48,7 @@ SceneDescription with_thing(Kind kind, const std::function<int(Mover&)>& node) {
 
 class MotionExtremes : public testing::TestWithParam<Kind> {};
 
-dvec3 kWay(0.9, 0.4, -0.3);
+const dvec3 kWay(0.9, 0.4, -0.3);
 KeyedTransform keyed(std::vector<double> times, std::vector<dvec3> places) {
   KeyedTransform keys;
   keys.translation = {.times = std::move(times), .values = std::move(places)};
