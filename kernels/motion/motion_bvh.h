@@ -76,8 +76,10 @@ FN uint moving_triangle_hits(GLOBAL const MotionLeaf* leaf, const PRIVATE Moving
   m.stride = 1;
   m.steps = leaf->steps;
   const Between b = between_states(m, r->time);
-  const int from = max_i(min_i(b.from, leaf->last_step - 1) - leaf->first_step, 0);
-  const float f = b.f;
+  // The end of the leaf's time is the beginning of the next step.
+  const bool ends = b.from >= leaf->last_step;
+  const int from = (ends ? leaf->last_step - 1 : b.from) - leaf->first_step;
+  const float f = ends ? 1.0f : b.f;
   const Shear s = r->ray.shear;
   const float ox = r->ray.ox, oy = r->ray.oy, oz = r->ray.oz;
   const uint kx = r->ray.kx, ky = r->ray.ky, kz = r->ray.kz;

@@ -78,7 +78,7 @@ SceneSummary summarize(const DeviceScene& scene) {
                                   std::to_string(h.duplicate_lights));
   if (const int others = lights_without_form(scene); analytic_alone(h) && others > 0)
     summary.left_out.emplace_back("lights that are not polygons", std::to_string(others));
-  const auto list_uses = [&](std::span<const NamedBit> list, std::uint32_t used) {
+  const auto list_uses = [&](std::span<const NamedBit> list, std::uint64_t used) {
     for (const NamedBit& feature : list) {
       auto& part = (used & feature.bit) != 0u ? summary.needs : summary.left_out;
       part.emplace_back("feature", feature.description);

@@ -564,6 +564,17 @@ std::optional<MovingCamera> keyed_camera(const SceneDescription& scene) {
   return moving;
 }
 
+/// Warns of what the integrator cannot blur.
+void add_integrator_warnings(const SceneDescription& scene, ExposedMotion& motion) {
+  if (!motion.any() || !has_photons(scene.integrator)) return;
+  if (scene.integrator.is<PhotonMapIntegrator>())
+    motion.warnings.emplace_back(
+        "photonmapper has one map for the image: what moves is as at the middle of the exposure; ppm blurs "
+        "it");
+  else if (motion.exposure.rolling > 0)
+    motion.warnings.emplace_back("ppm has one time for all rows of a pass: the shutter does not roll");
+}
+
 }  // namespace
 
 PosedParts::PosedParts(const SceneDescription& scene, const std::vector<bool>& wanted) {
@@ -601,7 +612,9 @@ Expected<ExposedMotion> exposed_motion(const SceneDescription& scene) {
     still.exposure = exposure_of(scene);
     return still;
   }
-  return Tracker(scene).run();
+  auto motion = Tracker(scene).run();
+  if (motion) add_integrator_warnings(scene, *motion);
+  return motion;
 }
 
 Expected<SceneDescription> at_middle(const SceneDescription& scene, ExposedMotion& motion) {

@@ -22,9 +22,6 @@ std::string name_of(Kind kind) {
   return std::vector<std::string>{
       "Rigid", "Instance", "Emitter", "Sphere", "RoundEmitter", "Disk"}[std::size_t(kind)];
 }
-bool is_round(Kind kind) {
-  return kind == Kind::kSphere || kind == Kind::kRoundEmitter || kind == Kind::kDisk;
-}
 
 SceneDescription with_thing(Kind kind, const std::function<int(Mover&)>& node) {
   const std::string glow = "<emitter type='area'><rgb name='radiance' value='2 3 4'/></emitter>";
