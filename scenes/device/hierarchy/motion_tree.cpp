@@ -15,7 +15,7 @@
 namespace penumbra {
 namespace {
 
-constexpr double kRounding = 0x1p-24;
+constexpr double kHalfEpsilon = HALF_EPSILON;
 constexpr int kMostOfLeaf = BVH_WIDTH;  // primitives; an instance is alone
 constexpr int kMostParts = 8;           // parts of the time of a primitive
 constexpr int kBins = 16;
@@ -55,7 +55,7 @@ void add_rounding_of_states(std::span<Box> boxes) {
                          std::abs(double(boxes[s].high[k]) - boxes[s - 1].high[k])});
     }
   const double steps = double(boxes.size() - 1);
-  for (Box& box : boxes) widen(box, kRounding * (2 * reach + 2 * (steps + 2) * stride));
+  for (Box& box : boxes) widen(box, kHalfEpsilon * (2 * reach + 2 * (steps + 2) * stride));
 }
 
 class MotionTreeBuilder {
@@ -103,7 +103,7 @@ class MotionTreeBuilder {
     }
     add_rounding_of_states(boxes_of(mover));
     // As hit_margin, but along all axes: the triangle turns.
-    for (Box& box : boxes_of(mover)) widen(box, 6 * kRounding * extent);
+    for (Box& box : boxes_of(mover)) widen(box, 6 * kHalfEpsilon * extent);
   }
 
   void add_quadric(int primitive, const Motion& motion) {
@@ -450,7 +450,8 @@ class MotionTreeBuilder {
         if (at_middle(c) > at_middle(best)) best = c;
       // The product, the sum and the stored numbers are rounded: at most 4 roundings of either.
       const double slope = slopes[best][k];
-      const double offset = offsets[best][k] - 4 * kRounding * (std::abs(offsets[best][k]) + std::abs(slope));
+      const double offset =
+          offsets[best][k] - 4 * kHalfEpsilon * (std::abs(offsets[best][k]) + std::abs(slope));
       const float infinity = std::numeric_limits<float>::infinity();
       if (k < 3) {
         node.low[k][slot] = std::nextafter(float(offset), -infinity);
