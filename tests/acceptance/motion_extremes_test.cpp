@@ -22,7 +22,6 @@ std::string name_of(Kind kind) {
   return std::vector<std::string>{
       "Rigid", "Instance", "Emitter", "Sphere", "RoundEmitter", "Disk"}[std::size_t(kind)];
 }
-
 SceneDescription with_thing(Kind kind, const std::function<int(Mover&)>& node) {
   const std::string glow = "<emitter type='area'><rgb name='radiance' value='2 3 4'/></emitter>";
   const std::string group = "<shape type='shapegroup' id='group'>" + cube(kGrey) +
