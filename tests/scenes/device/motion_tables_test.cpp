@@ -335,6 +335,8 @@ TEST_F(MotionTablesTest, WorkersRefuseTablesThatDoNotFit) {
   expect_refused("implausible number of steps", CHANGED(triangle_motions, Motion, record.steps = 0));
   expect_refused("implausible number of steps", CHANGED(instance_motions, Motion, record.steps = 65));
   expect_refused("leaf that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = ~1000));
+  expect_refused("has states that are not there", CHANGED(motion_leaves, MotionLeaf, record.last_step = 60));
+  expect_refused("has states that are not there", CHANGED(motion_leaves, MotionLeaf, record.steps = 0));
   expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 1000));
   expect_refused("child that is not there", CHANGED(motion_nodes, MotionNode, record.child[0] = 0));
   expect_refused("names a primitive that does not",
