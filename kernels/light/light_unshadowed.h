@@ -188,15 +188,19 @@ FN Light placed_part(const PRIVATE Scene* scene, const PRIVATE PlacedParts* part
   return placed_light(load_light(scene->lights + parts->lights[j]), load_light_place(&parts->places, j));
 }
 
-/// Projected solid angles of triangle lights at the points; 0 of other kinds.
-STAGE void part_irradiances(const PRIVATE Scene* scene, const PRIVATE Receivers* RESTRICT r,
-                            const PRIVATE PlacedParts* RESTRICT parts, PRIVATE double* RESTRICT irradiance) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Light light = placed_part(scene, parts, j);
-      irradiance[j] = light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
-    }
-}
+// Projected solid angles of triangle lights at the points; 0 of other kinds. `of_lane` is the lane's light.
+#define PART_IRRADIANCES(stage, of_lane)                                                                     \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Receivers* RESTRICT r,                          \
+                   const PRIVATE PlacedParts* RESTRICT parts, PRIVATE double* RESTRICT irradiance) {         \
+    LANE_LOOP                                                                                                \
+      for (int j = 0; j < LANES; j++) {                                                                      \
+        const Light light = of_lane;                                                                         \
+        irradiance[j] = light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]); \
+      }                                                                                                      \
+  }
+PART_IRRADIANCES(part_irradiances, placed_part(scene, parts, j))
+PART_IRRADIANCES(still_part_irradiances, load_light(scene->lights + parts->lights[j]))
+#undef PART_IRRADIANCES
 
 /// Integrals of linearly transformed cosines' densities over triangle lights, times pi; arbitrary in lanes
 /// without such a lobe.
@@ -308,8 +312,12 @@ FN void weigh_projected_parts(const PRIVATE Scene* scene, const PRIVATE ShadingP
                               PRIVATE double* weights) {
   const PRIVATE Receivers* r = &points->receivers;
   double irradiance[LANES], lobe[LANES];
-  place_lights(scene, parts->lights, points->time, &parts->places);
-  part_irradiances(scene, r, parts, irradiance);
+  const bool moves = lights_move(scene);
+  if (moves | leans) place_lights(scene, parts->lights, points->time, &parts->places);
+  if (moves)
+    part_irradiances(scene, r, parts, irradiance);
+  else
+    still_part_irradiances(scene, r, parts, irradiance);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) weights[j] = projected[j] != 0 ? irradiance[j] : weights[j];
   if (!HAS(LTC) || !leans) return;

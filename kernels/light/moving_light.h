@@ -190,10 +190,16 @@ FN void place_lights(const PRIVATE Scene* scene, const PRIVATE int* lights, cons
     place_still_lights(scene, lights, times, places);
 }
 
-/// Their axes, if the scene has lights whose samples need them.
+/// Whether the scene has lights whose samples need axes.
+FN bool needs_light_axes(const PRIVATE Scene* scene) {
+  const bool round = NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, DISK) || NEEDS_LIGHT(scene, CYLINDER);
+  return (NEEDS(scene, UV) && round) || NEEDS_LIGHT(scene, SPOT) || NEEDS_LIGHT(scene, PROJECTOR);
+}
+
+/// Their axes, if the scene needs them.
 FN void place_light_axes(const PRIVATE Scene* scene, const PRIVATE int* lights, const PRIVATE float* times,
                          PRIVATE LightAxesLanes* axes) {
-  if (!(NEEDS(scene, UV) || NEEDS_LIGHT(scene, SPOT) || NEEDS_LIGHT(scene, PROJECTOR))) return;
+  if (!needs_light_axes(scene)) return;
   if (lights_move(scene))
     place_moving_axes(scene, lights, times, axes);
   else
