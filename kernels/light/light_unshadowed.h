@@ -314,10 +314,11 @@ FN void weigh_projected_parts(const PRIVATE Scene* scene, const PRIVATE ShadingP
   double irradiance[LANES], lobe[LANES];
   const bool moves = lights_move(scene);
   if (moves | leans) place_lights(scene, parts->lights, points->time, &parts->places);
-  if (moves)
+  if (moves) {
     part_irradiances(scene, r, parts, irradiance);
-  else
+  } else {
     still_part_irradiances(scene, r, parts, irradiance);
+  }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) weights[j] = projected[j] != 0 ? irradiance[j] : weights[j];
   if (!HAS(LTC) || !leans) return;
@@ -352,8 +353,9 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     int exist[LANES], by_angle[LANES];
     PlacedParts these;
     find_parts(scene, reservoir, k, these.lights, exist, by_angle, weights);
-    if (HAS(PROJECTED) && by_projection)
+    if (HAS(PROJECTED) && by_projection) {
       weigh_projected_parts(scene, points, leans, by_angle, &these, weights);
+    }
     LANE_LOOP
       for (int j = 0; j < LANES; j++)
         add_to_reservoir(&part, j, these.lights[j], exist[j] != 0 ? weights[j] : 0.0);
