@@ -252,9 +252,8 @@ class Tracker {
   static std::string warning(const std::string& what, const StepChoice& choice) {
     if (choice.worst() <= kMostDeviation) return {};
     return fmt::format(
-        "{} moves too fast or too irregularly while the shutter is open: {} steps deviate from its path by "
-        "up "
-        "to {:.2g} pixels",
+        "{} moves too fast or too irregularly while the shutter is open: {} steps deviate from its path "
+        "by up to {:.2g} pixels",
         what, kFinestSteps, choice.worst());
   }
   void warn(std::string text) {
@@ -569,8 +568,8 @@ void add_integrator_warnings(const SceneDescription& scene, ExposedMotion& motio
   if (!motion.any() || !has_photons(scene.integrator)) return;
   if (scene.integrator.is<PhotonMapIntegrator>())
     motion.warnings.emplace_back(
-        "photonmapper has one map for the image: what moves is as at the middle of the exposure; ppm blurs "
-        "it");
+        "photonmapper has one map for the image: what moves is as at the middle of the exposure; "
+        "ppm blurs it");
   else if (motion.exposure.rolling > 0)
     motion.warnings.emplace_back("ppm has one time for all rows of a pass: the shutter does not roll");
 }
