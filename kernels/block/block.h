@@ -211,7 +211,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     float u[LANES], v[LANES];
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
     if (NEEDS_MOTION(scene)) set_sample_times(scene, unit->first_sample, paths, i);
-    const bool moves = NEEDS_MOTION(scene) && camera_moves(scene);
+    const bool moves = camera_moves(scene);
     if (NEEDS(scene, CAMERA) && !moves) start_lens_paths(scene, paths, i, channel, u, v, slots);
     if (NEEDS(scene, CAMERA) && moves) start_moving_lens_paths(scene, paths, i, channel, u, v, slots);
     if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);

@@ -32,6 +32,15 @@ FN Between between_states(Motion m, float time) {
   return b;
 }
 
+/// Of a thing whose states are consecutive, from the first of a table on.
+FN Motion consecutive_states(int steps) {
+  Motion m;
+  m.first = 0;
+  m.stride = 1;
+  m.steps = steps;
+  return m;
+}
+
 /// Exactly `a` where both are equal: what does not move keeps its bits.
 FN float float_between(float a, float b, float f) { return a + f * (b - a); }
 FN vec3 vec3_between(vec3 a, vec3 b, float f) { return add_scaled(a, f, sub(b, a)); }
@@ -103,17 +112,19 @@ FN Instance instance_at(const PRIVATE Scene* scene, int instance, float time) {
   return i;
 }
 
+/// An instance at the time, whether it moves or not.
+FN Instance instance_of(const PRIVATE Scene* scene, int instance, float time) {
+  return NEEDS_MOTION(scene) && instance_moves(scene, instance) ? instance_at(scene, instance, time)
+                                                                : load_instance(scene->instances + instance);
+}
+
 FN bool camera_moves(const PRIVATE Scene* scene) {
   return NEEDS_MOTION(scene) && scene->header.camera_moves != 0;
 }
 
 /// `camera` at the time, if it moves.
 FN Camera camera_at(const PRIVATE Scene* scene, Camera camera, float time) {
-  Motion m;
-  m.first = 0;
-  m.stride = 1;
-  m.steps = scene->shutter->camera_steps;
-  const Between b = between_states(m, time);
+  const Between b = between_states(consecutive_states(scene->shutter->camera_steps), time);
   GLOBAL const Camera* from = scene->camera_states + b.from;
   GLOBAL const Camera* to = scene->camera_states + b.to;
   camera.origin = vec3_between(load3(&from->origin), load3(&to->origin), b.f);

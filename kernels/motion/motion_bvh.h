@@ -53,8 +53,7 @@ typedef struct {
 /// The closest of `best` and the hits in an instance.
 FN Hit intersect_moving_instance(const PRIVATE Scene* scene, int instance, const PRIVATE MovingRay* r,
                                  Hit best) {
-  const Instance at = instance_moves(scene, instance) ? instance_at(scene, instance, r->time)
-                                                      : load_instance(scene->instances + instance);
+  const Instance at = instance_of(scene, instance, r->time);
   const GroupRay inside = group_ray(at, r->ray.o, r->ray.d);
   const int root = scene->groups[at.group].root, skip = instance == r->skip_instance ? r->skip : -1;
   const Hit found = r->any
@@ -71,11 +70,7 @@ FN Hit intersect_moving_instance(const PRIVATE Scene* scene, int instance, const
 /// triangle_at has them.
 FN uint moving_triangle_hits(GLOBAL const MotionLeaf* leaf, const PRIVATE MovingRay* r, float limit,
                              PRIVATE int* distances) {
-  Motion m;
-  m.first = 0;
-  m.stride = 1;
-  m.steps = leaf->steps;
-  const Between b = between_states(m, r->time);
+  const Between b = between_states(consecutive_states(leaf->steps), r->time);
   // The end of the leaf's time is the beginning of the next step.
   const bool ends = b.from >= leaf->last_step;
   const int from = (ends ? leaf->last_step - 1 : b.from) - leaf->first_step;

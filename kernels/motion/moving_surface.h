@@ -31,19 +31,17 @@ FN Instance instance_state(const PRIVATE Scene* scene, int instance, bool moves,
   return instance_at(scene, moves ? instance : scene->shutter->still_instances, time);
 }
 
-/// The instance at the time.
-FN Instance instance_of(const PRIVATE Scene* scene, int instance, float time) {
-  return NEEDS_MOTION(scene) && instance_moves(scene, instance) ? instance_at(scene, instance, time)
-                                                                : load_instance(scene->instances + instance);
+/// Where the point of a surface on a moving triangle is if the triangle's vertices are p0, p1, p2.
+FN vec3 carried_point(const PRIVATE Scene* scene, Surface s, vec3 p0, vec3 p1, vec3 p2) {
+  const TriangleState now = triangle_at(scene, s.primitive, s.time);
+  const Barycentric b = barycentric_among(now.p0, now.p1, now.p2, s.p);
+  return add(add(scale(p0, b.b0), scale(p1, b.b1)), scale(p2, b.b2));
 }
 
 /// Where the record of a moving triangle has the surface's point.
 FN vec3 rest_position(const PRIVATE Scene* scene, Surface s) {
-  const TriangleState now = triangle_at(scene, s.primitive, s.time);
-  const Barycentric b = barycentric_among(now.p0, now.p1, now.p2, s.p);
   GLOBAL const Triangle* rest = scene->triangles + s.primitive;
-  return add(add(scale(load3(&rest->p0), b.b0), scale(load3(&rest->p1), b.b1)),
-             scale(load3(&rest->p2), b.b2));
+  return carried_point(scene, s, load3(&rest->p0), load3(&rest->p1), load3(&rest->p2));
 }
 
 /// Where the ray from `o` along `d` meets the moving triangle.
@@ -62,10 +60,8 @@ FN vec3 position_at(const PRIVATE Scene* scene, Surface s, float other) {
     return from_group_point(instance_at(scene, s.instance, other),
                             to_group_point(instance_at(scene, s.instance, s.time), s.p));
   if (is_moving_triangle(scene, s.primitive, s.instance)) {
-    const TriangleState now = triangle_at(scene, s.primitive, s.time);
     const TriangleState then = triangle_at(scene, s.primitive, other);
-    const Barycentric b = barycentric_among(now.p0, now.p1, now.p2, s.p);
-    return add(add(scale(then.p0, b.b0), scale(then.p1, b.b1)), scale(then.p2, b.b2));
+    return carried_point(scene, s, then.p0, then.p1, then.p2);
   }
   if (HAS(QUADRICS) && is_moving_quadric(scene, s.primitive, s.instance)) {
     const int quadric = s.primitive - scene->header.tables.triangles.count;

@@ -188,28 +188,19 @@ Expected<void> MotionTables::fill(const glm::dvec3& origin, SceneRecords& record
   if (motion_.camera.steps > 0) records.camera_states.resize(std::size_t(states_of(motion_.camera.steps)));
   std::vector<Motion> of_lights(records.lights.size());
   bool lights_move = false;
-  for (const MovingLight& moving : emitters_) {
-    const int steps = motion_.emitters[moving.emitter].steps;
-    if (steps == 0) continue;
-    of_lights[std::size_t(moving.light)] = {int(records.light_states.size()), 1, steps};
+  // Makes room for a light's states. Triangles that repeat each other share a light.
+  const auto reserve = [&](int light, int steps) {
+    if (light < 0 || steps == 0 || of_lights[std::size_t(light)].steps > 0) return;
+    of_lights[std::size_t(light)] = {int(records.light_states.size()), 1, steps};
     records.light_states.resize(records.light_states.size() + std::size_t(states_of(steps)));
     lights_move = true;
-  }
+  };
+  for (const MovingLight& moving : emitters_) reserve(moving.light, motion_.emitters[moving.emitter].steps);
   for (const Source& source : sources_) {
-    for (int i = 0; i < source.triangles; ++i) {
-      const int light = records.triangles[std::size_t(source.first_triangle + i)].light;
-      if (light < 0 || of_lights[std::size_t(light)].steps > 0) continue;
-      of_lights[std::size_t(light)] = {int(records.light_states.size()), 1, source.steps};
-      records.light_states.resize(records.light_states.size() + std::size_t(states_of(source.steps)));
-      lights_move = true;
-    }
-    for (int i = 0; i < source.quadrics; ++i) {
-      const int light = records.quadrics[std::size_t(source.first_quadric + i)].light;
-      if (light < 0) continue;
-      of_lights[std::size_t(light)] = {int(records.light_states.size()), 1, source.steps};
-      records.light_states.resize(records.light_states.size() + std::size_t(states_of(source.steps)));
-      lights_move = true;
-    }
+    for (int i = 0; i < source.triangles; ++i)
+      reserve(records.triangles[std::size_t(source.first_triangle + i)].light, source.steps);
+    for (int i = 0; i < source.quadrics; ++i)
+      reserve(records.quadrics[std::size_t(source.first_quadric + i)].light, source.steps);
   }
   if (lights_move) records.light_motions = std::move(of_lights);
   for (std::size_t k = 0; k < motion_.times.size(); ++k)
