@@ -32,7 +32,9 @@ class MitsubaTextures : public SceneText {
     return "<shape type='" + type + "'>" + inside + "<bsdf type='diffuse'>" + texture + "</bsdf></shape>";
   }
 
-  /// An image through OpenImageIO, its format by the name.
+  /// An image through OpenImageIO, its format by the name. Rows are written one by one: write_image() would
+  /// start threads, and a lock that one of them holds stays locked in the copy of this process that reads
+  /// images.
   template <typename Value>
   void write_image(const std::string& name, int width, int height, const std::vector<std::string>& channels,
                    OIIO::TypeDesc format, const std::vector<Value>& values) {
@@ -43,7 +45,9 @@ class MitsubaTextures : public SceneText {
     spec.channelnames = channels;
     spec.attribute("oiio:UnassociatedAlpha", 1);
     ASSERT_TRUE(output->open(path, spec)) << output->geterror();
-    ASSERT_TRUE(output->write_image(OIIO::BaseTypeFromC<Value>::value, values.data()));
+    for (int y = 0; y < height; ++y)
+      ASSERT_TRUE(output->write_scanline(y, 0, OIIO::BaseTypeFromC<Value>::value,
+                                         values.data() + std::size_t(y * width) * channels.size()));
     ASSERT_TRUE(output->close());
   }
   void write_tga(const std::string& name, int width, int height, int channels,
