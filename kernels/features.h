@@ -50,7 +50,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(DIRECT_LAYER, "direct light layer")                                \
   X(INDIRECT_LAYER, "indirect light layer")                            \
   X(MOTION, "motion while the shutter is open")                        \
-  X(MOTION_LAYER, "layer of motion")
+  X(MOTION_LAYER, "layer of motion")                                   \
+  X(DISPERSION, "glass whose refractive index differs between colours")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -266,7 +266,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, bend_step)    /* difference of texture coordinates at which heights are compared */       \
   F(int, bend_shadows)   /* 1: bumps shadow each other, see bump_shadow */                           \
   F(float, pane)         /* relative index of a thin pane, which rays pass at random; else 0 */      \
-  F(int, flat_glass)     /* 1: glass of plates, see flat_glass.h */
+  F(int, flat_glass)     /* 1: glass of plates, see flat_glass.h */                                  \
+  F(vec3, channel_ior)   /* relative refractive index of each channel if they differ, else 0 */
 
 #define MATERIAL_FIELDS(F)               \
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \

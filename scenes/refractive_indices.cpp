@@ -114,4 +114,16 @@ Expected<float> RefractiveIndex::parse(std::string_view text) const {
   return kDielectrics[*index].index;
 }
 
+glm::dvec3 channel_indices(double index, double abbe) {
+  constexpr double kF = 486.134, kD = 587.562, kC = 656.279;  // nm
+  constexpr glm::dvec3 kOfPrimaries{611.4, 549.1, 464.2};     // against D65
+  constexpr double kLeast = 1e-3;
+  const auto inverse_square = [](double wavelength) { return 1.0 / (wavelength * wavelength); };
+  const double spread = (index - 1.0) / (abbe * (inverse_square(kF) - inverse_square(kC)));
+  glm::dvec3 indices;
+  for (int c = 0; c < 3; ++c)
+    indices[c] = std::max(index + spread * (inverse_square(kOfPrimaries[c]) - inverse_square(kD)), kLeast);
+  return indices;
+}
+
 }  // namespace penumbra

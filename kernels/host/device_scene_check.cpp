@@ -212,6 +212,15 @@ class Checker {
                   "a light is in a medium that is not there");
   }
 
+  /// Whether the material has the same index for all channels, or is a dielectric with an index for each.
+  [[nodiscard]] bool check_channels(const Material& m) const {
+    const vec3 index = m.channel_ior;
+    if (index.x == 0.0f && index.y == 0.0f && index.z == 0.0f) return true;
+    const auto is_index = [](float x) { return x > 0.0f && std::isfinite(x); };
+    return is_index(index.x) && is_index(index.y) && is_index(index.z) && m.branches == 0 &&
+           m.flat_glass == 0 && (DISPERSING >> m.family & 1u) != 0u && has(FEATURE_DISPERSION);
+  }
+
   /// Checks that descents in material trees end, at leaves of known kinds.
   void check_material_trees() {
     const auto materials = table<Material>(scene_, h_.tables.materials);
@@ -237,6 +246,7 @@ class Checker {
                                     m.bend == BEND_NONE && m.transmitted_texture == -1 &&
                                     has(FEATURE_FLAT_GLASS) && has(FEATURE_PATH) && !has(FEATURE_MEDIA)),
               "flat glass that is none");
+      require(check_channels(m), "a dispersing dielectric that is none");
       require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
               "materials that hold others without their feature bit");
       require(m.bend == BEND_NONE || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),

@@ -4,6 +4,7 @@
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
 #include "kernels/integrator/directions.h"
+#include "kernels/integrator/dispersion.h"
 #include "kernels/integrator/light_request.h"
 #include "kernels/integrator/step.h"
 
@@ -180,6 +181,7 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     if (finds) add_emissions_found(scene, k == 0, paths, i, &step.found, &step.emissions);
     begin_steps(paths, i, &step.surfaces, is_last);
     if (step.families == 0u) continue;  // nothing scatters
+    if (NEEDS(scene, DISPERSION)) disperse(scene, false, paths, i, &step);
 
     // The k-th point on a light, and the shadow ray to it.
     if (emits) {

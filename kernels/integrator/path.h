@@ -7,6 +7,7 @@
 // does not need is not called (NEEDS). The stages are in path_stages.h and step.h.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
+#include "kernels/integrator/dispersion.h"
 #include "kernels/integrator/flat_glass.h"
 #include "kernels/integrator/path_stages.h"
 #include "kernels/photon/photon_chains.h"
@@ -45,6 +46,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       end_paths(paths, i);
       continue;
     }
+    if (NEEDS(scene, DISPERSION)) disperse(scene, true, paths, i, &step);
 
     // Next-event estimation: a point on a light, and the shadow ray to it.
     if (emits) {

@@ -8,6 +8,7 @@
 #define PENUMBRA_INTEGRATOR_WHITTED_H
 #include "kernels/integrator/branches.h"
 #include "kernels/integrator/directions.h"
+#include "kernels/integrator/dispersion.h"
 #include "kernels/integrator/path_stages.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -258,6 +259,8 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
 
     if (scatters) {
+      if (NEEDS(scene, DISPERSION)) disperse(scene, true, paths, i, &step);
+
       // Next-event estimation: a point on a light, and the shadow ray to it.
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);

@@ -7,6 +7,7 @@
 #include "kernels/block/block_see_through.h"
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"
+#include "kernels/integrator/dispersion.h"
 #include "kernels/light/light_emission.h"
 #include "kernels/motion/shutter.h"
 #include "kernels/photon/photon_chains.h"
@@ -225,6 +226,7 @@ CALLED_FN void step_photons(const PRIVATE Scene* scene, const PRIVATE PathState*
     find_surfaces(scene, paths, i, &step.surfaces);
     resolve_step_closures(scene, &step);
     store_photons(scene, paths, i, min_i(LANES, count - i), &step, store);
+    if (NEEDS(scene, DISPERSION)) disperse(scene, true, paths, i, &step);
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
     scatter_photons(scene, paths, i, &step);

@@ -39,14 +39,39 @@ struct DielectricSurface {
   }
 };
 
+/// A dielectric that refracts each colour channel by an index of its own.
+struct DispersingSurface : DielectricSurface {
+  float abbe = 0.0f;    ///< Abbe number of the interior; 0: the same index for all channels
+  bool turned = false;  ///< whether this is the other side's: ext_ior is the index of the interior
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    DielectricSurface::parameters(row);
+    row("abbe", &DispersingSurface::abbe, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "Abbe number of the inside, whose int_ior is that of yellow light; 0: no dispersion");
+  }
+  [[nodiscard]] bool disperses() const { return abbe > 0.0f; }
+  /// The relative refractive index of each channel.
+  [[nodiscard]] glm::vec3 channel_iors() const {
+    const glm::dvec3 inside = channel_indices(turned ? ext_ior : int_ior, abbe);
+    return glm::vec3(turned ? double(int_ior) / inside : inside / double(ext_ior));
+  }
+  [[nodiscard]] Material material_with(int family) const {
+    Material m = DielectricSurface::material_with(family);
+    if (disperses()) m.channel_ior = to_vec3(channel_iors());
+    return m;
+  }
+};
+
 /// The BSDF of the other side: interior and exterior are exchanged.
 template <typename Model>
 Model turned_dielectric(Model model) {
   std::swap(model.int_ior, model.ext_ior);
+  model.turned = !model.turned;
   return model;
 }
 
-struct DielectricBsdf : DielectricSurface {
+struct DielectricBsdf : DispersingSurface {
   static constexpr const char* kPlugin = "dielectric";
   static constexpr const char* kText = "smooth boundary of glass, water and the like";
 
@@ -59,7 +84,7 @@ struct ThinDielectricBsdf : DielectricSurface {
   static constexpr bool kSidesAreAlike = true;
 };
 
-struct RoughDielectricBsdf : DielectricSurface, RoughSurface {
+struct RoughDielectricBsdf : DispersingSurface, RoughSurface {
   static constexpr const char* kPlugin = "roughdielectric";
   static constexpr const char* kText = "rough boundary of glass and the like (microfacets)";
   /// If the indices differ by less than this, light passes straight through, as if they were equal. With so
@@ -68,7 +93,7 @@ struct RoughDielectricBsdf : DielectricSurface, RoughSurface {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    DielectricSurface::parameters(row);
+    DispersingSurface::parameters(row);
     RoughSurface::parameters(row);
   }
   template <typename Given>
@@ -95,6 +120,7 @@ inline Material material_of(const RoughDielectricBsdf& dielectric) {
       passes ? FAMILY_DIELECTRIC
              : dielectric.family(FAMILY_ROUGHDIELECTRIC_GGX, FAMILY_ROUGHDIELECTRIC_BECKMANN));
   if (passes) m.ior = 1.0f;
+  if (passes) m.channel_ior = {};
   if (!passes) dielectric.set_roughness(m);
   return m;
 }

@@ -17,6 +17,9 @@ inline Material material_of_family(int family) {
   return m;
 }
 
+/// Whether the refractive index differs between colour channels.
+inline bool disperses(const Material& m) { return m.channel_ior.x != 0.0f; }
+
 /// The set of fields that have a texture, as bits 1 << TEXTURED_*.
 inline unsigned textured_fields(const Material& m) {
   unsigned fields = 0;

@@ -38,7 +38,7 @@ bool open_pane(Material& m) {
 
 bool is_glass(const std::vector<Material>& materials, int index) {
   const Material& m = materials[std::size_t(index)];
-  return m.branches == 0 && m.family == FAMILY_DIELECTRIC && m.bend == BEND_NONE &&
+  return m.branches == 0 && m.family == FAMILY_DIELECTRIC && m.bend == BEND_NONE && !disperses(m) &&
          m.transmitted_texture == kNoTexture && std::ranges::none_of(materials, [&](const Material& other) {
            return other.branches != 0 && (other.first == index || other.second == index);
          });

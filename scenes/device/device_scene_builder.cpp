@@ -202,6 +202,7 @@ class SceneBuilder {
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
       if (is_anisotropic(closure_of(m))) need(FEATURE_UV);
+      if (disperses(m)) need(FEATURE_DISPERSION);
       h_.textured |= textured_fields(m);
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);

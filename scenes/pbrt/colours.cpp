@@ -200,16 +200,23 @@ bool is_colour_space(std::string_view name) {
   return std::ranges::any_of(kColourSpaces, [&](const ColourSpace& each) { return each.name == name; });
 }
 
-std::optional<double> glass_index(std::string_view name) {
-  // n_d from the makers' data sheets; diamond: Phillip and Taft (1964). pbrt's glass-F5, -F10 and -F11 are
+std::optional<Glass> glass_named(std::string_view name) {
+  // From the makers' data sheets; diamond: Peter's formula (1923). pbrt's glass-F5, -F10 and -F11 are
   // Schott's SF5, SF10 and SF11.
-  static constexpr double kSf5 = 1.6727, kSf10 = 1.7283, kSf11 = 1.7847;
-  static constexpr std::pair<std::string_view, double> kGlasses[] = {
-      {"glass-BK7", 1.5168}, {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503},
-      {"glass-F5", kSf5},    {"glass-F10", kSf10},    {"glass-F11", kSf11},    {"glass-SF5", kSf5},
-      {"glass-SF10", kSf10}, {"glass-SF11", kSf11},   {"diamond", 2.4176}};
-  for (const auto& [glass, index] : kGlasses)
-    if (glass == name) return index;
+  static constexpr Glass kSf5{1.6727, 32.21}, kSf10{1.7283, 28.41}, kSf11{1.7847, 25.76};
+  static constexpr std::pair<std::string_view, Glass> kGlasses[] = {{"glass-BK7", {1.5168, 64.17}},
+                                                                    {"glass-BAF10", {1.6700, 47.11}},
+                                                                    {"glass-FK51A", {1.4866, 84.47}},
+                                                                    {"glass-LASF9", {1.8503, 32.17}},
+                                                                    {"glass-F5", kSf5},
+                                                                    {"glass-F10", kSf10},
+                                                                    {"glass-F11", kSf11},
+                                                                    {"glass-SF5", kSf5},
+                                                                    {"glass-SF10", kSf10},
+                                                                    {"glass-SF11", kSf11},
+                                                                    {"diamond", {2.4176, 55.3}}};
+  for (const auto& [glass, values] : kGlasses)
+    if (glass == name) return values;
   return std::nullopt;
 }
 

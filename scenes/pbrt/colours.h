@@ -33,7 +33,11 @@ ComplexIndex metal_index(int metal);
 /// Whether pbrt has a colour space of this name.
 bool is_colour_space(std::string_view name);
 
-/// The refractive index at 589 nm of a named glass, "glass-BK7" for example.
-std::optional<double> glass_index(std::string_view name);
+struct Glass {
+  double index;  ///< at the Fraunhofer line d
+  double abbe;   ///< Abbe number
+};
+/// A named glass, "glass-BK7" for example.
+std::optional<Glass> glass_named(std::string_view name);
 
 }  // namespace penumbra::pbrt

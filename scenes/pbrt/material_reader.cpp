@@ -251,19 +251,22 @@ SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceL
 }
 
 double MaterialReader::index(Parameters& parameters, std::string_view name, SourceLocation location,
-                             double fallback) {
+                             double fallback, float* abbe) {
   Parameter* eta = parameters.take(name);
   if (eta == nullptr) return fallback;
   double value = eta->numbers.size() == 1 ? eta->numbers[0] : 0.0;
   if (eta->type == "spectrum") {
-    context_.report.warn_counted(eta->location, "glasses have one refractive index at all wavelengths");
-    const auto glass = eta->texts.size() == 1 ? glass_index(eta->texts[0]) : std::nullopt;
+    const auto glass = eta->texts.size() == 1 ? glass_named(eta->texts[0]) : std::nullopt;
+    if (glass && abbe != nullptr)
+      *abbe = float(glass->abbe);
+    else
+      context_.report.warn_counted(eta->location, "a refractive index is the same at all wavelengths");
     // From a table, the value in the middle of the visible range.
     const auto colour =
         glass ? std::nullopt
               : colour_of(*eta, ColourOf::kIndex, context_.files, context_.folder, context_.report);
     if (!glass && !colour) return fallback;
-    value = glass ? *glass : double(colour->y);
+    value = glass ? glass->index : double(colour->y);
   } else if (eta->type != "float") {
     context_.report.unsupported(eta->location, "a refractive index is a float or a spectrum",
                                 fmt::format("it is {}", fallback));
@@ -349,17 +352,20 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
 }
 
 SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocation location) {
-  const float eta = float(index(parameters, "eta", location));
+  float abbe = 0.0f;
+  const float eta = float(index(parameters, "eta", location, 1.5, &abbe));
   const Roughness rough = roughness(parameters, "", location);
   if (rough.smooth()) {
     DielectricBsdf model;
     model.int_ior = eta;
     model.ext_ior = 1.0f;
+    model.abbe = abbe;
     return surface_of("dielectric", model);
   }
   RoughDielectricBsdf model;
   model.int_ior = eta;
   model.ext_ior = 1.0f;
+  model.abbe = abbe;
   model.distribution = DISTRIBUTION_GGX;
   model.alpha_u = rough.u;
   model.alpha_v = rough.v;

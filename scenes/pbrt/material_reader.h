@@ -60,7 +60,10 @@ class MaterialReader {
                                  SourceLocation location);
   SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double fallback,
                                const char* name, SourceLocation location);
-  double index(Parameters& parameters, std::string_view name, SourceLocation location, double fallback = 1.5);
+  /// The refractive index at the Fraunhofer line d. `abbe`: where to put the Abbe number of a glass that
+  /// disperses light; null: the surface has one index at all wavelengths.
+  double index(Parameters& parameters, std::string_view name, SourceLocation location, double fallback = 1.5,
+               float* abbe = nullptr);
   struct Roughness {
     TexturedNumber u, v;
     [[nodiscard]] bool smooth() const;
