@@ -50,7 +50,7 @@ CameraPlace camera_place(const Camera& camera, const glm::dvec3& center, double 
 std::string camera_text(const Camera& camera, const glm::dvec3& center, double distance,
                         CameraFormat format) {
   const CameraPlace place = camera_place(camera, center, distance);
-  const bool has_fov = camera.parallel == 0;
+  const bool has_fov = camera.parallel == 0 && camera.panorama == 0;
   switch (format) {
     case CameraFormat::kSettings:
       if (place.is_mirrored) return "camera.to_world=" + to_world_text(camera, place);

@@ -106,8 +106,8 @@ MessageKind message_kind(std::string_view message) {
 
 std::string why_no_closed_form(const ViewStatus& status) {
   if (status.hybrid) return {};
-  return "This render has no closed form of its light: that takes polygon lights and the integrator "
-         "polygon_cv or polygon_analytic.";
+  return "This render has no closed form of its light: that takes polygon lights, a pinhole "
+         "camera and the integrator polygon_cv or polygon_analytic.";
 }
 
 std::string why_no_alpha(const ViewStatus& status) {

@@ -8,50 +8,51 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, description for users)
-#define PENUMBRA_FEATURES(X)                                           \
-  X(PATH, "path integrator")                                           \
-  X(DIRECT, "direct integrator")                                       \
-  X(BVH, "bounding volume hierarchy")                                  \
-  X(TRANSMISSION, "paths through surfaces into other media")           \
-  X(SHADING_NORMALS, "interpolated vertex normals")                    \
-  X(QUADRICS, "spheres and disks")                                     \
-  X(MIXED_FAMILIES, "several families of BSDFs")                       \
-  X(WHITTED, "whitted integrator")                                     \
-  X(SOLID_ANGLE, "sampling of triangle lights by solid angle")         \
-  X(LAYERS, "albedo, normal and depth layers")                         \
-  X(SAMPLERS, "samplers other than Owen-scrambled Sobol")              \
-  X(PROJECTED, "sampling of triangle lights by projected solid angle") \
-  X(POLYGONS, "polygon lights in closed form")                         \
-  X(LOOK_THROUGH, "hidden emitters that the camera looks through")     \
-  X(UV, "texture coordinates and tangents")                            \
-  X(TEXTURES, "textures")                                              \
-  X(NESTED, "BSDFs that hold others, and surfaces seen through")       \
-  X(BENT, "normal maps and bump maps")                                 \
-  X(OCCLUSION, "ambient and reflection occlusion integrators")         \
-  X(LTC, "glossy BSDFs under polygon lights")                          \
-  X(LIGHT_TREE, "choice among lights by their contribution")           \
-  X(INSTANCES, "instances of groups of shapes")                        \
-  X(CAMERA, "lenses, parallel projection and distorted images")        \
-  X(LIGHT_TEXTURES, "lights with textures")                            \
-  X(CYLINDERS, "cylinders")                                            \
-  X(COVERAGE, "alpha")                                                 \
-  X(MATTES, "objects and materials of pixels")                         \
-  X(PARTS, "parts of the light of paths alone")                        \
-  X(MEDIA, "participating media")                                      \
-  X(PANES, "thin panes that shadow rays pass")                         \
-  X(FLAT_GLASS, "plates of glass that shadow rays pass")               \
-  X(LIGHT_EDGES, "edges of lights that the camera sees")               \
-  X(PHOTONS, "photon maps")                                            \
-  X(DENOISING, "half buffers and variances of layers, for denoising")  \
-  X(POSITION_LAYER, "position layer")                                  \
-  X(UV_LAYER, "layer of texture coordinates")                          \
-  X(GEOMETRIC_NORMAL_LAYER, "geometric normal layer")                  \
-  X(SHAPE_LAYER, "layer of shape IDs")                                 \
-  X(DIRECT_LAYER, "direct light layer")                                \
-  X(INDIRECT_LAYER, "indirect light layer")                            \
-  X(MOTION, "motion while the shutter is open")                        \
-  X(MOTION_LAYER, "layer of motion")                                   \
-  X(DISPERSION, "glass whose refractive index differs between colours")
+#define PENUMBRA_FEATURES(X)                                            \
+  X(PATH, "path integrator")                                            \
+  X(DIRECT, "direct integrator")                                        \
+  X(BVH, "bounding volume hierarchy")                                   \
+  X(TRANSMISSION, "paths through surfaces into other media")            \
+  X(SHADING_NORMALS, "interpolated vertex normals")                     \
+  X(QUADRICS, "spheres and disks")                                      \
+  X(MIXED_FAMILIES, "several families of BSDFs")                        \
+  X(WHITTED, "whitted integrator")                                      \
+  X(SOLID_ANGLE, "sampling of triangle lights by solid angle")          \
+  X(LAYERS, "albedo, normal and depth layers")                          \
+  X(SAMPLERS, "samplers other than Owen-scrambled Sobol")               \
+  X(PROJECTED, "sampling of triangle lights by projected solid angle")  \
+  X(POLYGONS, "polygon lights in closed form")                          \
+  X(LOOK_THROUGH, "hidden emitters that the camera looks through")      \
+  X(UV, "texture coordinates and tangents")                             \
+  X(TEXTURES, "textures")                                               \
+  X(NESTED, "BSDFs that hold others, and surfaces seen through")        \
+  X(BENT, "normal maps and bump maps")                                  \
+  X(OCCLUSION, "ambient and reflection occlusion integrators")          \
+  X(LTC, "glossy BSDFs under polygon lights")                           \
+  X(LIGHT_TREE, "choice among lights by their contribution")            \
+  X(INSTANCES, "instances of groups of shapes")                         \
+  X(CAMERA, "lenses, parallel projection and distorted images")         \
+  X(LIGHT_TEXTURES, "lights with textures")                             \
+  X(CYLINDERS, "cylinders")                                             \
+  X(COVERAGE, "alpha")                                                  \
+  X(MATTES, "objects and materials of pixels")                          \
+  X(PARTS, "parts of the light of paths alone")                         \
+  X(MEDIA, "participating media")                                       \
+  X(PANES, "thin panes that shadow rays pass")                          \
+  X(FLAT_GLASS, "plates of glass that shadow rays pass")                \
+  X(LIGHT_EDGES, "edges of lights that the camera sees")                \
+  X(PHOTONS, "photon maps")                                             \
+  X(DENOISING, "half buffers and variances of layers, for denoising")   \
+  X(POSITION_LAYER, "position layer")                                   \
+  X(UV_LAYER, "layer of texture coordinates")                           \
+  X(GEOMETRIC_NORMAL_LAYER, "geometric normal layer")                   \
+  X(SHAPE_LAYER, "layer of shape IDs")                                  \
+  X(DIRECT_LAYER, "direct light layer")                                 \
+  X(INDIRECT_LAYER, "indirect light layer")                             \
+  X(MOTION, "motion while the shutter is open")                         \
+  X(MOTION_LAYER, "layer of motion")                                    \
+  X(DISPERSION, "glass whose refractive index differs between colours") \
+  X(PANORAMA, "panoramic cameras")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

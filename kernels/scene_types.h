@@ -468,6 +468,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, v1)             \
   F(int, v2)
 
+// Panoramas, and their coordinates on the film to the left and upwards.
+enum {
+  PANORAMA_NONE,
+  PANORAMA_EQUIRECTANGULAR,  // longitude and latitude, in turns
+  PANORAMA_CYLINDRICAL,      // longitude in turns, height on a cylinder of radius 1
+  PANORAMA_EQUIDISTANT,      // the angle off the axis, in turns, is the radius
+  PANORAMA_EQUISOLID,        // the sine of half that angle is
+  PANORAMA_EQUAL_AREA        // the square of equal_area_direction, from -1 to 1
+};
+
 // The camera. Lengths are in scene units. The fields from `parallel` on are only used with FEATURE_CAMERA,
 // see lens_camera.h.
 #define CAMERA_FIELDS(F)                                                                            \
@@ -489,7 +499,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, reach)      /* upper bound of r on the film; 0: no distortion */                         \
   F(float, split)      /* 1: each channel has its own rays; 0: all use the first below */           \
   F(vec3, image_scale) /* magnification of the image of each channel */                             \
-  F(vec3, focus)       /* distance along z at which each channel is in focus */
+  F(vec3, focus)       /* distance along z at which each channel is in focus */                     \
+  F(float, panorama)   /* PANORAMA_*; the fields below are only used with FEATURE_PANORAMA, see */  \
+                       /* panorama_camera.h. x and y are unit vectors */                            \
+  F(float, center_x)   /* coordinates of the film's centre */                                       \
+  F(float, center_y)                                                                                \
+  F(float, half_x)   /* ... of its left edge, from there */                                         \
+  F(float, half_y)   /* ... of its top edge */                                                      \
+  F(float, limit)    /* radius of a fisheye's circle in its coordinates */                          \
+  F(float, pictures) /* 1; 2: of the left and the right eye, one above the other */                 \
+  F(float, eye)      /* half the distance of the eyes */
 
 #define FILM_PARAMETERS_FIELDS(F)                     \
   F(int, width)                                       \

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "scenes/panoramas.h"
 #include "scenes/scene_description.h"
 #include "scenes/view_angle.h"
 
@@ -51,6 +52,7 @@ double film_reach(const CameraSettings& camera, const Film& film) {
 }  // namespace
 
 HalfFilm half_film(const CameraSettings& camera, const Film& film) {
+  if (is_panorama(camera.projection)) return {1.0, 1.0};
   const double w = film.width, h = film.height;
   if (camera.projection == Projection::kOrthographic) return {camera.scale_x, camera.scale_y * h / w};
   const double high = h * camera.pixel_aspect, x = half_width_tangent(camera.fov, camera.fov_axis, w, high);
@@ -72,6 +74,8 @@ Expected<void> check_camera(const CameraSettings& camera, const Film& film) {
   }
   if (camera.blades == 1 || camera.blades == 2)
     return fail(fmt::format("a lens has no {} blades: 3 or more, or 0 for a disk", camera.blades));
+  if (is_panorama(camera.projection)) return check_panorama(camera, film);
+  if (camera.stereo != StereoPair::kNone) return fail("a stereo pair needs the projection equirectangular");
   if (!camera.is_distorted()) return {};
   if (camera.projection != Projection::kPerspective)
     return fail("an orthographic image has no angles that distortion_k1 and distortion_k2 could distort");

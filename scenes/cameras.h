@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kernels/host/error.h"
@@ -14,7 +15,17 @@
 
 namespace penumbra {
 
-enum class Projection { kPerspective, kOrthographic };
+enum class Projection {
+  kPerspective,
+  kOrthographic,
+  kEquirectangular,
+  kCylindrical,
+  kFisheyeEquidistant,
+  kFisheyeEquisolid,
+  kEqualArea
+};
+/// Pictures of two eyes: none; the left eye's above the right eye's.
+enum class StereoPair { kNone, kTopBottom };
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 
 enum class ShutterPosition { kStart, kCenter, kEnd };
@@ -29,9 +40,21 @@ inline OneOf<FovAxis> fov_axes() {
            {"larger", FovAxis::kLarger}}};
 }
 
+inline OneOf<Projection> projections() {
+  return {{{"perspective", Projection::kPerspective},
+           {"orthographic", Projection::kOrthographic},
+           {"equirectangular", Projection::kEquirectangular},
+           {"cylindrical", Projection::kCylindrical},
+           {"fisheye_equidistant", Projection::kFisheyeEquidistant},
+           {"fisheye_equisolid", Projection::kFisheyeEquisolid},
+           {"equal_area", Projection::kEqualArea}}};
+}
+inline std::string projection_name(Projection projection) { return projections().print(projection); }
+
 /// Camera space looks along +z, with +y up and +x to the left of the image (Mitsuba's convention). Every
-/// camera may have a lens and images that differ between colour channels (chromatic aberration). Only a
-/// perspective camera may have distortion.
+/// camera may have a lens, and planes of focus that differ between colour channels. Only a perspective camera
+/// may have distortion, and panoramas have images of one size in all channels. A panorama's lens is a disk
+/// perpendicular to each ray, and what is a distance along z for other cameras is a distance along the ray.
 struct CameraSettings {
   Projection projection = Projection::kPerspective;
   /// Camera to world; the axes are orthogonal and may be mirrored; their lengths have no effect.
@@ -44,6 +67,21 @@ struct CameraSettings {
   double pixel_aspect = 1.0;
   /// Orthographic camera: half the film's width, and half its height times its aspect ratio.
   double scale_x = 1.0, scale_y = 1.0;
+  /// Panoramas. Degrees to the right of +z and above the horizon, at the film's edges; equirectangular, and
+  /// longitudes of cylindrical ones.
+  double longitude_min = -180.0, longitude_max = 180.0;
+  double latitude_min = -90.0, latitude_max = 90.0;
+  /// Cylindrical: heights at the film's lower and upper edge on a cylinder of radius 1 about the camera.
+  double height_min = -1.0, height_max = 1.0;
+  /// Fisheyes: full angle of view of their circle, in degrees, at most 360. Beyond it the image is black with
+  /// alpha 0. An equidistant one's circle touches the film's edges along `fov_axis`.
+  double fisheye_fov = 180.0;
+  /// Equisolid fisheye: a direction at an angle off the axis is at distance 2 fisheye_lens sin(angle / 2)
+  /// from the centre of a film as wide as sensor_width; both in millimetres.
+  double fisheye_lens = 10.5, sensor_width = 36.0;
+  /// Equirectangular: two pictures of eyes at that distance from each other, in scene units.
+  StereoPair stereo = StereoPair::kNone;
+  double interocular_distance = 0.065;
   /// Distances along +z; the camera sees nothing nearer than near_clip or farther than far_clip.
   double near_clip = 1e-2;
   double far_clip = 1e4;
@@ -83,16 +121,34 @@ void camera_parameters(const Row& row) {
   constexpr double kFar = std::numeric_limits<float>::max();
   constexpr Number<double> kLength{LowEnd::kOpen, 0.0, kFar};
   constexpr Number<double> kShare{LowEnd::kOpen, -1.0, 1.0};
-  row("projection", &C::projection,
-      OneOf<Projection>{
-          {{"perspective", Projection::kPerspective}, {"orthographic", Projection::kOrthographic}}},
-      "perspective or parallel projection");
+  row("projection", &C::projection, projections(), "perspective, parallel or panoramic projection");
   row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0},
       "full angle of view of the whole film, degrees; perspective");
-  row("fov_axis", &C::fov_axis, fov_axes(), "axis of the film that fov spans");
+  row("fov_axis", &C::fov_axis, fov_axes(),
+      "axis of the film that fov, or an equidistant fisheye_fov, spans");
   row("pixel_aspect", &C::pixel_aspect, kLength, "height of a pixel over its width; perspective");
   row("scale_x", &C::scale_x, kLength, "half the width of the view; orthographic");
   row("scale_y", &C::scale_y, kLength, "half the height of the view of a square film; orthographic");
+  constexpr Number<double> kAngle{LowEnd::kClosed, -720.0, 720.0};
+  constexpr Number<double> kHeight{LowEnd::kClosed, -1e6, 1e6};
+  row("longitude_min", &C::longitude_min, kAngle,
+      "degrees to the right of the view at the film's left edge; equirectangular, cylindrical");
+  row("longitude_max", &C::longitude_max, kAngle, "... at its right edge, at most 360 more");
+  row("latitude_min", &C::latitude_min, kAngle,
+      "degrees above the horizon at the film's lower edge, from -90; equirectangular");
+  row("latitude_max", &C::latitude_max, kAngle, "... at its upper edge, up to 90");
+  row("height_min", &C::height_min, kHeight,
+      "height at the film's lower edge, on a cylinder of radius 1; cylindrical");
+  row("height_max", &C::height_max, kHeight, "... at its upper edge");
+  row("fisheye_fov", &C::fisheye_fov, Number<double>{LowEnd::kOpen, 0.0, 720.0},
+      "full angle of view of a fisheye's circle, degrees, up to 360; beyond it the image is black");
+  row("fisheye_lens", &C::fisheye_lens, kLength, "focal length in mm; fisheye_equisolid");
+  row("sensor_width", &C::sensor_width, kLength, "width of the film in mm; fisheye_equisolid");
+  row("stereo", &C::stereo,
+      OneOf<StereoPair>{{{"none", StereoPair::kNone}, {"top_bottom", StereoPair::kTopBottom}}},
+      "pictures of two eyes (omni-directional stereo), the left one's above; equirectangular");
+  row("interocular_distance", &C::interocular_distance, Number<double>{LowEnd::kClosed, 0.0, kFar},
+      "distance of the eyes of a stereo pair");
   row("near_clip", &C::near_clip, kLength, "nearest distance along the view that is seen",
       &Camera::near_clip);
   row("far_clip", &C::far_clip, kLength, "farthest distance along the view that is seen", &Camera::far_clip);
@@ -144,7 +200,7 @@ void camera_parameters(const Row& row) {
 struct Film;
 
 /// Half the width and height of what the film sees: at distance 1 for a perspective camera, in scene units
-/// for an orthographic one.
+/// for an orthographic one, 1 for a panorama.
 struct HalfFilm {
   double x, y;
 };
@@ -156,7 +212,8 @@ double distortion_reach(const CameraSettings& camera, const Film& film);
 
 /// Checks that involve several parameters. Errors: near_clip is not below far_clip; an aperture of one or two
 /// corners; distortion of an orthographic camera; a distortion that does not increase monotonically up to the
-/// corners of the film (the message says up to which radius it does).
+/// corners of the film (the message says up to which radius it does); those of check_panorama; a stereo pair
+/// of another camera.
 Expected<void> check_camera(const CameraSettings& camera, const Film& film);
 
 }  // namespace penumbra

@@ -88,6 +88,8 @@ void add_sensors(Entries& entries) {
   add("telecentric", "parallel projection with a lens", false, {kPlace, kLens});
   add("perspective_rdist", "pinhole camera with radial distortion", true, {kPlace});
   entries.back().parameters.push_back({"kc", "two numbers", "0, 0", "distortion_k1 and distortion_k2"});
+  for (const PanoramaPlugin& panorama : kPanoramas)
+    add(panorama.type, panorama.text, false, {panorama.parameters, kPlace, kLens});
 }
 
 void add_films(Entries& entries) {

@@ -13,6 +13,7 @@
 #include "kernels/camera/camera.h"
 #include "kernels/camera/lens_camera.h"
 #include "kernels/camera/light_edges.h"
+#include "kernels/camera/panorama_camera.h"
 #include "kernels/integrator/direct.h"
 #include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
@@ -183,8 +184,38 @@ FN void sample_lens(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   }
 START_LENS_PATHS(start_lens_paths, camera)
 START_LENS_PATHS(start_moving_lens_paths, MOVED_CAMERA)
-#undef MOVED_CAMERA
 #undef START_LENS_PATHS
+
+// The same with a panoramic camera, see panorama_camera.h. No lane loop: the projections differ.
+#define START_PANORAMA_PATHS(stage, of_lane)                                                                 \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,           \
+                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                         \
+                   const PRIVATE SlotState* slots) {                                                         \
+    const PRIVATE SceneHeader* h = &scene->header;                                                           \
+    const Camera camera = h->camera;                                                                         \
+    const FilmParameters film = h->film;                                                                     \
+    const PathState fields = *paths; /* see step.h */                                                        \
+    float lens_u[LANES], lens_v[LANES];                                                                      \
+    sample_lens(scene, paths, i, lens_u, lens_v);                                                            \
+    for (int j = 0; j < LANES; j++) {                                                                        \
+      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);                         \
+      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);                         \
+      const int x = get_film_x(&fields, i + j), y = get_film_y(&fields, i + j);                              \
+      const PanoramaView view = panorama_view(                                                               \
+          camera, panorama_point(camera, film, x, y, film.filter_radius * fx.x, film.filter_radius * fy.x)); \
+      const Camera own = of_lane;                                                                            \
+      Ray ray = panorama_ray(own, of_channel(own.focus, channel), view.direction, eye_of_row(own, film, y),  \
+                             lens_point(camera, lens_u[j], lens_v[j]));                                      \
+      /* What no picture shows is black: its samples hit nothing and weigh nothing. */                       \
+      ray.tmax = view.seen ? ray.tmax : 0.0f;                                                                \
+      start_path(&fields, i + j, ray);                                                                       \
+      set_slot_filter_weight(slots, get_slot(paths, i + j), view.seen ? fx.weight* fy.weight : 0.0f);        \
+    }                                                                                                        \
+  }
+START_PANORAMA_PATHS(start_panorama_paths, camera)
+START_PANORAMA_PATHS(start_moving_panorama_paths, MOVED_CAMERA)
+#undef MOVED_CAMERA
+#undef START_PANORAMA_PATHS
 
 STAGE void clear_control(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -212,9 +243,12 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
     if (NEEDS_MOTION(scene)) set_sample_times(scene, unit->first_sample, paths, i);
     const bool moves = camera_moves(scene);
-    if (NEEDS(scene, CAMERA) && !moves) start_lens_paths(scene, paths, i, channel, u, v, slots);
-    if (NEEDS(scene, CAMERA) && moves) start_moving_lens_paths(scene, paths, i, channel, u, v, slots);
-    if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
+    const bool panorama = NEEDS(scene, PANORAMA), lens = NEEDS(scene, CAMERA) && !panorama;
+    if (panorama && !moves) start_panorama_paths(scene, paths, i, channel, u, v, slots);
+    if (panorama && moves) start_moving_panorama_paths(scene, paths, i, channel, u, v, slots);
+    if (lens && !moves) start_lens_paths(scene, paths, i, channel, u, v, slots);
+    if (lens && moves) start_moving_lens_paths(scene, paths, i, channel, u, v, slots);
+    if (!panorama && !lens) start_pinhole_paths(scene, paths, i, u, v, slots);
     if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
     if (NEEDS_SPLIT_LIGHT(scene)) clear_direct(paths, i);

@@ -138,6 +138,17 @@ FN LensPoint lens_point(Camera camera, float u, float v) {
   return p;
 }
 
+/// The ray from `start` along `d`, whose length is that of 1 along the view, between the near and far
+/// clipping planes.
+FN Ray clipped_ray(Camera camera, vec3 start, vec3 d) {
+  Ray r;
+  r.origin = add_scaled(start, camera.near_clip, d);
+  const float length = length3(d);
+  r.direction = scale(d, 1.0f / length);
+  r.tmax = min_f((camera.far_clip - camera.near_clip) * length, NO_LIMIT);
+  return r;
+}
+
 /// The ray from the lens point (lens_x, lens_y) through the film point (x, y), see FilmPoint, between the
 /// near and far clipping planes. The lens is in focus at distance `focus` along z. For the centre of the lens
 /// and `parallel` 0 it is the ray of camera_ray.
@@ -147,12 +158,7 @@ FN Ray lens_ray(Camera camera, float focus, float x, float y, float lens_x, floa
                            scale(camera.y, lens_y * (camera.lens_radius / length3(camera.y))));
   const vec3 d = sub(add(camera.z, scale(on_film, 1.0f - camera.parallel)), scale(on_lens, 1.0f / focus));
   const vec3 start = add(add(camera.origin, scale(on_film, camera.parallel)), on_lens);
-  Ray r;
-  r.origin = add_scaled(start, camera.near_clip, d);
-  const float length = length3(d);
-  r.direction = scale(d, 1.0f / length);
-  r.tmax = min_f((camera.far_clip - camera.near_clip) * length, NO_LIMIT);
-  return r;
+  return clipped_ray(camera, start, d);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -76,7 +76,7 @@ class Checker {
   void check_camera() {
     const Camera& c = h_.camera;
     const bool plain = c.parallel == 0 && c.offset_x == 0 && c.offset_y == 0 && c.lens_radius == 0 &&
-                       c.reach == 0 && c.split == 0;
+                       c.reach == 0 && c.split == 0 && c.panorama == 0;
     require(plain || has(FEATURE_CAMERA), "a camera with a lens without its feature bit");
     if (!has(FEATURE_CAMERA)) return;
     const auto positive = [](const vec3& v) { return v.x > 0 && v.y > 0 && v.z > 0; };
@@ -91,6 +91,17 @@ class Checker {
             "a lens with implausible blades");
     require(c.reach >= 0 && finite(c.reach, c.k1, c.k2), "an implausible distortion");
     require(finite(c.offset_x, c.offset_y), "a camera whose axis beside the film is nowhere");
+    require((c.panorama != 0) == has(FEATURE_PANORAMA), "a panorama without its feature bit");
+    if (c.panorama == 0) return;
+    require(in(int(c.panorama), PANORAMA_EQUIRECTANGULAR, PANORAMA_EQUAL_AREA) &&
+                c.panorama == std::floor(c.panorama),
+            "an unknown panorama");
+    require(finite(c.center_x, c.center_y, c.half_x, c.half_y, c.limit, c.eye) && c.half_x > 0 &&
+                c.half_y > 0 && c.limit >= 0 && c.eye >= 0,
+            "an implausible panorama");
+    require(c.pictures == 1 ||
+                (c.pictures == 2 && int(c.panorama) == PANORAMA_EQUIRECTANGULAR && h_.film.height % 2 == 0),
+            "a film that is no pair of pictures");
   }
 
   void check_tables() {

@@ -160,12 +160,15 @@ STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVAT
   }
 }
 
-/// Alpha: whether camera rays hit something.
+/// Alpha: whether camera rays hit something. Beyond a fisheye's circle, where samples weigh nothing, it is 0.
 STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   const float sky = scene->header.film.sky_coverage;
-  for (int j = 0; j < LANES; j++)  // no lane loop: slots are scattered
-    set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] != NOTHING_HIT ? 1.0f : sky);
+  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are scattered
+    const int slot = get_slot(paths, i + j);
+    const bool beyond = NEEDS(scene, PANORAMA) && get_slot_filter_weight(slots, slot) == 0.0f;
+    set_slot_coverage(slots, slot, surfaces->primitive[j] != NOTHING_HIT ? 1.0f : (beyond ? 0.0f : sky));
+  }
 }
 
 /// The mattes that camera rays hit, or NO_MATTE. Kernels may be compiled for more than the scene has: without

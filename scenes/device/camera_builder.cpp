@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scenes/device/to_vec3.h"
+#include "scenes/panoramas.h"
 
 namespace penumbra {
 
@@ -28,6 +29,17 @@ Camera build_camera(const CameraSettings& camera, const Film& film, const vec3& 
   const auto differ = [](const glm::dvec3& v) { return v.x != v.y || v.y != v.z; };
   result.split =
       differ(camera.magnify()) || (camera.aperture_radius > 0 && differ(camera.refocus())) ? 1.0f : 0.0f;
+  if (!is_panorama(camera.projection)) return result;
+  const PanoramaFilm seen = panorama_film(camera, film);
+  result.panorama = float(seen.kind);
+  result.center_x = float(seen.center.x);
+  result.center_y = float(seen.center.y);
+  result.half_x = float(seen.half.x);
+  result.half_y = float(seen.half.y);
+  result.limit = float(seen.limit);
+  const bool is_pair = camera.stereo != StereoPair::kNone;
+  result.pictures = is_pair ? 2.0f : 1.0f;
+  result.eye = is_pair ? float(0.5 * camera.interocular_distance) : 0.0f;
   return result;
 }
 
@@ -35,6 +47,7 @@ std::uint64_t camera_features(const CameraSettings& camera) {
   const bool plain = camera.projection == Projection::kPerspective && camera.aperture_radius == 0.0 &&
                      !camera.is_distorted() && camera.principal_point_offset_x == 0.0 &&
                      camera.principal_point_offset_y == 0.0 && camera.magnify() == glm::dvec3(0.0);
+  if (is_panorama(camera.projection)) return FEATURE_CAMERA | FEATURE_PANORAMA;
   return plain ? 0u : FEATURE_CAMERA;
 }
 

@@ -12,7 +12,7 @@ namespace penumbra {
 /// passed check_camera.
 Camera build_camera(const CameraSettings& camera, const Film& film, const vec3& origin);
 
-/// FEATURE_CAMERA for a camera that is not a plain pinhole, else 0.
+/// FEATURE_CAMERA for a camera that is not a plain pinhole, and FEATURE_PANORAMA for a panoramic one; else 0.
 std::uint64_t camera_features(const CameraSettings& camera);
 
 }  // namespace penumbra

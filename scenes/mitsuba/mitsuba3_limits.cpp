@@ -29,6 +29,11 @@ constexpr std::pair<std::string_view, std::string_view> kPlugins[] = {{"bsdf", "
                                                                       {"integrator", "ro"},
                                                                       {"integrator", "whitted"},
                                                                       {"sampler", "halton"},
+                                                                      {"sensor", "cylindrical"},
+                                                                      {"sensor", "equal_area"},
+                                                                      {"sensor", "equirectangular"},
+                                                                      {"sensor", "fisheye_equidistant"},
+                                                                      {"sensor", "fisheye_equisolid"},
                                                                       {"sensor", "telecentric"},
                                                                       {"texture", "noise"},
                                                                       {"texture", "scale"}};

@@ -18,6 +18,7 @@
 #include "scenes/mitsuba/integrator_reader.h"
 #include "scenes/mitsuba/mitsuba3_limits.h"
 #include "scenes/mitsuba/plugin_writer.h"
+#include "scenes/mitsuba/sensor_parameters.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/mitsuba/written_motion.h"
 #include "scenes/motion/exposure.h"
@@ -339,19 +340,31 @@ class SceneWriter {
   void put_sensor() {
     const CameraSettings& camera = scene_.camera;
     const bool flat = camera.projection == Projection::kOrthographic, lens = camera.aperture_radius > 0;
-    xml_.open("sensor", flat ? (lens ? "telecentric" : "orthographic") : lens ? "thinlens" : "perspective");
-    if (!flat) put_always("camera.fov");
-    if (!flat) put_always("camera.fov_axis");
+    const auto panorama = std::ranges::find(kPanoramas, camera.projection, &PanoramaPlugin::projection);
+    const bool round = panorama != kPanoramas.end();
+    xml_.open("sensor", round  ? panorama->type
+                        : flat ? (lens ? "telecentric" : "orthographic")
+                        : lens ? "thinlens"
+                               : "perspective");
+    const bool has_angle = !flat && !round;
+    if (has_angle) put_always("camera.fov");
+    if (has_angle) put_always("camera.fov_axis");
     if (lens) put_always("camera.aperture_radius");
     if (lens) put_always("camera.focus_distance");
     const RenderSettings plain;
     for (const Setting& setting : all_settings()) {
       const std::string name = setting.name();
       if (!setting.key.starts_with("camera.") || name == "to_world" || name == "projection" ||
-          name == "fov" || name == "fov_axis" || name == "scale_x" || name == "scale_y" ||
+          name == "fov" || (name == "fov_axis" && !round) || name == "scale_x" || name == "scale_y" ||
           name == "aperture_radius" || name == "focus_distance" || name == "shutter" ||
           name == "shutter_position")
         continue;
+      const bool is_own =
+          round && std::ranges::find(panorama->parameters, name) != panorama->parameters.end();
+      const bool of_panorama = std::ranges::any_of(kPanoramas, [&](const PanoramaPlugin& each) {
+        return std::ranges::find(each.parameters, name) != each.parameters.end();
+      });
+      if (of_panorama && !is_own) continue;
       const bool of_lens = name.starts_with("blade") || name.starts_with("refocus");
       const bool of_motion = name == "shutter_curve" || name == "rolling_shutter";
       if ((lens || !of_lens) && (scene_.motion != nullptr || !of_motion)) put_setting(setting, plain, name);

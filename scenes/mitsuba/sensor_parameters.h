@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/cameras.h"
+
 namespace penumbra::mitsuba {
 
 using SettingNames = std::vector<std::string>;
@@ -26,6 +28,32 @@ inline const SettingNames kPlace = {"near_clip",
                                     "rolling_shutter"};
 inline const SettingNames kLens = {"aperture_radius", "focus_distance", "blades",      "blade_rotation",
                                    "refocus_red",     "refocus_green",  "refocus_blue"};
+/// Panoramas: sensors of our own, named as their projections. They also read kPlace and kLens.
+struct PanoramaPlugin {
+  const char* type;
+  Projection projection;
+  SettingNames parameters;
+  const char* text;
+};
+inline const std::vector<PanoramaPlugin> kPanoramas = {
+    {"equirectangular",
+     Projection::kEquirectangular,
+     {"longitude_min", "longitude_max", "latitude_min", "latitude_max", "stereo", "interocular_distance"},
+     "panorama of longitudes and latitudes"},
+    {"cylindrical",
+     Projection::kCylindrical,
+     {"longitude_min", "longitude_max", "height_min", "height_max"},
+     "panorama on a cylinder"},
+    {"fisheye_equidistant",
+     Projection::kFisheyeEquidistant,
+     {"fisheye_fov", "fov_axis"},
+     "fisheye whose radius is the angle off the axis"},
+    {"fisheye_equisolid",
+     Projection::kFisheyeEquisolid,
+     {"fisheye_fov", "fisheye_lens", "sensor_width"},
+     "fisheye whose area is the solid angle"},
+    {"equal_area", Projection::kEqualArea, {}, "all directions on a square of equal areas (Clarberg 2008)"}};
+
 inline const SettingNames kDistortion = {"distortion_k1", "distortion_k2"};
 
 /// Settings of `film`: its size.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "scenes/mitsuba/medium_reader.h"
 #include "scenes/mitsuba/sensor_parameters.h"
@@ -137,6 +138,15 @@ void read_telecentric(PluginReader& plugin, SceneDescription& scene) {
   read_lens(plugin, scene);
 }
 
+/// A panorama may have a lens.
+void read_panorama(PluginReader& plugin, const PanoramaPlugin& panorama, SceneDescription& scene) {
+  scene.camera.projection = panorama.projection;
+  plugin.settings(scene, "camera", panorama.parameters);
+  read_place(plugin, scene);
+  plugin.settings(scene, "camera", kLens);
+  if (!plugin.has("focus_distance")) scene.camera.focus_distance = scene.camera.far_clip;
+}
+
 void read_filter(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
   const auto* filter = find_plugin(kFilters, object.type);
@@ -250,14 +260,20 @@ void read_sensor(const Context& context, const Object& object, std::span<const T
                  SceneDescription& scene) {
   PluginReader plugin(context, object);
   const SensorPlugin* known = find_plugin(kSensors, object.type);
-  (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
+  const PanoramaPlugin* panorama = find_plugin(kPanoramas, object.type);
+  if (panorama != nullptr)
+    read_panorama(plugin, *panorama, scene);
+  else
+    (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
   check_keys(plugin, keys, scene.camera);
   const Object* film = plugin.only_nested("film");
   const Object* sampler = plugin.only_nested("sampler");
   if (const Object* medium = plugin.only_nested("medium"))
     scene.camera_medium = context.media->install(*medium, scene);
-  if (known == nullptr) {
-    context.unknown_plugin(object, plugin_types(kSensors), "a perspective one stands in for it");
+  if (known == nullptr && panorama == nullptr) {
+    std::vector<std::string> types = plugin_types(kSensors);
+    std::ranges::copy(plugin_types(kPanoramas), std::back_inserter(types));
+    context.unknown_plugin(object, types, "a perspective one stands in for it");
     plugin.skip();
   }
   plugin.finish();

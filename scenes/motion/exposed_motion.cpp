@@ -9,6 +9,7 @@
 
 #include "kernels/host/parallel.h"
 #include "scenes/instances.h"
+#include "scenes/panoramas.h"
 #include "scenes/transform.h"
 
 namespace penumbra {
@@ -137,7 +138,7 @@ struct Eye {
   glm::dvec3 at{0.0}, x{0.0}, y{0.0}, z{0.0};  ///< see Camera
   double lens = 0.0, focus = 1.0;
   double near_clip = 0.0, pixels = 0.0;  ///< a pixel's number per unit of the image, an upper bound
-  bool parallel = false;
+  bool parallel = false, panorama = false;
 
   Eye() = default;
   Eye(const CameraSettings& camera, const Film& film) {
@@ -151,6 +152,11 @@ struct Eye {
     focus = camera.focus_distance;
     near_clip = camera.near_clip;
     parallel = camera.projection == Projection::kOrthographic;
+    panorama = is_panorama(camera.projection);
+    if (panorama) {
+      pixels = pixels_per_radian(camera, film);
+      return;
+    }
     pixels = 0.5 * film.width / half.x;
     // Towards the corners, a perspective image is stretched.
     if (!parallel) pixels *= 1.0 + half.x * half.x + half.y * half.y;
@@ -177,8 +183,25 @@ struct Eye {
   }
 };
 
+/// The same of panoramas, which see points in all directions.
+double panorama_difference(const Eye& exact, const Eye& other, double distance) {
+  double most = 0.0;
+  const glm::dmat3 to_other = glm::inverse(glm::dmat3(other.x, other.y, other.z));
+  for (const double away : {distance, 1e6 * distance})
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {1.0, -1.0}) {
+        glm::dvec3 seen(0.0);
+        seen[axis] = side;
+        const glm::dvec3 p = exact.at + away * (glm::dmat3(exact.x, exact.y, exact.z) * seen);
+        const glm::dvec3 to_point = p - other.at;
+        most = std::max(most, glm::length(glm::normalize(to_other * to_point) - seen));
+      }
+  return exact.pixels * (most + std::abs(exact.lens / exact.focus - other.lens / other.focus));
+}
+
 /// By how many pixels images of points at that distance differ, and of those far away.
 double difference(const Eye& exact, const Eye& other, double distance, const Film& film) {
+  if (exact.panorama) return panorama_difference(exact, other, distance);
   double most = 0.0;
   for (const double away : {distance, 1e6 * distance})
     for (const auto& [u, v] : {std::pair(0.0, 0.0), {-1.0, -1.0}, {1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}}) {

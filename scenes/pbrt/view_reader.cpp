@@ -183,13 +183,12 @@ std::optional<StraightCamera> straightened(const CameraAxes& axes, const Window&
 }
 
 /// Makes the camera, as it was read, move. A stretch that grows changes lens, focus and an orthographic view
-/// as linearly.
-void move_camera(Context& context, const TransformPair& keys, int node, SourceLocation location) {
+/// as linearly. `to_pbrt`: from our camera space to pbrt's.
+void move_camera(Context& context, const TransformPair& keys, int node, const glm::dmat4& to_pbrt,
+                 SourceLocation location) {
   const CameraSettings& shown = context.scene.camera;
   const auto wrong = [&](const char* message) { context.report.error(location, message); };
-  const glm::dmat4 to_right =
-      scaling(glm::dvec3(-1.0, 1.0, 1.0));  // pbrt's +x points to the right of the image
-  MovingCamera moving{{node, to_right}};
+  MovingCamera moving{{node, to_pbrt}};
   glm::dvec3 sizes[2];
   for (int i = 0; i < 2; ++i) {
     const glm::dmat4& key = i == 0 ? keys.start : keys.end;
@@ -218,6 +217,35 @@ void move_camera(Context& context, const TransformPair& keys, int node, SourceLo
   context.motion.motion.camera = std::move(moving);
 }
 
+/// A spherical camera, which sees all directions (SphericalCamera::GenerateRay in src/pbrt/cameras.cpp of
+/// pbrt-v4). With x to the right, y up and z forwards, the left edge of its equirectangular image looks along
+/// +x and the next quarter along +z, so that it is mirrored against a perspective one; the middle of its
+/// equal-area image looks up, the right edge along +x and the lower edge along +z.
+void read_spherical(Context& context, CameraDirective& camera, const TransformPair& keys,
+                    const Placement& placed) {
+  ReaderReport& report = context.report;
+  Parameters& parameters = camera.parameters;
+  CameraSettings& ours = context.scene.camera;
+  const std::string mapping = parameters.text("mapping", "equalarea", report);
+  if (mapping != "equalarea" && mapping != "equirectangular")
+    return report.error(parameters.location("mapping", camera.location),
+                        fmt::format("mapping must be equalarea or equirectangular, not '{}'", mapping));
+  for (const glm::dmat4* key : {&keys.start, &keys.end, &placed.shown})
+    if (!uniform_scale(*key))
+      return report.error(camera.location, "the transform of a spherical camera must scale all axes alike");
+  const bool angles = mapping == "equirectangular";
+  ours.projection = angles ? Projection::kEquirectangular : Projection::kEqualArea;
+  const glm::dmat4 to_pbrt(angles ? glm::dmat3(0, 0, 1, 0, 1, 0, -1, 0, 0)
+                                  : glm::dmat3(-1, 0, 0, 0, 0, -1, 0, 1, 0));
+  const auto frame = without_scale(placed.shown * to_pbrt);
+  if (!frame) return report.error(camera.location, frame.error().message);
+  ours.to_world = *frame;
+  if (placed.node >= 0) move_camera(context, keys, placed.node, to_pbrt, camera.location);
+  // pbrt reads these and has no use for them.
+  parameters.accept({"lensradius", "focaldistance", "frameaspectratio", "screenwindow"});
+  parameters.finish("the camera", report);
+}
+
 }  // namespace
 
 void read_camera(Context& context, CameraDirective& camera) {
@@ -233,10 +261,12 @@ void read_camera(Context& context, CameraDirective& camera) {
   if (!placed) return;
   ours.near_clip = 1e-2;
   ours.far_clip = 1e30;
+  if (camera.type == "spherical") return read_spherical(context, camera, keys, *placed);
   const bool orthographic = camera.type == "orthographic";
   if (!orthographic && camera.type != "perspective")
     return report.unsupported(
-        location, fmt::format("camera '{}' is not read; perspective and orthographic are", camera.type),
+        location,
+        fmt::format("camera '{}' is not read; perspective, orthographic and spherical are", camera.type),
         "a perspective one stands in for it");
   const double fov = orthographic ? 90.0 : parameters.number("fov", 90.0, report);
   if (!(fov > 0.0 && fov < 180.0))
@@ -259,7 +289,8 @@ void read_camera(Context& context, CameraDirective& camera) {
   const auto straight = straightened(axes, *window, parallel, tangent);
   if (!straight) return report.error(location, "the transform shears the camera's film");
   // pbrt's +x points to the right of the image.
-  const auto frame = without_scale(to_world * scaling(glm::dvec3(-1.0, 1.0, 1.0)));
+  const glm::dmat4 to_pbrt = scaling(glm::dvec3(-1.0, 1.0, 1.0));
+  const auto frame = without_scale(to_world * to_pbrt);
   ours.to_world = frame ? *frame : straight->to_world;
   const Window& seen = straight->window;
   const bool plain = !orthographic && !parameters.has("screenwindow") &&
@@ -287,7 +318,7 @@ void read_camera(Context& context, CameraDirective& camera) {
     report.warn(location, "the transform makes the lens an ellipse; it is a disk as wide");
   ours.aperture_radius = lens * right;
   ours.focus_distance = focus * straight->depth;
-  if (placed->node >= 0) move_camera(context, keys, placed->node, location);
+  if (placed->node >= 0) move_camera(context, keys, placed->node, to_pbrt, location);
   parameters.finish("the camera", report);
 }
 

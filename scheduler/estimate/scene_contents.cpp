@@ -11,6 +11,7 @@
 #include "kernels/host/text.h"
 #include "scenes/cameras.h"
 #include "scenes/instances.h"
+#include "scenes/panoramas.h"
 #include "scheduler/render/frames.h"
 
 namespace penumbra {
@@ -59,7 +60,9 @@ NamedTexts camera_text(const CameraFacts& camera) {
   NamedTexts texts = {{"position", place_text(camera.position)},
                       {"direction", place_text(camera.direction)},
                       {"up", place_text(camera.up)}};
-  if (camera.is_orthographic)
+  if (is_panorama(camera.projection))
+    texts.emplace_back("projection", projection_name(camera.projection));
+  else if (camera.projection == Projection::kOrthographic)
     texts.emplace_back("view", fmt::format("orthographic, {:.6g} x {:.6g}", camera.across, camera.down));
   else
     texts.emplace_back("field of view",
@@ -142,14 +145,17 @@ nlohmann::ordered_json motion_json(const MotionFacts& motion) {
 
 CameraFacts camera_facts(const CameraSettings& camera, const Film& film) {
   CameraFacts facts;
-  facts.is_orthographic = camera.projection == Projection::kOrthographic;
+  facts.projection = camera.projection;
   facts.position = camera.to_world[3] + 0.0;  // no -0
   facts.direction = glm::normalize(glm::dvec3(camera.to_world[2])) + 0.0;
   facts.up = glm::normalize(glm::dvec3(camera.to_world[1])) + 0.0;
   const HalfFilm half = half_film(camera, film);
   const auto full_angle = [](double tangent) { return glm::degrees(2 * std::atan(tangent)); };
-  facts.across = facts.is_orthographic ? 2 * half.x : full_angle(half.x);
-  facts.down = facts.is_orthographic ? 2 * half.y : full_angle(half.y);
+  const bool flat = facts.projection == Projection::kOrthographic;
+  if (!is_panorama(facts.projection)) {
+    facts.across = flat ? 2 * half.x : full_angle(half.x);
+    facts.down = flat ? 2 * half.y : full_angle(half.y);
+  }
   facts.aperture_radius = camera.aperture_radius;
   facts.focus_distance = camera.focus_distance;
   return facts;
@@ -212,13 +218,13 @@ std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContent
 void add_contents(nlohmann::ordered_json& json, const SceneContents& contents) {
   const auto triple = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
   const CameraFacts& camera = contents.camera;
-  json["camera"] = {{"projection", camera.is_orthographic ? "orthographic" : "perspective"},
+  json["camera"] = {{"projection", projection_name(camera.projection)},
                     {"position", triple(camera.position)},
                     {"direction", triple(camera.direction)},
                     {"up", triple(camera.up)}};
-  if (camera.is_orthographic)
+  if (camera.projection == Projection::kOrthographic)
     json["camera"]["view"] = {camera.across, camera.down};
-  else
+  else if (!is_panorama(camera.projection))
     json["camera"]["fov"] = {camera.across, camera.down};
   json["camera"]["aperture_radius"] = camera.aperture_radius;
   if (camera.aperture_radius > 0) json["camera"]["focus_distance"] = camera.focus_distance;

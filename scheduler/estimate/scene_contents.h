@@ -19,10 +19,10 @@ namespace penumbra {
 
 /// How the camera is placed and what it sees, in scene units and degrees.
 struct CameraFacts {
-  bool is_orthographic = false;
+  Projection projection = Projection::kPerspective;
   glm::dvec3 position{0.0}, direction{0.0}, up{0.0};  ///< the latter of length 1
   /// Full angles of view across and down the whole film; of an orthographic camera the width and height of
-  /// what it sees.
+  /// what it sees; 0 for a panorama.
   double across = 0, down = 0;
   double aperture_radius = 0, focus_distance = 0;  ///< radius 0: a pinhole
 };

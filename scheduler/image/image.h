@@ -31,7 +31,8 @@ using RowMatrix = std::array<float, 16>;
 struct ImageCamera {
   RowMatrix world_to_camera;  ///< camera space: x to the right of the image, y up, z along the view direction
   /// NDC: (0, 0) and (1, 1) are the upper left and lower right corner of the display window.
-  RowMatrix world_to_ndc;
+  /// Nothing for a panorama.
+  std::optional<RowMatrix> world_to_ndc;
   bool operator==(const ImageCamera&) const = default;
 };
 

@@ -75,7 +75,7 @@ void add_standard_attributes(const Image& image, Imf::Header& header) {
   }
   if (image.camera) {
     Imf::addWorldToCamera(header, matrix_of(image.camera->world_to_camera));
-    Imf::addWorldToNDC(header, matrix_of(image.camera->world_to_ndc));
+    if (image.camera->world_to_ndc) Imf::addWorldToNDC(header, matrix_of(*image.camera->world_to_ndc));
   }
 }
 

@@ -40,7 +40,7 @@ void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
   }
   image.chromaticities = floats_of<8>(spec, "chromaticities");
   const auto to_camera = floats_of<16>(spec, "worldtocamera"), to_ndc = floats_of<16>(spec, "worldToNDC");
-  if (to_camera && to_ndc) image.camera = {*to_camera, *to_ndc};
+  if (to_camera) image.camera = {*to_camera, to_ndc};
 }
 
 Expected<Image> read(const std::filesystem::path& path, bool with_values) {

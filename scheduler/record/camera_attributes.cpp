@@ -2,6 +2,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scenes/panoramas.h"
+
 namespace penumbra {
 namespace {
 
@@ -41,6 +43,7 @@ glm::dmat4 to_film(const CameraSettings& camera, const Film& film) {
 
 ImageCamera camera_attributes(const CameraSettings& camera, const Film& film) {
   const glm::dmat4 world_to_camera = to_camera(camera.to_world);
+  if (is_panorama(camera.projection)) return {rows_of(world_to_camera), std::nullopt};
   return {rows_of(world_to_camera), rows_of(to_film(camera, film) * world_to_camera)};
 }
 

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "kernels/host/device_scene.h"
 #include "scenes/device/device_scene_builder.h"
@@ -273,6 +275,34 @@ TEST_F(MitsubaWriter, CamerasAndSettingsStayTheSame) {
                      "<integrator type='path'><integer name='max_depth' value='7'/><boolean "
                      "name='hide_emitters' value='true'/></integrator><shape type='cube'/><emitter "
                      "type='point'><point name='position' value='1,2,3'/></emitter>"));
+}
+
+TEST_F(MitsubaWriter, PanoramasStayTheSameAndAreNoneOfMitsubas) {
+  for (const auto& [type, parameters] :
+       {std::pair("equirectangular",
+                  "<float name='longitude_min' value='-20'/><float name='longitude_max' value='300'/><float "
+                  "name='latitude_min' value='-45'/><float name='latitude_max' value='80'/><string "
+                  "name='stereo' value='top_bottom'/><float name='interocular_distance' value='0.1'/>"),
+        {"cylindrical",
+         "<float name='longitude_min' value='-90'/><float name='height_min' value='-2'/><float "
+         "name='height_max' value='0.5'/><float name='near_clip' value='0.5'/>"},
+        {"fisheye_equidistant",
+         "<float name='fisheye_fov' value='270'/><string name='fov_axis' value='smaller'/><float "
+         "name='principal_point_offset_x' value='0.1'/>"},
+        {"fisheye_equisolid",
+         "<float name='fisheye_fov' value='200'/><float name='fisheye_lens' value='8'/><float "
+         "name='sensor_width' value='24'/><float name='aperture_radius' value='0.1'/><float "
+         "name='focus_distance' value='3'/><integer name='blades' value='5'/>"},
+        {"equal_area", "<transform name='to_world'><translate x='4'/></transform>"}}) {
+    SCOPED_TRACE(type);
+    const SceneDescription scene =
+        good(std::string("<sensor type='") + type + "'>" + parameters + "</sensor><shape type='cube'/>");
+    EXPECT_EQ(projection_name(scene.camera.projection), type);
+    expect_same(scene);
+    std::vector<std::string> refused;
+    ASSERT_TRUE(mitsuba::scene_files(scene, folder_ / "written.xml", &refused));
+    EXPECT_THAT(refused, testing::Contains(std::string("Mitsuba 3 has no sensor '") + type + "'"));
+  }
 }
 
 }  // namespace

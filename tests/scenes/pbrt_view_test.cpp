@@ -8,7 +8,9 @@
 #include "scenes/image/bitmap_values.h"
 #include "scenes/mitsuba/scene_writer.h"
 #include "scenes/scene_description.h"
+#include "scenes/transform.h"
 #include "tests/scenes/pbrt_text.h"
+#include "tests/support/panorama_directions.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::pbrt_test {
@@ -165,6 +167,52 @@ TEST_F(PbrtView, AmbientOcclusion) {
   EXPECT_EQ(occlusion.background, 0.0f);
   EXPECT_EQ(occlusion.sampling, OcclusionSampling::kHemisphere);
   EXPECT_EQ(occlusion.weighting, OcclusionWeighting::kCosine);
+}
+
+/// pbrt's directions of its spherical camera in its camera space, x to the right, y up and z forwards:
+/// GenerateRay of SphericalCamera, and EqualAreaSquareToSphere.
+glm::dvec3 spherical_direction(bool equal_area, double u, double v) {
+  if (!equal_area) {
+    const double theta = std::numbers::pi * v, phi = 2 * std::numbers::pi * u;
+    return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+  }
+  const double a = 2 * u - 1, b = 2 * v - 1, d = 1 - std::abs(a) - std::abs(b), r = 1 - std::abs(d);
+  const double phi = (r == 0 ? 1 : (std::abs(b) - std::abs(a)) / r + 1) * std::numbers::pi / 4;
+  const double out = r * std::sqrt(2 - r * r);
+  return {std::copysign(std::cos(phi) * out, a), std::copysign(1 - r * r, d),
+          std::copysign(std::sin(phi) * out, b)};
+}
+
+TEST_F(PbrtView, SphericalCamerasSeeAllDirections) {
+  const std::string place = "Scale -1 1 1\nRotate 30 0.3 1 0.2\nScale 2 2 2\nTranslate 1 2 3\n";
+  for (const char* mapping : {"equalarea", "equirectangular", ""}) {
+    const std::string parameter = *mapping == 0 ? "" : std::string(" \"string mapping\" \"") + mapping + "\"";
+    const SceneDescription scene =
+        good_pbrt(kTriangle, place + "Camera \"spherical\"" + parameter + "\n" + kFilm);
+    const bool equal_area = std::string_view(mapping) != "equirectangular";
+    EXPECT_EQ(scene.camera.projection, equal_area ? Projection::kEqualArea : Projection::kEquirectangular);
+    // The transform from the world to pbrt's camera.
+    glm::dmat4 to_camera = scaling(glm::dvec3(-1, 1, 1));
+    to_camera = to_camera * rotation(glm::dvec3(0.3, 1, 0.2), 30) * scaling(glm::dvec3(2));
+    to_camera = to_camera * translation(glm::dvec3(1, 2, 3));
+    const glm::dmat4 to_world = glm::inverse(to_camera);
+    EXPECT_LT(glm::length(scene.camera.to_world[3] - to_world[3]), 1e-9);
+    for (double u = 0.03; u < 1; u += 0.11)
+      for (double v = 0.04; v < 1; v += 0.11) {
+        const glm::dvec3 expected =
+            glm::normalize(glm::dmat3(to_world) * spherical_direction(equal_area, u, v));
+        const glm::dvec3 found =
+            glm::dmat3(scene.camera.to_world) * panorama_direction(scene.camera, scene.film, u, v).value();
+        EXPECT_LT(glm::length(found - expected), 1e-9) << mapping << " " << u << ", " << v;
+      }
+  }
+}
+
+TEST_F(PbrtView, SphericalCamerasThatAreWrong) {
+  EXPECT_THAT(wrong(kTriangle, "Camera \"spherical\" \"string mapping\" \"cube\""),
+              HasSubstr("mapping must be equalarea or equirectangular, not 'cube'"));
+  EXPECT_THAT(wrong(kTriangle, "Scale 1 2 1\nCamera \"spherical\""), HasSubstr("scale all axes alike"));
+  EXPECT_THAT(wrong(kTriangle, "Camera \"spherical\" \"float fov\" 40"), HasSubstr("fov"));
 }
 
 }  // namespace

@@ -99,10 +99,10 @@ TEST(Exr, KeepsCameraColoursAndNumbers) {
   EXPECT_FALSE(round_trip(encode_exr(written), "a.exr").camera);
   EXPECT_FALSE(round_trip(encode_exr(written), "a.exr").chromaticities);
   written.chromaticities = kRec709;
-  written.camera.emplace();
+  RowMatrix& to_film = written.camera.emplace().world_to_ndc.emplace();
   for (std::size_t i = 0; i < 16; ++i) {
     written.camera->world_to_camera[i] = 0.1f * float(i);
-    written.camera->world_to_ndc[i] = -0.3f * float(i);
+    to_film[i] = -0.3f * float(i);
   }
   written.metadata.emplace_back("penumbra:seed", 4e9);
   written.metadata.emplace_back("penumbra:number", 0.1f);

@@ -85,7 +85,7 @@ TEST_P(CameraAttributes, ProjectWhatARaySeesToItsPointOfTheFilm) {
     // Some 20 roundings of coordinates up to 50 in units of the film, which is at least 0.5 wide at the near
     // plane.
     constexpr double kTolerance = 20 * 0x1p-24 * 50 / 0.5;
-    const glm::dvec4 ndc = times(point, attributes.world_to_ndc);
+    const glm::dvec4 ndc = times(point, attributes.world_to_ndc.value());
     ASSERT_NEAR(ndc.x / ndc.w, (x + 0.5 + double(dx)) / 64, kTolerance);
     ASSERT_NEAR(ndc.y / ndc.w, (y + 0.5 + double(dy)) / 40, kTolerance);
     ASSERT_GE(ndc.z / ndc.w, -kTolerance);
@@ -120,8 +120,16 @@ TEST(CameraAttributes, WithoutAFarPlaneAreFinite) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     camera.projection = projection;
     const ImageCamera attributes = camera_attributes(camera, {});
-    for (const float value : attributes.world_to_ndc) EXPECT_TRUE(std::isfinite(value));
+    for (const float value : attributes.world_to_ndc.value()) EXPECT_TRUE(std::isfinite(value));
   }
+}
+
+TEST(CameraAttributes, PanoramasHaveNoneToTheFilm) {
+  CameraSettings camera = camera_at({3, 2, -5}, {0, 1, 0});
+  const RowMatrix to_camera = camera_attributes(camera, {}).world_to_camera;
+  camera.projection = Projection::kEquirectangular;
+  EXPECT_EQ(camera_attributes(camera, {}).world_to_camera, to_camera);
+  EXPECT_FALSE(camera_attributes(camera, {}).world_to_ndc);
 }
 
 }  // namespace
