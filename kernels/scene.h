@@ -68,6 +68,8 @@ LOADED_RECORD(Motion, motion, MOTION_FIELDS)
 #define NEEDS_SPLIT_LIGHT(scene) (NEEDS(scene, DIRECT_LAYER) || NEEDS(scene, INDIRECT_LAYER))
 // Whether the scene has participating media. If so, it has their tables.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
+// Whether a medium emits.
+#define NEEDS_EMITTING_MEDIA(scene) (NEEDS(scene, EMITTING_MEDIA) && NEEDS_MEDIA(scene))
 // Whether something moves while the shutter is open. If so, the scene has its tables.
 #define NEEDS_MOTION(scene) (NEEDS(scene, MOTION) && (scene)->header.tables.shutter.count > 0)
 // Whether shadow rays may pass what they hit.

@@ -275,12 +275,16 @@ PENUMBRA_NAMESPACE_BEGIN
   MATERIAL_TREE_FIELDS(F)
 
 // A participating medium. Record 0 is vacuum, with extinction 0. See medium/flight.h.
-#define MEDIUM_FIELDS(F)                                                                              \
-  F(vec3, extinction) /* per scene unit */                                                            \
-  F(vec3, albedo)     /* single-scattering albedo */                                                  \
-  F(int, material)    /* index of a material of FAMILY_PHASE: its phase function */                   \
-  F(int, density)     /* index of a volume that scales the extinction, 0 outside of its box; or -1 */ \
-  F(int, albedo_grid) /* index of a volume that scales the albedo, or -1 */
+#define MEDIUM_FIELDS(F)                                                                                   \
+  F(vec3, extinction)   /* per scene unit */                                                               \
+  F(vec3, albedo)       /* single-scattering albedo */                                                     \
+  F(int, material)      /* index of a material of FAMILY_PHASE: its phase function */                      \
+  F(int, density)       /* index of a volume that scales the extinction, 0 outside of its box; or -1 */    \
+  F(int, albedo_grid)   /* index of a volume that scales the albedo, or -1 */                              \
+  F(vec3, emission)     /* radiance per scene unit */                                                      \
+  F(int, emission_grid) /* index of a volume that scales the emission, 0 outside of its box; or -1 */      \
+  F(int, emission_by_density) /* 1: the density scales it, too; 0 without density; 1 without grid but with \
+                                 density */
 
 // A grid of numbers in space, see medium/volume.h.
 #define VOLUME_FIELDS(F)                                                                          \
@@ -657,6 +661,7 @@ enum {
   I(media, Medium, material, materials, 0, "a medium names a material that is not there")                 \
   I(media, Medium, density, volumes, -1, "a medium names a volume that is not there")                     \
   I(media, Medium, albedo_grid, volumes, -1, "a medium names a volume that is not there")                 \
+  I(media, Medium, emission_grid, volumes, -1, "a medium names a volume that is not there")               \
   I(boundaries, Boundary, interior, media, 0, "a boundary names a medium that is not there")              \
   I(boundaries, Boundary, exterior, media, -1, "a boundary names a medium that is not there")             \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \

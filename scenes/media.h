@@ -30,8 +30,14 @@ struct ParticipatingMedium {
   glm::vec3 albedo{0.75f};     ///< single-scattering albedo, in [0, 1]
   std::optional<GridVolume> density{};      ///< multiplies the extinction; outside its box there is no medium
   std::optional<GridVolume> albedo_grid{};  ///< multiplies the albedo; values in [0, 1]
+  /// Emitted radiance per scene unit, at least 0: of a medium in which the radiance does not change it is the
+  /// absorption coefficient times that radiance. It ends where the density's box does.
+  glm::vec3 emission{0.0f};
+  std::optional<GridVolume> emission_grid{};  ///< multiplies the emission; there is none outside of its box
+  bool emission_by_density = false;           ///< the density multiplies the emission, too
   /// 1 to PHASE_LOBES lobes, all different; the weights are positive and sum to 1
   std::vector<PhaseLobe> phase{};
+  [[nodiscard]] bool emits() const { return emission != glm::vec3(0.0f); }
 };
 
 inline bool operator==(const PhaseLobe& a, const PhaseLobe& b) {
@@ -44,10 +50,13 @@ struct MediumCoefficients {
   Extinction sigma_t{glm::vec3(1.0f)};
   GriddedColour albedo{glm::vec3(0.75f)};
   float scale = 1.0f;
+  GriddedColour emission{glm::vec3(0.0f)};
 
   template <typename Row>
   static void parameters(const Row& row) {
-    row("sigma_t", &MediumCoefficients::sigma_t, VolumeColour{0.0f, kAnyNumber},
+    row("emission", &MediumCoefficients::emission, VolumeColour{{0.0f, kAnyNumber}, true},
+        "emitted radiance per scene unit, which the scale does not multiply");
+    row("sigma_t", &MediumCoefficients::sigma_t, VolumeColour{{0.0f, kAnyNumber}},
         "extinction in 1 / scene unit");
     row("albedo", &MediumCoefficients::albedo, VolumeColour{}, "the share of it that is scattered");
     row("scale", &MediumCoefficients::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
@@ -66,6 +75,8 @@ struct MediumCoefficients {
     result.albedo = albedo.value;
     result.density = extinction.grid;
     result.albedo_grid = albedo.grid;
+    result.emission = emission.value;
+    result.emission_grid = emission.grid;
     return result;
   }
 };
@@ -73,8 +84,8 @@ struct MediumCoefficients {
 struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
   static constexpr const char* kPlugin = "homogeneous";
   static constexpr const char* kText =
-      "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; the albedo may be a "
-      "gridvolume; holds a phase function";
+      "medium that is the same everywhere; sigma_t and albedo, or sigma_s and sigma_a; albedo and "
+      "emission may be a gridvolume; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
   std::string material;
   bool by_material = false;  ///< of a file whose version knows named materials
@@ -82,9 +93,9 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
   template <typename Row>
   static void parameters(const Row& row) {
     MediumCoefficients::parameters(row);
-    row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
+    row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{{0.0f, kAnyNumber}},
         "scattering coefficient, instead of sigma_t and albedo");
-    row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
+    row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{{0.0f, kAnyNumber}}, "... and what is absorbed");
     row("material", &HomogeneousMedium::material, AnyText{"name of a material"},
         "measured coefficients in 1 / mm of a material such as skin1, instead; of version 0.x");
   }
@@ -121,8 +132,14 @@ struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   static constexpr const char* kPlugin = "heterogeneous";
   static constexpr const char* kText =
       "medium that varies in space; sigma_t is a gridvolume or a constvolume, outside of whose box there is "
-      "nothing, and albedo may be one; holds a phase function";
+      "nothing, and albedo and emission may be one; holds a phase function";
 
+  template <typename Row>
+  static void parameters(const Row& row) {
+    MediumCoefficients::parameters(row);
+    row("emission_by_density", &HeterogeneousMedium::emission_by_density, TrueOrFalse{},
+        "the grid of sigma_t multiplies the emission, too");
+  }
   void complete(Findings& findings) {
     check_extinction(findings);
     if (sigma_t.grid) return;
@@ -133,8 +150,10 @@ struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   [[nodiscard]] ParticipatingMedium medium() const {
     ParticipatingMedium result = MediumCoefficients::medium();
     if (density) result.density = density;
+    result.emission_by_density = emission_by_density;
     return result;
   }
+  bool emission_by_density = false;
   std::optional<GridVolume> density{};  ///< for a constant sigma_t: the box to which the medium is confined
 };
 

@@ -30,7 +30,9 @@ struct IndexColour {
 
 /// A colour of a medium, which may be a volume. With an upper limit above 1 it is a coefficient in 1 / scene
 /// unit.
-struct VolumeColour : ColourWithin {};
+struct VolumeColour : ColourWithin {
+  bool is_emission = false;  ///< spectra are converted as those of lights
+};
 
 /// A number with low < value <= high, or low <= value <= high.
 struct NumberWithin {

@@ -126,6 +126,14 @@ glm::dvec3 integrate(std::span<const SpectrumSample> samples, bool under_d65) {
   return xyz_to_rec709(xyz);
 }
 
+/// Planck's law, in W/(m² sr nm).
+double planck(double nanometres, double kelvins) {
+  constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;  // SI, exact
+  const double metres = nanometres * 1e-9;
+  const double exponent = kPlanck * kLight / (metres * kBoltzmann * kelvins);
+  return 2 * kPlanck * kLight * kLight / (std::pow(metres, 5) * std::expm1(exponent)) * 1e-9;
+}
+
 constexpr SpectrumSample kFlat[] = {{kFirstWavelength, 1.0}, {kLastWavelength, 1.0}};
 
 }  // namespace
@@ -162,14 +170,18 @@ glm::vec3 emission_to_rgb(double constant) {
 }
 
 glm::vec3 blackbody_to_rgb(double temperature) {
-  constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;  // SI, exact
   std::vector<SpectrumSample> samples;
-  for (double nanometres = kFirstWavelength; nanometres <= kLastWavelength; nanometres += 1.0) {
-    const double metres = nanometres * 1e-9;
-    const double exponent = kPlanck * kLight / (metres * kBoltzmann * temperature);
-    const double per_metre = 2 * kPlanck * kLight * kLight / (std::pow(metres, 5) * std::expm1(exponent));
-    samples.push_back({nanometres, per_metre * 1e-9});
-  }
+  for (double nanometres = kFirstWavelength; nanometres <= kLastWavelength; nanometres += 1.0)
+    samples.push_back({nanometres, planck(nanometres, temperature)});
+  return emission_to_rgb(samples);
+}
+
+glm::vec3 unit_blackbody_to_rgb(double temperature) {
+  constexpr double kWien = 2.897771955e6;  // nm K
+  const double most = planck(kWien / temperature, temperature);
+  std::vector<SpectrumSample> samples;
+  for (double nanometres = kFirstWavelength; nanometres <= kLastWavelength; nanometres += 1.0)
+    samples.push_back({nanometres, luminance_of_unit_power() * planck(nanometres, temperature) / most});
   return emission_to_rgb(samples);
 }
 

@@ -30,6 +30,10 @@ glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples);
 /// The emission of a black body (Planck's law) at `temperature` kelvins, in W/(m² sr nm).
 glm::vec3 blackbody_to_rgb(double temperature);
 
+/// The same spectrum, scaled to a maximum of 1 (Wien's displacement law), in units in which a constant
+/// spectrum of 1 has the luminance luminance_of_unit_power().
+glm::vec3 unit_blackbody_to_rgb(double temperature);
+
 /// An emission that is constant over wavelength.
 glm::vec3 emission_to_rgb(double constant);
 

@@ -35,14 +35,15 @@ std::string names_of(const std::vector<openvdb::GridBase::Ptr>& grids) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The grid to be read.
-Expected<openvdb::GridBase::Ptr> chosen(const openvdb::GridPtrVec& grids) {
+/// The grid to be read, null if there is none of that name.
+Expected<openvdb::GridBase::Ptr> chosen(const openvdb::GridPtrVec& grids, std::string_view name) {
   std::vector<openvdb::GridBase::Ptr> readable;
   for (const auto& grid : grids) {
     if (!grid->isType<openvdb::FloatGrid>() && !grid->isType<openvdb::Vec3SGrid>()) continue;
-    if (grid->getName() == "density") return grid;
+    if (grid->getName() == (name.empty() ? "density" : name)) return grid;
     readable.push_back(grid);
   }
+  if (!name.empty()) return openvdb::GridBase::Ptr();
   if (readable.empty())
     return fail(fmt::format("none of its {} grids has single-precision numbers or vectors", grids.size()));
   if (readable.size() > 1)
@@ -50,11 +51,18 @@ Expected<openvdb::GridBase::Ptr> chosen(const openvdb::GridPtrVec& grids) {
   return readable.front();
 }
 
+Expected<void> write_nothing(const Write& write) {
+  const VdbHeader header;
+  if (!write_values(write, std::span<const VdbHeader>(&header, 1))) return fail("nobody reads it");
+  return {};
+}
+
 template <typename Grid>
-Expected<void> write_dense(const Grid& grid, int channels, const Write& write) {
+Expected<void> write_dense(const Grid& grid, int channels, bool may_be_empty, const Write& write) {
   if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
     return fail(fmt::format("its grid '{}' is a level set, a surface; a fog volume is read", grid.getName()));
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty() && may_be_empty) return write_nothing(write);
   if (box.empty()) return fail(fmt::format("its grid '{}' has no active voxel", grid.getName()));
   const openvdb::Coord size = box.dim();
   // Sides are at most 2^32, so the first product does not overflow.
@@ -129,7 +137,7 @@ class CheckedArchive : public openvdb::io::Archive {
   }
 };
 
-Expected<void> read_vdb(std::string_view bytes, const Write& write) {
+Expected<void> read_vdb(std::string_view bytes, std::string_view name, const Write& write) {
   static std::once_flag once;
   std::call_once(once, [] {
     openvdb::initialize();
@@ -140,11 +148,12 @@ Expected<void> read_vdb(std::string_view bytes, const Write& write) {
     VdbStream stream(bytes);
     const openvdb::GridPtrVec grids = CheckedArchive().read(stream);
     if (grids.empty()) return fail("it has no grids");
-    const Expected<openvdb::GridBase::Ptr> grid = chosen(grids);
+    const Expected<openvdb::GridBase::Ptr> grid = chosen(grids, name);
     if (!grid) return std::unexpected(grid.error());
+    if (*grid == nullptr) return write_nothing(write);
     if ((*grid)->isType<openvdb::FloatGrid>())
-      return write_dense(*openvdb::gridPtrCast<openvdb::FloatGrid>(*grid), 1, write);
-    return write_dense(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(*grid), 3, write);
+      return write_dense(*openvdb::gridPtrCast<openvdb::FloatGrid>(*grid), 1, !name.empty(), write);
+    return write_dense(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(*grid), 3, !name.empty(), write);
   } catch (const std::ios_base::failure&) {
     return fail("it cannot be read: the file ends early, or a length in it is damaged");
   } catch (const std::exception& wrong) {

@@ -24,12 +24,14 @@ struct VdbHeader {
 
 /// The interface that the module exports under the name penumbra_vdb_reader.
 struct VdbReader {
-  /// Reads the grid named "density", or else the file's only grid of floats or of vectors of three. Writes
-  /// the bounding box of its active voxels as a dense grid: VdbHeader, then the numbers, x fastest. OpenVDB
-  /// trusts its input: of a damaged file it may write anywhere in memory, so this is called in a process of
-  /// its own. Errors: no such grid, a level set, a transform that rotates, shears or mirrors the box, more
-  /// than kMostVdbNumbers in the box, a number that is not finite, a damaged file or one that ends early.
-  Expected<void> (*read)(std::string_view bytes,
+  /// Reads the grid of that name. Without a name, that named "density", or else the file's only grid of
+  /// floats or of vectors of three. Writes the bounding box of its active voxels as a dense grid: VdbHeader,
+  /// then the numbers, x fastest; if there is no grid of the name, or it has no active voxel, an empty
+  /// VdbHeader. OpenVDB trusts its input: of a damaged file it may write anywhere in memory, so this is
+  /// called in a process of its own. Errors: no such grid, a level set, a transform that rotates, shears or
+  /// mirrors the box, more than kMostVdbNumbers in the box, a number that is not finite, a damaged file or
+  /// one that ends early.
+  Expected<void> (*read)(std::string_view bytes, std::string_view name,
                          const std::function<bool(std::span<const std::uint8_t>)>& write);
 };
 

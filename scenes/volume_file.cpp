@@ -100,11 +100,12 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
 constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
 
 /// What VdbReader writes. The process that wrote it may not have been sound.
-Expected<VolumeFile> take_vdb(const ChildInput& input) {
+Expected<VolumeFile> take_vdb(const ChildInput& input, bool may_be_empty) {
   const auto damaged = [] { return fail("it cannot be read: it is damaged"); };
   VdbHeader header;
   if (!input({reinterpret_cast<std::uint8_t*>(&header), sizeof header})) return damaged();
   const auto& [nx, ny, nz, channels, low, high] = header;
+  if (may_be_empty && channels == 0) return VolumeFile();
   if (nx < 1 || ny < 1 || nz < 1 || (channels != 1 && channels != 3)) return damaged();
   std::uint64_t count = std::uint64_t(channels);
   for (const std::int32_t size : {nx, ny, nz}) {
@@ -129,7 +130,7 @@ ChildLimits limits_of(std::string_view bytes) {
           .cpu_seconds = unsigned(4 + (bytes.size() >> 20))};
 }
 
-Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {
+Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes, std::string_view grid) {
   static const Expected<const void*> module = load_module("libpenumbra_vdb_reader.so", "penumbra_vdb_reader");
   if (!module)
     return fail(
@@ -138,9 +139,9 @@ Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {
   const auto* reader = static_cast<const VdbReader*>(*module);
   Expected<VolumeFile> file = VolumeFile();
   const Expected<void> done = run_limited(
-      limits_of(bytes), [&](const ChildOutput& output) { return reader->read(bytes, output); },
+      limits_of(bytes), [&](const ChildOutput& output) { return reader->read(bytes, grid, output); },
       [&](const ChildInput& input) -> Expected<void> {
-        file = take_vdb(input);
+        file = take_vdb(input, !grid.empty());
         if (!file) return std::unexpected(file.error());
         return {};
       });
@@ -152,7 +153,13 @@ Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {
 }  // namespace
 
 Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes) {
-  return bytes.starts_with(kVdbMagic) ? read_vdb(name, bytes) : read_vol(name, bytes);
+  return bytes.starts_with(kVdbMagic) ? read_vdb(name, bytes, "") : read_vol(name, bytes);
+}
+
+Expected<VolumeFile> read_volume_grid(const std::string& name, std::string_view bytes,
+                                      std::string_view grid) {
+  if (bytes.starts_with(kVdbMagic)) return read_vdb(name, bytes, grid);
+  return VolumeFile();
 }
 
 std::string vol_of(const VolumeGrid& grid, const glm::dvec3& low, const glm::dvec3& high) {

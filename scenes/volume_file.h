@@ -22,6 +22,10 @@ struct VolumeFile {
 /// that is not finite.
 Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes);
 
+/// Reads the grid of that name, which is not empty, of an OpenVDB file. If there is none, and of Mitsuba's
+/// files, whose grid has no name, an empty grid. Errors: as above.
+Expected<VolumeFile> read_volume_grid(const std::string& name, std::string_view bytes, std::string_view grid);
+
 /// The bytes of a Mitsuba volume file, from which read_volume_file restores the same grid.
 std::string vol_of(const VolumeGrid& grid, const glm::dvec3& low = glm::dvec3(0.0),
                    const glm::dvec3& high = glm::dvec3(1.0));

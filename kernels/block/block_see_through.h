@@ -9,6 +9,7 @@
 // surfaces is absorbed.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
+#include "kernels/block/block_emission.h"
 #include "kernels/block/block_instances.h"
 #include "kernels/block/block_media.h"
 #include "kernels/block/block_surface.h"
@@ -211,6 +212,7 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (HAS(MEDIA) && flies) {
     float reaches[LANES];
     int decided[LANES];
+    if (NEEDS_EMITTING_MEDIA(scene) && !TRACES_PHOTONS(scene)) add_media_emission(scene, paths, i, lengths);
     if (NEEDS_PHOTONS(scene) && !TRACES_PHOTONS(scene)) add_beams(scene, paths, i, lengths);
     for (int j = 0; j < LANES; j++) {
       reaches[j] = -1.0f;

@@ -299,6 +299,14 @@ class Checker {
       require(i == 0 || (in(media[i].material, 0, t.materials.count - 1) &&
                          materials[std::size_t(media[i].material)].family == FAMILY_PHASE),
               "a medium without a phase function");
+      const bool emits = max_component(media[i].emission) > 0;
+      require(within(media[i].emission,
+                     i == 0 || !has(FEATURE_EMITTING_MEDIA) ? 0.0f : std::numeric_limits<float>::max()),
+              "a medium of implausible emission");
+      require(in(media[i].emission_by_density,
+                 emits && media[i].density >= 0 && media[i].emission_grid < 0 ? 1 : 0,
+                 media[i].density >= 0 ? 1 : 0),
+              "a medium whose emission is nowhere");
     }
     check_volumes();
     for (const PhaseLobe& lobe : table<PhaseLobe>(scene_, t.phase_lobes))

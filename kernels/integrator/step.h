@@ -5,6 +5,7 @@
 #include "kernels/block/block_surface.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/control_lanes.h"
+#include "kernels/bsdf/material_tree.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
 #include "kernels/motion/motion_layer.h"

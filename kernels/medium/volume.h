@@ -166,18 +166,51 @@ FN void begin_piece(const PRIVATE Scene* scene, GLOBAL const Volume* v, float st
   walk->piece_end = min_f(walk->t + length, exit);
 }
 
+FN float cell_majorant(const PRIVATE Scene* scene, GLOBAL const Volume* v, const PRIVATE VolumeWalk* walk) {
+  const int mx = majorant_cells(v->nx), my = majorant_cells(v->ny);
+  return scene->majorants[v->first_majorant + (walk->z * my + walk->y) * mx + walk->x];
+}
+
+/// Enters the next cell of the majorant grid. `at_x`, `at_y`: the distances at which these coordinates
+/// leave the current one; `nearest`: the least of all. Returns false if the ray leaves the grid.
+FN bool enter_next_cell(GLOBAL const Volume* v, float at_x, float at_y, float nearest,
+                        PRIVATE VolumeWalk* walk) {
+  // One axis at a time, so that the loop ends despite rounding.
+  if (at_x <= nearest)
+    walk->x += walk->step.x > 0.0f ? 1 : -1;
+  else if (at_y <= nearest)
+    walk->y += walk->step.y > 0.0f ? 1 : -1;
+  else
+    walk->z += walk->step.z > 0.0f ? 1 : -1;
+  return (walk->x >= 0) & (walk->x < majorant_cells(v->nx)) & (walk->y >= 0) &
+         (walk->y < majorant_cells(v->ny)) & (walk->z >= 0) & (walk->z < majorant_cells(v->nz));
+}
+
+/// The integral of the majorants over the rest of the walk.
+FN float majorant_integral(const PRIVATE Scene* scene, GLOBAL const Volume* v, VolumeWalk walk) {
+  float sum = 0.0f;
+  while (walk.t < walk.end) {
+    const float at_x = leaves_cell(walk.place.x, walk.step.x, walk.x),
+                at_y = leaves_cell(walk.place.y, walk.step.y, walk.y),
+                at_z = leaves_cell(walk.place.z, walk.step.z, walk.z);
+    const float nearest = min_f(at_x, min_f(at_y, at_z)), exit = max_f(min_f(nearest, walk.end), walk.t);
+    sum += cell_majorant(scene, v, &walk) * (exit - walk.t);
+    walk.t = exit;
+    if (!enter_next_cell(v, at_x, at_y, nearest, &walk)) return sum;
+  }
+  return sum;
+}
+
 /// Advances to the next tentative collision with the volume's numbers times `strongest`. Returns false if the
-/// ray leaves first.
+/// ray leaves, or the walk ends, first. A walk whose `end` is later then set further on continues.
 FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float strongest,
                        PRIVATE VolumeWalk* walk) {
-  const int mx = majorant_cells(v->nx), my = majorant_cells(v->ny), mz = majorant_cells(v->nz);
   while (walk->t < walk->end) {
     const float at_x = leaves_cell(walk->place.x, walk->step.x, walk->x),
                 at_y = leaves_cell(walk->place.y, walk->step.y, walk->y),
                 at_z = leaves_cell(walk->place.z, walk->step.z, walk->z);
     const float nearest = min_f(at_x, min_f(at_y, at_z)), exit = max_f(min_f(nearest, walk->end), walk->t);
-    const float majorant =
-        strongest * scene->majorants[v->first_majorant + (walk->z * my + walk->y) * mx + walk->x];
+    const float majorant = strongest * cell_majorant(scene, v, walk);
     const bool in_pieces = majorant * (exit - walk->t) > MOST_PIECE_DEPTH;
     float to = exit;
     if (in_pieces) {
@@ -196,16 +229,7 @@ FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float
     walk->left -= depth;
     walk->t = to;
     if (to < exit) continue;
-    // One axis at a time, so that the loop ends despite rounding.
-    if (at_x <= nearest)
-      walk->x += walk->step.x > 0.0f ? 1 : -1;
-    else if (at_y <= nearest)
-      walk->y += walk->step.y > 0.0f ? 1 : -1;
-    else
-      walk->z += walk->step.z > 0.0f ? 1 : -1;
-    const bool inside =
-        (walk->x >= 0) & (walk->x < mx) & (walk->y >= 0) & (walk->y < my) & (walk->z >= 0) & (walk->z < mz);
-    if (!inside) return false;
+    if (exit < nearest || !enter_next_cell(v, at_x, at_y, nearest, walk)) return false;
   }
   return false;
 }

@@ -185,7 +185,8 @@ FN bool find_scattering_points(const PRIVATE Scene* scene, const PRIVATE PathSta
     const float chance = beam_probability(scene->media + medium, lengths[j]);
     const bool wanted = (medium != 0) & (ray_number(paths, i + j, 0x9b05688cu) < chance) &
                         (get_ray_tmax(paths, i + j) > 0.0f) & has_beam(scene, paths, i + j) &
-                        (most_photon_edges(&scene->header, paths, i + j) > 0);
+                        (most_photon_edges(&scene->header, paths, i + j) > 0) &
+                        (get_chain(paths, i + j) < CHAIN_LAST);
     s.wo = negate(direction);
     s.material = wanted ? scene->media[medium].material : 0;
     chances[j] = wanted ? chance : 0.0f;

@@ -15,14 +15,15 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// Drops light samples at surfaces without a diffuse part that the path reached from a diffuse one: photons
-/// bring their light to the diffuse one.
+/// bring their light to the diffuse one. Likewise behind the surface that took photons.
 STAGE void drop_photon_samples(const PRIVATE PathState* paths, int i,
                                const PRIVATE Closures* RESTRICT closures,
                                PRIVATE LightSamples* RESTRICT lights) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
+      const int chain = get_chain(paths, i + j);
       const bool dropped =
-          (get_chain(paths, i + j) != CHAIN_SPECULAR) & !has_diffuse_part(load_closure(closures, j));
+          ((chain != CHAIN_SPECULAR) & !has_diffuse_part(load_closure(closures, j))) | (chain >= CHAIN_LAST);
       lights->tmax[j] = dropped ? -1.0f : lights->tmax[j];
     }
 }
@@ -62,7 +63,7 @@ FN bool request_photons(const PRIVATE Scene* scene, int map, const PRIVATE PathS
     const int edges = most_photon_edges(h, paths, i + j);
     const bool in_medium = surfaces->primitive[j] == IN_MEDIUM;
     const bool wanted =
-        (surfaces->primitive[j] != NOTHING_HIT) & (edges > 0) &
+        (surfaces->primitive[j] != NOTHING_HIT) & (edges > 0) & (get_chain(paths, i + j) < CHAIN_LAST) &
         (map == PHOTON_MAP_VOLUME ? in_medium && !has_beam(scene, paths, i + j) : !in_medium) &
         takes_photons(h, map, get_chain(paths, i + j), surfaces->distance[j], c);
     request->wanted[j] = wanted ? 1 : 0;
@@ -105,7 +106,8 @@ CALLED_FN void add_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
 }
 
 /// After the next rays are requested: a path whose indirect light came from photons has one last ray, which
-/// only finds emission, unless a delta direction goes on.
+/// only finds emission, unless a delta direction goes on. Where media emit, it goes on for their emission
+/// alone.
 STAGE void follow_chains(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE Surfaces* RESTRICT surfaces,
                          const PRIVATE Closures* RESTRICT closures) {
@@ -119,8 +121,10 @@ STAGE void follow_chains(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const bool delta = get_direction_pdf(&fields, i + j) == DELTA_PDF;
       const bool diffuse = has_diffuse_part(c) & !delta;
       const bool ends = diffuse & ends_at_photons(h, chain, surfaces->distance[j], c);
-      set_depth(&fields, i + j, ends ? last : depth);
-      set_chain(&fields, i + j, next_chain(chain, diffuse));
+      const bool goes_on = NEEDS_EMITTING_MEDIA(scene);
+      set_depth(&fields, i + j, (ends & !goes_on) ? last : depth);
+      const int next = next_chain(chain, diffuse);
+      set_chain(&fields, i + j, (ends & goes_on & (chain < CHAIN_LAST)) ? CHAIN_LAST : next);
     }
 }
 

@@ -23,6 +23,11 @@ FN bool has_diffuse_part(Closure c) {
 #define CHAIN_SPECULAR 0        // none with a diffuse part, or only its delta directions
 #define CHAIN_DIFFUSE 1         // the last one is diffuse
 #define CHAIN_BEHIND_DIFFUSE 2  // an earlier one is diffuse, and the last is not
+// Of paths of the camera whose other light photons have brought, and which go on for the emission of media,
+// since media emit no photons.
+#define CHAIN_LAST \
+  3  // from the surface that took photons: its ray still finds the light that was sampled there
+#define CHAIN_MEDIA 4  // further on
 
 STAGE void start_chains(const PRIVATE PathState* paths, int i) {
   LANE_LOOP
@@ -30,6 +35,7 @@ STAGE void start_chains(const PRIVATE PathState* paths, int i) {
 }
 
 FN int next_chain(int chain, bool diffuse) {
+  if (chain >= CHAIN_LAST) return CHAIN_MEDIA;
   return diffuse ? CHAIN_DIFFUSE : (chain == CHAIN_SPECULAR ? CHAIN_SPECULAR : CHAIN_BEHIND_DIFFUSE);
 }
 
@@ -37,7 +43,8 @@ FN int next_chain(int chain, bool diffuse) {
 STAGE void drop_photon_emission(const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const bool dropped = get_chain(paths, i + j) == CHAIN_BEHIND_DIFFUSE;
+      const int chain = get_chain(paths, i + j);
+      const bool dropped = (chain == CHAIN_BEHIND_DIFFUSE) | (chain == CHAIN_MEDIA);
       found->light[j] = dropped ? -1 : found->light[j];
     }
 }

@@ -215,6 +215,8 @@ class SceneBuilder {
       h_.families |= 1u << FAMILY_PHASE;
       h_.camera_medium = media_->record_of(scene_.camera_medium);
       need(FEATURE_MEDIA | FEATURE_NESTED);
+      if (std::ranges::any_of(records_.media, [](const Medium& m) { return max_component(m.emission) > 0; }))
+        need(FEATURE_EMITTING_MEDIA);
     }
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
     return {};

@@ -135,7 +135,17 @@ bool equal(const std::optional<GridVolume>& a, const std::optional<GridVolume>& 
 
 bool equal(const ParticipatingMedium& a, const ParticipatingMedium& b) {
   return a.extinction == b.extinction && a.albedo == b.albedo && a.phase == b.phase &&
-         equal(a.density, b.density) && equal(a.albedo_grid, b.albedo_grid);
+         equal(a.density, b.density) && equal(a.albedo_grid, b.albedo_grid) && a.emission == b.emission &&
+         equal(a.emission_grid, b.emission_grid) && a.emission_by_density == b.emission_by_density;
+}
+
+/// The grid that multiplies a medium's emission; of an emission that is the same in the box of the density,
+/// one cell.
+std::optional<GridVolume> emission_grid(const ParticipatingMedium& medium) {
+  if (!medium.emits() || medium.emission_grid) return medium.emits() ? medium.emission_grid : std::nullopt;
+  if (!medium.density || medium.emission_by_density) return std::nullopt;
+  static const auto kOne = std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}});
+  return GridVolume{.grid = kOne, .to_world = medium.density->to_world};
 }
 
 bool is_boundary(const Shape& shape) { return shape.interior != kNoMedium || shape.exterior != kNoMedium; }
@@ -220,7 +230,7 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
     return fail(
         fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
   Medium nothing{};
-  nothing.density = nothing.albedo_grid = -1;
+  nothing.density = nothing.albedo_grid = nothing.emission_grid = -1;
   records.media.push_back(nothing);
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
@@ -231,9 +241,13 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);
     record.material = material_of_phase(medium.phase, records, first_material);
-    record.density = record.albedo_grid = -1;
+    record.density = record.albedo_grid = record.emission_grid = -1;
+    record.emission = to_vec3(medium.emission);
+    record.emission_by_density = medium.emits() && medium.density && medium.emission_by_density ? 1 : 0;
+    const std::optional<GridVolume> emission = emission_grid(medium);
     for (const auto& [grid, index] :
-         {std::pair(&medium.density, &record.density), std::pair(&medium.albedo_grid, &record.albedo_grid)}) {
+         {std::pair(&medium.density, &record.density), std::pair(&medium.albedo_grid, &record.albedo_grid),
+          std::pair(&emission, &record.emission_grid)}) {
       if (!*grid) continue;
       const Expected<int> added = volumes.add(**grid, records);
       if (!added) return fail(fmt::format("{}: {}", medium.name, added.error().message));

@@ -55,7 +55,7 @@ void finish_old(const Context& context, PluginReader& plugin, ParticipatingMediu
     if (name == "orientation")
       context.unsupported(volume->location, "a medium of fibres, with an orientation, is not read",
                           "it scatters the same in all directions");
-    else if (name != "sigma_t" && name != "albedo")
+    else if (name != "sigma_t" && name != "albedo" && name != "emission")
       context.unsupported(
           volume->location,
           fmt::format("a volume named '{}'; those of a medium are named density and albedo", name),

@@ -317,7 +317,9 @@ void PluginReader::read(std::string_view name, GriddedColour& colour, const Volu
 
 void PluginReader::read_volume(std::string_view name, glm::vec3& colour, GriddedColour* grid,
                                const VolumeColour& values) {
-  const ColourRole role = values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kIndex;
+  const ColourRole role = values.is_emission    ? ColourRole::kEmission
+                          : values.high <= 1.0f ? ColourRole::kReflectance
+                                                : ColourRole::kIndex;
   static const std::vector<std::string> kVolumes = {"constvolume", GridVolumeParameters::kPlugin};
   for (Nested& each : nested_) {
     if (each.name != name || each.object->tag != "volume") continue;

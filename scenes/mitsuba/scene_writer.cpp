@@ -192,10 +192,27 @@ class SceneWriter {
         xml_.value("rgb", "albedo", colour_text(medium.albedo));
       }
       if (scale != 1.0f) xml_.value("float", "scale", fmt::format("{}", scale));
+      if (auto done = put_emission(medium); !done) return done;
       put_phase(medium.phase);
       xml_.close();
     }
     return {};
+  }
+
+  Expected<void> put_emission(const ParticipatingMedium& medium) {
+    if (!medium.emits()) return {};
+    remark("Mitsuba 3 has no media that emit");
+    if (medium.density && medium.emission_by_density) xml_.value("boolean", "emission_by_density", "true");
+    if (!medium.emission_grid) {
+      xml_.value("rgb", "emission", colour_text(medium.emission));
+      return {};
+    }
+    if (medium.emission != glm::vec3(1.0f))
+      return fail(fmt::format(
+          "{} has a colour that multiplies the grid of its emission, which a file cannot say", medium.name));
+    if (medium.emission_grid->fades)
+      return fail(fmt::format("{} has a grid that fades at its faces, which Mitsuba has not", medium.name));
+    return put_grid("emission", *medium.emission_grid);
   }
 
   /// The power of two by which an extinction above 1 is divided; it is written as `scale`. Mitsuba 3 accepts

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "scenes/spectrum.h"
+
 namespace penumbra::pbrt {
 namespace {
 
@@ -47,6 +49,56 @@ glm::dvec3 noise_slope(const glm::dvec3& p) {
                     gradient_noise(p + glm::dvec3(0, 0, kStep))) /
              kStep -
          here / kStep;
+}
+
+constexpr double kColdest = 100.0;  ///< K; colder media do not emit
+
+/// The colours of black bodies between two temperatures, interpolated between those of a table: their
+/// relative errors are below 1e-4 above 500 K, where any light is seen.
+class BlackBodies {
+ public:
+  BlackBodies(double low, double high, const std::function<glm::vec3(const glm::vec3&)>& film_colour)
+      : low_(low) {
+    for (double kelvin = low;; kelvin *= kRatio) {
+      colours_.push_back(film_colour(unit_blackbody_to_rgb(kelvin)));
+      if (kelvin >= high) break;
+    }
+  }
+  /// Between two of the table, powers of the temperature, which they resemble.
+  [[nodiscard]] glm::vec3 at(double kelvin) const {
+    const double place = std::log(kelvin / low_) / std::log(kRatio);
+    const auto last = double(colours_.size() - 1);
+    const auto row = std::size_t(std::clamp(std::floor(place), 0.0, std::max(last - 1, 0.0)));
+    const glm::vec3 &a = colours_[row], &b = colours_[std::min(row + 1, colours_.size() - 1)];
+    const auto share = float(place - double(row));
+    glm::vec3 colour;
+    for (int c = 0; c < 3; ++c)
+      colour[c] =
+          a[c] > 0.0f && b[c] > 0.0f ? a[c] * std::pow(b[c] / a[c], share) : std::lerp(a[c], b[c], share);
+    return glm::max(colour, 0.0f);
+  }
+
+ private:
+  static constexpr double kRatio = 1.002;
+  double low_;
+  std::vector<glm::vec3> colours_;
+};
+
+/// The value of a grid at a place in its box, [0, 1]^3, interpolated towards cells of value 0 around it.
+double value_in_box(const VolumeGrid& grid, const glm::dvec3& place) {
+  const glm::dvec3 at = place * glm::dvec3(grid.nx, grid.ny, grid.nz) - 0.5, low = glm::floor(at);
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 step(corner & 1, corner >> 1 & 1, corner >> 2), cell = glm::ivec3(low) + step;
+    const bool inside =
+        cell.x >= 0 && cell.x < grid.nx && cell.y >= 0 && cell.y < grid.ny && cell.z >= 0 && cell.z < grid.nz;
+    const glm::dvec3 share = glm::mix(1.0 - (at - low), at - low, glm::dvec3(step));
+    const std::size_t index =
+        (std::size_t(cell.z) * std::size_t(grid.ny) + std::size_t(cell.y)) * std::size_t(grid.nx) +
+        std::size_t(cell.x);
+    if (inside) sum += share.x * share.y * share.z * double(grid.values[index]);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -126,6 +178,37 @@ std::vector<float> refined(const std::vector<float>& values, const VolumeGrid& s
           }
           result.push_back(float(sum));
         }
+      }
+  return result;
+}
+
+VolumeGrid black_body_grid(const VolumeGrid& temperatures, const TemperatureScale& kelvins,
+                           const std::optional<VolumeGrid>& strengths, const glm::vec3& factor,
+                           const std::function<glm::vec3(const glm::vec3&)>& film_colour) {
+  const int finer = refinement_of(temperatures);
+  VolumeGrid result{finer * temperatures.nx, finer * temperatures.ny, finer * temperatures.nz, 3, {}};
+  std::vector<float> hot = refined(temperatures.values, temperatures, 1, finer);
+  double low = HUGE_VAL, high = 0;
+  for (float& number : hot) {
+    const double kelvin = (double(number) - kelvins.offset) * kelvins.scale;
+    number = float(kelvin);
+    if (!(kelvin > kColdest) || !std::isfinite(kelvin)) continue;
+    low = std::min(low, double(number));
+    high = std::max(high, double(number));
+  }
+  result.values.assign(3 * hot.size(), 0.0f);
+  if (!(low <= high)) return result;
+  const BlackBodies colours(low, high, film_colour);
+  const glm::dvec3 cells(result.nx, result.ny, result.nz);
+  std::size_t i = 0;
+  for (int z = 0; z < result.nz; ++z)
+    for (int y = 0; y < result.ny; ++y)
+      for (int x = 0; x < result.nx; ++x, ++i) {
+        if (!(double(hot[i]) >= low)) continue;
+        const double strength =
+            strengths ? value_in_box(*strengths, (glm::dvec3(x, y, z) + 0.5) / cells) : 1.0;
+        const glm::vec3 colour = factor * float(strength) * colours.at(double(hot[i]));
+        for (std::size_t c = 0; c < 3; ++c) result.values[3 * i + c] = colour[int(c)];
       }
   return result;
 }

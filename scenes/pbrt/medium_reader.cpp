@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 
+#include "scenes/pbrt/light_strength.h"
 #include "scenes/pbrt/medium_grids.h"
 #include "scenes/pbrt/state.h"
 #include "scenes/scattering.h"
+#include "scenes/spectrum.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"
 
@@ -51,7 +53,6 @@ void MediumReader::make(const std::string& name, Parameters& parameters, const G
   if (!(std::abs(float(g)) < 1.0f))
     report.error(parameters.location("g", location), fmt::format("g must be in (-1, 1), not {}", g));
   Medium medium = (this->*row->read)(parameters, state, location);
-  refuse_emission(parameters, location);
   parameters.finish(fmt::format("the medium '{}'", name), report);
   if (!medium) return;
   medium->name = name;
@@ -93,9 +94,9 @@ double MediumReader::scale(Parameters& parameters, SourceLocation location) {
 }
 
 /// `scattered` and `absorbed` are the defaults.
-void MediumReader::read_coefficients(Parameters& parameters, const glm::vec3& scattered,
-                                     const glm::vec3& absorbed, ParticipatingMedium& medium,
-                                     SourceLocation location) {
+glm::vec3 MediumReader::read_coefficients(Parameters& parameters, const glm::vec3& scattered,
+                                          const glm::vec3& absorbed, ParticipatingMedium& medium,
+                                          SourceLocation location) {
   ReaderReport& report = context_.report;
   glm::vec3 sigma_s = scattered, sigma_a = absorbed;
   const std::string preset = parameters.text("preset", "", report);
@@ -112,36 +113,106 @@ void MediumReader::read_coefficients(Parameters& parameters, const glm::vec3& sc
     sigma_s = coefficient(parameters, "sigma_s", sigma_s);
     sigma_a = coefficient(parameters, "sigma_a", sigma_a);
   }
-  medium.extinction = float(scale(parameters, location)) * (sigma_s + sigma_a);
+  const auto factor = float(scale(parameters, location));
+  medium.extinction = factor * (sigma_s + sigma_a);
   medium.albedo = share_of(sigma_s, sigma_s + sigma_a);
   for (int c = 0; c < 3; ++c)
-    if (!std::isfinite(medium.extinction[c]))
-      return report.error(location, "the extinction of this medium is too large for a number");
+    if (!std::isfinite(medium.extinction[c])) {
+      report.error(location, "the extinction of this medium is too large for a number");
+      break;
+    }
+  return factor * sigma_a;
 }
 
-void MediumReader::refuse_emission(Parameters& parameters, SourceLocation location) {
-  ReaderReport& report = context_.report;
-  bool glows = false;
-  if (const Parameter* le = parameters.take("Le")) {
-    glows = le->type != "rgb" || std::ranges::any_of(le->numbers, [](double x) { return x != 0.0; });
-    location = le->location;
+/// A colour of emitted light as the film sees it.
+glm::vec3 MediumReader::film_colour(const glm::vec3& colour) const {
+  return glm::vec3(context_.exposure() * balanced(context_, glm::dvec3(colour)));
+}
+
+/// As of lights, spectra and black bodies have luminance 1.
+glm::vec3 MediumReader::emitted_radiance(Parameters& parameters) {
+  const Parameter* given = parameters.take("Le");
+  if (given == nullptr) return glm::vec3(0.0f);
+  return film_colour(colour_of(*given, ColourOf::kLight, context_.files, context_.folder, context_.report)
+                         .value_or(glm::vec3(0.0f)));
+}
+
+double MediumReader::emission_scale(Parameters& parameters, SourceLocation location) {
+  double scale = 1.0;
+  for (const char* name : {"Lescale", "LeScale"}) {
+    if (!parameters.has(name)) continue;
+    scale = parameters.number(name, 1.0, context_.report);
+    if (scale >= 0.0 && scale < 1e30) continue;
+    context_.report.error(parameters.location(name, location),
+                          fmt::format("'{}' must be at least 0, not {}", name, scale));
+    scale = 1.0;
   }
-  for (const char* name : {"temperature", "temperaturescale", "temperatureoffset", "temperaturecutoff"}) {
-    const Parameter* heat = parameters.take(name);
-    if (heat == nullptr) continue;
-    location = heat->location;
-    glows = true;
+  return scale;
+}
+
+TemperatureScale MediumReader::temperature_scale(Parameters& parameters) {
+  // The offset's older name is its default.
+  const double cutoff = parameters.number("temperaturecutoff", 0.0, context_.report);
+  return {.offset = parameters.number("temperatureoffset", cutoff, context_.report),
+          .scale = parameters.number("temperaturescale", 1.0, context_.report)};
+}
+
+void MediumReader::set_emission(VolumeGrid colours, const glm::dmat4& place, bool by_density,
+                                ParticipatingMedium& medium, SourceLocation location) {
+  if (!std::ranges::all_of(colours.values, [](float value) { return std::isfinite(value); }))
+    return context_.report.error(location, "the emission of this medium is too large for a number");
+  if (std::ranges::all_of(colours.values, [](float value) { return value == 0.0f; })) return;
+  medium.emission = glm::vec3(1.0f);
+  medium.emission_grid = GridVolume{std::make_shared<const VolumeGrid>(std::move(colours)), place};
+  medium.emission_by_density = by_density;
+}
+
+void MediumReader::read_emission(Parameters& parameters, const VolumeGrid& size, const glm::dmat4& place,
+                                 const glm::vec3& absorbed, ParticipatingMedium& medium) {
+  const SourceLocation location = parameters.location("temperature", parameters.location("Le", {}));
+  const bool is_hot = parameters.has("temperature");
+  if (is_hot && parameters.has("Le"))
+    context_.report.error(location, "a uniformgrid has \"Le\" or \"temperature\", not both");
+  const TemperatureScale kelvins = temperature_scale(parameters);
+  const glm::vec3 radiance = emitted_radiance(parameters);
+  // Without numbers, pbrt has a grid of one, which also fades towards the faces of the box.
+  VolumeGrid strengths{1, 1, 1, 1, {1.0f}};
+  if (parameters.has("Lescale")) {
+    auto given = cells(parameters, "Lescale", "float", 1, size);
+    if (!given) return;
+    strengths = size;
+    strengths.values = std::move(*given);
   }
-  for (const char* name : {"Lescale", "LeScale"})
-    if (const Parameter* strength = parameters.take(name))
-      if (std::ranges::all_of(strength->numbers, [](double x) { return x == 0.0; })) glows = false;
-  if (glows) report.unsupported(location, "media that emit light are not read", "it does not shine");
+  if (is_hot) {
+    VolumeGrid temperatures = size;
+    auto given = cells(parameters, "temperature", "float", 1, size);
+    if (!given) return;
+    temperatures.values = std::move(*given);
+    return set_emission(black_body_grid(temperatures, kelvins, strengths, absorbed,
+                                        [&](const glm::vec3& colour) { return film_colour(colour); }),
+                        place, true, medium, location);
+  }
+  medium.emission = absorbed * radiance;
+  for (int c = 0; c < 3; ++c)
+    if (!std::isfinite(medium.emission[c]))
+      return context_.report.error(location, "the emission of this medium is too large for a number");
+  if (!medium.emits()) return;
+  medium.emission_grid = GridVolume{
+      .grid = std::make_shared<const VolumeGrid>(std::move(strengths)), .to_world = place, .fades = true};
+  medium.emission_by_density = true;
 }
 
 MediumReader::Medium MediumReader::homogeneous(Parameters& parameters, const GraphicsState&,
                                                SourceLocation location) {
   ParticipatingMedium medium;
-  read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
+  const glm::vec3 absorbed =
+      read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
+  const SourceLocation place = parameters.location("Le", location);
+  const glm::vec3 radiance = emitted_radiance(parameters);
+  medium.emission = absorbed * radiance * float(emission_scale(parameters, location));
+  for (int c = 0; c < 3; ++c)
+    if (!std::isfinite(medium.emission[c]))
+      context_.report.error(place, "the emission of this medium is too large for a number");
   return medium;
 }
 
@@ -201,7 +272,8 @@ std::optional<std::vector<float>> MediumReader::cells(Parameters& parameters, co
 MediumReader::Medium MediumReader::uniform_grid(Parameters& parameters, const GraphicsState& state,
                                                 SourceLocation location) {
   ParticipatingMedium medium;
-  read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
+  const glm::vec3 absorbed =
+      read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
   const auto size = grid_size(parameters, location);
   const auto place = grid_place(parameters, state, location);
   if (!size || !place) return std::nullopt;
@@ -215,6 +287,7 @@ MediumReader::Medium MediumReader::uniform_grid(Parameters& parameters, const Gr
   grid.values = std::move(*density);
   medium.density = GridVolume{
       .grid = std::make_shared<const VolumeGrid>(std::move(grid)), .to_world = *place, .fades = true};
+  read_emission(parameters, *size, *place, absorbed, medium);
   return medium;
 }
 
@@ -242,9 +315,14 @@ MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const Graphi
     if (!coarse) return std::nullopt;
     return refined(*coarse, *size, 3, finer);
   };
+  const SourceLocation of_emission = parameters.location("Le", location);
+  const bool emits = parameters.has("Le");
+  if (emits && !has_absorbed)
+    context_.report.error(of_emission, "an rgbgrid with \"rgb Le\" needs \"rgb sigma_a\"");
+  const double strength = factor * emission_scale(parameters, location);
   const auto scattered = coefficients("sigma_s", has_scattered),
-             absorbed = coefficients("sigma_a", has_absorbed);
-  if (!scattered || !absorbed) return std::nullopt;
+             absorbed = coefficients("sigma_a", has_absorbed), radiance = coefficients("Le", emits);
+  if (!scattered || !absorbed || !radiance) return std::nullopt;
   VolumeGrid albedo = extinction;
   for (std::size_t i = 0; i < count; ++i) {
     const float sum = (*scattered)[i] + (*absorbed)[i];
@@ -255,6 +333,15 @@ MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const Graphi
   medium.albedo = glm::vec3(1.0f);
   medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(extinction)), *place};
   medium.albedo_grid = GridVolume{std::make_shared<const VolumeGrid>(std::move(albedo)), *place};
+  if (!emits) return medium;
+  // Unlike a light's colour, these are not divided by the luminance of the illuminant that they multiply.
+  const auto whole = float(strength * luminance_of_unit_power());
+  VolumeGrid emission = *medium.density->grid;
+  for (std::size_t i = 0; i < count; i += 3) {
+    const glm::vec3 colour = film_colour({(*radiance)[i], (*radiance)[i + 1], (*radiance)[i + 2]});
+    for (std::size_t c = 0; c < 3; ++c) emission.values[i + c] = whole * (*absorbed)[i + c] * colour[int(c)];
+  }
+  set_emission(std::move(emission), *place, false, medium, of_emission);
   return medium;
 }
 
@@ -289,8 +376,13 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
                                                SourceLocation location) {
   ReaderReport& report = context_.report;
   ParticipatingMedium medium;
-  read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
+  const glm::vec3 absorbed =
+      read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
   const std::string name = parameters.text("filename", "", report);
+  const std::string grid_name = parameters.text("gridname", "", report),
+                    hot_name = parameters.text("temperaturename", "temperature", report);
+  const TemperatureScale kelvins = temperature_scale(parameters);
+  const double strength = emission_scale(parameters, location);
   const SourceLocation place = parameters.location("filename", location);
   if (name.empty()) {
     report.error(location, "a nanovdb medium needs a \"string filename\"");
@@ -314,19 +406,30 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
         fmt::format("'{}' is a file of NanoVDB, which OpenVDB does not read; OpenVDB's program "
                     "nanovdb_convert makes a .vdb of it, which is read",
                     name));
-  auto file = read_volume_file(path->string(), *bytes);
+  auto file = grid_name.empty() ? read_volume_file(path->string(), *bytes)
+                                : read_volume_grid(path->string(), *bytes, grid_name);
   if (!file) return placeholder(file.error().message);
+  if (file->grid.values.empty()) return placeholder(fmt::format("'{}' has no grid '{}'", name, grid_name));
   for (const float value : file->grid.values)
     if (!(value >= 0.0f)) {
       report.error(place, fmt::format("'{}' holds {}; densities must be at least 0", name, value));
       return std::nullopt;
     }
-  const glm::dmat4 to_world = state.ctm.start * translation(file->low) * scaling(file->high - file->low);
-  if (is_singular(to_world)) {
+  const auto box_of = [&](const VolumeFile& grid) {
+    return state.ctm.start * translation(grid.low) * scaling(grid.high - grid.low);
+  };
+  if (is_singular(box_of(*file))) {
     report.error(place, fmt::format("the box of '{}' is flat", name));
     return std::nullopt;
   }
-  medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(file->grid)), to_world};
+  medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(file->grid)), box_of(*file)};
+  if (strength == 0.0 || hot_name.empty()) return medium;
+  const auto hot = read_volume_grid(path->string(), *bytes, hot_name);
+  if (!hot) return placeholder(hot.error().message);
+  if (hot->grid.values.empty() || hot->grid.channels != 1) return medium;
+  set_emission(black_body_grid(hot->grid, kelvins, std::nullopt, float(strength) * absorbed,
+                               [&](const glm::vec3& colour) { return film_colour(colour); }),
+               box_of(*hot), true, medium, place);
   return medium;
 }
 

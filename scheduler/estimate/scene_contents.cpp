@@ -177,6 +177,7 @@ Expected<SceneContents> contents_of(const SceneDescription& scene) {
   for (const auto& bitmap : scene.bitmaps)
     contents.image_bytes += bitmap->words.size() * sizeof(std::uint32_t);
   contents.media = scene.media.size();
+  contents.emitting_media = std::size_t(std::ranges::count_if(scene.media, &ParticipatingMedium::emits));
   for (const std::filesystem::path& file : scene.files) {
     std::error_code gone;
     const std::uintmax_t bytes = std::filesystem::file_size(file, gone);
@@ -196,7 +197,11 @@ std::vector<std::pair<std::string, NamedTexts>> contents_text(const SceneContent
                                                           contents.placed_triangles)}};
   for (const auto& [kind, count] : contents.geometry) geometry.emplace_back(kind, fmt::to_string(count));
   if (contents.instances > 0) geometry.emplace_back("instances", fmt::to_string(contents.instances));
-  if (contents.media > 0) geometry.emplace_back("media", fmt::to_string(contents.media));
+  if (contents.media > 0)
+    geometry.emplace_back("media",
+                          contents.emitting_media == 0
+                              ? fmt::to_string(contents.media)
+                              : fmt::format("{}, {} of which emit", contents.media, contents.emitting_media));
   NamedTexts textures;
   if (contents.textures > 0) textures.emplace_back("textures", fmt::to_string(contents.textures));
   if (contents.images > 0)
@@ -238,6 +243,7 @@ void add_contents(nlohmann::ordered_json& json, const SceneContents& contents) {
   json["textures"] = {
       {"count", contents.textures}, {"images", contents.images}, {"image_bytes", contents.image_bytes}};
   json["media"] = contents.media;
+  json["emitting_media"] = contents.emitting_media;
   json["lights_by_kind"] = contents.lights;
   json["files"] = nlohmann::ordered_json::array();
   for (const auto& [path, bytes] : contents.files)

@@ -36,7 +36,7 @@ struct SceneContents {
   std::size_t placed_triangles = 0;             ///< triangles including all instances
   std::size_t instances = 0;                    ///< nested instances count once per placement of their group
   std::optional<MotionFacts> motion = {};
-  std::size_t textures = 0, images = 0, media = 0;
+  std::size_t textures = 0, images = 0, media = 0, emitting_media = 0;
   std::uint64_t image_bytes = 0;              ///< memory of images
   std::map<std::string, std::size_t> lights;  ///< keyed by kind: "area", "point", …
   /// Files that were read, with their sizes.

@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <memory>
 
 #include "kernels/host/native_kernels.h"
 #include "scenes/transform.h"
@@ -12,22 +10,6 @@
 
 namespace penumbra::media {
 namespace {
-
-/// A grid of one channel, or three, whose numbers are f(x, y, z, channel) of the cells' indices.
-GridVolume grid(glm::ivec3 size, int channels, const std::function<float(int, int, int, int)>& f) {
-  auto numbers = std::make_shared<VolumeGrid>();
-  numbers->nx = size.x;
-  numbers->ny = size.y;
-  numbers->nz = size.z;
-  numbers->channels = channels;
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x)
-        for (int c = 0; c < channels; ++c) numbers->values.push_back(f(x, y, z, c));
-  return {.grid = numbers};
-}
-
-glm::dmat4 unit_cube_to(glm::dvec3 low, glm::dvec3 high) { return translation(low) * scaling(high - low); }
 
 /// Layers along z of which some are empty, the rest some up to 1; more than one coarse cell of them.
 float layer(int z, int channel) {
@@ -238,7 +220,15 @@ TEST(GridMedia, AreTheSameByEveryTechnique) {
 }
 
 TEST(GridMedia, GiveTheSameBitsEverywhere) {
-  const SceneDescription scene = cloud(DirectSampling::kMis, false, true, 32);
+  SceneDescription scene = cloud(DirectSampling::kMis, false, true, 32);
+  // It also emits, by a grid, in a room whose air emits evenly.
+  scene.media[0].emission = {3.0f, 1.0f, 0.2f};
+  scene.media[0].emission_grid =
+      grid({5, 9, 20}, 1, [](int x, int y, int z, int) { return x == 3 && y > 4 ? 0.3f * float(z) : 0.0f; });
+  scene.media[0].emission_grid->to_world = unit_cube_to({-0.6, -0.8, -0.9}, {0.7, 0.8, 0.5});
+  ParticipatingMedium air = medium(glm::vec3(0.01f, 0.02f, 0.0f), glm::vec3(0.5f));
+  air.emission = {0.01f, 0.0f, 0.03f};
+  scene.camera_medium = add_medium(scene, air);
   const statistics::Image widest = mean_image(render_or_throw(scene));
   for (const Isa isa : usable_isas()) {
     TestDevice device = native_device();

@@ -5,10 +5,13 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
@@ -44,6 +47,24 @@ inline double reflectance(double cosine, double index) {
   const double s = (cosine - index * inside) / (cosine + index * inside),
                p = (index * cosine - inside) / (index * cosine + inside);
   return (s * s + p * p) / 2;
+}
+
+/// A grid of one channel, or three, whose numbers are f(x, y, z, channel) of the cells' indices.
+inline GridVolume grid(glm::ivec3 size, int channels, const std::function<float(int, int, int, int)>& f) {
+  auto numbers = std::make_shared<VolumeGrid>();
+  numbers->nx = size.x;
+  numbers->ny = size.y;
+  numbers->nz = size.z;
+  numbers->channels = channels;
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x)
+        for (int c = 0; c < channels; ++c) numbers->values.push_back(f(x, y, z, c));
+  return {.grid = numbers};
+}
+
+inline glm::dmat4 unit_cube_to(glm::dvec3 low, glm::dvec3 high) {
+  return translation(low) * scaling(high - low);
 }
 
 inline int add_null(SceneDescription& scene) {

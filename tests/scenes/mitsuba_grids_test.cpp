@@ -253,20 +253,27 @@ TEST_F(MitsubaGrids, WrittenAndReadAgainTheyAreTheSame) {
                                 float_of("scale", ".3") + in("phase", "hg", float_of("g", ".25")))) +
            filled(heterogeneous(grid("sigma_t", "smoke.vol") + "<rgb name='albedo' value='.1 .2 .3'/>")) +
            filled("<medium type='homogeneous' name='interior'>" + float_of("sigma_t", "5") +
-                  grid("albedo", "colours.vol") + "</medium>"));
+                  grid("albedo", "colours.vol") + "<rgb name='emission' value='3 2 .1'/></medium>") +
+           filled(heterogeneous(grid("sigma_t", "smoke.vol") + grid("emission", "colours.vol", place) +
+                                true_or_false("emission_by_density", true))));
   const auto written = write_scene(s, folder_ / "written.xml");
   ASSERT_TRUE(written) << written.error().message;
   const auto again = read_scene(folder_ / "written.xml", {});
   ASSERT_TRUE(again) << again.error().message;
-  ASSERT_EQ(s.media.size(), 3u);
-  ASSERT_EQ(again->media.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) {
+  ASSERT_EQ(s.media.size(), 4u);
+  ASSERT_EQ(again->media.size(), 4u);
+  EXPECT_EQ(s.media[2].emission, glm::vec3(3, 2, 0.1f));
+  EXPECT_TRUE(s.media[3].emission_grid && s.media[3].emission_by_density);
+  for (std::size_t i = 0; i < 4; ++i) {
     SCOPED_TRACE(i);
     EXPECT_EQ(s.media[i].extinction, again->media[i].extinction);
     EXPECT_EQ(s.media[i].albedo, again->media[i].albedo);
     EXPECT_EQ(s.media[i].phase, again->media[i].phase);
     expect_same(s.media[i].density, again->media[i].density);
     expect_same(s.media[i].albedo_grid, again->media[i].albedo_grid);
+    EXPECT_EQ(s.media[i].emission, again->media[i].emission);
+    expect_same(s.media[i].emission_grid, again->media[i].emission_grid);
+    EXPECT_EQ(s.media[i].emission_by_density, again->media[i].emission_by_density);
   }
   // One file a grid, however often it is used.
   EXPECT_TRUE(std::filesystem::exists(folder_ / "written-0.vol"));

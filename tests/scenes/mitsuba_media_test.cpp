@@ -48,6 +48,21 @@ class MitsubaMedia : public MitsubaPlugins {
   }
 };
 
+TEST_F(MitsubaMedia, MayEmit) {
+  const ParticipatingMedium m = read_medium(rgb("emission", "3 0 70") + number("scale", "2"));
+  EXPECT_EQ(m.emission, glm::vec3(3, 0, 70)) << "which the scale does not multiply";
+  EXPECT_EQ(m.extinction, glm::vec3(2.0f));
+  EXPECT_FALSE(read_medium("").emits());
+  // Spectra are those of lights: equal-energy white, not grey.
+  const glm::vec3 white = read_medium("<spectrum name='emission' value='1'/>").emission;
+  EXPECT_GT(white.x, 1.2f);
+  EXPECT_THAT(wrong(rgb("emission", "-1 0 0")), HasSubstr("emission must be a"));
+  const SceneDescription s = good(kVolpath + in("shape", "sphere", kNull + medium(rgb("emission", "1 2 3"))));
+  EXPECT_NE(device(s).header.features & FEATURE_EMITTING_MEDIA, 0u);
+  const SceneDescription dark = good(kVolpath + in("shape", "sphere", kNull + medium("")));
+  EXPECT_EQ(device(dark).header.features & FEATURE_EMITTING_MEDIA, 0u);
+}
+
 TEST_F(MitsubaMedia, CoefficientsInEveryForm) {
   const ParticipatingMedium plain = read_medium("");
   EXPECT_EQ(plain.extinction, glm::vec3(1.0f));

@@ -1,8 +1,12 @@
 // Media of pbrt-v4: coefficients, grids, and their boundaries.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <cmath>
 
 #include "scenes/reader_report.h"
 #include "scenes/settings.h"
+#include "scenes/spectrum.h"
 #include "scenes/volume_file.h"
 #include "tests/scenes/pbrt_text.h"
 
@@ -55,6 +59,111 @@ TEST_F(PbrtMedia, PresetsAreMeasured) {
   expect_close(milk.extinction, 2.0f * glm::vec3(2.5511f, 3.2124f, 3.784f));
   const ParticipatingMedium coffee = inside("\"string type\" \"homogeneous\" \"string preset\" \"Espresso\"");
   expect_close(coffee.extinction, glm::vec3(0.72378f + 4.7984f, 0.84557f + 6.5751f, 1.0247f + 8.8493f));
+}
+
+TEST_F(PbrtMedia, EmitInProportionToWhatTheyAbsorb) {
+  const std::string homogeneous = "\"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3] ";
+  const ParticipatingMedium plain =
+      inside(homogeneous + "\"float scale\" 10 \"rgb Le\" [1 .5 .2] \"float Lescale\" 2");
+  expect_close(plain.emission, {20, 20, 12});
+  EXPECT_FALSE(plain.emission_grid);
+  const glm::vec3 fire = inside(homogeneous + "\"blackbody Le\" 2000").emission / glm::vec3(1, 2, 3);
+  EXPECT_NEAR(0.212671f * fire.x + 0.71516f * fire.y + 0.072169f * fire.z, 1, 1e-4f);
+  EXPECT_FALSE(inside(homogeneous + "\"rgb Le\" [0 0 0]").emits());
+  EXPECT_FALSE(inside(homogeneous + "\"rgb Le\" [1 1 1] \"float Lescale\" 0").emits());
+}
+
+TEST_F(PbrtMedia, GridsEmitByTheirDensity) {
+  const std::string two =
+      "\"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 2] \"rgb sigma_a\" [1 2 3] "
+      "\"rgb Le\" [1 1 2] ";
+  const ParticipatingMedium scaled = inside(two + "\"float Lescale\" [3 4]");
+  expect_close(scaled.emission, {1, 2, 6});
+  EXPECT_TRUE(scaled.emission_by_density);
+  ASSERT_TRUE(scaled.emission_grid);
+  EXPECT_TRUE(scaled.emission_grid->fades);
+  EXPECT_THAT(scaled.emission_grid->grid->values, ElementsAre(3, 4));
+  EXPECT_EQ(scaled.emission_grid->to_world, scaled.density->to_world);
+  // pbrt's grid of one strength fades, too.
+  const ParticipatingMedium plain = inside(two);
+  ASSERT_TRUE(plain.emission_grid);
+  EXPECT_TRUE(plain.emission_grid->fades);
+  EXPECT_THAT(plain.emission_grid->grid->values, ElementsAre(1));
+}
+
+/// Of a black body whose spectrum has the maximum 1: Planck's law in double, and the matching functions.
+glm::dvec3 black_body(double kelvin) {
+  const auto planck = [&](double nm) { return std::pow(nm, -5) / std::expm1(1.438776877e7 / (nm * kelvin)); };
+  const double most = planck(2.897771955e6 / kelvin);
+  glm::dvec3 sum(0);
+  for (double nm = 360.05; nm < 830; nm += 0.1) sum += 0.1 * matching_rgb(nm) * planck(nm) / most;
+  return glm::max(sum, 0.0);
+}
+
+TEST_F(PbrtMedia, HotGridsAreBlackBodies) {
+  // The cells in the middle, of 3 along each axis, are as hot as the numbers say, without a number outside.
+  const auto middle = [&](double number, const std::string& more) {
+    std::string numbers;
+    for (int i = 0; i < 27; ++i) numbers += fmt::format("{} ", number);
+    const ParticipatingMedium m = inside(
+        "\"string type\" \"uniformgrid\" \"integer nx\" 3 \"integer ny\" 3 \"integer nz\" 3 \"rgb sigma_a\" "
+        "[1 2 3] \"float density\" [" +
+        numbers + "] \"float temperature\" [" + numbers + "] " + more);
+    EXPECT_TRUE(m.emission_grid && m.emission_by_density);
+    if (!m.emission_grid) return glm::dvec3(0);
+    const VolumeGrid& grid = *m.emission_grid->grid;
+    EXPECT_EQ(m.emission, glm::vec3(1));
+    const auto at = std::size_t(3 * ((5 * grid.ny + 5) * grid.nx + 5));
+    return glm::dvec3(grid.values[at], grid.values[at + 1], grid.values[at + 2]);
+  };
+  const std::string strengths = [] {
+    std::string text;
+    for (int i = 0; i < 27; ++i) text += "0.25 ";
+    return "\"float Lescale\" [" + text + "]";
+  }();
+  for (const double kelvin : {800.0, 1500.0, 3000.0, 6500.0, 12000.0}) {
+    const glm::dvec3 truth = 0.25 * glm::dvec3(1, 2, 3) * black_body(kelvin);
+    const glm::dvec3 found = middle(kelvin, strengths);
+    const glm::dvec3 scaled =
+        middle(kelvin / 2000 - 0.125,
+               strengths + "\"float temperatureoffset\" -0.125 \"float temperaturescale\" 2000");
+    for (int c = 0; c < 3; ++c) {
+      // Numbers of nanometres are the steps of the reader's integral.
+      EXPECT_NEAR(found[c], truth[c], 2e-4 * truth[c] + 1e-9) << kelvin;
+      EXPECT_NEAR(scaled[c], truth[c], 2e-4 * truth[c] + 1e-9) << kelvin;
+    }
+  }
+  // Between cells, temperatures are interpolated.
+  const ParticipatingMedium between = inside(
+      "\"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 1] \"float temperature\" [4000 "
+      "12000]");
+  const VolumeGrid& grid = *between.emission_grid->grid;
+  ASSERT_EQ(glm::ivec3(grid.nx, grid.ny, grid.nz), glm::ivec3(8, 4, 4));
+  const double at_x = 4000 * (1 - 0.125) + 12000 * 0.125, beside = 0.875 * 0.875;
+  const glm::dvec3 truth = black_body(at_x * beside);
+  // The fading of the strength, which is 1, at the centre of cell (2, 1, 1) of 8, 4, 4.
+  const double strength = (0.3125 + 0.5) * beside;
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(grid.values[std::size_t(3 * ((1 * 4 + 1) * 8 + 2) + c)]), strength * truth[c],
+                2e-4 * truth[c] + 1e-9);
+  EXPECT_FALSE(
+      inside("\"string type\" \"uniformgrid\" \"float density\" 1 \"float temperature\" 99").emits());
+}
+
+TEST_F(PbrtMedia, GridsOfColoursEmitColours) {
+  const ParticipatingMedium m = inside(
+      "\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1 2 3] \"rgb Le\" [1 .5 .25] \"float scale\" 4 \"float "
+      "Lescale\" 0.5");
+  ASSERT_TRUE(m.emission_grid);
+  EXPECT_FALSE(m.emission_by_density);
+  EXPECT_EQ(m.emission, glm::vec3(1));
+  // At the centre of a fine cell both numbers have faded by 7/8 along each axis. The spectra are multiples of
+  // the illuminant, whose luminance pbrt does not divide by here.
+  const double faded = std::pow(0.875, 6);
+  const std::size_t at = 3 * ((1 * 4 + 1) * 4 + 1);
+  const glm::dvec3 truth = 4 * 0.5 * luminance_of_unit_power() * faded * glm::dvec3(1, 1, 0.75);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(m.emission_grid->grid->values[at + c]), truth[int(c)], 1e-6 * truth.x);
 }
 
 TEST_F(PbrtMedia, GridsFillTheirBox) {
@@ -160,7 +269,18 @@ TEST_F(PbrtMedia, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(of("\"string type\" \"homogenous\""), HasSubstr("did you mean 'homogeneous'"));
   EXPECT_THAT(of("\"string type\" \"homogeneous\" \"float g\" 1"), HasSubstr("g must be in (-1, 1), not 1"));
   EXPECT_THAT(of("\"string type\" \"homogeneous\" \"float scale\" -1"), HasSubstr("at least 0, not -1"));
-  EXPECT_THAT(of("\"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]"), HasSubstr("media that emit light"));
+  EXPECT_THAT(of("\"string type\" \"homogeneous\" \"rgb Le\" [1 -1 1]"),
+              HasSubstr("'Le': numbers must be in"));
+  EXPECT_THAT(of("\"string type\" \"homogeneous\" \"rgb Le\" [1 1 1] \"float Lescale\" -2"),
+              HasSubstr("'Lescale' must be at least 0, not -2"));
+  EXPECT_THAT(of("\"string type\" \"homogeneous\" \"float temperature\" 1000"), HasSubstr("temperature"));
+  const std::string cell = "\"string type\" \"uniformgrid\" \"float density\" 1 ";
+  EXPECT_THAT(of(cell + "\"rgb Le\" [1 1 1] \"float temperature\" 900"),
+              HasSubstr("\"temperature\", not both"));
+  EXPECT_THAT(of(cell + "\"rgb Le\" [1 1 1] \"float Lescale\" [1 2]"), HasSubstr("'Lescale' has 2 numbers"));
+  EXPECT_THAT(of(cell + "\"float temperature\" [1 2]"), HasSubstr("'temperature' has 2 numbers"));
+  EXPECT_THAT(of("\"string type\" \"rgbgrid\" \"rgb sigma_s\" [1 1 1] \"rgb Le\" [1 1 1]"),
+              HasSubstr("needs \"rgb sigma_a\""));
   EXPECT_THAT(of("\"string type\" \"homogeneous\" \"string preset\" \"Milk\""), HasSubstr("Wholemilk"));
   EXPECT_THAT(of("\"string type\" \"uniformgrid\""), HasSubstr("needs \"float density\""));
   EXPECT_THAT(of("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 2 3]"),

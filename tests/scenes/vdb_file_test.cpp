@@ -9,6 +9,11 @@
 #include <random>
 #include <sstream>
 
+// OpenVDB's, of half-precision numbers; another macro has the name.
+#undef HALF_EPSILON
+#include "scenes/media.h"
+#include "scenes/scene_reader.h"
+#include "scenes/spectrum.h"
 #include "scenes/volume_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -89,6 +94,46 @@ TEST(VdbFiles, OfVectorsHaveThreeChannels) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->grid.channels, 3);
   EXPECT_THAT(read->grid.values, ::testing::ElementsAre(0.25f, 0.5f, 0.75f, 1, 2, 3));
+}
+
+TEST(VdbFiles, MayHaveOtherGridsByName) {
+  const std::string bytes = vdb_of({density(), density("temperature")});
+  const auto hot = read_volume_grid("fire.vdb", bytes, "temperature");
+  ASSERT_TRUE(hot) << hot.error().message;
+  EXPECT_EQ(hot->grid.nx, 3);
+  const auto none = read_volume_grid("fire.vdb", bytes, "flames");
+  ASSERT_TRUE(none) << none.error().message;
+  EXPECT_TRUE(none->grid.values.empty());
+  openvdb::FloatGrid::Ptr empty = openvdb::FloatGrid::create();
+  empty->setName("temperature");
+  const auto cold = read_volume_grid("fire.vdb", vdb_of({density(), empty}), "temperature");
+  ASSERT_TRUE(cold) << cold.error().message;
+  EXPECT_TRUE(cold->grid.values.empty());
+}
+
+/// pbrt's fire: one file for the density and, in its own box, the temperature.
+TEST(VdbFiles, AreFireByTheirTemperature) {
+  openvdb::FloatGrid::Ptr hot = openvdb::FloatGrid::create();
+  hot->setName("temperature");
+  hot->denseFill({{-1, -1, 5}, {1, 1, 7}}, 2.0f);
+  TemporaryFolder folder;
+  write_text(folder / "fire.vdb", vdb_of({density(), hot}));
+  write_text(
+      folder / "scene.pbrt",
+      "Camera \"perspective\"\nWorldBegin\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string "
+      "filename\" \"fire.vdb\" \"float LeScale\" 3 \"float temperaturescale\" 1000 \"rgb sigma_a\" [1 2 "
+      "4]\nMaterial \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n");
+  const auto scene = read_scene(folder / "scene.pbrt", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const ParticipatingMedium& m = scene->media.at(0);
+  ASSERT_TRUE(m.emits() && m.emission_grid && m.emission_by_density);
+  const VolumeGrid& grid = *m.emission_grid->grid;
+  ASSERT_EQ(grid.nx, 12);
+  const glm::vec3 expected = 3.0f * glm::vec3(1, 2, 4) * unit_blackbody_to_rgb(2000);
+  const auto at = std::size_t(3 * ((5 * 12 + 5) * 12 + 5));
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(grid.values[at + c], expected[int(c)], 1e-4f * expected[int(c)]);
+  EXPECT_EQ(glm::dvec3(m.emission_grid->to_world * glm::dvec4(0, 0, 0, 1)), glm::dvec3(-1.5, -1.5, 4.5));
 }
 
 TEST(VdbFiles, SayWhatIsWrongWithThem) {

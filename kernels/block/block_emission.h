@@ -1,0 +1,53 @@
+// The light that media emit along the rays of paths.
+#ifndef PENUMBRA_BLOCK_EMISSION_H
+#define PENUMBRA_BLOCK_EMISSION_H
+#include "kernels/block/block_media.h"
+#include "kernels/integrator/path_stages.h"
+#include "kernels/medium/emission.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Whether path i is under way in a medium whose emission it takes. No other technique finds that emission,
+/// so it has no MIS weight; the camera sees it even where emitters are hidden.
+FN bool takes_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i));
+  const bool kept = !HAS(PARTS) || is_kept_part(&scene->header, get_depth(paths, i), TECHNIQUE_BSDF);
+  return (get_ray_tmax(paths, i) > 0.0f) & emits_light(medium) & kept;
+}
+
+/// Adds the emission of media in which it is the same everywhere, from the rays' last boundaries over
+/// `lengths`.
+STAGE void add_even_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                             const PRIVATE float* RESTRICT lengths) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const Medium* medium = scene->media + innermost(get_media(&fields, i + j));
+      const vec3 emission = load3(&medium->emission), extinction = load3(&medium->extinction);
+      const vec3 collected = even_emission(extinction, emission, lengths[j]);
+      const vec3 before = get_radiance(&fields, i + j);
+      const vec3 after = add(before, mul(get_throughput(&fields, i + j), collected));
+      const bool takes = takes_emission(scene, &fields, i + j) & emits_evenly(medium);
+      set_radiance(&fields, i + j, select3(takes, after, before));
+    }
+}
+
+/// The same for all media. Throughputs are those at the last boundaries.
+FN void add_media_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           const PRIVATE float* lengths) {
+  add_even_emission(scene, paths, i, lengths);
+  if (!has_grids(scene)) return;
+  for (int j = 0; j < LANES; j++) {  // no lane loop: the number of points differs
+    GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
+    if (emits_evenly(medium) || !takes_emission(scene, paths, i + j)) continue;
+    const float way = get_way(paths, i + j);
+    const vec3 direction = get_ray_direction(paths, i + j),
+               start = add_scaled(get_kept_origin(paths, i + j), way, direction);
+    const vec3 collected = track_emission(scene, medium, start, direction, lengths[j],
+                                          ray_state(paths, i + j, way, 0x6a09e667u));
+    set_radiance(paths, i + j, add(get_radiance(paths, i + j), mul(get_throughput(paths, i + j), collected)));
+  }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,164 @@
+// Emission of media: the radiance that a ray collects on its way, the integral of transmittance times
+// emission (radiance per scene unit). It does not depend on where the path scatters, so it is added for each
+// whole flight up to the next surface, and causes the path's next event no noise.
+//
+// Without grids the integral has a closed form. Else it is estimated at points of two kinds, with weights by
+// the balance heuristic (Veach and Guibas 1995): EMISSION_POINTS points, evenly spaced in the integral of the
+// emission's majorants along the ray, which find a small flame in a large grid; and the tentative collisions
+// of ratio tracking, which find what is in front in a dense medium.
+#ifndef PENUMBRA_MEDIUM_EMISSION_H
+#define PENUMBRA_MEDIUM_EMISSION_H
+#include "kernels/medium/tracking.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#define EMISSION_POINTS 8.0f  // at most MOST_PIECE_DEPTH, so that rays are not divided into pieces
+// Rays of which less is left go on by chance.
+#define LEAST_SURE_PASSING 0.125f
+
+FN bool emits_light(GLOBAL const Medium* medium) { return max_component(load3(&medium->emission)) > 0.0f; }
+
+FN bool emits_evenly(GLOBAL const Medium* medium) {
+  return (medium->emission_grid < 0) & (medium->emission_by_density == 0);
+}
+
+/// The integral of the transmittance over `length`: at most that.
+FN float passing_length(float extinction, float length) {
+  const float depth = extinction * length;
+  // The series up to depth^3 / 24 < 1e-13; a product that underflows is 0.
+  const float thin = length * (1.0f - depth * (0.5f - depth * (1.0f / 6.0f)));
+  const float thick = -expm1_f(-min_f(depth, 80.0f)) / max_f(extinction, 1e-37f);
+  return depth < 1e-4f ? thin : thick;
+}
+
+/// What a ray collects over `length` of a medium with the same extinction and emission everywhere.
+FN vec3 even_emission(vec3 extinction, vec3 emission, float length) {
+  return mul(emission, make_vec3(passing_length(extinction.x, length), passing_length(extinction.y, length),
+                                 passing_length(extinction.z, length)));
+}
+
+FN bool is_in_cells(GLOBAL const Volume* v, vec3 place) {
+  return (place.x >= 0.0f) & (place.y >= 0.0f) & (place.z >= 0.0f) & (place.x <= (float)v->nx) &
+         (place.y <= (float)v->ny) & (place.z <= (float)v->nz);
+}
+
+/// The volume's value at a point of the scene, 0 outside of its box.
+FN vec3 value_within(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 p) {
+  const vec3 place = volume_place(v, p);
+  return is_in_cells(v, place) ? volume_value(scene, v, place) : make_vec3(0.0f, 0.0f, 0.0f);
+}
+
+/// The maximum of the numbers near a point of the scene, 0 outside of the box.
+FN float majorant_within(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 p) {
+  const vec3 place = volume_place(v, p);
+  const int x = coarse_cell(place.x, v->nx), y = coarse_cell(place.y, v->ny), z = coarse_cell(place.z, v->nz);
+  const int index = v->first_majorant + (z * majorant_cells(v->ny) + y) * majorant_cells(v->nx) + x;
+  return is_in_cells(v, place) ? scene->majorants[index] : 0.0f;
+}
+
+/// The emission of a medium with grids, in radiance per scene unit.
+FN vec3 emission_at(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 p) {
+  vec3 emission = load3(&medium->emission);
+  if (medium->emission_grid >= 0)
+    emission = mul(emission, value_within(scene, scene->volumes + medium->emission_grid, p));
+  if (medium->emission_by_density != 0)
+    emission = mul(emission, value_within(scene, scene->volumes + medium->density, p));
+  return emission;
+}
+
+FN vec3 extinction_at(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 p) {
+  const vec3 extinction = load3(&medium->extinction);
+  return is_grid(medium) ? mul(extinction, value_within(scene, scene->volumes + medium->density, p))
+                         : extinction;
+}
+
+/// How a ray is dimmed on its way.
+typedef struct {
+  VolumeWalk walk;  ///< through the density; without a grid only `t`, `left`, `majorant` and `random` count
+  float end;        ///< of the walk
+  vec3 kept;        ///< transmittance of a grid by ratio tracking, over the probability that the ray goes on
+} DimmedRay;
+
+FN DimmedRay start_dimming(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin,
+                           vec3 direction, float length, uint random) {
+  DimmedRay ray;
+  GLOBAL const Volume* v = scene->volumes + (is_grid(medium) ? medium->density : medium->emission_grid);
+  ray.walk = start_walk(v, origin, direction, length, 0.0f, random);
+  if (!is_grid(medium)) ray.walk.t = 0.0f;
+  ray.end = ray.walk.end;
+  ray.kept = make_vec3(1.0f, 1.0f, 1.0f);
+  const float u = next_number(&ray.walk);
+  ray.walk.left = flight_depth(u, next_number(&ray.walk));
+  return ray;
+}
+
+/// Advances to the next tentative collision before the distance `until`, or returns false.
+FN bool next_dimming(const PRIVATE Scene* scene, GLOBAL const Medium* medium, float until,
+                     PRIVATE DimmedRay* ray) {
+  const float strongest = max_component(load3(&medium->extinction));
+  if (!(strongest > 0.0f)) return false;
+  if (is_grid(medium)) {
+    ray->walk.end = min_f(until, ray->end);
+    return next_collision(scene, scene->volumes + medium->density, strongest, &ray->walk);
+  }
+  const float depth = (until - ray->walk.t) * strongest;
+  const bool collides = ray->walk.left < depth;
+  ray->walk.majorant = strongest;
+  ray->walk.t = collides ? ray->walk.t + ray->walk.left / strongest : until;
+  ray->walk.left -= depth;
+  return collides;
+}
+
+/// The fractions of tentative collisions that are real at the last one.
+FN vec3 dimming_share(const PRIVATE Scene* scene, GLOBAL const Medium* medium, const PRIVATE DimmedRay* ray) {
+  const vec3 extinction = load3(&medium->extinction);
+  if (is_grid(medium)) return real_share(scene, scene->volumes + medium->density, extinction, &ray->walk);
+  return scale(extinction, 1.0f / ray->walk.majorant);
+}
+
+/// An unbiased estimate of the transmittance up to the distance `t` that the ray has reached.
+FN vec3 passed_to(GLOBAL const Medium* medium, const PRIVATE DimmedRay* ray, float t) {
+  return is_grid(medium) ? ray->kept : mul(ray->kept, exp3(scale(load3(&medium->extinction), -t)));
+}
+
+/// What a ray collects over `length` from the origin in a medium whose emission varies: an unbiased estimate.
+FN vec3 track_emission(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin, vec3 direction,
+                       float length, uint random) {
+  GLOBAL const Volume* v =
+      scene->volumes + (medium->emission_grid >= 0 ? medium->emission_grid : medium->density);
+  vec3 sum = make_vec3(0.0f, 0.0f, 0.0f);
+  VolumeWalk points = start_walk(v, origin, direction, length, 0.0f, random);
+  const float whole = majorant_integral(scene, v, points);
+  if (!(whole > 1e-30f)) return sum;
+  const float rate = EMISSION_POINTS / whole;
+  points.left = next_number(&points);
+  DimmedRay ray = start_dimming(scene, medium, origin, direction, length, hash_uint(random ^ 0x2545f491u));
+  int collisions = 0;
+  for (bool more = true; more;) {
+    more = next_collision(scene, v, rate, &points);
+    while (next_dimming(scene, medium, more ? points.t : points.end, &ray)) {
+      const vec3 p = add_scaled(origin, ray.walk.t, direction);
+      const vec3 share = dimming_share(scene, medium, &ray), passed = passed_to(medium, &ray, ray.walk.t);
+      const float real = max_component(share);
+      const float both = rate * majorant_within(scene, v, p) + real * ray.walk.majorant;
+      if (real > 0.0f) sum = add(sum, scale(mul(passed, emission_at(scene, medium, p)), real / both));
+      if (is_grid(medium)) ray.kept = mul(ray.kept, one_minus3(share));
+      const bool by_chance = max_component(passed) < LEAST_SURE_PASSING;
+      if (by_chance && next_number(&ray.walk) < 0.5f) return sum;
+      ray.kept = scale(ray.kept, by_chance ? 2.0f : 1.0f);
+      if (!(max_component(ray.kept) > LEAST_PASSING)) return sum;
+      if (++collisions > MOST_NULL_COLLISIONS) return no_numbers();
+      const float u = next_number(&ray.walk);
+      ray.walk.left = flight_depth(u, next_number(&ray.walk));
+    }
+    if (!more) break;
+    const vec3 p = add_scaled(origin, points.t, direction);
+    const float both = points.majorant + max_component(extinction_at(scene, medium, p));
+    sum = add(sum, scale(mul(passed_to(medium, &ray, points.t), emission_at(scene, medium, p)), 1.0f / both));
+    points.left = 1.0f;
+  }
+  return sum;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
