@@ -21,6 +21,7 @@
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/disney.h"
+#include "scenes/bsdfs/hair.h"
 #include "scenes/bsdfs/lajolla.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
@@ -37,7 +38,7 @@ using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughCondu
                                ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
                                PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
                                PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, MetalRoughBsdf, NullBsdf,
-                               MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf>;
+                               MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf, HairBsdf>;
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,

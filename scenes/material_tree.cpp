@@ -75,6 +75,34 @@ MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
   return std::make_shared<MaterialNode>(std::move(copy));
 }
 
+namespace {
+
+/// The tree with each leaf of hair replaced by `fibre(hair)`; the same tree where there is none.
+template <typename Fibre>
+MaterialTree with_hair(const MaterialTree& tree, const Fibre& fibre) {
+  if (tree == nullptr) return tree;
+  MaterialNode copy = *tree;
+  if (const auto* hair = std::get_if<HairBsdf>(&tree->bsdf.model)) {
+    copy.bsdf.model = fibre(*hair);
+    return std::make_shared<MaterialNode>(std::move(copy));
+  }
+  copy.first = with_hair(tree->first, fibre);
+  copy.second = with_hair(tree->second, fibre);
+  const bool same = copy.first == tree->first && copy.second == tree->second;
+  return same ? tree : std::make_shared<MaterialNode>(std::move(copy));
+}
+
+}  // namespace
+
+SurfaceMaterial hair_of_tubes(const SurfaceMaterial& material) {
+  const auto outside = [](HairBsdf hair) -> BsdfModel {
+    hair.offset = HairBsdf::kFromNormal;
+    return hair;
+  };
+  const auto inside = [](const HairBsdf&) -> BsdfModel { return NullBsdf{}; };
+  return {with_hair(material.front, outside), with_hair(material.back, inside)};
+}
+
 SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend) {
   SurfaceBend behind = bend;
   behind.scale = -bend.scale;

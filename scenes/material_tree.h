@@ -52,6 +52,10 @@ MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend);
 /// two sides then always differ.
 SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend);
 
+/// The material as it is on tubes of triangles: hair takes its offset from the normals, and light that has
+/// passed a fibre leaves it without another surface.
+SurfaceMaterial hair_of_tubes(const SurfaceMaterial& material);
+
 /// Adds the BSDFs of trees to a scene. A shared subtree is added once.
 class MaterialInstaller {
  public:

@@ -6,6 +6,7 @@
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
+#include "kernels/bsdf/hair.h"
 #include "kernels/bsdf/metalrough.h"
 #include "kernels/bsdf/microfacet_diffuse.h"
 #include "kernels/bsdf/phase.h"
@@ -87,6 +88,12 @@ FN uint families_among(const PRIVATE Closures* closures) {
   return families & compiled_families();
 }
 
+/// Sets where across their fibres hair is seen: v runs from one edge to the other.
+STAGE void offset_hair_lanes(const PRIVATE float* RESTRICT v, PRIVATE float* RESTRICT offsets) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) offsets[j] = clamp_f(2.0f * v[j] - 1.0f, -1.0f, 1.0f);
+}
+
 /// Resolves the closures of the surfaces' materials. Fields that none of their families uses become 0; those
 /// that no material of the scene uses are unchanged.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
@@ -111,6 +118,7 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
     TEXTURED_FIELDS(TEXTURE_IF_USED, )
   }
 #undef TEXTURE_IF_USED
+  if (HAS_FAMILY(HAIR) && (families & ONLY(HAIR)) != 0u) offset_hair_lanes(surfaces->v, closures->offset);
 }
 
 /// The x axis of the frame in which a family with these `properties` (a constant) is evaluated; 0 if any axis

@@ -43,7 +43,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
   X(metalrough, METALROUGH, 21, SEVERAL_LOBES, "metallic-roughness BSDF")                                \
   X(roughdiffuse, ROUGHDIFFUSE, 22, 0, "rough diffuse BSDF")                                             \
-  X(difftrans, DIFFTRANS, 23, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")
+  X(difftrans, DIFFTRANS, 23, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")          \
+  X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -96,6 +97,8 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, diffuse_rate)                                                        \
   F(a, float, clearcoat_rate)                                                      \
   F(a, float, diff_trans_rate)                                                     \
+  F(a, float, tilt)   /* hair: of its scales, in turns */                          \
+  F(a, float, offset) /* hair: across the fibre, in [-1, 1], see offset_hair */    \
   TEXTURED_FIELDS(F, a)
 #define CLOSURE_FIELDS(F, a)       \
   F(a, int, family) /* FAMILY_* */ \
@@ -130,6 +133,11 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGHDIFFUSE_FULL 0
 #define ROUGHDIFFUSE_FAST 1
 
+// Variants of hair, as bits.
+#define HAIR_ALONG_V 1      // the fibre is along increasing v, else along increasing u
+#define HAIR_OFFSET_BY_V 2  // v is across the fibre, else its normal tells the offset
+#define HAIR_OF_COLOUR 4    // absorption by the colour
+
 // Variants of Disney's BRDF, as bits.
 #define DISNEY_WITHOUT_MICROFACETS 1
 #define DISNEY_LUMINANCE_TINT 2  // tints have luminance 1, not 1 by Disney's own weights
@@ -152,8 +160,9 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY) | ONLY(METALROUGH))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
-#define USERS_variant \
-  USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING) | ONLY(DISNEY))
+#define USERS_variant                                                                               \
+  USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING) | ONLY(DISNEY) | \
+        ONLY(HAIR))
 #define USERS_curve USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
 #define USERS_curve_rows USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
 #define USERS_first_lobe USERS(ONLY(PHASE))
@@ -162,18 +171,21 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_diffuse_rate USERS(PRINCIPLEDS)
 #define USERS_clearcoat_rate USERS(PRINCIPLEDS)
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_tilt USERS(ONLY(HAIR))
+#define USERS_offset USERS(ONLY(HAIR))
 #define USERS_diffuse                                                                                     \
   USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
-        ONLY(METALROUGH))
+        ONLY(METALROUGH) | ONLY(HAIR))
 #define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | ONLY(METALROUGH))
-#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS))
+#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | ONLY(HAIR))
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
-#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | ONLY(METALROUGH))
+#define USERS_ior \
+  USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | ONLY(METALROUGH) | ONLY(HAIR))
 #define USERS_alpha_u                                                                                   \
   USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE) | \
-        ONLY(ROUGHDIFFUSE))
-#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
+        ONLY(ROUGHDIFFUSE) | ONLY(HAIR))
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD) | ONLY(HAIR))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS | ONLY(METALROUGH))
 #define USERS_anisotropic USERS(DISNEYS)
@@ -233,7 +245,9 @@ FN bool lets_light_through(Closure c) {
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
 /// Whether the orientation of its frame about the normal matters.
-FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
+FN bool is_anisotropic(Closure c) {
+  return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f) | is_among(c, ONLY(HAIR));
+}
 
 // The families with control lobes for polygon lights: X(name, NAME); their files define `name`_control, see
 // control_lobes.h.

@@ -59,9 +59,6 @@ constexpr UnreadBsdf kUnreadBsdfs[] = {
      "its diffuse part is not dimmed by the reflection above it; a 'roughplastic' of the same parameters is "
      "nearest"},
     {"disneytransmission", "lajolla has left it out; 'disneyglass' took its place"},
-    {"hair",
-     "nothing here scatters light as a fibre does; a 'principled' of the hair's colour on its curves is "
-     "nearest"},
     {"measured",
      "there are no tables of measurements; a 'roughconductor' or a 'principled' with the colour and the "
      "roughness of the material is nearest"},
@@ -345,7 +342,13 @@ std::string MaterialReader::id_of(const Object* bsdf) const {
   return {};
 }
 
-std::pair<int, int> MaterialReader::install(const Object* bsdf, const Shape& shape, SceneDescription& scene) {
+std::pair<int, int> MaterialReader::install(const Object* bsdf, const Shape& shape, SceneDescription& scene,
+                                            bool is_tube) {
+  if (bsdf != nullptr && is_tube) {
+    const auto [known, is_new] = of_tubes_.try_emplace(bsdf);
+    if (is_new) known->second = hair_of_tubes(read(*bsdf));
+    return installer_.add(known->second, scene);
+  }
   if (bsdf != nullptr) return installer_.add(read(*bsdf), scene);
   if (shape.radiance) return {kBlackBsdf, kBlackBsdf};
   static const SurfaceMaterial kDefault{leaf("default", DiffuseBsdf{}), nullptr};

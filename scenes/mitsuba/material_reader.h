@@ -23,7 +23,8 @@ class MaterialReader {
   /// The indices in `scene.bsdfs` of the two sides for a shape with this BSDF, which is added if it is new.
   /// Without a BSDF (null) a surface is diffuse with reflectance 0.5, and an emitting one is black, as in
   /// Mitsuba 0.5 to 3. In 0.x a shape without a BSDF that only bounds a medium is invisible.
-  std::pair<int, int> install(const Object* bsdf, const Shape& shape, SceneDescription& scene);
+  std::pair<int, int> install(const Object* bsdf, const Shape& shape, SceneDescription& scene,
+                              bool is_tube = false);
 
   /// The id of the BSDF; if it has none, that of its first nested BSDF, and so on. Empty if none of them has
   /// an id.
@@ -51,6 +52,7 @@ class MaterialReader {
 
   const Context& context_;
   std::map<const Object*, SurfaceMaterial> materials_;
+  std::map<const Object*, SurfaceMaterial> of_tubes_;
   MaterialInstaller installer_;
   std::set<const Object*> reading_;
 };

@@ -162,6 +162,12 @@ bool is_determined_by_others(const Model& model, std::string_view name) {
   }
   if constexpr (std::is_base_of_v<ConductorSurface, Model>) said |= name == "material";
   if constexpr (std::is_same_v<Model, PrincipledBsdf>) said |= name == "specular";
+  if constexpr (std::is_same_v<Model, HairBsdf>) {
+    using Absorption = HairBsdf::Absorption;
+    said |= (name == "eumelanin" || name == "pheomelanin") && model.absorption != Absorption::kPigments;
+    said |= name == "sigma_a" && model.absorption != Absorption::kCoefficient;
+    said |= name == "reflectance" && model.absorption != Absorption::kColour;
+  }
   if constexpr (std::is_same_v<Model, PointLight>) said |= name == "to_world";
   if constexpr (std::is_same_v<Model, BitmapTexture>) {
     const bool alike = model.wrap_u == model.wrap_v;
@@ -182,6 +188,7 @@ bool is_written_anyway(const Model& model, std::string_view name) {
   }
   if constexpr (kIsRough<Model>) anyway |= name == "alpha_u" || name == "alpha_v";
   if constexpr (std::is_same_v<Model, PrincipledBsdf>) anyway |= name == "eta";
+  if constexpr (std::is_same_v<Model, HairBsdf>) anyway |= name == "sigma_a" || name == "reflectance";
   return anyway;
 }
 

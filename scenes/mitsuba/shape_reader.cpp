@@ -510,7 +510,8 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   if (geometry) shape.geometry = std::move(*geometry);
   if (emitter != nullptr) read_area_light(context_, *emitter, shape);
   if (!geometry) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
+  const bool is_tube = object.type == BsplineCurveShape::kPlugin || object.type == LinearCurveShape::kPlugin;
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_, is_tube);
   shape.material = materials_.id_of(bsdf);
   holder.shapes.push_back(std::move(shape));
   holder.sources.push_back(source);

@@ -440,34 +440,42 @@ SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocatio
   return plastic_with(parameters, colour, 1.33, "subsurface", location);
 }
 
-/// Hair as its mean colour, constant over directions.
+/// Of several ways to give the absorption, pbrt takes the first that is given.
 SurfaceMaterial MaterialReader::hair(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  report.warn_counted(location, "hair is approximated by a diffuse material of its colour");
-  const double rough = parameters.number("beta_n", 0.3, report);
-  // Chiang et al. 2016, A Practical and Controllable Hair and Fur Model: the absorption of pigments, and the
-  // colour for an absorption.
-  const double k = 5.969 - 0.215 * rough + 2.532 * std::pow(rough, 2) - 10.73 * std::pow(rough, 3) +
-                   5.574 * std::pow(rough, 4) + 0.245 * std::pow(rough, 5);
-  TexturedColour colour(glm::vec3(0.5f));
-  const bool coloured = parameters.has("reflectance") || parameters.has("color");
-  if (coloured) {
-    colour = textures_.colour(parameters, parameters.has("reflectance") ? "reflectance" : "color",
-                              ColourOf::kReflectance, glm::vec3(0.5f));
+  HairBsdf model;
+  model.offset = HairBsdf::kFromV;
+  model.int_ior = float(index(parameters, "eta", location, 1.55));
+  model.ext_ior = 1.0f;
+  model.longitudinal_roughness = textures_.number(parameters, "beta_m", 0.3, 0.0, 1.0);
+  model.azimuthal_roughness = textures_.number(parameters, "beta_n", 0.3, 0.0, 1.0);
+  model.scale_tilt = float(parameters.number("alpha", 2.0, report));
+  if (!(std::abs(model.scale_tilt) <= HairBsdf::kMostTilt))
+    report.error(parameters.location("alpha", location),
+                 fmt::format("the scales of hair are tilted by at most {} degrees, not by {}",
+                             HairBsdf::kMostTilt, model.scale_tilt));
+  const char* colour = parameters.has("reflectance") ? "reflectance" : "color";
+  if (parameters.has("sigma_a")) {
+    model.sigma_a = textures_.colour(parameters, "sigma_a", ColourOf::kIndex, glm::vec3(0.0f));
+    model.absorption = HairBsdf::Absorption::kCoefficient;
+  } else if (parameters.has(colour)) {
+    model.reflectance = textures_.colour(parameters, colour, ColourOf::kReflectance, glm::vec3(0.5f));
+    model.absorption = HairBsdf::Absorption::kColour;
   } else {
     const bool pigments = parameters.has("eumelanin") || parameters.has("pheomelanin");
-    const double dark = parameters.number("eumelanin", pigments ? 0.0 : 1.3, report),
-                 red = parameters.number("pheomelanin", 0.0, report);
-    glm::vec3 absorbed(float(0.419 * dark + 0.187 * red), float(0.697 * dark + 0.4 * red),
-                       float(1.37 * dark + 1.05 * red));
-    if (parameters.has("sigma_a"))
-      absorbed = textures_.colour(parameters, "sigma_a", ColourOf::kIndex, absorbed).value;
-    for (int c = 0; c < 3; ++c) colour.value[c] = float(std::exp(-std::sqrt(double(absorbed[c])) * k));
+    const auto pigment = [&](const char* name, double fallback) {
+      const TexturedNumber given =
+          textures_.number(parameters, name, fallback, 0.0, double(HairBsdf::kMostPigment));
+      if (given.texture != kNoTexture)
+        report.unsupported(parameters.location(name, location), "textures of pigments are not read",
+                           fmt::format("there is {} of it", fallback));
+      return given.texture != kNoTexture ? float(fallback) : given.value;
+    };
+    model.eumelanin = pigment("eumelanin", pigments ? 0.0 : 1.3);
+    model.pheomelanin = pigment("pheomelanin", 0.0);
   }
-  parameters.accept({"eta", "beta_m", "alpha", "eumelanin", "pheomelanin", "sigma_a"});
-  DiffuseBsdf model;
-  model.reflectance = colour;
-  return both_sides("hair", model);
+  parameters.accept({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
+  return surface_of("hair", model);
 }
 
 /// `amount` is the weight of the second material.

@@ -343,6 +343,7 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
 void ShapeReader::finish_curves() {
   if (pending_.curves.empty()) return;
   Curves curves = std::exchange(pending_, {});
+  curves.use.is_tube = true;
   auto mesh = bspline_curve_mesh(curves.curves);
   if (!mesh) return context_.report.error(curves.use.location, mesh.error().message);
   add("curve", std::move(mesh->mesh), std::move(curves.use), curves.state);
@@ -473,8 +474,16 @@ TexturedNumber ShapeReader::alpha_of(const Use& use) {
   return textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
 }
 
-std::pair<int, int> ShapeReader::materials_of(const Use& use, const TexturedNumber& alpha) {
+std::shared_ptr<const SurfaceMaterial> ShapeReader::material_of(const Use& use) {
   const std::shared_ptr<const SurfaceMaterial> own = materials_.material(use.material);
+  if (!use.is_tube) return own;
+  std::shared_ptr<const SurfaceMaterial>& of_tube = of_tubes_[own];
+  if (of_tube == nullptr) of_tube = std::make_shared<const SurfaceMaterial>(hair_of_tubes(*own));
+  return of_tube;
+}
+
+std::pair<int, int> ShapeReader::materials_of(const Use& use, const TexturedNumber& alpha) {
+  const std::shared_ptr<const SurfaceMaterial> own = material_of(use);
   SurfaceMaterial material = *own;
   if (alpha.texture != kNoTexture || alpha.value < 1.0f) {
     // Created once for all shapes with the same material and alpha.

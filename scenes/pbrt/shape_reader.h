@@ -55,6 +55,7 @@ class ShapeReader {
   struct Use {
     int material = kDefaultMaterial;
     Faces faces = Faces::kWhole;
+    bool is_tube = false;                            ///< of triangles, along curves
     std::optional<Parameters> alpha = std::nullopt;  ///< the directive's parameter `alpha`
     MediumNames media;
     SourceLocation location;
@@ -80,6 +81,7 @@ class ShapeReader {
   void finish(Shape& shape, Use& use);
   void move(int group, std::size_t index, const Shape& shape, const Use& use);
   void map_textures(Shape& shape, const Use& use);
+  std::shared_ptr<const SurfaceMaterial> material_of(const Use& use);
   std::pair<int, int> materials_of(const Use& use, const TexturedNumber& alpha);
   std::vector<Shape>& shapes();
   std::vector<Use>& uses() { return object_ >= 0 ? group_uses_[std::size_t(object_)] : uses_; }
@@ -90,6 +92,8 @@ class ShapeReader {
   MediumReader& media_;
   MaterialInstaller installer_;
   std::map<std::tuple<std::shared_ptr<const SurfaceMaterial>, float, int>, SurfaceMaterial> masked_;
+  /// Materials of tubes by those of their curves.
+  std::map<std::shared_ptr<const SurfaceMaterial>, std::shared_ptr<const SurfaceMaterial>> of_tubes_;
   std::vector<Use> uses_;                     ///< for each of the scene's shapes
   std::vector<std::vector<Use>> group_uses_;  ///< for each of a group's shapes
   Curves pending_;

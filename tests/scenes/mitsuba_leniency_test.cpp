@@ -12,7 +12,8 @@ TEST_F(MitsubaPlugins, LenientPlaceholders) {
          "<float name='fov' value='30'/><float name='aperture_radius' value='1'/>" +
              in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "welch")) +
              in("sampler", "magic", "<integer name='sample_count' value='3'/>")) +
-      in("shape", "sphere", in("bsdf", "twosided", in("bsdf", "hair", "<float name='alpha' value='.1'/>"))) +
+      in("shape", "sphere",
+         in("bsdf", "twosided", in("bsdf", "torrance", "<float name='alpha' value='.1'/>"))) +
       in("shape", "cube",
          in("bsdf", "diffuse",
             "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
@@ -39,13 +40,14 @@ TEST_F(MitsubaPlugins, LenientPlaceholders) {
   EXPECT_EQ(std::get<CheckerboardTexture>(s.textures.at(std::size_t(shown)).model).color0,
             glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.8f, 0.2f, 0.8f));
-  EXPECT_THAT(s.warnings,
-              ::testing::UnorderedElementsAre(
-                  HasSubstr("integrator type 'vcm' is not one that Penumbra reads; volpath stands in"),
-                  HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
-                  HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"),
-                  HasSubstr("bsdf type 'hair'"), HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"),
-                  HasSubstr("shape type 'hair'"), HasSubstr("emitter type 'laser'")));
+  EXPECT_THAT(
+      s.warnings,
+      ::testing::UnorderedElementsAre(
+          HasSubstr("integrator type 'vcm' is not one that Penumbra reads; volpath stands in"),
+          HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
+          HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"),
+          HasSubstr("bsdf type 'torrance'"), HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"),
+          HasSubstr("shape type 'hair'"), HasSubstr("emitter type 'laser'")));
 }
 
 TEST_F(MitsubaPlugins, BsdfsThatAreNotReadSayWhatIsNearest) {
@@ -54,8 +56,8 @@ TEST_F(MitsubaPlugins, BsdfsThatAreNotReadSayWhatIsNearest) {
   };
   EXPECT_THAT(message("measured"), AllOf(HasSubstr("bsdf type 'measured' is not one that Penumbra reads"),
                                          HasSubstr("'roughconductor' or a 'principled'")));
-  EXPECT_THAT(message("hair"), AllOf(HasSubstr("bsdf type 'hair' is not one that Penumbra reads"),
-                                     HasSubstr("'principled' of the hair's colour")));
+  EXPECT_THAT(message("torrance"), AllOf(HasSubstr("bsdf type 'torrance' is not one that Penumbra reads"),
+                                         HasSubstr("a 'roughplastic' of the same parameters")));
 }
 
 TEST_F(MitsubaPlugins, RawConstantsAreOneValue) {

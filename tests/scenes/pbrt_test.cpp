@@ -305,7 +305,6 @@ TEST_F(PbrtText, MaterialsThatAreApproximated) {
                   "[.1 .1 .1] \"float scale\" 2\n") +
       kTriangle + "Material \"subsurface\" \"rgb reflectance\" [.5 .4 .3] \"float roughness\" 0\n" +
       kTriangle + "Material \"subsurface\" \"rgb sigma_s\" [1 1 1] \"rgb sigma_a\" [0 1 3]\n" + kTriangle +
-      "Material \"hair\" \"rgb reflectance\" [.5 .4 .3]\n" + kTriangle +
       "Material \"dielectric\" \"spectrum eta\" [300 1.6 900 1.6]\n" + kTriangle);
   const auto& sheet = std::get<DiffuseTransmitterBsdf>(front(scene, 0));
   EXPECT_EQ(sheet.reflectance.value, glm::vec3(0.2f, 0.4f, 0.6f));
@@ -317,10 +316,40 @@ TEST_F(PbrtText, MaterialsThatAreApproximated) {
   EXPECT_NEAR(
       skin.z,
       0.5 * (1 - 0.139 * std::sqrt(0.75)) / (1 + 1.17 * std::sqrt(0.75)) / 0.5 * (1 - std::sqrt(0.75)), 1e-6);
-  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 3)).reflectance.value, glm::vec3(0.5f, 0.4f, 0.3f));
-  EXPECT_NEAR(std::get<DielectricBsdf>(front(scene, 4)).int_ior, 1.6f, 1e-4f);
-  EXPECT_THAT(warnings(scene),
-              AllOf(HasSubstr("subsurface is approximated"), HasSubstr("hair is approximated")));
+  EXPECT_NEAR(std::get<DielectricBsdf>(front(scene, 3)).int_ior, 1.6f, 1e-4f);
+  EXPECT_THAT(warnings(scene), HasSubstr("subsurface is approximated"));
+}
+
+TEST_F(PbrtText, Hair) {
+  const auto material = [&](const std::string& parameters) {
+    return material_of(
+        std::get<HairBsdf>(front(good_pbrt("Material \"hair\" " + parameters + "\n" + kTriangle), 0)));
+  };
+  const Material plain = material("");
+  EXPECT_EQ(plain.ior, 1.55f);
+  EXPECT_EQ(plain.alpha_u, 0.3f);
+  EXPECT_EQ(plain.alpha_v, 0.3f);
+  EXPECT_FLOAT_EQ(plain.tilt, float(2.0 / 360));
+  EXPECT_EQ(plain.variant, HAIR_OFFSET_BY_V);
+  // 1.3 of eumelanin, 0.419 0.697 1.37.
+  EXPECT_NEAR(plain.transmitted.y, 0.9061, 1e-4);
+  EXPECT_NEAR(material("\"float eumelanin\" 2 \"float pheomelanin\" 1").transmitted.z, 3.79, 1e-4);
+  EXPECT_NEAR(material("\"float pheomelanin\" 1").transmitted.x, 0.187, 1e-4);
+  const Material rough = material(
+      "\"float beta_m\" .1 \"float beta_n\" .6 \"float alpha\" -3 \"float eta\" 1.4 \"rgb color\" [.1 .2 "
+      ".3]");
+  EXPECT_EQ(rough.alpha_u, 0.1f);
+  EXPECT_EQ(rough.alpha_v, 0.6f);
+  EXPECT_FLOAT_EQ(rough.tilt, float(-3.0 / 360));
+  EXPECT_EQ(rough.ior, 1.4f);
+  EXPECT_EQ(rough.variant, HAIR_OFFSET_BY_V | HAIR_OF_COLOUR);
+  EXPECT_EQ(rough.diffuse.z, 0.3f);
+  // The coefficient goes before the colour, the colour before pigments.
+  const Material all =
+      material("\"rgb sigma_a\" [3 2 1] \"rgb reflectance\" [.1 .2 .3] \"float eumelanin\" 1");
+  EXPECT_EQ(all.variant, HAIR_OFFSET_BY_V);
+  EXPECT_EQ(all.transmitted.x, 3);
+  EXPECT_EQ(material("\"rgb reflectance\" [.1 .2 .3] \"float eumelanin\" 1").diffuse.y, 0.2f);
 }
 
 TEST_F(PbrtText, TheFilmsExposureIsTheLights) {

@@ -42,7 +42,7 @@ inline Material empty_material(int family) {
 }
 
 inline bool is_thin_sheet(const Closure& c) {
-  return c.family == FAMILY_PRINCIPLEDTHIN || c.family == FAMILY_DIFFTRANS;
+  return c.family == FAMILY_PRINCIPLEDTHIN || c.family == FAMILY_DIFFTRANS || c.family == FAMILY_HAIR;
 }
 
 /// Refractive index where wi leads, over that where wo does. A thin sheet has the same on both sides.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/kernels/bsdf/disney_cases.h"
+#include "tests/kernels/bsdf/hair_cases.h"
 
 namespace penumbra {
 
@@ -115,6 +116,7 @@ inline std::vector<BsdfCase> all_bsdf_cases() {
     cases.push_back(dielectric_case("GlassSmoothestInside", ggx, 1e-4, 1e-4, 1 / 1.5));
   }
   for (const BsdfCase& each : disney_cases()) cases.push_back(each);
+  for (const BsdfCase& each : hair_cases()) cases.push_back(each);
   return cases;
 }
 

@@ -1,54 +1,12 @@
 // The principled BSDFs, read from files, against values of Mitsuba 3.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "kernels/host/device_scene.h"
-#include "scenes/scene_reader.h"
+#include "tests/kernels/bsdf/mitsuba_values.h"
 #include "tests/kernels/kernels_under_test.h"
-#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {
-
-/// A BSDF of principled_values.txt, and its values.
-struct MitsubaValue {
-  vec3 wo, wi, f_cos;
-  float pdf;
-};
-struct MitsubaBsdf {
-  std::string xml;
-  std::vector<MitsubaValue> values;
-};
-
-std::vector<MitsubaBsdf> mitsuba_bsdfs() {
-  std::vector<MitsubaBsdf> result;
-  std::ifstream file(PENUMBRA_SOURCE_DIR "/tests/kernels/bsdf/principled_values.txt");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with('<')) {
-      result.push_back({line, {}});
-      continue;
-    }
-    std::istringstream numbers(line);
-    MitsubaValue v{};
-    for (vec3* each : {&v.wo, &v.wi, &v.f_cos}) numbers >> each->x >> each->y >> each->z;
-    numbers >> v.pdf;
-    EXPECT_TRUE(numbers) << line;
-    result.back().values.push_back(v);
-  }
-  return result;
-}
-
-BsdfModel model_of(const std::string& xml) {
-  TemporaryFolder folder;
-  write_text(
-      folder / "scene.xml",
-      "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'>" + xml + "</shape></scene>");
-  const auto scene = read_scene(folder / "scene.xml", {});
-  EXPECT_TRUE(scene) << scene.error().message;
-  return scene->bsdfs.at(0).model;
-}
 
 /// As seen from that side: nothing where it is black from there.
 std::optional<Closure> closure_from(const BsdfModel& model, bool inside) {
@@ -60,7 +18,7 @@ std::optional<Closure> closure_from(const BsdfModel& model, bool inside) {
 }
 
 TEST(PrincipledBsdfs, AreWorthWhatMitsubaSays) {
-  const std::vector<MitsubaBsdf> bsdfs = mitsuba_bsdfs();
+  const std::vector<MitsubaBsdf> bsdfs = mitsuba_bsdfs("principled_values.txt");
   ASSERT_EQ(bsdfs.size(), 18u);
   for (const MitsubaBsdf& bsdf : bsdfs) {
     const BsdfModel model = model_of(bsdf.xml);
