@@ -26,6 +26,7 @@
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/nested.h"
+#include "scenes/bsdfs/openpbr.h"
 #include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/principled.h"
@@ -37,14 +38,15 @@ namespace penumbra {
 using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
                                ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
                                PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
-                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, MetalRoughBsdf, NullBsdf,
+                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, OpenPbrBsdf, NullBsdf,
                                MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf, HairBsdf>;
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
-using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,
-                                      BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters,
-                                      DisneyMetalParameters, DisneyClearcoatParameters, DisneySheenParameters,
-                                      DisneyGlassParameters, DisneySumParameters>;
+using HolderParameters =
+    std::variant<TwoSidedParameters, MixtureParameters, MetalRoughParameters, NormalMapParameters,
+                 BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters, DisneyMetalParameters,
+                 DisneyClearcoatParameters, DisneySheenParameters, DisneyGlassParameters,
+                 DisneySumParameters>;
 
 struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages

@@ -41,10 +41,11 @@ PENUMBRA_NAMESPACE_BEGIN
   X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
   X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
-  X(metalrough, METALROUGH, 21, SEVERAL_LOBES, "metallic-roughness BSDF")                                \
   X(roughdiffuse, ROUGHDIFFUSE, 22, 0, "rough diffuse BSDF")                                             \
   X(difftrans, DIFFTRANS, 23, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")          \
-  X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")
+  X(openpbr, OPENPBR, 24, SEVERAL_LOBES, "OpenPBR's base")                                               \
+  X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")                           \
+  X(openpbr_layered, OPENPBR_LAYERED, 26, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "OpenPBR's surface")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -113,12 +114,26 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define CURVE_KNOTS 64                  // values of a curve, at cosines from 0 to 1
 #define CURVE_ROWS 32                   // curves of a material with textured roughness, see roughplastic.h
 #define CURVE_STRIDE (CURVE_KNOTS + 1)  // offset from curve to curve
-#define REFLECTION_ROWS 64              // twice as many curves of albedo, see metalrough.h
-#define FIRST_REFLECTION_PLACE 0.177827941f  // fourth root of the roughness of the first row, 0.001
+#define FIRST_FACET_PLACE 0.177827941f  // fourth root of the roughness of the first row, 0.001: see openpbr.h
+#define LEAST_FUZZ_ROUGHNESS 0.1f
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
 #define PRINCIPLED_INSIDE 1  // variant: wo is inside
+
+// Variants of OpenPBR's surface, as bits, and the sets of its curves. The base has the first one.
+#define OPENPBR_INSIDE 1
+#define OPENPBR_THIN 2
+#define OPENPBR_BY_AZIMUTH 4    // rows of the base's curves differ by azimuth, else by roughness
+#define OPENPBR_WEIGHT_TINTS 8  // the specular weight is a factor of the dielectric's reflection, too
+#define OPENPBR_BASE 0
+#define OPENPBR_PLAIN_SETS 1
+#define OPENPBR_SCATTERED 1
+#define OPENPBR_COAT 2
+#define OPENPBR_FUZZ 3
+#define OPENPBR_SETS 4
+#define OPENPBR_PACKED 32767  // the base has two albedos of so many steps in one number
+#define OPENPBR_PACKED_BITS 15
 
 // Variants of plastics: what each reflection at the base absorbs, see plastic.h.
 #define PLASTIC_LINEAR 0
@@ -157,48 +172,50 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
 #define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
 #define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
-#define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY) | ONLY(METALROUGH))
+#define OPENPBRS (ONLY(OPENPBR) | ONLY(OPENPBR_LAYERED))
+#define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_variant                                                                               \
   USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING) | ONLY(DISNEY) | \
-        ONLY(HAIR))
-#define USERS_curve USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
-#define USERS_curve_rows USERS(ROUGH_PLASTICS | ONLY(METALROUGH))
+        OPENPBRS | ONLY(HAIR))
+#define USERS_curve USERS(ROUGH_PLASTICS | OPENPBRS)
+#define USERS_curve_rows USERS(ROUGH_PLASTICS | OPENPBRS)
 #define USERS_first_lobe USERS(ONLY(PHASE))
-#define USERS_internal USERS(ONLY(PLASTIC))
+#define USERS_internal USERS(ONLY(PLASTIC) | OPENPBRS)
 #define USERS_specular_rate USERS(PRINCIPLEDS)
-#define USERS_diffuse_rate USERS(PRINCIPLEDS)
-#define USERS_clearcoat_rate USERS(PRINCIPLEDS)
+#define USERS_diffuse_rate USERS(PRINCIPLEDS | ONLY(OPENPBR_LAYERED))
+#define USERS_clearcoat_rate USERS(PRINCIPLEDS | ONLY(OPENPBR_LAYERED))
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_tilt USERS(ONLY(HAIR))
 #define USERS_offset USERS(ONLY(HAIR))
 #define USERS_diffuse                                                                                     \
   USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
-        ONLY(METALROUGH) | ONLY(HAIR))
-#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | ONLY(METALROUGH))
-#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | ONLY(HAIR))
-#define USERS_eta USERS(CONDUCTORS)
-#define USERS_k USERS(CONDUCTORS)
+        OPENPBRS | ONLY(HAIR))
+#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | OPENPBRS)
+#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | ONLY(OPENPBR_LAYERED) | ONLY(HAIR))
+#define USERS_eta USERS(CONDUCTORS | ONLY(OPENPBR_LAYERED))
+#define USERS_k USERS(CONDUCTORS | ONLY(OPENPBR_LAYERED))
 #define USERS_ior \
-  USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | ONLY(METALROUGH) | ONLY(HAIR))
+  USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | OPENPBRS | ONLY(HAIR))
 #define USERS_alpha_u                                                                                   \
   USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE) | \
         ONLY(ROUGHDIFFUSE) | ONLY(HAIR))
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD) | ONLY(HAIR))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
-#define USERS_roughness USERS(DISNEYS | ONLY(METALROUGH))
-#define USERS_anisotropic USERS(DISNEYS)
-#define USERS_metallic USERS(METALS_AND_BASES)
-#define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY))
+#define USERS_roughness USERS(DISNEYS | OPENPBRS)
+#define USERS_anisotropic USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
+#define USERS_metallic USERS(METALS_AND_BASES | OPENPBRS)
+#define USERS_spec_trans \
+  USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY) | ONLY(OPENPBR_LAYERED))
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
-#define USERS_spec_tint USERS(DISNEYS)
-#define USERS_specular_level USERS(ONLY(DISNEY) | ONLY(METALROUGH))
-#define USERS_sheen USERS(DISNEYS)
-#define USERS_sheen_tint USERS(DISNEYS)
-#define USERS_flatness USERS(DISNEYS)
-#define USERS_clearcoat USERS(METALS_AND_BASES)
-#define USERS_clearcoat_gloss USERS(METALS_AND_BASES)
+#define USERS_spec_tint USERS(DISNEYS | OPENPBRS)
+#define USERS_specular_level USERS(ONLY(DISNEY) | OPENPBRS)
+#define USERS_sheen USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
+#define USERS_sheen_tint USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
+#define USERS_flatness USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
+#define USERS_clearcoat USERS(METALS_AND_BASES | ONLY(OPENPBR_LAYERED))
+#define USERS_clearcoat_gloss USERS(METALS_AND_BASES | ONLY(OPENPBR_LAYERED))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -238,7 +255,7 @@ FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u
 
 /// Whether light from behind is transmitted. Some closures of the principled families do not transmit.
 FN bool lets_light_through(Closure c) {
-  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN));
+  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | ONLY(OPENPBR_LAYERED));
   return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
 }
 
@@ -263,7 +280,7 @@ FN bool is_anisotropic(Closure c) {
   X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
   X(principled, PRINCIPLED)                           \
   X(disney, DISNEY)                                   \
-  X(metalrough, METALROUGH)                           \
+  X(openpbr, OPENPBR)                                 \
   EXTRA_LTC_FAMILIES(X)
 #define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
@@ -271,7 +288,7 @@ FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 /// Approximate albedo, from the closure's colours.
 FN vec3 closure_albedo(Closure c) {
   // The boundary of a coat reflects this much along the normal.
-  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE) | ONLY(METALROUGH)) >> c.family) & 1u) != 0u;
+  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE) | OPENPBRS) >> c.family) & 1u) != 0u;
   const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
   return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
 }

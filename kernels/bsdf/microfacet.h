@@ -10,6 +10,7 @@ PENUMBRA_NAMESPACE_BEGIN
 // Minimum roughness: below it, directions in single precision are coarser than the lobe.
 #define LEAST_ALPHA 1e-4f
 #define MOST_ALPHA 100.0f
+#define LEAST_FACET_ALPHA 1e-3f  // of OpenPBR
 #define INV_SQRT_PI_F 0.564189583547756f
 
 typedef struct {
@@ -23,6 +24,14 @@ FN Microfacets make_microfacets(int distribution, float alpha_u, float alpha_v) 
   m.alpha_u = clamp_f(alpha_u, LEAST_ALPHA, MOST_ALPHA);
   m.alpha_v = clamp_f(alpha_v, LEAST_ALPHA, MOST_ALPHA);
   return m;
+}
+
+/// Of a roughness in [0, 1] with this anisotropy (OpenPBR 1.1, microfacet model).
+FN Microfacets openpbr_microfacets(float roughness, float anisotropy) {
+  const float alpha = roughness * roughness, across = 1.0f - anisotropy;
+  const float along = alpha * SQRT(2.0f / (1.0f + across * across));
+  return make_microfacets(DISTRIBUTION_GGX, max_f(along, LEAST_FACET_ALPHA),
+                          max_f(along * across, LEAST_FACET_ALPHA));
 }
 
 /// D(h), area per solid angle, for a unit normal h with h.z > 0. It uses squared slopes, since 1 - cos^2

@@ -143,7 +143,7 @@ class Checker {
     for (const Material& m : table<Material>(scene_, h_.tables.materials)) {
       const bool uses = holds(USERS_curve & ~EXTRA_FAMILIES, m.family);
       require((!curves && !uses) ||
-                  (in(m.curve_rows, uses ? 1 : 0, 2 * REFLECTION_ROWS) &&
+                  (in(m.curve_rows, uses ? 1 : 0, OPENPBR_SETS * CURVE_ROWS) &&
                    in(m.curve, 0, h_.tables.curves.count - std::max(m.curve_rows, 1) * CURVE_STRIDE)),
               "a material names a curve that is not there");
     }

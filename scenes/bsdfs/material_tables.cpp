@@ -1,20 +1,10 @@
 #include "scenes/bsdfs/material_tables.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include "kernels/host/parallel.h"
 
 namespace penumbra {
-namespace {
-
-constexpr float kReflectionAlbedo[] = {
-#include "reflection_albedo.inc"  // by write_reflection_albedo.cpp
-};
-static_assert(std::size(kReflectionAlbedo) == 2 * REFLECTION_ROWS * CURVE_STRIDE);
-
-}  // namespace
-
 int MaterialTables::boundary(RoughBoundary boundary, int rows) {
   if (rows > 1) boundary.alpha = 0;
   const auto [at, added] = boundaries_.try_emplace({boundary, rows}, int(curves_.size()));
@@ -27,12 +17,12 @@ int MaterialTables::boundary(RoughBoundary boundary, int rows) {
   return at->second;
 }
 
-int MaterialTables::reflection() {
-  if (reflection_ < 0) {
-    reflection_ = int(curves_.size());
-    curves_.insert(curves_.end(), std::begin(kReflectionAlbedo), std::end(kReflectionAlbedo));
-  }
-  return reflection_;
+int MaterialTables::facets(const FacetCurves& curves) {
+  const auto [at, added] = facets_.try_emplace(curves, int(curves_.size()));
+  if (!added) return at->second;
+  missing_facets_.emplace_back(curves, curves_.size());
+  curves_.resize(curves_.size() + std::size_t(curves.row_count() * curves.sets()) * CURVE_STRIDE);
+  return at->second;
 }
 
 void MaterialTables::compute() {
@@ -43,6 +33,11 @@ void MaterialTables::compute() {
     curves_[at + CURVE_KNOTS] = float(boundary.internal_reflectance());
   });
   missing_.clear();
+  in_parallel(missing_facets_.size(), core_count(), [&](std::size_t i) {
+    const auto& [facets, at] = missing_facets_[i];
+    std::ranges::copy(facets.curves(), &curves_[at]);
+  });
+  missing_facets_.clear();
 }
 
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 
 #include "kernels/bsdf/microfacet.h"
 
+#include "scenes/bsdfs/facet_albedo.h"
 #include "scenes/bsdfs/rough_boundary.h"
 
 namespace penumbra {
@@ -22,8 +23,8 @@ class MaterialTables {
   /// that many values of roughness, instead of one for the boundary's own. Equal boundaries are stored once.
   int boundary(RoughBoundary boundary, int rows);
 
-  /// The index at which the 2 * REFLECTION_ROWS curves of reflection_albedo (metalrough.h) begin.
-  int reflection();
+  /// The index at which the curves of an OpenPBR surface begin. Equal ones are stored once.
+  int facets(const FacetCurves& curves);
 
   /// Computes the curves, on all cores. Call it after the last boundary.
   void compute();
@@ -37,8 +38,9 @@ class MaterialTables {
  private:
   std::vector<float>& curves_;
   std::map<std::pair<RoughBoundary, int>, int> boundaries_;
-  int reflection_ = -1;
+  std::map<FacetCurves, int> facets_;
   std::vector<std::pair<RoughBoundary, std::size_t>> missing_;  ///< curves that are not computed, and where
+  std::vector<std::pair<FacetCurves, std::size_t>> missing_facets_;  ///< likewise
 };
 
 }  // namespace penumbra

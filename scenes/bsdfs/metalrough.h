@@ -1,15 +1,18 @@
-// glTF's metallic-roughness BSDF, see kernels/bsdf/metalrough.h.
+// glTF 2.0's metallic-roughness material (appendix B) with KHR_materials_ior, _specular and _clearcoat, as
+// parameters of an OpenPBR surface.
 #pragma once
 
-#include "scenes/bsdfs/material.h"
-#include "scenes/bsdfs/material_tables.h"
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/bsdfs/openpbr.h"
 #include "scenes/plugin_values.h"
 
 namespace penumbra {
 
-struct MetalRoughBsdf {
+struct MetalRoughParameters {
   static constexpr const char* kPlugin = "metalrough";
-  static constexpr const char* kText = "metallic-roughness BSDF (glTF 2.0)";
+  static constexpr const char* kText = "metallic-roughness material (glTF 2.0), as an openpbr";
   TexturedColour base_color{glm::vec3(1.0f)};
   TexturedNumber metallic{};
   TexturedNumber roughness{1.0f};
@@ -20,7 +23,7 @@ struct MetalRoughBsdf {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    using M = MetalRoughBsdf;
+    using M = MetalRoughParameters;
     row("base_color", &M::base_color, ColourWithin{}, "colour of the base and of the metal");
     row("metallic", &M::metallic, NumberWithin{}, "from a dielectric to a metal");
     row("roughness", &M::roughness, NumberWithin{}, "of the microfacets: their alpha is its square");
@@ -32,21 +35,48 @@ struct MetalRoughBsdf {
     row("clearcoat", &M::clearcoat, NumberWithin{}, "how much of the surface has a clear coat");
     row("clearcoat_roughness", &M::clearcoat_roughness, NumberWithin{}, "of the clear coat");
   }
-};
 
-inline Material material_of(const MetalRoughBsdf& surface, MaterialTables& tables) {
-  Material m = material_of_family(FAMILY_METALROUGH);
-  PENUMBRA_SET_FIELD(m, diffuse, surface.base_color);
-  PENUMBRA_SET_FIELD(m, metallic, surface.metallic);
-  PENUMBRA_SET_FIELD(m, roughness, surface.roughness);
-  m.ior = surface.ior;
-  PENUMBRA_SET_FIELD(m, specular_level, surface.specular);
-  PENUMBRA_SET_FIELD(m, specular, surface.specular_color);
-  PENUMBRA_SET_FIELD(m, clearcoat, surface.clearcoat);
-  PENUMBRA_SET_FIELD(m, clearcoat_gloss, surface.clearcoat_roughness);
-  m.curve = tables.reflection();
-  m.curve_rows = 2 * REFLECTION_ROWS;
-  return m;
-}
+  /// `transmits`: whether the surface is to transmit, which it does as if it had no coat.
+  [[nodiscard]] OpenPbrBsdf as_openpbr(bool transmits = false) const {
+    OpenPbrBsdf surface;
+    surface.base_color = base_color;
+    surface.base_metalness = metallic;
+    surface.specular_roughness = roughness;
+    // The factors of the reflectance along the normal are in the index, and the rest in the colour.
+    const float step = (ior - 1.0f) / (ior + 1.0f), plain = ior == 0.0f ? 1.0f : step * step;
+    const glm::vec3 given = specular_color.value;
+    const bool coloured = specular_color.texture != kNoTexture;
+    const float most = coloured ? 1.0f : std::max({given.x, given.y, given.z});
+    const float factor = specular.texture == kNoTexture ? specular.value : 1.0f;
+    surface.specular_color = specular_color;
+    const float along_normal = std::min(plain * most, 1.0f);
+    if (!coloured)
+      surface.specular_color.value =
+          most > 0.0f ? glm::min(given * plain, glm::vec3(1.0f)) / std::max(along_normal, 1e-20f)
+                      : glm::vec3(1.0f);
+    if (metallic.value == 1.0f && metallic.texture == kNoTexture) surface.specular_color = glm::vec3(1.0f);
+    if (specular.texture != kNoTexture) surface.specular_weight = specular;
+    const float root = std::min(std::sqrt(along_normal * factor), 0.999f);
+    surface.specular_ior = (1.0f + root) / (1.0f - root);
+
+    // glTF's coat changes nothing of what is below it.
+    surface.coat_weight = clearcoat;
+    surface.coat_roughness = clearcoat_roughness;
+    surface.coat_ior = 1.5f;
+    surface.coat_darkening = 0.0f;
+    if (!surface.coated() || transmits) return surface;
+    const float weight = clearcoat.texture == kNoTexture ? clearcoat.value : 1.0f;
+    surface.specular_ior /= 1.0f - weight + weight / surface.coat_ior;
+    if (roughness.texture != kNoTexture || clearcoat_roughness.texture != kNoTexture) return surface;
+    // The base's roughness that looks like this one through the coat, or the least.
+    float low = 0.0f, high = roughness.value;
+    for (int i = 0; i < 30; ++i) {
+      const float middle = 0.5f * (low + high);
+      surface.specular_roughness.value = middle;
+      (surface.effective_roughness().value < roughness.value ? low : high) = middle;
+    }
+    return surface;
+  }
+};
 
 }  // namespace penumbra

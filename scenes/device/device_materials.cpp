@@ -88,7 +88,7 @@ bool has_narrow_lobes(const std::vector<Material>& materials) {
   constexpr float kBroad = 0.3f;
   return std::ranges::any_of(materials, [](const Material& m) {
     const bool disneys =
-        m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY || m.family == FAMILY_METALROUGH;
+        m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY || m.family == FAMILY_OPENPBR;
     const float rough = std::sqrt(m.alpha_u * m.alpha_v);
     const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
     return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;

@@ -116,7 +116,7 @@ SurfaceMaterial MaterialBuilder::specular_glossiness(const tinygltf::Material& m
                                                      const Base& base, bool coloured) {
   const tinygltf::Value& extension = *extension_of(material, kSpecularGlossiness);
   const TextureUse texture = extension_use(extension, "specularGlossinessTexture", index);
-  MetalRoughBsdf surface;
+  MetalRoughParameters surface;
   surface.base_color = base_colour(base, coloured);
   surface.ior = 0.0f;  // reflects the specular colour along the normal
   surface.specular_color =
@@ -131,7 +131,7 @@ SurfaceMaterial MaterialBuilder::specular_glossiness(const tinygltf::Material& m
       surface.roughness.texture = *rough;
     }
   }
-  SurfaceMaterial both = surface_of(name_of(material, index), surface);
+  SurfaceMaterial both = surface_of(name_of(material, index), surface.as_openpbr());
   both.back = both.front;
   return both;
 }
@@ -149,7 +149,7 @@ SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material,
   const auto& pbr = material.pbrMetallicRoughness;
   const std::string name = name_of(material, index);
   const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
-  MetalRoughBsdf surface;
+  MetalRoughParameters surface;
   surface.base_color = base_colour(base, coloured);
   surface.roughness = number(pbr.roughnessFactor, rough, BitmapChannels::kGreen);
   surface.metallic = number(pbr.metallicFactor, rough, BitmapChannels::kBlue);
@@ -181,51 +181,117 @@ SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material,
       report_.warn_counted(place(index, "extensions"),
                            "KHR_materials_clearcoat: the coat has the normals of the surface below it");
   }
+  return layers(material, index, surface);
+}
+
+SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std::size_t index,
+                                        const MetalRoughParameters& core) {
   TexturedNumber transmitted;
   if (const auto* transmission = extension_of(material, "KHR_materials_transmission"))
     transmitted = number(number_of(transmission, "transmissionFactor", 0.0),
                          extension_use(*transmission, "transmissionTexture", index), BitmapChannels::kRed);
-  SurfaceMaterial solid = surface_of(name, surface);
-  solid.back = solid.front;  // both sides are the same, as in a rasteriser's two-sided materials
-  if (transmitted.value == 0.0f) return solid;
-  const SurfaceMaterial clear = glass(material, index, surface);
-  if (transmitted.value == 1.0f && transmitted.texture == kNoTexture) return clear;
-  BlendBsdf blend;
-  blend.weight = transmitted;
-  return blended(name, blend, solid, clear);
+  const bool transmits = transmitted.value > 0.0f;
+  OpenPbrBsdf surface = core.as_openpbr(transmits);
+  const bool colours_highlights = surface.specular_color != TexturedColour(glm::vec3(1.0f)) ||
+                                  surface.specular_weight.texture != kNoTexture;
+  if (colours_highlights && core.metallic.value > 0.0f &&
+      (core.metallic.value < 1.0f || core.metallic.texture != kNoTexture))
+    report_.warn_counted(
+        place(index, "extensions"),
+        "KHR_materials_specular: where a surface is partly a metal, it changes the metal, too");
+  if (transmits) {
+    surface.transmission_weight = transmitted;
+    surface.transmission_color = core.base_color;
+    const auto* volume = extension_of(material, "KHR_materials_volume");
+    // Without a volume, glTF's transmitting surfaces are thin.
+    surface.thin_walled = !(number_of(volume, "thicknessFactor", 0.0) > 0.0);
+    const glm::vec3 attenuation = volume == nullptr
+                                      ? glm::vec3(1.0f)
+                                      : colour_of(numbers_of(*volume, "attenuationColor", {1.0, 1.0, 1.0}));
+    if (!surface.thin_walled && attenuation != glm::vec3(1.0f) &&
+        number_of(volume, "attenuationDistance", 0.0) > 0.0)
+      report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
+    if (!surface.thin_walled && extension_of(material, "KHR_materials_specular") != nullptr)
+      report_.warn_counted(place(index, "extensions"),
+                           "KHR_materials_specular: where a volume reflects less, it also refracts less");
+  }
+  add_sheen(material, index, surface);
+  add_anisotropy(material, index, surface);
+  SurfaceMaterial whole = surface_of(name_of(material, index), surface);
+  if (!transmits)
+    whole.back = whole.front;  // both sides are the same, as in a rasteriser's two-sided materials
+  return with_diffuse_transmission(material, index, std::move(whole));
 }
 
-SurfaceMaterial MaterialBuilder::glass(const tinygltf::Material& material, std::size_t index,
-                                       const MetalRoughBsdf& surface) {
-  const std::string name = name_of(material, index);
-  const float eta = surface.ior > 0.0f ? surface.ior : 1.5f;
-  if (surface.ior == 0.0f || extension_of(material, "KHR_materials_specular") != nullptr)
+void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface) {
+  const auto* sheen = extension_of(material, "KHR_materials_sheen");
+  if (sheen == nullptr) return;
+  const glm::vec3 colour = colour_of(numbers_of(*sheen, "sheenColorFactor", {0.0, 0.0, 0.0}));
+  const float most = std::max({colour.x, colour.y, colour.z});
+  if (most == 0.0f) return;
+  surface.fuzz_weight = TexturedNumber(most);
+  surface.fuzz_color = TexturedColour(colour / most);
+  const TextureUse colours = extension_use(*sheen, "sheenColorTexture", index);
+  if (colours.there())
+    if (const auto texture = textures_.colours(colours)) {
+      surface.fuzz_color.texture = textures_.scaled(*texture, colour / most);
+      report_.warn_counted(
+          place(index, "extensions"),
+          "KHR_materials_sheen: below a sheen whose colour is a texture it is as dark as below "
+          "one of its factor");
+    }
+  surface.fuzz_roughness =
+      number(number_of(sheen, "sheenRoughnessFactor", 0.0),
+             extension_use(*sheen, "sheenRoughnessTexture", index), BitmapChannels::kAlpha);
+}
+
+void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::size_t index,
+                                     OpenPbrBsdf& surface) {
+  const auto* anisotropy = extension_of(material, "KHR_materials_anisotropy");
+  if (anisotropy == nullptr) return;
+  const double strength = double(unit(number_of(anisotropy, "anisotropyStrength", 0.0)));
+  if (strength == 0.0) return;
+  const double rotation = number_of(anisotropy, "anisotropyRotation", 0.0);
+  if (rotation != 0.0 || anisotropy->Has("anisotropyTexture"))
     report_.warn_counted(place(index, "extensions"),
-                         "KHR_materials_specular is ignored where KHR_materials_transmission transmits");
-  if (surface.clearcoat.value > 0.0f)
+                         "KHR_materials_anisotropy: its texture and its rotation are ignored; highlights are "
+                         "long in the direction of the tangent");
+  if (surface.specular_roughness.texture != kNoTexture) {
     report_.warn_counted(place(index, "extensions"),
-                         "KHR_materials_clearcoat is ignored where KHR_materials_transmission transmits");
-  const double thickness = number_of(extension_of(material, "KHR_materials_volume"), "thicknessFactor", 0.0);
-  if (!(thickness > 0.0)) {
-    // Without a volume, glTF's transmitting surfaces are thin.
-    PrincipledThinBsdf thin;
-    thin.base_color = surface.base_color;
-    thin.roughness = surface.roughness;
-    thin.spec_trans = TexturedNumber(1.0f);
-    thin.eta = TexturedNumber(eta);
-    if (surface.metallic.value > 0.0f)
-      report_.warn_counted(place(index, "pbrMetallicRoughness"),
-                           "metalness is ignored where KHR_materials_transmission makes a thin pane");
-    return surface_of(name, thin);
+                         "KHR_materials_anisotropy: where roughness has a texture, anisotropy is that of a "
+                         "roughness of 0.5");
+    surface.specular_anisotropy =
+        along_and_across(std::lerp(0.25, 1.0, strength * strength), 0.25).anisotropy;
+    return;
   }
-  PrincipledBsdf solid;
-  solid.base_color = surface.base_color;
-  solid.roughness = surface.roughness;
-  solid.metallic = surface.metallic;
-  solid.spec_trans = TexturedNumber(1.0f);
-  solid.eta = std::max(eta, 1.001f);
-  report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
-  return surface_of(name, solid);
+  const double across = std::pow(double(surface.specular_roughness.value), 2);
+  const OpenPbrRoughness both = along_and_across(std::lerp(across, 1.0, strength * strength), across);
+  surface.specular_roughness.value = both.roughness;
+  surface.specular_anisotropy = both.anisotropy;
+}
+
+SurfaceMaterial MaterialBuilder::with_diffuse_transmission(const tinygltf::Material& material,
+                                                           std::size_t index, SurfaceMaterial whole) {
+  const auto* extension = extension_of(material, "KHR_materials_diffuse_transmission");
+  if (extension == nullptr) return whole;
+  BlendBsdf blend;
+  blend.weight =
+      number(number_of(extension, "diffuseTransmissionFactor", 0.0),
+             extension_use(*extension, "diffuseTransmissionTexture", index), BitmapChannels::kAlpha);
+  if (blend.weight.value == 0.0f) return whole;
+  report_.warn_counted(place(index, "extensions"),
+                       "KHR_materials_diffuse_transmission: the share of the surface that transmits has no "
+                       "highlights");
+  DiffuseTransmitterBsdf sheet;
+  sheet.reflectance = TexturedColour(glm::vec3(0.0f));
+  sheet.transmittance =
+      TexturedColour(colour_of(numbers_of(*extension, "diffuseTransmissionColorFactor", {1.0, 1.0, 1.0})));
+  const TextureUse colours = extension_use(*extension, "diffuseTransmissionColorTexture", index);
+  if (colours.there())
+    if (const auto texture = textures_.colours(colours))
+      sheet.transmittance.texture = textures_.scaled(*texture, sheet.transmittance.value);
+  const std::string name = name_of(material, index);
+  return blended(name, blend, whole, surface_of(name, sheet));
 }
 
 SurfaceMaterial MaterialBuilder::lit_part(const tinygltf::Material& material, std::size_t index,

@@ -51,8 +51,13 @@ class MaterialBuilder {
                                       bool coloured);
   SurfaceMaterial metal_rough(const tinygltf::Material& material, std::size_t index, const Base& base,
                               bool coloured);
-  /// What a transmitting material is where it transmits everything.
-  SurfaceMaterial glass(const tinygltf::Material& material, std::size_t index, const MetalRoughBsdf& surface);
+  /// The core of a material with what its other extensions add.
+  SurfaceMaterial layers(const tinygltf::Material& material, std::size_t index,
+                         const MetalRoughParameters& core);
+  void add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
+  void add_anisotropy(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
+  SurfaceMaterial with_diffuse_transmission(const tinygltf::Material& material, std::size_t index,
+                                            SurfaceMaterial whole);
   SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, bool coloured);
   /// How much of the surface there is (alphaMode). Nothing: all of it.
   std::optional<TexturedNumber> coverage(const tinygltf::Material& material, const Base& base);

@@ -81,6 +81,7 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
       {MaskBsdf::kPlugin, &MaterialReader::read_mask},
       {BlendBsdf::kPlugin, &MaterialReader::read_blend},
       {"mixturebsdf", &MaterialReader::read_mixture},
+      {MetalRoughParameters::kPlugin, &MaterialReader::read_metal_rough},
       {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
       {"circular", &MaterialReader::read_polarizer},
       {"retarder", &MaterialReader::read_polarizer},
@@ -199,6 +200,12 @@ SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
   const auto inside = read_nested(plugin, 2);
   if (inside.empty()) return {};
   return blended(name_of(plugin.object()), model, *inside[0], *inside[1]);
+}
+
+SurfaceMaterial MaterialReader::read_metal_rough(PluginReader& plugin) {
+  MetalRoughParameters surface;
+  plugin.read_parameters(surface);
+  return surface_of(name_of(plugin.object()), surface.as_openpbr());
 }
 
 SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {

@@ -37,6 +37,7 @@ class MaterialReader {
   SurfaceMaterial read_mask(PluginReader& plugin);
   SurfaceMaterial read_blend(PluginReader& plugin);
   SurfaceMaterial read_mixture(PluginReader& plugin);
+  SurfaceMaterial read_metal_rough(PluginReader& plugin);
   SurfaceMaterial read_polarizer(PluginReader& plugin);
   SurfaceMaterial read_coating(PluginReader& plugin);
   template <typename Parameters>

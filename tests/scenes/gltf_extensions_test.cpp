@@ -203,7 +203,7 @@ TEST_F(GltfExtensions, TheDefaultMaterialOfVariantsIsShown) {
 "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}]}},
 "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}},
 {"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 1, 1]}}])")));
-  EXPECT_EQ(std::get<MetalRoughBsdf>(front(scene)).base_color.value, glm::vec3(0, 0, 1));
+  EXPECT_EQ(std::get<OpenPbrBsdf>(front(scene)).base_color.value, glm::vec3(0, 0, 1));
   EXPECT_THAT(warnings(scene), Not(HasSubstr("variants")));
 }
 
@@ -216,13 +216,13 @@ TEST_F(GltfExtensions, SpecularGlossinessBeatsTheOtherModel) {
 "glossinessFactor": 0.5}}}])")));
   const auto& mask = std::get<MaskBsdf>(front(scene));
   EXPECT_EQ(mask.opacity.value, 0.5f);
-  const auto& solid = std::get<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(mask.inside)).model);
+  const auto& solid = std::get<OpenPbrBsdf>(scene.bsdfs.at(std::size_t(mask.inside)).model);
   EXPECT_NEAR(solid.base_color.value.x, 0.5f, 1e-6f);
   EXPECT_NEAR(solid.base_color.value.y, 0.25f, 1e-6f);
-  EXPECT_EQ(solid.metallic.value, 0.0f);
-  EXPECT_EQ(solid.ior, 0.0f);
-  EXPECT_EQ(solid.specular_color.value, glm::vec3(0.04f));
-  EXPECT_EQ(solid.roughness.value, 0.5f);
+  EXPECT_EQ(solid.base_metalness.value, 0.0f);
+  EXPECT_NEAR(solid.specular_ior, 1.5f, 1e-5f) << "it reflects 0.04";
+  EXPECT_EQ(solid.specular_color.value, glm::vec3(1.0f));
+  EXPECT_EQ(solid.specular_roughness.value, 0.5f);
 }
 
 TEST_F(GltfExtensions, TexturesOfSpecularGlossinessAreConverted) {
@@ -235,12 +235,12 @@ TEST_F(GltfExtensions, TexturesOfSpecularGlossinessAreConverted) {
       R"(, "images": [{"uri": "d.tga"}, {"uri": "s.tga"}], "textures": [{"source": 0}, {"source": 1}],
 "materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 0},
 "specularGlossinessTexture": {"index": 1}, "glossinessFactor": 0.5}}}])")));
-  const auto& solid = std::get<MetalRoughBsdf>(front(scene));
+  const auto& solid = std::get<OpenPbrBsdf>(front(scene));
   EXPECT_NEAR(texel(scene, solid.specular_color.texture, 0, 0), 1.0, 1e-6);
   EXPECT_NEAR(texel(scene, solid.specular_color.texture, 0, 1), decoded_value(188, 255, kSrgb), 1e-6);
   EXPECT_NEAR(texel(scene, solid.base_color.texture, 0, 0), 0.0, 1e-6);
-  EXPECT_NEAR(texel(scene, solid.roughness.texture, 0, 0), 0.8, 0.003);
-  EXPECT_NEAR(texel(scene, solid.roughness.texture, 1, 0), 0.6, 0.003);
+  EXPECT_NEAR(texel(scene, solid.specular_roughness.texture, 0, 0), 0.8, 0.003);
+  EXPECT_NEAR(texel(scene, solid.specular_roughness.texture, 1, 0), 0.6, 0.003);
 }
 
 TEST_F(GltfExtensions, UnlitSurfacesShineFromBothSidesInTheirColours) {
@@ -318,14 +318,14 @@ TEST_F(GltfExtensions, WebPIsRead) {
   const SceneDescription scene = good_gltf(triangle().text(textured(
       R"({"extensions": {"EXT_texture_webp": {"source": 0}}})",
       R"("extensionsRequired": ["EXT_texture_webp"], "images": [{"uri": "data:image/webp;base64,UklGRkQAAABXRUJQVlA4IDgAAABQAgCdASoBAAEAAAAAJaACdLoB+AH6AfwAB5AA/v9vVv/8sPx/Unn/yxD//xPTm8RU8r/+JkAAAA=="}])")));
-  const int texture = std::get<MetalRoughBsdf>(front(scene)).base_color.texture;
+  const int texture = std::get<OpenPbrBsdf>(front(scene)).base_color.texture;
   EXPECT_NEAR(texel(scene, texture, 0, 0), 1.0, 0.05);
   EXPECT_NEAR(texel(scene, texture, 0, 1), 0.0, 0.05);
 }
 
 TEST_F(GltfExtensions, ATextureWithoutAnImageIsLeftOut) {
   const SceneDescription scene = good_gltf(triangle().text(textured("{}", "\"images\": []")));
-  EXPECT_EQ(std::get<MetalRoughBsdf>(front(scene)).base_color.texture, kNoTexture);
+  EXPECT_EQ(std::get<OpenPbrBsdf>(front(scene)).base_color.texture, kNoTexture);
   EXPECT_THAT(warnings(scene), HasSubstr("texture 0 has no image; it is left out"));
 }
 
@@ -341,20 +341,20 @@ TEST_F(GltfExtensions, Ktx2IsNamedWhereThereIsNoOtherImage) {
   const SceneDescription scene = good_gltf(triangle().text(textured(
       R"({"source": 1, "extensions": {"KHR_texture_basisu": {"source": 0}}})",
       R"("extensionsUsed": ["KHR_texture_basisu"], "images": [{"uri": "t.ktx2"}, {"uri": "t.tga"}])")));
-  EXPECT_EQ(image(scene, std::get<MetalRoughBsdf>(front(scene)).base_color.texture).width, 1);
+  EXPECT_EQ(image(scene, std::get<OpenPbrBsdf>(front(scene)).base_color.texture).width, 1);
 }
 
 TEST_F(GltfExtensions, WhatIsLeftOutIsSaidAndNoError) {
   const std::string text = triangle().text(one_mesh(
       R"({"attributes": {"POSITION": 0}, "material": 0})",
-      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_anisotropy", "KHR_materials_iridescence",
-"KHR_animation_pointer", "KHR_xmp_json_ld"], "extensionsRequired": ["KHR_materials_sheen"],
-"materials": [{"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}}}])"));
+      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_dispersion", "KHR_materials_iridescence",
+"KHR_animation_pointer", "KHR_xmp_json_ld"], "extensionsRequired": ["KHR_materials_iridescence"],
+"materials": [{"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
+"KHR_materials_iridescence": {"iridescenceFactor": 1}}}])"));
   const std::string said = warnings(good_gltf(text));
-  EXPECT_THAT(said, AllOf(HasSubstr("'KHR_materials_sheen' is ignored: cloth has no sheen"),
-                          HasSubstr("'KHR_materials_anisotropy' is ignored"),
-                          HasSubstr("'KHR_materials_iridescence' is ignored")));
-  EXPECT_THAT(said, Not(AnyOf(HasSubstr("pointer"), HasSubstr("xmp"))));
+  EXPECT_THAT(said, AllOf(HasSubstr("'KHR_materials_iridescence' is ignored: surfaces have no thin film"),
+                          HasSubstr("'KHR_materials_dispersion' is ignored")));
+  EXPECT_THAT(said, Not(AnyOf(HasSubstr("sheen"), HasSubstr("pointer"), HasSubstr("xmp"))));
   EXPECT_THAT(
       gltf_error(triangle().text(one_mesh(kTriangle, R"(, "extensionsRequired": ["KHR_techniques_webgl"])"))),
       AllOf(HasSubstr("'KHR_techniques_webgl'"), HasSubstr("use materials of metal and roughness")));

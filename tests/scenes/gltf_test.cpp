@@ -29,11 +29,10 @@ TEST_F(GltfText, ATriangleIsFacetedAndSeenFromInFront) {
   EXPECT_EQ(mesh(scene).triangles, std::vector<glm::uvec3>({{0, 1, 2}}));
   EXPECT_THAT(warnings(scene), AllOf(HasSubstr("no camera"), HasSubstr("'Cameras'"),
                                      HasSubstr("no light; a white sky"), HasSubstr("'Punctual Lights'")));
-  const auto& material =
-      std::get<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[0].front_bsdf)).model);
+  const auto& material = std::get<OpenPbrBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[0].front_bsdf)).model);
   EXPECT_EQ(material.base_color.value, glm::vec3(1.0f));
-  EXPECT_EQ(material.metallic.value, 1.0f);
-  EXPECT_EQ(material.roughness.value, 1.0f);
+  EXPECT_EQ(material.base_metalness.value, 1.0f);
+  EXPECT_EQ(material.specular_roughness.value, 1.0f);
   EXPECT_EQ(scene.shapes[0].front_bsdf, scene.shapes[0].back_bsdf);
 }
 
@@ -158,18 +157,20 @@ TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
   const auto bsdf = [&](std::size_t shape) -> const BsdfModel& {
     return scene.bsdfs.at(std::size_t(scene.shapes[shape].front_bsdf)).model;
   };
-  const auto& area_light = std::get<MetalRoughBsdf>(bsdf(0));
+  const auto& area_light = std::get<OpenPbrBsdf>(bsdf(0));
   EXPECT_EQ(area_light.base_color.value, glm::vec3(0.1f, 0.2f, 0.3f));
-  EXPECT_EQ(area_light.roughness.value, 0.4f);
-  EXPECT_EQ(area_light.metallic.value, 0.6f);
-  EXPECT_EQ(area_light.ior, 1.5f);
+  EXPECT_EQ(area_light.specular_roughness.value, 0.4f);
+  EXPECT_EQ(area_light.base_metalness.value, 0.6f);
+  EXPECT_NEAR(area_light.specular_ior, 1.5f, 1e-6f);
   EXPECT_EQ(scene.shapes[0].radiance, glm::vec3(8, 4, 2));
   EXPECT_TRUE(scene.shapes[0].two_sided_emission);
-  const auto& pane = std::get<PrincipledThinBsdf>(bsdf(1));
-  EXPECT_NEAR(pane.eta.value, 1.33f, 1e-6f);
-  EXPECT_EQ(pane.spec_trans.value, 1.0f);
-  EXPECT_TRUE(std::get<PrincipledBsdf>(bsdf(2)).transmits()) << "a volume has an inside";
-  EXPECT_TRUE(std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[2].back_bsdf)).model).inside);
+  const auto& pane = std::get<OpenPbrBsdf>(bsdf(1));
+  EXPECT_NEAR(pane.specular_ior, 1.33f, 1e-6f);
+  EXPECT_EQ(pane.transmission_weight.value, 1.0f);
+  EXPECT_TRUE(pane.thin_walled);
+  EXPECT_TRUE(std::get<OpenPbrBsdf>(bsdf(2)).transmits());
+  EXPECT_FALSE(std::get<OpenPbrBsdf>(bsdf(2)).thin_walled) << "a volume has an inside";
+  EXPECT_TRUE(std::get<OpenPbrBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[2].back_bsdf)).model).inside);
   EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).opacity.value, 0.5f);
   EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).inside, kBlackBsdf);
   EXPECT_EQ(scene.shapes[3].radiance, glm::vec3(0.25f, 0.25f, 0.125f)) << "half of it is there";
@@ -182,24 +183,61 @@ TEST_F(GltfText, SpecularColourAndClearCoatKeepTheirFactors) {
 "materials": [{"extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 0.4, 1]},
 "KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25},
 "KHR_materials_ior": {"ior": 0}}}])")));
-  const auto& surface = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
-  EXPECT_EQ(surface.specular.value, 0.5f);
-  EXPECT_EQ(surface.specular_color.value, glm::vec3(2, 0.4f, 1));
-  EXPECT_EQ(surface.clearcoat.value, 0.75f);
-  EXPECT_EQ(surface.clearcoat_roughness.value, 0.25f);
-  EXPECT_EQ(surface.ior, 0.0f) << "KHR_materials_ior: it reflects all light";
+  const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  // It is a metal, which has no specular colour in glTF.
+  EXPECT_EQ(surface.specular_color.value, glm::vec3(1));
+  EXPECT_EQ(surface.coat_weight.value, 0.75f);
+  EXPECT_EQ(surface.coat_roughness.value, 0.25f);
+  EXPECT_EQ(surface.coat_ior, 1.5f);
+  EXPECT_EQ(surface.coat_darkening, 0.0f) << "glTF's coat has no light to and fro below it";
 }
 
-TEST_F(GltfText, PartlyTransmittingSurfacesAreBlends) {
+TEST_F(GltfText, SpecularColoursAreReflectancesAlongTheNormal) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      R"({"attributes": {"POSITION": 0}, "material": 0})",
+      R"(, "extensionsUsed": ["KHR_materials_specular"], "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0},
+"extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 0.4, 1]}}}])")));
+  const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  const float step = (surface.specular_ior - 1) / (surface.specular_ior + 1);
+  const glm::vec3 seen = surface.specular_color.value * (step * step);
+  EXPECT_NEAR(seen.x, 0.04f, 1e-5f);
+  EXPECT_NEAR(seen.y, 0.008f, 1e-5f);
+  EXPECT_NEAR(seen.z, 0.02f, 1e-5f);
+}
+
+TEST_F(GltfText, SurfacesMayTransmitPartly) {
   const SceneDescription scene = good_gltf(triangle().text(
       one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
                R"(, "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions":
 {"KHR_materials_transmission": {"transmissionFactor": 0.25}}}])")));
-  const auto& blend = std::get<BlendBsdf>(scene.bsdfs.at(std::size_t(scene.shapes.at(0).front_bsdf)).model);
-  EXPECT_EQ(blend.weight.value, 0.25f);
-  EXPECT_TRUE(std::holds_alternative<MetalRoughBsdf>(scene.bsdfs.at(std::size_t(blend.first)).model));
-  EXPECT_EQ(std::get<PrincipledThinBsdf>(scene.bsdfs.at(std::size_t(blend.second)).model).spec_trans.value,
-            1.0f);
+  const auto& surface =
+      std::get<OpenPbrBsdf>(scene.bsdfs.at(std::size_t(scene.shapes.at(0).front_bsdf)).model);
+  EXPECT_EQ(surface.transmission_weight.value, 0.25f);
+  EXPECT_TRUE(surface.thin_walled);
+}
+
+TEST_F(GltfText, SheenIsFuzzOfItsColour) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      R"({"attributes": {"POSITION": 0}, "material": 0})",
+      R"(, "extensionsUsed": ["KHR_materials_sheen"], "materials": [{"extensions": {"KHR_materials_sheen":
+{"sheenColorFactor": [0.5, 0.25, 0], "sheenRoughnessFactor": 0.4}}}])")));
+  const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  EXPECT_EQ(surface.fuzz_weight.value, 0.5f);
+  EXPECT_EQ(surface.fuzz_color.value, glm::vec3(1, 0.5f, 0));
+  EXPECT_EQ(surface.fuzz_roughness.value, 0.4f);
+}
+
+TEST_F(GltfText, AnisotropyHasTheRoughnessesOfTheExtension) {
+  const SceneDescription scene = good_gltf(triangle().text(
+      one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
+               R"(, "extensionsUsed": ["KHR_materials_anisotropy"], "materials": [{"pbrMetallicRoughness":
+{"roughnessFactor": 0.4}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}])")));
+  const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  const float r2 = surface.specular_roughness.value * surface.specular_roughness.value;
+  const float across = 1 - surface.specular_anisotropy.value,
+              along = r2 * std::sqrt(2 / (1 + across * across));
+  EXPECT_NEAR(along, 0.16f + (1 - 0.16f) * 0.25f, 1e-5f) << "mix(alpha, 1, strength^2)";
+  EXPECT_NEAR(along * across, 0.16f, 1e-5f);
 }
 
 TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
@@ -211,7 +249,7 @@ TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
       one_mesh(R"({"attributes": {"POSITION": 0, "COLOR_0": 1}, "material": 0})",
                R"(, "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1]}}])")));
   EXPECT_EQ(mesh(scene).colours[1], glm::vec3(0, 0.2f, 0));
-  const auto& material = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
+  const auto& material = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
   const auto& scale =
       std::get<ScaleTexture>(scene.textures.at(std::size_t(material.base_color.texture)).model);
   EXPECT_EQ(scale.scale.value, glm::vec3(0.5f, 1, 1));
@@ -250,10 +288,10 @@ TEST_F(GltfTextures, MetalnessIsBlueAndRoughnessGreenBothLinear) {
       R"({"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5,
 "baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4]}}}}})",
       R"({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728})");
-  const auto& material = std::get<MetalRoughBsdf>(scene.bsdfs.at(0).model);
-  EXPECT_NEAR(texel(scene, material.metallic.texture, 0, 0), 0.6, 1e-6);
+  const auto& material = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  EXPECT_NEAR(texel(scene, material.base_metalness.texture, 0, 0), 0.6, 1e-6);
   const auto& rough =
-      std::get<ScaleTexture>(scene.textures.at(std::size_t(material.roughness.texture)).model);
+      std::get<ScaleTexture>(scene.textures.at(std::size_t(material.specular_roughness.texture)).model);
   EXPECT_EQ(rough.scale.value, glm::vec3(0.5f));
   EXPECT_NEAR(texel(scene, rough.texture, 0, 0), 0.4, 1e-6);
   const int base = material.base_color.texture;
@@ -320,7 +358,7 @@ TEST_F(GltfTextures, ImagesInBuffersAndDataAddressesAreTheSame) {
       fmt::format(R"(, "images": [{{"uri": "data:image/png;base64,{}"}}], "textures": [{{"source": 0}}],
 "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}])",
                   png))));
-  const auto& material = std::get<MetalRoughBsdf>(data.bsdfs.at(0).model);
+  const auto& material = std::get<OpenPbrBsdf>(data.bsdfs.at(0).model);
   for (const std::size_t c : {0u, 1u, 2u})
     EXPECT_EQ(texel(data, material.base_color.texture, 0, c), c == 0 ? 1.0 : 0.0);
   EXPECT_EQ(bitmap(data, material.base_color.texture).wrap_u, WRAP_REPEAT);

@@ -5,8 +5,8 @@
 
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/material_tables.h"
-#include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
+#include "scenes/bsdfs/openpbr.h"
 #include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/ward.h"
@@ -26,7 +26,9 @@ SceneTables all_materials() {
   MaterialTables shared(tables.curves);
   for (const int distribution : {DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX})
     tables.materials.push_back(material_of(RoughPlasticBsdf{.distribution = distribution}, shared));
-  tables.materials.push_back(material_of(MetalRoughBsdf{.roughness = 0.4f}, shared));
+  tables.materials.push_back(material_of(OpenPbrBsdf{.specular_roughness = 0.4f}, shared));
+  tables.materials.push_back(
+      material_of(OpenPbrBsdf{.specular_roughness = 0.4f, .coat_weight = 0.5f}, shared));
   shared.compute();
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));

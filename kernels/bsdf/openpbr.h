@@ -1,0 +1,450 @@
+// The surface of OpenPBR 1.1: a metal and a dielectric base with a diffuse or transmitting inside, below a
+// coat, below fuzz. `openpbr` is the base alone, opaque and isotropic; `openpbr_layered` is all of it.
+//
+// GGX microfacets reflect by Fresnel's equations (dielectric) or by F82 (metal: Kutz et al. 2021). What they
+// lose between each other comes back as a separable lobe (Kulla and Conty 2017): that of a metal as (1 -
+// E(wo)) (1 - E(wi)), with the albedo E of microfacets that reflect all light; that of a dielectric as the
+// light below it, (1 - t R(wo)) (1 - t R(wi)) / (1 - t mean R) with the reflected R and its tint t, whose
+// other share the diffuse base reflects. These are reciprocal, and a white surface reflects all light. Not
+// reciprocal, but as exact in energy, are: rough diffuse (Portsmouth et al. 2024) below a dielectric, what is
+// below a coat or fuzz, each dimmed by what the layer reflects for wo, and transmission, divided by what a
+// single scattering leaves.
+//
+// Fuzz is the sheen of Estevez and Kulla 2017 with the masking of Neubelt and Pettineo 2013.
+//
+// Fields: `diffuse` base colour, `spec_tint` base weight, `flatness` diffuse roughness, `specular` colour and
+// `specular_level` weight of reflection (in `ior`, too, unless OPENPBR_WEIGHT_TINTS), `internal` mean Fresnel
+// reflectance of the base, `transmitted` colour of light that went in and out, `clearcoat` weight,
+// `clearcoat_gloss` roughness, `eta` colour, `clearcoat_rate` index and `diffuse_rate` darkening of the coat,
+// `sheen` weight, `sheen_tint` roughness and `k` colour of the fuzz. `curve` is that of FacetCurves
+// (scenes/bsdfs/facet_albedo.h).
+#ifndef PENUMBRA_OPENPBR_H
+#define PENUMBRA_OPENPBR_H
+#include "kernels/bsdf/control_lobes.h"
+#include "kernels/bsdf/disney_lobes.h"
+#include "kernels/bsdf/roughplastic.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Where a cosine is between the knots of a curve, which are equidistant in its fourth root.
+typedef struct {
+  int knot;
+  float w;
+} CurvePlace;
+
+FN CurvePlace curve_place(float cosine) {
+  const float x = SQRT(SQRT(clamp_f(cosine, 0.0f, 1.0f))) * (float)(CURVE_KNOTS - 1);
+  CurvePlace place;
+  place.knot = min_i((int)x, CURVE_KNOTS - 2);
+  place.w = x - (float)place.knot;
+  return place;
+}
+
+/// Rows of `set` at a place in [0, 1]. `sets` is a constant.
+FN CurveRows facet_rows(Closure c, int sets, int set, float place) {
+  const int count = c.curve_rows / sets, last = max_i(count - 1, 0);  // other families may have no rows
+  const float x = clamp_f(place, 0.0f, 1.0f) * (float)last;
+  const int row = min_i((int)x, last), next = min_i(row + 1, last),
+            start = c.curve + set * count * CURVE_STRIDE;
+  CurveRows rows;
+  rows.first = start + row * CURVE_STRIDE;
+  rows.second = start + next * CURVE_STRIDE;
+  rows.w = x - (float)row;
+  return rows;
+}
+
+/// Rows by roughness are equidistant in the fourth root of alpha from LEAST_FACET_ALPHA to 1.
+FN float facet_place(float alpha) {
+  return (SQRT(SQRT(clamp_f(alpha, LEAST_FACET_ALPHA, 1.0f))) - FIRST_FACET_PLACE) /
+         (1.0f - FIRST_FACET_PLACE);
+}
+
+FN float facet_curve(const PRIVATE Scene* scene, CurveRows rows, CurvePlace at) {
+  return mix_f(between_rows(scene, rows, at.knot), between_rows(scene, rows, at.knot + 1), at.w);
+}
+
+/// What the base's microfacets reflect by Fresnel's equations, and would if they reflected all light. Both
+/// are in one number, for half the gathers.
+typedef struct {
+  float reflected, plain;
+} FacetAlbedos;
+FN FacetAlbedos facet_albedos(float both) {
+  const uint bits = FLOAT_BITS(both);
+  FacetAlbedos a;
+  a.reflected = (float)(int)(bits & (uint)OPENPBR_PACKED) * (1.0f / (float)OPENPBR_PACKED);
+  a.plain = (float)(int)(bits >> OPENPBR_PACKED_BITS) * (1.0f / (float)OPENPBR_PACKED);
+  return a;
+}
+FN FacetAlbedos mix_albedos(FacetAlbedos a, FacetAlbedos b, float w) {
+  a.reflected = mix_f(a.reflected, b.reflected, w);
+  a.plain = mix_f(a.plain, b.plain, w);
+  return a;
+}
+/// At an offset in the rows.
+FN FacetAlbedos albedos_between_rows(const PRIVATE Scene* scene, CurveRows rows, int at) {
+  return mix_albedos(facet_albedos(scene->curves[rows.first + at]),
+                     facet_albedos(scene->curves[rows.second + at]), rows.w);
+}
+FN FacetAlbedos base_albedos(const PRIVATE Scene* scene, CurveRows rows, CurvePlace at) {
+  return mix_albedos(albedos_between_rows(scene, rows, at.knot),
+                     albedos_between_rows(scene, rows, at.knot + 1), at.w);
+}
+
+/// The rows of the base for direction w: by roughness, or by azimuth.
+FN CurveRows base_rows(Closure c, Microfacets m, bool layered, vec3 w) {
+  if (!layered) return facet_rows(c, OPENPBR_PLAIN_SETS, OPENPBR_BASE, facet_place(m.alpha_u));
+  const float x2 = w.x * w.x, y2 = w.y * w.y, sine2 = x2 + y2;
+  const float across = sine2 > 0.0f ? y2 / sine2 : 0.0f;
+  const float alpha = SQRT(mix_f(m.alpha_u * m.alpha_u, m.alpha_v * m.alpha_v, across));
+  const bool by_azimuth = (c.variant & OPENPBR_BY_AZIMUTH) != 0;
+  return facet_rows(c, OPENPBR_SETS, OPENPBR_BASE, by_azimuth ? across : facet_place(alpha));
+}
+
+/// 1 / x for x above 0, else 0.
+FN float inverse_or_0(float x) { return x > 0.0f ? 1.0f / x : 0.0f; }
+
+/// The share that microfacets of mean reflectance `f` and albedo `plain` reflect of what they do not reflect
+/// at once, if it is as if they did not: geometric series of Kulla and Conty 2017.
+FN float many_reflections(float f, float plain) {
+  return f * f * plain / max_f(1.0f - f * (1.0f - plain), 1e-6f);
+}
+
+/// Reflectance of a metal: Schlick's from `base` to 1, less an amount that makes it `tint` times that at the
+/// cosine 1 / 7 (F82).
+FN float metal_dip(float base, float tint) {
+  // Over (1 / 7) (6 / 7)^6; Schlick's weight there is (6 / 7)^5.
+  return (base + (1.0f - base) * 0.46266435f) * (1.0f - tint) * 17.6514166f;
+}
+FN vec3 metal_fresnel(vec3 base, vec3 dip, float cosine) {
+  const float m = clamp_f(1.0f - cosine, 0.0f, 1.0f), m2 = m * m, m5 = m2 * m2 * m, d = (1.0f - m) * (m5 * m);
+  return make_vec3(max_f(mix_f(base.x, 1.0f, m5) - dip.x * d, 0.0f),
+                   max_f(mix_f(base.y, 1.0f, m5) - dip.y * d, 0.0f),
+                   max_f(mix_f(base.z, 1.0f, m5) - dip.z * d, 0.0f));
+}
+/// Its mean over a cosine-weighted hemisphere: those of m^5 and mu m^6 are 1 / 21 and 1 / 126.
+FN float mean_metal(float base, float dip) {
+  return max_f(mix_f(base, 1.0f, 1.0f / 21.0f) - dip * (1.0f / 126.0f), 0.0f);
+}
+
+/// pi f of rough diffuse reflection (Portsmouth, Kutz and Hill 2024, "EON"), without the factor of its colour
+/// for single scattering and with that for multiple scattering.
+typedef struct {
+  float once, more, mean;
+} RoughDiffuse;
+FN float rough_diffuse_albedo(float cosine, float roughness) {
+  const float c = clamp_f(cosine, 1e-4f, 1.0f), s = safe_sqrt(1.0f - c * c), angle = atan2_f(s, c);
+  const float g = s * (angle - s * c) + (2.0f / 3.0f) * (s / c * (1.0f - s * s * s) - s);
+  return (1.0f + roughness * INV_PI_F * g) / (1.0f + 0.287793409f * roughness);  // 1 / 2 - 2 / (3 pi)
+}
+FN RoughDiffuse rough_diffuse(float roughness, vec3 wo, vec3 wi) {
+  const float s = dot3(wo, wi) - wo.z * wi.z, over = 1.0f / max_f(max_f(wo.z, wi.z), 1e-6f);
+  const float a = 1.0f / (1.0f + 0.287793409f * roughness);
+  const float mean = a * (1.0f + 0.072488212f * roughness);  // 2 / 3 - 28 / (15 pi)
+  RoughDiffuse d;
+  d.once = a * (1.0f + roughness * s * (s > 0.0f ? over : 1.0f));
+  d.more = (1.0f - rough_diffuse_albedo(wo.z, roughness)) * (1.0f - rough_diffuse_albedo(wi.z, roughness)) *
+           inverse_or_0(1.0f - mean);
+  d.mean = mean;
+  return d;
+}
+FN float rough_diffuse_value(RoughDiffuse d, float colour) {
+  const float more = colour * colour * d.mean / max_f(1.0f - colour * (1.0f - d.mean), 1e-6f);
+  return max_f(colour * d.once + more * d.more, 0.0f);
+}
+
+/// D V of fuzz, for unit directions above the horizon with half vector h.
+FN float fuzz_lobe(float roughness, float cos_o, float cos_i, float cos_h) {
+  const float inverse = 1.0f / sqr(max_f(roughness, LEAST_FUZZ_ROUGHNESS));
+  const float sine2 = max_f(1.0f - cos_h * cos_h, 1e-12f);
+  const float density = (2.0f + inverse) * (0.5f * INV_PI_F) * exp_f(0.5f * inverse * log_f(sine2));
+  return density * 0.25f / max_f(cos_o + cos_i - cos_o * cos_i, 1e-6f);
+}
+
+/// The parts that depend on wo alone.
+typedef struct {
+  Microfacets facets, coat_facets;
+  CurveRows rows;
+  float reflected, plain;            // albedos for wo
+  float mean_reflected, mean_plain;  // and their means
+  float dielectric, metal;           // weights; those below are included
+  vec3 tint, metal_base, dip;
+  vec3 base_colour;  // of the diffuse base
+  vec3 again;        // share of the light below the dielectric that its microfacets reflect
+  vec3 metal_again;  // of what a metal's microfacets do not reflect at once
+  // Of layered ones.
+  bool inside, thin;
+  float opaque, glass;  // shares of the dielectric; glass times what its single scattering lacks
+  float coat, fuzz;     // weights
+  vec3 below;           // what coat and fuzz leave of the base; without the coat's absorption
+  float above_coat;     // what the fuzz leaves of the coat
+  // Sampling probabilities; the base's microfacets transmit with `transmits` times the transmittance.
+  float share_diffuse, share_facets, share_coat, share_fuzz, transmits;
+} OpenPbr;
+
+FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
+FN vec3 pow3(vec3 base, float exponent) {
+  return make_vec3(exp_f(exponent * log_f(max_f(base.x, 1e-20f))),
+                   exp_f(exponent * log_f(max_f(base.y, 1e-20f))),
+                   exp_f(exponent * log_f(max_f(base.z, 1e-20f))));
+}
+
+/// `layered` is a constant: which of the two families it is.
+FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 wo) {
+  const int sets = layered ? OPENPBR_SETS : OPENPBR_PLAIN_SETS;
+  const vec3 white = uniform_vec3(1.0f);
+  OpenPbr p;
+  p.facets = openpbr_microfacets(c.roughness, layered ? c.anisotropic : 0.0f);
+  p.rows = base_rows(c, p.facets, layered, wo);
+  const CurvePlace at = curve_place(wo.z);
+  const FacetAlbedos albedos = base_albedos(scene, p.rows, at);
+  const FacetAlbedos means = albedos_between_rows(scene, p.rows, CURVE_KNOTS);
+  p.reflected = albedos.reflected;
+  p.plain = albedos.plain;
+  p.mean_reflected = means.reflected;
+  p.mean_plain = means.plain;
+
+  p.metal = c.metallic * c.specular_level;
+  p.dielectric = 1.0f - c.metallic;
+  p.tint = scale(c.specular, (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f);
+  p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
+  p.dip = make_vec3(metal_dip(p.metal_base.x, c.specular.x), metal_dip(p.metal_base.y, c.specular.y),
+                    metal_dip(p.metal_base.z, c.specular.z));
+  const vec3 metal_mean = make_vec3(mean_metal(p.metal_base.x, p.dip.x), mean_metal(p.metal_base.y, p.dip.y),
+                                    mean_metal(p.metal_base.z, p.dip.z));
+  p.metal_again =
+      make_vec3(many_reflections(metal_mean.x, p.mean_plain), many_reflections(metal_mean.y, p.mean_plain),
+                many_reflections(metal_mean.z, p.mean_plain));
+  // The mean of the microfacets' further reflections, over that of the light below, in which they are.
+  const float further = many_reflections(c.internal, p.mean_plain) * (1.0f - p.mean_plain);
+  p.again = scale(p.tint, further / max_f(1.0f - p.mean_reflected, 1e-6f));
+
+  p.inside = layered & ((c.variant & OPENPBR_INSIDE) != 0);
+  p.thin = layered & ((c.variant & OPENPBR_THIN) != 0);
+  p.glass = 0.0f;
+  p.opaque = 1.0f;
+  p.coat = p.fuzz = p.share_coat = p.share_fuzz = p.transmits = 0.0f;
+  p.above_coat = 1.0f;
+  p.below = white;
+  p.coat_facets = p.facets;
+
+  // What is reflected of light for wo, roughly.
+  const vec3 at_once = add_scaled(scale(p.tint, p.dielectric * p.reflected), p.metal * p.plain, metal_mean);
+  const vec3 under =
+      make_vec3(1.0f - p.tint.x * p.reflected, 1.0f - p.tint.y * p.reflected, 1.0f - p.tint.z * p.reflected);
+  const vec3 returned =
+      make_vec3(mix_f(p.base_colour.x, 1.0f, p.again.x), mix_f(p.base_colour.y, 1.0f, p.again.y),
+                mix_f(p.base_colour.z, 1.0f, p.again.z));
+  vec3 diffuse = scale(mul(under, returned), p.dielectric);
+  diffuse = add_scaled(diffuse, p.metal * (1.0f - p.plain), p.metal_again);
+  float facets = luminance(at_once);
+  if (layered) {
+    CurveRows scattered = p.rows;
+    const int to_set = (OPENPBR_SCATTERED - OPENPBR_BASE) * (c.curve_rows / sets) * CURVE_STRIDE;
+    scattered.first += to_set;
+    scattered.second += to_set;
+    const float once = p.thin ? p.plain : facet_curve(scene, scattered, at);
+    p.opaque = 1.0f - c.spec_trans;
+    p.glass = c.spec_trans / max_f(once, 1e-3f);
+    p.transmits = p.inside ? 1.0f : p.dielectric * c.spec_trans;
+    const float passed = p.dielectric * c.spec_trans * (1.0f - p.reflected);
+    diffuse = sub(diffuse, scale(mul(under, returned), p.dielectric * c.spec_trans));
+
+    p.coat_facets = openpbr_microfacets(c.clearcoat_gloss, 0.0f);
+    const CurveRows coat_rows = facet_rows(c, sets, OPENPBR_COAT, facet_place(p.coat_facets.alpha_u));
+    const CurveRows fuzz_rows =
+        facet_rows(c, sets, OPENPBR_FUZZ, facet_place(sqr(max_f(c.sheen_tint, LEAST_FUZZ_ROUGHNESS))));
+    p.coat = p.inside ? 0.0f : c.clearcoat;
+    const float coat_reflects = facet_curve(scene, coat_rows, at);
+    const float fuzz_reflects = facet_curve(scene, fuzz_rows, at);
+    // Of fuzz that reflects more than arrives the lobe is dimmed.
+    p.fuzz = p.inside ? 0.0f : c.sheen / max_f(fuzz_reflects, 1.0f);
+    p.above_coat = max_f(1.0f - p.fuzz * fuzz_reflects, 0.0f);
+    // Of the light from below the coat reflects `back`, again and again: all that comes up from a diffuse
+    // base, as much as on the way in from a mirror.
+    const vec3 albedo = add(add(at_once, diffuse), uniform_vec3(passed));
+    const float ior2 = max_f(c.clearcoat_rate * c.clearcoat_rate, 1.0f);
+    const float from_all_sides = 1.0f - (1.0f - between_rows(scene, coat_rows, CURVE_KNOTS)) / ior2;
+    const float spread = luminance(diffuse) + luminance(at_once) * c.roughness;
+    const float back =
+        mix_f(coat_reflects, from_all_sides, min_f(spread * inverse_or_0(luminance(albedo)), 1.0f));
+    const vec3 darkened = make_vec3((1.0f - back) / (1.0f - back * min_f(albedo.x, 1.0f)),
+                                    (1.0f - back) / (1.0f - back * min_f(albedo.y, 1.0f)),
+                                    (1.0f - back) / (1.0f - back * min_f(albedo.z, 1.0f)));
+    p.below = scale(mix3(white, darkened, p.coat * c.diffuse_rate),
+                    p.above_coat * max_f(1.0f - p.coat * coat_reflects, 0.0f));
+    p.below = select3(p.inside, white, p.below);
+    const float rest = luminance(p.below);
+    p.share_coat = p.above_coat * p.coat * coat_reflects;
+    p.share_fuzz = p.fuzz * fuzz_reflects * luminance(c.k);
+    facets = p.inside ? 1.0f : rest * (facets + passed);
+    diffuse = scale(diffuse, p.inside ? 0.0f : rest);
+  }
+  const float scattered_diffusely = max_f(luminance(diffuse), 0.0f);
+  const float to_unit = inverse_or_0(scattered_diffusely + facets + p.share_coat + p.share_fuzz);
+  p.share_diffuse = scattered_diffusely * to_unit;
+  p.share_facets = facets * to_unit;
+  p.share_coat *= to_unit;
+  p.share_fuzz *= to_unit;
+  return p;
+}
+
+/// f cos of all that is not reflected by the microfacets at once; `lambert` is wi.z / pi.
+FN vec3 openpbr_diffuse(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool layered, vec3 wo, vec3 wi,
+                        float lambert) {
+  const CurveRows rows = layered ? base_rows(c, p.facets, true, wi) : p.rows;
+  const CurvePlace at = curve_place(wi.z);
+  const FacetAlbedos albedos = base_albedos(scene, rows, at);
+  const float reflected = albedos.reflected, plain = albedos.plain;
+  const float metal =
+      p.metal * lambert * (1.0f - p.plain) * (1.0f - plain) / max_f(1.0f - p.mean_plain, 1e-6f);
+  const float dielectric = p.dielectric * p.opaque * lambert;
+  const bool rough = layered & (c.flatness > 0.0f);
+  RoughDiffuse d;
+  d.once = d.mean = 1.0f;
+  d.more = 0.0f;
+  if (layered) d = rough_diffuse(c.flatness, wo, wi);
+#define OPENPBR_CHANNEL(x)                                                                                  \
+  const float below_##x = (1.0f - p.tint.x * p.reflected) * dielectric;                                     \
+  const float shape_##x = (1.0f - p.tint.x * reflected) / max_f(1.0f - p.tint.x * p.mean_reflected, 1e-6f); \
+  const float diffuse_##x = rough ? rough_diffuse_value(d, p.base_colour.x) : shape_##x * p.base_colour.x;  \
+  const float value_##x = below_##x * mix_f(diffuse_##x, shape_##x, p.again.x) + metal * p.metal_again.x;
+  OPENPBR_CHANNEL(x)
+  OPENPBR_CHANNEL(y)
+  OPENPBR_CHANNEL(z)
+#undef OPENPBR_CHANNEL
+  return make_vec3(value_x, value_y, value_z);
+}
+
+FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
+  const MicrofacetReflection facets = microfacet_reflection(p.facets, wo, wi);
+  const float fresnel = dielectric_fresnel(facets.cosine, c.ior).reflectance;
+  const vec3 metal = metal_fresnel(p.metal_base, p.dip, facets.cosine);
+  const float lambert = INV_PI_F * wi.z;
+  const vec3 reflected = add_scaled(scale(p.tint, p.dielectric * fresnel), p.metal, metal);
+  BsdfValue value;
+  value.f_cos = add_scaled(openpbr_diffuse(scene, c, p, false, wo, wi, lambert), facets.f_cos, reflected);
+  value.pdf = p.share_diffuse * lambert + p.share_facets * facets.pdf;
+  return select_bsdf_value((wi.z > 0.0f) & (wo.z > 0.0f), value, no_bsdf_value());
+}
+
+FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
+  // A thin wall mirrors what it lets through.
+  const bool through = wi.z < 0.0f, refracts = through & !p.thin;
+  const vec3 above = make_vec3(wi.x, wi.y, FABS(wi.z)), towards = select3(p.thin, above, wi);
+  const vec3 sum = add_scaled(wo, refracts ? c.ior : 1.0f, towards);
+  const float length2 = dot3(sum, sum), to_unit = 1.0f / SQRT(max_f(length2, 1e-30f));
+  const vec3 h = scale(sum, sum.z < 0.0f ? -to_unit : to_unit);
+  const float cos_o = dot3(wo, h), cos_i = dot3(towards, h);
+  const bool there = (wo.z > 0.0f) & (length2 > 0.0f) & (wi.z != 0.0f);
+  const bool faces = there & (cos_o > 0.0f) & (refracts ? cos_i < 0.0f : cos_i > 0.0f);
+
+  // The base's microfacets. A pane of two boundaries reflects 2 F / (1 + F).
+  const float fresnel = dielectric_fresnel(FABS(cos_o), c.ior).reflectance;
+  const float glass_reflects = p.thin ? 2.0f * fresnel / (1.0f + fresnel) : fresnel;
+  const float glass_passes = 1.0f - glass_reflects;
+  const float density = reflected_density(p.facets, wo, h);
+  const float masked = density * microfacet_masking(p.facets, above);
+  const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
+  const vec3 metal = metal_fresnel(p.metal_base, p.dip, FABS(cos_o));
+  const vec3 outside = add_scaled(
+      scale(p.tint, p.dielectric * (p.opaque * fresnel + p.glass * glass_reflects)), p.metal, metal);
+  const float in_glass = p.dielectric * p.glass;
+  const vec3 reflected = select3(p.inside, uniform_vec3(in_glass * fresnel), outside);
+  const vec3 once = make_vec3(SQRT(c.transmitted.x), SQRT(c.transmitted.y), SQRT(c.transmitted.z));
+  const vec3 passed =
+      scale(select3(p.thin, c.transmitted, once), in_glass * glass_passes * (p.thin ? 1.0f : jacobian));
+  const float share_passed = p.transmits * glass_passes;
+  const float facets_pdf =
+      density * (through ? share_passed * (p.thin ? 1.0f : c.ior * c.ior * jacobian) : 1.0f - share_passed);
+  vec3 f_cos = scale(select3(through, passed, reflected), faces ? masked : 0.0f);
+  float pdf = faces ? p.share_facets * facets_pdf : 0.0f;
+
+  // Diffuse, and what is on top.
+  const bool outer = there & !through & !p.inside;
+  const float lambert = outer ? INV_PI_F * wi.z : 0.0f;
+  f_cos = add(f_cos, openpbr_diffuse(scene, c, p, true, wo, above, lambert));
+  // The coat absorbs by the lengths of the ways through it, of which coat_colour has two along the normal.
+  const float way_o = 1.0f / max_f(dielectric_fresnel(wo.z, c.clearcoat_rate).cosine, 1e-3f);
+  const float way_i = 1.0f / max_f(dielectric_fresnel(above.z, c.clearcoat_rate).cosine, 1e-3f);
+  const vec3 absorbed = pow3(c.eta, 0.5f * (way_o + (through ? 0.0f : way_i)));
+  f_cos = mul(f_cos, mul(p.below, mix3(uniform_vec3(1.0f), absorbed, p.coat)));
+
+  const MicrofacetReflection coat = microfacet_reflection(p.coat_facets, wo, above);
+  const float coat_fresnel = dielectric_fresnel(max_f(coat.cosine, 0.0f), c.clearcoat_rate).reflectance;
+  const float on_top = outer ? p.above_coat * p.coat * coat_fresnel * coat.f_cos : 0.0f;
+  const vec3 half_way = add(wo, above);
+  const float cos_h = half_way.z / SQRT(max_f(dot3(half_way, half_way), 1e-30f));
+  const float fuzz =
+      outer ? p.fuzz * fuzz_lobe(c.sheen_tint, wo.z, above.z, min_f(cos_h, 1.0f)) * wi.z : 0.0f;
+  f_cos = add_scaled(add(f_cos, uniform_vec3(on_top)), fuzz, c.k);
+  pdf +=
+      p.share_diffuse * lambert + (outer ? p.share_coat * coat.pdf + p.share_fuzz * (0.5f * INV_PI_F) : 0.0f);
+  BsdfValue value;
+  value.f_cos = f_cos;
+  value.pdf = pdf;
+  return select_bsdf_value(there, value, no_bsdf_value());
+}
+
+FN BsdfValue openpbr_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return openpbr_value(scene, c, openpbr_of(scene, c, false, wo), wo, wi);
+}
+
+FN BsdfSample openpbr_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
+  const OpenPbr p = openpbr_of(scene, c, false, wo);
+  const vec3 mirrored = mirror_about(wo, sample_microfacet(p.facets, wo, u, v));
+  const vec3 wi = select3(choice < p.share_facets, mirrored, cosine_hemisphere(u, v));
+  return sample_of_value(wi, openpbr_value(scene, c, p, wo, wi));
+}
+
+FN BsdfValue openpbr_layered_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, wo), wo, wi);
+}
+
+FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                     float choice) {
+  const OpenPbr p = openpbr_of(scene, c, true, wo);
+  const float up_to_fuzz = p.share_diffuse + p.share_fuzz, up_to_coat = up_to_fuzz + p.share_coat;
+  const bool is_diffuse = choice < p.share_diffuse, is_fuzz = !is_diffuse & (choice < up_to_fuzz);
+  const bool is_coat = !is_diffuse & !is_fuzz & (choice < up_to_coat);
+  const bool is_base = !is_diffuse & !is_fuzz & !is_coat;
+  Microfacets chosen = p.facets;
+  chosen.alpha_u = is_coat ? p.coat_facets.alpha_u : p.facets.alpha_u;
+  chosen.alpha_v = is_coat ? p.coat_facets.alpha_v : p.facets.alpha_v;
+  const vec3 facet = sample_microfacet(chosen, wo, u, v);
+  const float cosine = max_f(dot3(wo, facet), 0.0f);
+  const DielectricFresnel boundary = dielectric_fresnel(cosine, c.ior);
+  const float reflects =
+      p.thin ? 2.0f * boundary.reflectance / (1.0f + boundary.reflectance) : boundary.reflectance;
+  const bool transmits = is_base & (choice < up_to_coat + p.share_facets * (p.transmits * (1.0f - reflects)));
+  const vec3 mirrored = mirror_about(wo, facet);
+  const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),
+                              refract_about(wo, facet, cosine, boundary.cosine, c.ior));
+  const vec3 scattered = select3(is_diffuse, cosine_hemisphere(u, v),
+                                 sample_uniform_hemisphere(make_vec3(0.0f, 0.0f, 1.0f), u, v));
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(is_diffuse | is_fuzz, scattered, select3(transmits, passed, mirrored));
+  s.eta = (transmits & !p.thin) ? c.ior : 1.0f;
+  const BsdfValue value = openpbr_layered_value(scene, c, p, wo, s.wi);
+  // A facet may scatter to the wrong side of the surface.
+  s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
+  s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
+  return s;
+}
+
+FN ControlLobes openpbr_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const OpenPbr p = openpbr_of(scene, c, false, make_vec3(safe_sqrt(1.0f - cosine * cosine), 0.0f, cosine));
+  const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_GGX, p.facets.alpha_u, cosine);
+  const float at = fresnel_cosine(lobe), fresnel = dielectric_fresnel(at, c.ior).reflectance;
+  const vec3 reflected =
+      add_scaled(scale(p.tint, p.dielectric * fresnel), p.metal, metal_fresnel(p.metal_base, p.dip, at));
+  // What is below the dielectric as a Lambert lobe.
+  const vec3 below = make_vec3((1.0f - p.tint.x * p.reflected) * mix_f(p.base_colour.x, 1.0f, p.again.x),
+                               (1.0f - p.tint.y * p.reflected) * mix_f(p.base_colour.y, 1.0f, p.again.y),
+                               (1.0f - p.tint.z * p.reflected) * mix_f(p.base_colour.z, 1.0f, p.again.z));
+  return make_control_lobes(add_scaled(scale(below, p.dielectric), p.metal * (1.0f - p.plain), p.metal_again),
+                            lobe, reflected);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,185 @@
+// The surface of OpenPBR 1.1 (Academy Software Foundation), see kernels/bsdf/openpbr.h.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "kernels/bsdf/microfacet.h"
+#include "scenes/bsdfs/facet_albedo.h"
+#include "scenes/bsdfs/material.h"
+#include "scenes/bsdfs/material_tables.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+/// Two values that stand for the roughnesses alpha of microfacets along the tangent and across it.
+struct OpenPbrRoughness {
+  float roughness = 0, anisotropy = 0;
+};
+/// For `across` <= `along` <= 1, `along` above 0: the inverse of openpbr_microfacets.
+inline OpenPbrRoughness along_and_across(double along, double across) {
+  const double ratio = across / along;
+  return {float(std::sqrt(along * std::sqrt((1 + ratio * ratio) / 2))), float(1 - ratio)};
+}
+
+struct OpenPbrBsdf {
+  static constexpr const char* kPlugin = "openpbr";
+  static constexpr const char* kText = "OpenPBR surface (Academy Software Foundation)";
+  TexturedNumber base_weight{1.0f};
+  TexturedColour base_color{glm::vec3(0.8f)};
+  TexturedNumber base_diffuse_roughness{}, base_metalness{};
+  TexturedNumber specular_weight{1.0f};
+  TexturedColour specular_color{glm::vec3(1.0f)};
+  TexturedNumber specular_roughness{0.3f}, specular_anisotropy{};
+  float specular_ior = 1.5f;  ///< inside over outside
+  TexturedNumber transmission_weight{};
+  TexturedColour transmission_color{glm::vec3(1.0f)};
+  TexturedNumber coat_weight{};
+  TexturedColour coat_color{glm::vec3(1.0f)};
+  TexturedNumber coat_roughness{};
+  float coat_ior = 1.6f, coat_darkening = 1.0f;
+  TexturedNumber fuzz_weight{};
+  TexturedColour fuzz_color{glm::vec3(1.0f)};
+  TexturedNumber fuzz_roughness{0.5f};
+  bool thin_walled = false;
+  bool inside = false;  ///< whether this is the BSDF of the inner side
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    using O = OpenPbrBsdf;
+    constexpr NumberWithin kIndex{LowEnd::kClosed, 1.0f, kAnyNumber};
+    row("base_weight", &O::base_weight, NumberWithin{}, "factor of the base's colour");
+    row("base_color", &O::base_color, ColourWithin{},
+        "of the diffuse base and of the metal along the normal");
+    row("base_diffuse_roughness", &O::base_diffuse_roughness, NumberWithin{}, "of the diffuse base");
+    row("base_metalness", &O::base_metalness, NumberWithin{}, "from a dielectric to a metal");
+    row("specular_weight", &O::specular_weight, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "factor of what is reflected along the normal, by another index; of all that a metal reflects");
+    row("specular_color", &O::specular_color, ColourWithin{},
+        "factor of the dielectric's reflection; of the metal's at grazing angles");
+    row("specular_roughness", &O::specular_roughness, NumberWithin{},
+        "of the microfacets: their alpha is its square");
+    row("specular_roughness_anisotropy", &O::specular_anisotropy, NumberWithin{},
+        "how much longer highlights are along the tangent");
+    row("specular_ior", &O::specular_ior, kIndex, "refractive index of the dielectric");
+    row("transmission_weight", &O::transmission_weight, NumberWithin{},
+        "how much of the dielectric transmits instead of reflecting diffusely");
+    row("transmission_color", &O::transmission_color, ColourWithin{}, "of light that went in and out");
+    row("coat_weight", &O::coat_weight, NumberWithin{}, "how much of the surface has a coat");
+    row("coat_color", &O::coat_color, ColourWithin{},
+        "of light that went through the coat twice, along the normal");
+    row("coat_roughness", &O::coat_roughness, NumberWithin{}, "of the coat's microfacets");
+    row("coat_ior", &O::coat_ior, kIndex, "refractive index of the coat");
+    row("coat_darkening", &O::coat_darkening, NumberWithin{},
+        "how much of the light between coat and base is taken into account");
+    row("fuzz_weight", &O::fuzz_weight, NumberWithin{}, "how much of the surface has fuzz");
+    row("fuzz_color", &O::fuzz_color, ColourWithin{}, "of the fuzz");
+    row("fuzz_roughness", &O::fuzz_roughness, NumberWithin{}, "of the fuzz");
+    row("geometry_thin_walled", &O::thin_walled, TrueOrFalse{}, "whether it is a sheet without an inside");
+  }
+
+  [[nodiscard]] bool transmits() const {
+    return transmission_weight.value > 0.0f || transmission_weight.texture != kNoTexture;
+  }
+  [[nodiscard]] bool coated() const { return coat_weight.value > 0.0f || coat_weight.texture != kNoTexture; }
+  [[nodiscard]] bool fuzzy() const { return fuzz_weight.value > 0.0f || fuzz_weight.texture != kNoTexture; }
+  [[nodiscard]] bool anisotropic() const {
+    return specular_anisotropy.value > 0.0f || specular_anisotropy.texture != kNoTexture;
+  }
+  /// Whether it is more than what the family of the base has.
+  [[nodiscard]] bool layered() const {
+    return transmits() || coated() || fuzzy() || anisotropic() || base_diffuse_roughness.value > 0.0f ||
+           base_diffuse_roughness.texture != kNoTexture;
+  }
+  /// The BSDF seen from inside; none (black) if the material does not transmit.
+  [[nodiscard]] std::optional<OpenPbrBsdf> other_side() const {
+    if (!transmits()) return std::nullopt;
+    OpenPbrBsdf other = *this;
+    other.inside = !thin_walled;
+    return other;
+  }
+
+  /// The index of the dielectric that reflects specular_weight times as much along the normal, under the
+  /// coat; of one that transmits at least 1.001: by an index of 1 a direction would not determine a
+  /// microfacet.
+  [[nodiscard]] float effective_ior() const {
+    const auto fixed = [](const TexturedNumber& n) { return n.texture == kNoTexture ? n.value : 1.0f; };
+    const float coat = transmits() ? 0.0f : fixed(coat_weight), ratio = specular_ior / coat_ior;
+    const float under = std::lerp(specular_ior, std::max(ratio, 1.0f / ratio), coat);
+    const float step = (under - 1.0f) / (under + 1.0f);
+    const float root = std::min(std::sqrt(fixed(specular_weight)) * step, 0.999f);
+    return std::max((1.0f + root) / (1.0f - root), transmits() ? 1.001f : 1.0f);
+  }
+
+  /// The roughness of the base as it is seen through the coat, where neither has a texture (OpenPBR, coat).
+  [[nodiscard]] TexturedNumber effective_roughness() const {
+    if (!coated() || specular_roughness.texture != kNoTexture || coat_roughness.texture != kNoTexture)
+      return specular_roughness;
+    const float base = specular_roughness.value, coat = coat_roughness.value;
+    const float both = std::pow(std::min(1.0f, std::pow(base, 4.0f) + 2.0f * std::pow(coat, 4.0f)), 0.25f);
+    return {std::lerp(base, both, coat_weight.texture == kNoTexture ? coat_weight.value : 1.0f)};
+  }
+};
+
+inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) {
+  const bool layered = surface.layered();
+  Material m = material_of_family(layered ? FAMILY_OPENPBR_LAYERED : FAMILY_OPENPBR);
+  PENUMBRA_SET_FIELD(m, diffuse, surface.base_color);
+  PENUMBRA_SET_FIELD(m, spec_tint, surface.base_weight);
+  PENUMBRA_SET_FIELD(m, metallic, surface.base_metalness);
+  PENUMBRA_SET_FIELD(m, specular, surface.specular_color);
+  PENUMBRA_SET_FIELD(m, specular_level, surface.specular_weight);
+  m.specular_level = std::min(m.specular_level, 1.0f);
+  const TexturedNumber roughness = surface.effective_roughness();
+  PENUMBRA_SET_FIELD(m, roughness, roughness);
+  const float outside = surface.effective_ior();
+  m.ior = surface.inside ? 1.0f / outside : outside;
+  m.internal = float(mean_fresnel(double(m.ior)));
+  m.variant = surface.specular_weight.texture != kNoTexture ? OPENPBR_WEIGHT_TINTS : 0;
+
+  FacetCurves curves;
+  curves.ior = double(m.ior);
+  bool textured = roughness.texture != kNoTexture;
+  if (layered) {
+    PENUMBRA_SET_FIELD(m, flatness, surface.base_diffuse_roughness);
+    PENUMBRA_SET_FIELD(m, anisotropic, surface.specular_anisotropy);
+    PENUMBRA_SET_FIELD(m, spec_trans, surface.transmission_weight);
+    PENUMBRA_SET_FIELD(m, transmitted, surface.transmission_color);
+    PENUMBRA_SET_FIELD(m, clearcoat, surface.coat_weight);
+    PENUMBRA_SET_FIELD(m, clearcoat_gloss, surface.coat_roughness);
+    PENUMBRA_SET_FIELD(m, eta, surface.coat_color);
+    m.clearcoat_rate = surface.coat_ior;
+    m.diffuse_rate = surface.coat_darkening;
+    PENUMBRA_SET_FIELD(m, sheen, surface.fuzz_weight);
+    PENUMBRA_SET_FIELD(m, sheen_tint, surface.fuzz_roughness);
+    PENUMBRA_SET_FIELD(m, k, surface.fuzz_color);
+    m.variant |= (surface.inside ? OPENPBR_INSIDE : 0) | (surface.thin_walled ? OPENPBR_THIN : 0);
+    curves.layered = true;
+    curves.transmits = surface.transmits() && !surface.thin_walled;
+    if (surface.coated()) {
+      curves.coat_ior = double(surface.coat_ior);
+      textured |= surface.coat_roughness.texture != kNoTexture;
+    }
+    if (surface.fuzzy()) textured |= surface.fuzz_roughness.texture != kNoTexture;
+    textured |= surface.specular_anisotropy.texture != kNoTexture;
+  }
+  if (textured) {
+    curves.rows = FacetRows::kRoughness;
+    curves.alpha_u = curves.alpha_v = 0;
+    curves.fuzz_roughness = surface.fuzzy() ? 1.0 : -1.0;
+  } else {
+    const Microfacets base = openpbr_microfacets(m.roughness, m.anisotropic);
+    curves.rows = surface.anisotropic() ? FacetRows::kAzimuth : FacetRows::kOne;
+    m.variant |= surface.anisotropic() ? OPENPBR_BY_AZIMUTH : 0;
+    curves.alpha_u = double(base.alpha_u);
+    curves.alpha_v = double(base.alpha_v);
+    if (surface.coated()) curves.coat_alpha = double(openpbr_microfacets(m.clearcoat_gloss, 0.0f).alpha_u);
+    if (surface.fuzzy()) curves.fuzz_roughness = double(m.sheen_tint);
+  }
+  m.curve = tables.facets(curves);
+  m.curve_rows = curves.row_count() * curves.sets();
+  return m;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,363 @@
+// OpenPBR's surface: its energy, its samples, its reciprocity, and its limits against closed forms.
+#include "scenes/bsdfs/openpbr.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "kernels/host/device_scene.h"
+#include "scenes/bsdfs/facet_albedo.h"
+#include "scenes/bsdfs/metalrough.h"
+#include "scenes/bsdfs/plastic.h"
+#include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/random_numbers.h"
+#include "tests/kernels/scene_tables.h"
+#include "tests/support/statistics.h"
+
+namespace penumbra::openpbr_test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const vec3 kNormal = make_vec3(0, 0, 1);
+
+/// A BSDF with its scene.
+class Surface {
+ public:
+  explicit Surface(const OpenPbrBsdf& bsdf) {
+    MaterialTables shared(tables_.curves);
+    closure_ = closure_of(material_of(bsdf, shared));
+    shared.compute();
+    scene_ = tables_.scene();
+  }
+  [[nodiscard]] BsdfValue eval(const vec3& wo, const vec3& wi) const {
+    return closure_.family == FAMILY_OPENPBR ? openpbr_eval(&scene_, closure_, wo, wi)
+                                             : openpbr_layered_eval(&scene_, closure_, wo, wi);
+  }
+  [[nodiscard]] BsdfSample sample(const vec3& wo, float u, float v, float choice) const {
+    return closure_.family == FAMILY_OPENPBR ? openpbr_sample(&scene_, closure_, wo, u, v, choice)
+                                             : openpbr_layered_sample(&scene_, closure_, wo, u, v, choice);
+  }
+  [[nodiscard]] const Closure& closure() const { return closure_; }
+
+  struct Energy {
+    double mean, error;  ///< its standard error, by the variance between parts
+  };
+  /// What leaves of what arrives, in red: radiance times the square of the index. The samples are those of
+  /// the additive sequence of Roberts 2018 in three dimensions, shifted for each of the parts.
+  [[nodiscard]] Energy energy(const vec3& wo, int count) const {
+    constexpr double kRoot = 1.2207440846057596;  // of x^4 = x + 1
+    constexpr int kParts = 8;
+    double sum = 0, squares = 0;
+    for (int part = 0; part < kParts; ++part) {
+      double whole = 0;
+      const auto number = [&](int i, double step) {
+        const double x = 0.5 + (i + 0.618034 * part * count) * step;
+        return float(std::min(x - std::floor(x), 1 - 0x1p-24));
+      };
+      for (int i = 0; i < count / kParts; ++i) {
+        const BsdfSample s = sample(wo, number(i, 1 / kRoot), number(i, 1 / (kRoot * kRoot)),
+                                    number(i, 1 / (kRoot * kRoot * kRoot)));
+        if (s.pdf > 0) whole += double(s.weight.x) * double(s.eta) * double(s.eta);
+      }
+      const double mean = whole / (count / kParts);
+      sum += mean, squares += mean * mean;
+    }
+    const double mean = sum / kParts, variance = std::max(0.0, squares / kParts - mean * mean);
+    return {mean, std::sqrt(variance / (kParts - 1))};
+  }
+
+ private:
+  SceneTables tables_;
+  Closure closure_{};
+  Scene scene_{};
+};
+
+vec3 at_cosine(double cosine, double azimuth = 0) {
+  const double sine = std::sqrt(1 - cosine * cosine);
+  return make_vec3(float(sine * std::cos(azimuth)), float(sine * std::sin(azimuth)), float(cosine));
+}
+
+/// A number of [0, 1], often one of its ends.
+float number(RandomNumbers& random) {
+  const auto k = random.below(4);
+  return k == 0 ? 0.0f : k == 1 ? 1.0f : random.unit_float();
+}
+
+OpenPbrBsdf random_surface(RandomNumbers& random, bool layered) {
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(random.below(2) == 0 ? 1.0f : number(random)));
+  bsdf.base_metalness = number(random);
+  bsdf.specular_weight = number(random);
+  bsdf.specular_color = TexturedColour(glm::vec3(random.below(2) == 0 ? 1.0f : number(random)));
+  bsdf.specular_roughness = number(random);
+  bsdf.specular_ior = 1.0f + 2.0f * random.unit_float() * random.unit_float();
+  if (!layered) return bsdf;
+  if (random.below(2) == 0) bsdf.base_diffuse_roughness = number(random);
+  // Its curves take long.
+  if (random.below(40) == 0) bsdf.specular_anisotropy = number(random);
+  if (random.below(2) == 0) bsdf.transmission_weight = number(random);
+  bsdf.thin_walled = random.below(3) == 0;
+  if (random.below(2) == 0) bsdf.coat_weight = number(random);
+  bsdf.coat_roughness = number(random), bsdf.coat_darkening = number(random);
+  bsdf.coat_ior = 1.0f + random.unit_float();
+  if (random.below(3) == 0) bsdf.fuzz_weight = number(random);
+  bsdf.fuzz_roughness = number(random);
+  return bsdf;
+}
+
+bool absorbs_nothing(const OpenPbrBsdf& bsdf) {
+  const bool white_metal = bsdf.base_metalness.value == 0.0f || bsdf.specular_weight.value == 1.0f;
+  return bsdf.base_color.value.x == 1.0f && bsdf.specular_color.value.x == 1.0f && white_metal &&
+         !bsdf.inside;
+}
+
+// Tables are interpolated, and their quadrature is off by as much.
+constexpr double kMostGain = 1e-3, kMostLoss = 5e-3;
+constexpr double kDeviations = 5;  // of the mean of the samples, by its 8 parts
+
+void expect_energy(const OpenPbrBsdf& bsdf, const vec3& wo, int which) {
+  const Surface surface(bsdf);
+  constexpr int kFew = 1 << 8, kMany = 1 << 15;
+  const auto off = [&](const Surface::Energy& e) {
+    return e.mean > 1 + kMostGain || (absorbs_nothing(bsdf) && e.mean < 1 - kMostLoss);
+  };
+  // Few samples say for most that all is well; those that they leave in doubt get many.
+  Surface::Energy energy = surface.energy(wo, kFew);
+  if (off(energy)) energy = surface.energy(wo, kMany);
+  const double allowed = kDeviations * energy.error;
+  const std::string what = std::to_string(which) + " at cosine " + std::to_string(wo.z);
+  EXPECT_LE(energy.mean, 1 + kMostGain + allowed) << what;
+  if (absorbs_nothing(bsdf)) {
+    EXPECT_GE(energy.mean, 1 - kMostLoss - allowed) << what;
+  }
+}
+
+TEST(OpenPbr, ReflectsAndTransmitsWhatArrivesAndNoMore) {
+  RandomNumbers random(5);
+  for (int k = 0; k < 150; ++k) {
+    OpenPbrBsdf bsdf = random_surface(random, k % 4 != 0);
+    if (bsdf.transmits() && random.below(3) == 0) bsdf = *bsdf.other_side();
+    for (int j = 0; j < 3; ++j)
+      expect_energy(bsdf, at_cosine(std::max(0.02f, random.unit_float()), random.between(0, 2 * kPi)), k);
+  }
+}
+
+TEST(OpenPbr, ClearRoughGlassScattersAllFromBothSides) {
+  for (const float roughness : {0.0f, 0.2f, 0.5f, 0.8f, 1.0f})
+    for (const float ior : {1.01f, 1.5f, 2.4f})
+      for (const double cosine : {1.0, 0.6, 0.2, 0.05}) {
+        OpenPbrBsdf glass;
+        glass.transmission_weight = 1.0f;
+        glass.specular_roughness = roughness, glass.specular_ior = ior;
+        for (const OpenPbrBsdf& side : {glass, *glass.other_side()}) {
+          const Surface::Energy energy = Surface(side).energy(at_cosine(cosine), 1 << 13);
+          EXPECT_NEAR(energy.mean, 1, kMostLoss + kDeviations * energy.error)
+              << roughness << ' ' << ior << ' ' << cosine << ' ' << side.inside;
+        }
+      }
+}
+
+TEST(OpenPbr, TheBaseIsReciprocal) {
+  RandomNumbers random(6);
+  for (int k = 0; k < 40; ++k) {
+    OpenPbrBsdf bsdf = random_surface(random, false);
+    bsdf.specular_roughness = 0.2f + 0.8f * random.unit_float();
+    const Surface surface(bsdf);
+    for (int j = 0; j < 50; ++j) {
+      const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+      const vec3 wi = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+      if (wo.z < 0.02f || wi.z < 0.02f) continue;
+      const double there = double(surface.eval(wo, wi).f_cos.x) / double(wi.z),
+                   back = double(surface.eval(wi, wo).f_cos.x) / double(wo.z);
+      // Roundings of directions, which the lobe magnifies by 1 / alpha.
+      EXPECT_NEAR(there, back, 2e-4 * (there + 1e-3)) << k;
+    }
+  }
+}
+
+TEST(OpenPbr, SamplesFollowTheDensity) {
+  constexpr int kRows = 8, kColumns = 12, kSamples = 60'000, kParts = 24;
+  RandomNumbers random(8);
+  std::vector<double> ps;
+  for (int k = 0; k < 16; ++k) {
+    OpenPbrBsdf bsdf = random_surface(random, k % 4 != 0);
+    bsdf.specular_roughness = 0.4f + 0.6f * random.unit_float();
+    bsdf.coat_roughness = 0.4f + 0.6f * random.unit_float();
+    bsdf.specular_ior = std::max(bsdf.specular_ior, 1.3f), bsdf.specular_weight = 1.0f;
+    if (k == 5) bsdf.specular_anisotropy = 0.6f;
+    const Surface surface(bsdf);
+    const vec3 wo = at_cosine(random.between(0.2, 0.99), random.between(0, 2 * kPi));
+    std::vector<double> expected(2 * kRows * kColumns), observed(expected.size());
+    double density = 0;
+    for (int i = 0; i < 2 * kRows * kParts; ++i)
+      for (int j = 0; j < kColumns * kParts; ++j) {
+        const double z = 1 - (i + 0.5) / (kRows * kParts), angle = 2 * kPi * (j + 0.5) / (kColumns * kParts);
+        const double r = std::sqrt(1 - z * z), area = 2 * kPi / (double(kRows) * kParts * kColumns * kParts);
+        const double share =
+            area *
+            double(
+                surface.eval(wo, make_vec3(float(r * std::cos(angle)), float(r * std::sin(angle)), float(z)))
+                    .pdf);
+        expected[std::size_t(i / kParts * kColumns + j / kParts)] += share * kSamples;
+        density += share;
+      }
+    EXPECT_LE(density, 1 + 5e-3) << k;  // of the midpoint rule at these roughnesses
+    for (int i = 0; i < kSamples; ++i) {
+      const BsdfSample s = surface.sample(wo, random.unit_float(), random.unit_float(), random.unit_float());
+      if (!(s.pdf > 0)) continue;
+      double angle = std::atan2(double(s.wi.y), double(s.wi.x)) / (2 * kPi);
+      angle -= std::floor(angle);
+      const int row = std::clamp(int((1 - double(s.wi.z)) * kRows), 0, 2 * kRows - 1);
+      ++observed[std::size_t(row * kColumns + std::min(kColumns - 1, int(angle * kColumns)))];
+      const BsdfValue value = surface.eval(wo, s.wi);
+      EXPECT_NEAR(double(value.pdf), double(s.pdf), 1e-2 * double(s.pdf));
+    }
+    for (double& e : expected) e = std::max(e, 1e-3);
+    ps.push_back(statistics::chi_square_test(observed, expected, 5).p);
+    EXPECT_GT(ps.back(), statistics::sidak_significance(0.01, 16)) << k;
+  }
+}
+
+/// Fresnel's equations as in any textbook.
+double fresnel(double cosine, double ior) {
+  const double t = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+  const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
+  return 0.5 * (s * s + p * p);
+}
+
+TEST(OpenPbr, SmoothDielectricsHaveTheClosedFormOfTheStandard) {
+  // Away from the mirror direction a smooth one has (1 - F(wo)) (1 - F(wi)) / (1 - mean F) of the base.
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(0.6f));
+  bsdf.specular_roughness = 0.0f;
+  const Surface surface(bsdf);
+  for (const double o : {0.9, 0.5, 0.1})
+    for (const double i : {0.8, 0.3, 0.05}) {
+      const double expected =
+          0.6 / kPi * (1 - fresnel(o, 1.5)) * (1 - fresnel(i, 1.5)) / (1 - mean_fresnel(1.5));
+      EXPECT_NEAR(double(surface.eval(at_cosine(o), at_cosine(i, 2)).f_cos.x) / i, expected,
+                  2e-3 * expected + 1e-4);
+    }
+  // And the mirror has F.
+  bsdf.base_color = TexturedColour(glm::vec3(0.0f));
+  for (const double o : {1.0, 0.5, 0.1})
+    EXPECT_NEAR(Surface(bsdf).energy(at_cosine(o), 1 << 10).mean, fresnel(o, 1.5), 2e-3);
+}
+
+TEST(OpenPbr, SmoothMetalsHaveTheirColoursAtTheNormalAndAtOneSeventh) {
+  OpenPbrBsdf metal;
+  metal.base_color = TexturedColour(glm::vec3(0.7f)), metal.specular_color = TexturedColour(glm::vec3(0.8f));
+  metal.base_metalness = 1.0f, metal.specular_roughness = 0.0f;
+  const Surface surface(metal);
+  EXPECT_NEAR(surface.energy(at_cosine(1), 1 << 10).mean, 0.7, 1e-3);
+  EXPECT_NEAR(surface.energy(at_cosine(1.0 / 7), 1 << 10).mean, 0.8 * (0.7 + 0.3 * std::pow(6.0 / 7, 5)),
+              2e-3);
+}
+
+TEST(OpenPbr, ASmoothCoatOverLambertReflectsWhatThePlasticDoes) {
+  // F + (1 - F) (1 - K) d / (1 - K d), with the reflectance K of the boundary from inside: the albedo of
+  // plastic.
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(0.5f));
+  bsdf.specular_weight = 0.0f, bsdf.coat_weight = 1.0f, bsdf.coat_ior = 1.5f;
+  const Surface surface(bsdf);
+  const double inside = 1 - (1 - mean_fresnel(1.5)) / (1.5 * 1.5);
+  for (const double cosine : {1.0, 0.6, 0.3, 0.1}) {
+    const double f = fresnel(cosine, 1.5), expected = f + (1 - f) * (1 - inside) * 0.5 / (1 - 0.5 * inside);
+    const Surface::Energy energy = surface.energy(at_cosine(cosine), 1 << 13);
+    EXPECT_NEAR(energy.mean, expected, 3e-3 + kDeviations * energy.error) << cosine;
+  }
+}
+
+TEST(OpenPbr, ACoatHasItsColourOnTheWayInAndOut) {
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(1.0f));
+  bsdf.specular_weight = 0.0f, bsdf.coat_weight = 1.0f, bsdf.coat_ior = 1.0f;
+  bsdf.coat_color = TexturedColour(glm::vec3(0.25f));
+  const Surface surface(bsdf);
+  for (const double o : {1.0, 0.5})
+    for (const double i : {1.0, 0.4}) {
+      const double expected = std::pow(0.25, 0.5 * (1 / o + 1 / i)) / kPi;
+      EXPECT_NEAR(double(surface.eval(at_cosine(o), at_cosine(i, 1)).f_cos.x) / i, expected, 2e-3 * expected);
+    }
+}
+
+TEST(OpenPbr, ThePlainFamilyIsTheLayeredOneWithoutLayers) {
+  RandomNumbers random(12);
+  for (int k = 0; k < 100; ++k) {
+    const OpenPbrBsdf bsdf = random_surface(random, false);
+    OpenPbrBsdf nearly = bsdf;
+    nearly.fuzz_weight = 1e-30f;
+    const Surface plain(bsdf), layered(nearly);
+    ASSERT_NE(plain.closure().family, layered.closure().family);
+    const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+    const vec3 wi = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+    const double a = double(plain.eval(wo, wi).f_cos.x), b = double(layered.eval(wo, wi).f_cos.x);
+    EXPECT_NEAR(a, b, 1e-4 * a + 1e-7) << k;
+  }
+}
+
+TEST(MetalRough, KeepsItsReflectancesAsAnOpenPbrSurface) {
+  MetalRoughParameters gltf;
+  gltf.specular = 0.5f, gltf.specular_color = TexturedColour(glm::vec3(2, 0.4f, 1));
+  const auto along_normal = [](const OpenPbrBsdf& surface) {
+    const double step = double(surface.effective_ior() - 1) / double(surface.effective_ior() + 1);
+    return surface.specular_color.value * float(step * step);
+  };
+  // KHR_materials_specular: min(f0 specularColor, 1) specular.
+  for (const float coat : {0.0f, 0.7f, 1.0f}) {
+    gltf.clearcoat = coat;
+    const glm::vec3 f0 = along_normal(gltf.as_openpbr());
+    EXPECT_NEAR(f0.x, 0.04f, 1e-5f);
+    EXPECT_NEAR(f0.y, 0.008f, 1e-5f);
+    EXPECT_NEAR(f0.z, 0.02f, 1e-5f);
+  }
+  gltf.roughness = 0.5f, gltf.clearcoat_roughness = 0.3f;
+  EXPECT_NEAR(gltf.as_openpbr().effective_roughness().value, 0.5f, 1e-5f) << "whatever the coat's";
+}
+
+/// Appendix B.3 of glTF: V D of the trowbridge-reitz distribution, with the correlation of masking left out.
+double specular_brdf(double alpha, const Exact3& wo, const Exact3& wi) {
+  const Exact3 h = normalize(wo + wi);
+  const double a2 = alpha * alpha, n_h = double(h.z), n_l = double(wi.z), n_v = double(wo.z);
+  const double d = a2 / (kPi * std::pow(n_h * n_h * (a2 - 1) + 1, 2));
+  const auto v = [&](double n) { return 1 / (n + std::sqrt(a2 + (1 - a2) * n * n)); };
+  return v(n_l) * v(n_v) * d;
+}
+
+TEST(FacetAlbedos, AreTheIntegralOfTheLobe) {
+  for (const double alpha : {0.3, 0.6, 1.0})
+    for (const double cosine : {1.0, 0.6, 0.2}) {
+      const Exact3 wo{std::sqrt(1 - cosine * cosine), 0, cosine};
+      constexpr int kSteps = 500;
+      double plain = 0, reflected = 0;
+      for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+          const double z = (i + 0.5) / kSteps, angle = kPi * (j + 0.5) / kSteps, r = std::sqrt(1 - z * z);
+          const Exact3 wi{r * std::cos(angle), r * std::sin(angle), z};
+          const double value = specular_brdf(alpha, wo, wi) * z * 2 * kPi / (double(kSteps) * kSteps);
+          plain += value;
+          reflected += value * fresnel(double(dot(wo, normalize(wo + wi))), 1.5);
+        }
+      const FacetAlbedo albedo = facet_albedo(alpha, alpha, 1.5, cosine, 0);
+      EXPECT_NEAR(albedo.plain, plain, 1e-3) << alpha << ' ' << cosine;
+      EXPECT_NEAR(albedo.reflected, reflected, 1e-3) << alpha << ' ' << cosine;
+    }
+}
+
+TEST(FacetAlbedos, DoNotDependOnWhichAxisIsWhich) {
+  for (const double across : {0.0, 0.3, 1.0}) {
+    const FacetAlbedo a = facet_albedo(0.7, 0.2, 1.5, 0.4, across),
+                      b = facet_albedo(0.2, 0.7, 1.5, 0.4, 1 - across);
+    EXPECT_NEAR(a.plain, b.plain, 1e-3);
+    EXPECT_NEAR(a.scattered, b.scattered, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::openpbr_test
