@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/bsdfs/coating.h"
+#include "kernels/bsdf/fresnel.h"
+#include "scenes/bsdfs/rough_boundary.h"
 #include "scenes/pbrt/state.h"
 #include "scenes/refractive_indices.h"
 #include "scenes/scattering.h"
@@ -36,12 +37,6 @@ double cut_interreflection(double reflectance, double ior, int depth) {
   const double f = smooth_internal_reflectance(ior), ratio = reflectance * f;
   const double cut = reflectance * (1.0 - std::pow(ratio, (depth + 1) / 2)) / (1.0 - ratio);
   return cut / (1.0 + f * cut);
-}
-
-/// Of light along the normal, whose indices are no textures.
-glm::vec3 normal_reflectance(const ConductorSurface& metal) {
-  const glm::vec3 eta = metal.eta.value / metal.ext_eta, k = metal.k.value / metal.ext_eta;
-  return ((eta - 1.0f) * (eta - 1.0f) + k * k) / ((eta + 1.0f) * (eta + 1.0f) + k * k);
 }
 
 }  // namespace
@@ -188,11 +183,8 @@ SurfaceMaterial MaterialReader::metal_of(const ConductorSurface& metal, const Ro
   return both_sides("conductor", model);
 }
 
-/// `coating` reflects that share of light from all sides, on both of its faces: between it and a metal of
-/// reflectance r light goes to and fro, and (1 - coating) / (1 - coating r) of what the metal reflects comes
-/// out, of the light that came in.
-SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std::string& prefix,
-                                               const Coating& coating, SourceLocation location) {
+ConductorSurface MaterialReader::conductor_surface(Parameters& parameters, const std::string& prefix,
+                                                   SourceLocation location) {
   ConductorSurface model;
   set_metal(model, "Cu");
   if (parameters.has("reflectance")) {
@@ -218,36 +210,67 @@ SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std
   }
   for (const auto& [name, field] : {std::pair(prefix + "eta", &model.eta), std::pair(prefix + "k", &model.k)})
     if (parameters.has(name)) *field = textures_.colour(parameters, name, ColourOf::kIndex, field->value);
-  if (model.eta.texture == kNoTexture && model.k.texture == kNoTexture) {
-    model.ext_eta = coating.eta;
-    if (model.specular_reflectance.texture == kNoTexture)
-      model.specular_reflectance = TexturedColour((1.0f - coating.reflectance) /
-                                                  (1.0f - coating.reflectance * normal_reflectance(model)));
-  }
-  const Roughness rough = roughness(parameters, prefix, location);
-  return metal_of(model, rough);
+  return model;
 }
 
 SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation location) {
-  return conductor_with(parameters, "", {}, location);
+  const ConductorSurface surface = conductor_surface(parameters, "", location);
+  return metal_of(surface, roughness(parameters, "", location));
 }
 
-/// The coating is a mirror with the share that it reflects of light from all sides: what it reflects grows
-/// with the angle, which a blend's weight cannot.
+/// An OpenPBR coat over a metal of the same reflectance along the normal and at the cosine 1 / 7.
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
-  context_.report.warn_counted(location,
-                               "coatedconductor is approximated by a blend of its conductor and a mirror, "
-                               "which reflects as much as the coating does on the whole");
+  ReaderReport& report = context_.report;
+  report.warn_counted(location,
+                      "coatedconductor is approximated by an openpbr: a coating that scatters nothing over a "
+                      "metal with two reflectances");
   parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples"});
   const double eta = std::clamp(index(parameters, "interface.eta", location), 1.0 / kMostIndexRatio,
                                 double(kMostIndexRatio));
-  const Coating coating{float(eta), float(smooth_external_reflectance(eta))};
-  const SurfaceMaterial metal = conductor_with(parameters, "conductor.", coating, location);
   const Roughness rough = roughness(parameters, "interface.", location);
-  if (eta == 1.0) return metal;
-  BlendBsdf blend;
-  blend.weight = TexturedNumber(coating.reflectance);
-  return blended("coatedconductor", blend, metal, metal_of({}, rough));
+  const ConductorSurface metal = conductor_surface(parameters, "conductor.", location);
+  const Roughness below = roughness(parameters, "conductor.", location);
+  if (eta <= 1.0) return metal_of(metal, below);
+  OpenPbrBsdf surface;
+  surface.coat_weight = 1.0f;
+  surface.coat_ior = float(eta);
+  surface.base_metalness = 1.0f;
+  for (int c = 0; c < 3; ++c) {
+    const double n = double(metal.eta.value[c]) / eta, k = double(metal.k.value[c]) / eta;
+    const double along = double(conductor_reflectance(1.0f, float(n), float(k)));
+    const double aside = double(conductor_reflectance(1.0f / 7.0f, float(n), float(k)));
+    const double schlick = along + (1.0 - along) * std::pow(6.0 / 7.0, 5);
+    surface.base_color.value[c] = float(along);
+    surface.specular_color.value[c] = float(std::min(aside / schlick, 1.0));
+  }
+  if (metal.specular_reflectance.texture != kNoTexture) {
+    surface.base_color = metal.specular_reflectance;
+    surface.specular_color = glm::vec3(1.0f);
+  } else if (metal.eta.texture != kNoTexture || metal.k.texture != kNoTexture) {
+    report.warn_counted(location,
+                        "the indices of a coatedconductor have no textures; their factors are used");
+  }
+  const auto root = [](TexturedNumber alpha) {
+    alpha.value = std::min(std::sqrt(alpha.value), 1.0f);
+    return alpha;
+  };
+  if (rough.u != rough.v)
+    report.warn(location, "the coating of a coatedconductor is as rough in all directions");
+  surface.coat_roughness = root(rough.u);
+  surface.specular_roughness = root(below.u);
+  if (below.u.texture == kNoTexture && below.v.texture == kNoTexture) {
+    const double u = std::min(double(below.u.value), 1.0), v = std::min(double(below.v.value), 1.0);
+    if (v < u) {
+      const OpenPbrRoughness both = along_and_across(u, v);
+      surface.specular_roughness = both.roughness;
+      surface.specular_anisotropy = both.anisotropy;
+    } else if (u < v) {
+      report.warn(location,
+                  "a coatedconductor that is rougher across its tangent is as rough in all directions");
+      surface.specular_roughness = float(std::pow(u * v, 0.25));
+    }
+  }
+  return both_sides("coatedconductor", surface);
 }
 
 double MaterialReader::index(Parameters& parameters, std::string_view name, SourceLocation location,

@@ -52,12 +52,8 @@ class MaterialReader {
   SurfaceMaterial subsurface(Parameters& parameters, SourceLocation location);
   SurfaceMaterial hair(Parameters& parameters, SourceLocation location);
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
-  /// Over a conductor; by default there is none.
-  struct Coating {
-    float eta = 1.0f, reflectance = 0.0f;
-  };
-  SurfaceMaterial conductor_with(Parameters& parameters, const std::string& prefix, const Coating& coating,
-                                 SourceLocation location);
+  ConductorSurface conductor_surface(Parameters& parameters, const std::string& prefix,
+                                     SourceLocation location);
   SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double fallback,
                                const char* name, SourceLocation location);
   /// The refractive index at the Fraunhofer line d. `abbe`: where to put the Abbe number of a glass that

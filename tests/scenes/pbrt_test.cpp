@@ -1,7 +1,9 @@
 // Reading pbrt-v4: transforms, lights, materials, and errors in files.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 
@@ -259,28 +261,31 @@ TEST_F(PbrtText, Materials) {
                                      HasSubstr("glasses have one refractive index")));
 }
 
-/// What comes from the coating and from the metal under it is, of light along the normal, what goes to and
-/// fro between them.
-TEST_F(PbrtText, CoatedConductorsAreBlendsOfTheirConductorAndAMirror) {
+/// With the metal's reflectances below a coating of index 1.5.
+TEST_F(PbrtText, CoatedConductorsAreMetalsUnderACoat) {
   const SceneDescription scene = good_pbrt(
       std::string(
           "Material \"coatedconductor\" \"rgb conductor.eta\" [.2 .4 1.1] \"rgb conductor.k\" [3 2 2]\n"
           "\"float conductor.roughness\" 0.25 \"float interface.roughness\" 0\n") +
       kTriangle + "Material \"coatedconductor\" \"float interface.eta\" 1\n" + kTriangle);
-  const auto& blend = std::get<BlendBsdf>(front(scene, 0));
-  // The mean of Fresnel's equations over cosines, for an index of 1.5.
-  EXPECT_NEAR(blend.weight.value, 0.0918f, 0.002f);
-  const auto& metal = std::get<RoughConductorBsdf>(scene.bsdfs.at(std::size_t(blend.first)).model);
-  EXPECT_EQ(metal.ext_eta, 1.5f);
-  EXPECT_EQ(metal.alpha_u.value, 0.5f);
-  const auto& mirror = std::get<ConductorBsdf>(scene.bsdfs.at(std::size_t(blend.second)).model);
-  EXPECT_EQ(mirror.eta.value, glm::vec3(0.0f));
+  const auto& surface = std::get<OpenPbrBsdf>(front(scene, 0));
+  EXPECT_EQ(surface.base_metalness.value, 1.0f);
+  EXPECT_EQ(surface.coat_weight.value, 1.0f);
+  EXPECT_EQ(surface.coat_ior, 1.5f);
+  EXPECT_EQ(surface.coat_roughness.value, 0.0f);
+  EXPECT_NEAR(surface.specular_roughness.value, std::pow(0.25, 0.25), 1e-6) << "alpha is 0.5";
   for (int c = 0; c < 3; ++c) {
-    const double eta = double(metal.eta.value[c]) / 1.5, k = double(metal.k.value[c]) / 1.5,
-                 r = ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k),
-                 f = double(blend.weight.value);
-    EXPECT_NEAR(f + (1 - f) * double(metal.specular_reflectance.value[c]) * r,
-                f + (1 - f) * (1 - f) * r / (1 - f * r), 1e-6);
+    const double eta = std::array{.2, .4, 1.1}[std::size_t(c)] / 1.5,
+                 k = std::array{3., 2., 2.}[std::size_t(c)] / 1.5;
+    // Fresnel's equations with complex numbers.
+    const auto reflectance = [&](double cosine) {
+      const std::complex<double> n(eta, k), t = std::sqrt(1.0 - (1 - cosine * cosine) / (n * n));
+      return 0.5 * (std::norm((cosine - n * t) / (cosine + n * t)) +
+                    std::norm((n * cosine - t) / (n * cosine + t)));
+    };
+    const double along = reflectance(1), schlick = along + (1 - along) * std::pow(6.0 / 7, 5);
+    EXPECT_NEAR(surface.base_color.value[c], along, 1e-5);
+    EXPECT_NEAR(surface.specular_color.value[c] * schlick, std::min(reflectance(1.0 / 7), schlick), 1e-5);
   }
   EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(front(scene, 1))) << "there is no coating";
   EXPECT_THAT(warnings(scene), HasSubstr("coatedconductor is approximated"));
