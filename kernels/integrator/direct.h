@@ -112,6 +112,7 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
               bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
   const uint by_themselves = families_with_own_directions(h);
+  const bool disperses = NEEDS(scene, DISPERSION);  // then paths have a throughput, see disperse
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -125,7 +126,8 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
       const bool lit = is_hit(s) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
       const bool controlled = is_controlled(scene, c, light.of_polygon);
-      const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
+      const vec3 kept = select3(disperses, get_throughput(paths, i + j), make_vec3(1.0f, 1.0f, 1.0f));
+      const vec3 arriving = mul(kept, scale(mul(value.f_cos, light.radiance), weight));
       request_shadow_ray(scene, paths, i + j, s, c, light, arriving, lit, controlled);
     }
 }
@@ -134,6 +136,7 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
 STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               const PRIVATE StepLanes* RESTRICT step) {
   const float share = 1.0f / (float)scene->header.integrator.bsdf_samples;
+  const bool disperses = NEEDS(scene, DISPERSION);
   const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -141,9 +144,10 @@ STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathStat
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
       const bool traces =
           is_hit(s) & (next.pdf > 0.0f) & !is_cut_off(scene, s, load_closure(&step->closures, j), next.wi);
+      const vec3 kept = select3(disperses, get_throughput(&fields, i + j), make_vec3(1.0f, 1.0f, 1.0f));
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
       set_ray_direction(&fields, i + j, next.wi);
-      set_throughput(&fields, i + j, scale(next.weight, share));
+      set_throughput(&fields, i + j, mul(kept, scale(next.weight, share)));
       set_ray_tmax(&fields, i + j, traces ? NO_LIMIT : -1.0f);
       set_direction_pdf(&fields, i + j, next.pdf);
       set_ray_skip(&fields, i + j, s.primitive);

@@ -29,28 +29,27 @@ FN ChannelChoice choose_channel(vec3 throughput, float number) {
   return choice;
 }
 
-/// The closures of LANES paths from lane i on that are at dispersing surfaces become those of one channel.
-/// `carries`: the paths have a throughput.
+/// The closures of LANES paths from lane i on that are at dispersing surfaces become those of one channel,
+/// and so do the throughputs. `carries`: the paths have had a throughput; else it is 1.
 STAGE void disperse(const PRIVATE Scene* scene, bool carries, const PRIVATE PathState* paths, int i,
                     PRIVATE StepLanes* RESTRICT step) {
+  const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       GLOBAL const Material* material = scene->materials + step->surfaces.material[j];
       const vec3 index = load3(&material->channel_ior);
       const bool disperses = index.x > 0.0f;
-      const vec3 carried = select3(carries, get_throughput(paths, i + j), make_vec3(1.0f, 1.0f, 1.0f));
+      const vec3 one = make_vec3(1.0f, 1.0f, 1.0f);
+      const vec3 carried = select3(carries, get_throughput(&fields, i + j), one);
       const float number = lane_number(step, DIM_LOBE_CHOICE, j);
       const ChannelChoice choice = choose_channel(carried, number);
       const float weight = choice.probability > 0.0f ? 1.0f / choice.probability : 0.0f;
       const vec3 kept = make_vec3(choice.channel == 0 ? weight : 0.0f, choice.channel == 1 ? weight : 0.0f,
                                   choice.channel == 2 ? weight : 0.0f);
-      const Closure before = load_closure(&step->closures, j);
-      Closure c = before;
-      c.ior = channel_of(index, choice.channel);
-      c.specular = mul(c.specular, kept);
-      c.transmitted = mul(c.transmitted, kept);
-      store_closure(&step->closures, j, select_closure(disperses, c, before));
+      const float ior = step->closures.ior[j], of_channel = channel_of(index, choice.channel);
+      step->closures.ior[j] = disperses ? of_channel : ior;
       step->u[DIM_LOBE_CHOICE * LANES + j] = disperses ? choice.rest : number;
+      set_throughput(&fields, i + j, select3(disperses, mul(carried, kept), carried));
     }
 }
 

@@ -10,6 +10,7 @@
 #include "scenes/bsdfs/material.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
 
 namespace penumbra {
 
@@ -35,6 +36,7 @@ struct OpenPbrBsdf {
   float specular_ior = 1.5f;  ///< inside over outside
   TexturedNumber transmission_weight{};
   TexturedColour transmission_color{glm::vec3(1.0f)};
+  float dispersion_scale = 0.0f, dispersion_abbe = 20.0f;  ///< the Abbe number is that over the scale
   TexturedNumber coat_weight{};
   TexturedColour coat_color{glm::vec3(1.0f)};
   TexturedNumber coat_roughness{};
@@ -66,6 +68,10 @@ struct OpenPbrBsdf {
     row("transmission_weight", &O::transmission_weight, NumberWithin{},
         "how much of the dielectric transmits instead of reflecting diffusely");
     row("transmission_color", &O::transmission_color, ColourWithin{}, "of light that went in and out");
+    row("transmission_dispersion_scale", &O::dispersion_scale, NumberWithin{},
+        "how much of the dispersion there is; not of sheets");
+    row("transmission_dispersion_abbe_number", &O::dispersion_abbe,
+        NumberWithin{LowEnd::kOpen, 0.0f, kAnyNumber}, "of the dispersion");
     row("coat_weight", &O::coat_weight, NumberWithin{}, "how much of the surface has a coat");
     row("coat_color", &O::coat_color, ColourWithin{},
         "of light that went through the coat twice, along the normal");
@@ -82,6 +88,7 @@ struct OpenPbrBsdf {
   [[nodiscard]] bool transmits() const {
     return transmission_weight.value > 0.0f || transmission_weight.texture != kNoTexture;
   }
+  [[nodiscard]] bool disperses() const { return transmits() && !thin_walled && dispersion_scale > 0.0f; }
   [[nodiscard]] bool coated() const { return coat_weight.value > 0.0f || coat_weight.texture != kNoTexture; }
   [[nodiscard]] bool fuzzy() const { return fuzz_weight.value > 0.0f || fuzz_weight.texture != kNoTexture; }
   [[nodiscard]] bool anisotropic() const {
@@ -136,6 +143,11 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
   const float outside = surface.effective_ior();
   m.ior = surface.inside ? 1.0f / outside : outside;
   m.internal = float(mean_fresnel(double(m.ior)));
+  if (surface.disperses()) {
+    const glm::dvec3 each =
+        channel_indices(double(outside), double(surface.dispersion_abbe / surface.dispersion_scale));
+    m.channel_ior = to_vec3(surface.inside ? 1.0 / each : each);
+  }
   m.variant = surface.specular_weight.texture != kNoTexture ? OPENPBR_WEIGHT_TINTS : 0;
 
   FacetCurves curves;

@@ -205,6 +205,12 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
     const auto* volume = extension_of(material, "KHR_materials_volume");
     // Without a volume, glTF's transmitting surfaces are thin.
     surface.thin_walled = !(number_of(volume, "thicknessFactor", 0.0) > 0.0);
+    if (const auto* dispersion = extension_of(material, "KHR_materials_dispersion")) {
+      constexpr double kMost = 1e3;
+      const double amount = std::clamp(number_of(dispersion, "dispersion", 0.0), 0.0, kMost);
+      surface.dispersion_scale = amount > 0.0 ? 1.0f : 0.0f;
+      surface.dispersion_abbe = float(20.0 / std::max(amount, 1.0 / kMost));  // by the extension's definition
+    }
     const glm::vec3 attenuation = volume == nullptr
                                       ? glm::vec3(1.0f)
                                       : colour_of(numbers_of(*volume, "attenuationColor", {1.0, 1.0, 1.0}));

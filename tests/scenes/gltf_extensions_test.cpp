@@ -344,16 +344,30 @@ TEST_F(GltfExtensions, Ktx2IsNamedWhereThereIsNoOtherImage) {
   EXPECT_EQ(image(scene, std::get<OpenPbrBsdf>(front(scene)).base_color.texture).width, 1);
 }
 
+TEST_F(GltfExtensions, DispersionIsAnAbbeNumber) {
+  const auto glass = [&](const std::string& dispersion) {
+    return std::get<OpenPbrBsdf>(front(good_gltf(triangle().text(
+        one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
+                 R"(, "materials": [{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+"KHR_materials_volume": {"thicknessFactor": 1}, "KHR_materials_dispersion": {)" +
+                     dispersion + "}}}]")))));
+  };
+  EXPECT_FALSE(glass("").disperses());
+  const OpenPbrBsdf half = glass(R"("dispersion": 0.5)");
+  EXPECT_TRUE(half.disperses());
+  EXPECT_FLOAT_EQ(half.dispersion_abbe / half.dispersion_scale, 40.0f);  // 20 over the extension's number
+}
+
 TEST_F(GltfExtensions, WhatIsLeftOutIsSaidAndNoError) {
   const std::string text = triangle().text(one_mesh(
       R"({"attributes": {"POSITION": 0}, "material": 0})",
-      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_dispersion", "KHR_materials_iridescence",
+      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_subsurface", "KHR_materials_iridescence",
 "KHR_animation_pointer", "KHR_xmp_json_ld"], "extensionsRequired": ["KHR_materials_iridescence"],
 "materials": [{"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
 "KHR_materials_iridescence": {"iridescenceFactor": 1}}}])"));
   const std::string said = warnings(good_gltf(text));
   EXPECT_THAT(said, AllOf(HasSubstr("'KHR_materials_iridescence' is ignored: surfaces have no thin film"),
-                          HasSubstr("'KHR_materials_dispersion' is ignored")));
+                          HasSubstr("'KHR_materials_subsurface' is ignored")));
   EXPECT_THAT(said, Not(AnyOf(HasSubstr("sheen"), HasSubstr("pointer"), HasSubstr("xmp"))));
   EXPECT_THAT(
       gltf_error(triangle().text(one_mesh(kTriangle, R"(, "extensionsRequired": ["KHR_techniques_webgl"])"))),

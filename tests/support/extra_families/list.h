@@ -4,19 +4,13 @@
 #define PENUMBRA_EXTRA_FAMILY_LIST_H
 #include "tests/support/extra_families/numbers.h"
 
-// Three of the same cost, for families_benchmark.
-#define THREE_PHONGS(X)                                   \
-  X(phong_a, PHONG_A, FAMILY_PHONG_A, SEVERAL_LOBES, "1") \
-  X(phong_b, PHONG_B, FAMILY_PHONG_B, SEVERAL_LOBES, "2") \
-  X(phong_c, PHONG_C, FAMILY_PHONG_C, SEVERAL_LOBES, "3")
-
 #define EXTRA_BSDF_FAMILIES(X)                                                             \
   X(mirror, MIRROR, FAMILY_MIRROR, DELTA, "mirror")                                        \
   X(window, WINDOW, FAMILY_WINDOW, TRANSMITS | DELTA, "pane that bends nothing")           \
   X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS | DELTA, "glass without Fresnel") \
   X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form")        \
   X(crude, CRUDE, FAMILY_CRUDE, SEVERAL_LOBES, "Phong BSDF with crude control lobes")      \
-  THREE_PHONGS(X)
+  X(glossy_too, GLOSSY_TOO, FAMILY_GLOSSY_TOO, SEVERAL_LOBES, "the same, for families_benchmark")
 #define EXTRA_LTC_FAMILIES(X) X(crude, CRUDE)
 
 #endif
