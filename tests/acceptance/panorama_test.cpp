@@ -300,6 +300,15 @@ TEST(Panorama, OpenClGivesTheSameBits) {
     if (projection == Projection::kEquirectangular) scene.camera.stereo = StereoPair::kTopBottom;
     scene.emitters.emplace_back(ConstantEnvironment{.radiance = glm::vec3(0.5f)});
     scene.shapes.push_back(sphere(glm::dvec3(0.6, 0.2, 2), 0.9));
+    scene.film.layers.push_back(AskedLayer::kMotion);
+    scene.camera.shutter = 1.0f;
+    scene.frame_duration = 1.0;
+    {
+      motion_pieces::Mover move(scene);
+      const int node = move.node(glm::dvec3(0.3, 0, 0.1), 20);
+      move.last_shape(node);
+      if (projection != Projection::kCylindrical) move.camera(node);
+    }
     const auto native = render_or_throw(scene), opencl = render_or_throw(scene, opencl_device());
     EXPECT_EQ(native.hash(), opencl.hash()) << projection_name(projection);
   }
