@@ -81,6 +81,8 @@ LOADED_RECORD(Motion, motion, MOTION_FIELDS)
 #define NEEDS_PHOTONS(scene) (NEEDS(scene, PHOTONS) && (scene)->header.integrator.photons != PHOTONS_NONE)
 // Whether the paths are those of photons: there are no maps yet.
 #define TRACES_PHOTONS(scene) (NEEDS_PHOTONS(scene) && (scene)->photons == 0)
+// Whether the camera is panoramic. OpenCL kernels may be compiled for more features than the scene has.
+#define NEEDS_PANORAMA(scene) (NEEDS(scene, PANORAMA) && (scene)->header.camera.panorama != 0.0f)
 // Whether the scene has a table of light edges and the current camera is the one that it was made for.
 #define NEEDS_LIGHT_EDGES(scene) (NEEDS(scene, LIGHT_EDGES) && (scene)->header.sees_edges != 0)
 

@@ -243,7 +243,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
     if (NEEDS_MOTION(scene)) set_sample_times(scene, unit->first_sample, paths, i);
     const bool moves = camera_moves(scene);
-    const bool panorama = NEEDS(scene, PANORAMA), lens = NEEDS(scene, CAMERA) && !panorama;
+    const bool panorama = NEEDS_PANORAMA(scene), lens = NEEDS(scene, CAMERA) && !panorama;
     if (panorama && !moves) start_panorama_paths(scene, paths, i, channel, u, v, slots);
     if (panorama && moves) start_moving_panorama_paths(scene, paths, i, channel, u, v, slots);
     if (lens && !moves) start_lens_paths(scene, paths, i, channel, u, v, slots);

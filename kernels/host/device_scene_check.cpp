@@ -93,14 +93,14 @@ class Checker {
     require(finite(c.offset_x, c.offset_y), "a camera whose axis beside the film is nowhere");
     require((c.panorama != 0) == has(FEATURE_PANORAMA), "a panorama without its feature bit");
     if (c.panorama == 0) return;
-    require(in(int(c.panorama), PANORAMA_EQUIRECTANGULAR, PANORAMA_EQUAL_AREA) &&
-                c.panorama == std::floor(c.panorama),
-            "an unknown panorama");
+    require(
+        c.panorama >= 1 && c.panorama <= float(PANORAMA_EQUAL_AREA) && c.panorama == std::floor(c.panorama),
+        "an unknown panorama");
     require(finite(c.center_x, c.center_y, c.half_x, c.half_y, c.limit, c.eye) && c.half_x > 0 &&
                 c.half_y > 0 && c.limit >= 0 && c.eye >= 0,
             "an implausible panorama");
     require(c.pictures == 1 ||
-                (c.pictures == 2 && int(c.panorama) == PANORAMA_EQUIRECTANGULAR && h_.film.height % 2 == 0),
+                (c.pictures == 2 && c.panorama == float(PANORAMA_EQUIRECTANGULAR) && h_.film.height % 2 == 0),
             "a film that is no pair of pictures");
   }
 

@@ -167,7 +167,7 @@ STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* R
   const float sky = scene->header.film.sky_coverage;
   for (int j = 0; j < LANES; j++) {  // no lane loop: slots are scattered
     const int slot = get_slot(paths, i + j);
-    const bool beyond = NEEDS(scene, PANORAMA) && get_slot_filter_weight(slots, slot) == 0.0f;
+    const bool beyond = NEEDS_PANORAMA(scene) && get_slot_filter_weight(slots, slot) == 0.0f;
     set_slot_coverage(slots, slot, surfaces->primitive[j] != NOTHING_HIT ? 1.0f : (beyond ? 0.0f : sky));
   }
 }

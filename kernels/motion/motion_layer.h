@@ -53,7 +53,7 @@ FN FilmPosition film_position_at(const PRIVATE Scene* scene, Surface s, int y, f
   Camera camera = scene->header.camera;
   if (camera_moves(scene)) camera = camera_at(scene, camera, time);
   const vec3 v = is_hit(s) ? sub(position_at(scene, s, time), camera.origin) : negate(s.wo);
-  if (NEEDS(scene, PANORAMA)) return panorama_position(camera, scene->header.film, v, !is_hit(s), y);
+  if (NEEDS_PANORAMA(scene)) return panorama_position(camera, scene->header.film, v, !is_hit(s), y);
   return film_position(camera, scene->header.film, v, !is_hit(s));
 }
 
@@ -62,7 +62,7 @@ FN FilmPosition film_position_at(const PRIVATE Scene* scene, Surface s, int y, f
 FN vec3 motion_to(const PRIVATE Scene* scene, Surface s, int y, FilmPosition now, float time) {
   const FilmPosition then = film_position_at(scene, s, y, time);
   const float period =
-      NEEDS(scene, PANORAMA) ? panorama_period(scene->header.camera, scene->header.film) : 0.0f;
+      NEEDS_PANORAMA(scene) ? panorama_period(scene->header.camera, scene->header.film) : 0.0f;
   const float right = then.x - now.x;
   const float turns = period > 0.0f ? floor_f(right / (period > 0.0f ? period : 1.0f) + 0.5f) : 0.0f;
   const vec3 moved = make_vec3(right - turns * period, then.y - now.y, 0.0f);

@@ -79,6 +79,33 @@ TEST(CameraCheck, NumbersThatNoLensHasAreRefused) {
   }
 }
 
+TEST(CameraCheck, NumbersThatNoPanoramaHasAreRefused) {
+  SceneDescription description = read_or_throw(project_file("scenes/cornell-small/cornell-small.xml"));
+  description.camera.projection = Projection::kEquirectangular;
+  description.camera.stereo = StereoPair::kTopBottom;
+  const DeviceScene good = build_or_throw(description);
+  const auto accepted = check_device_scene(good);
+  ASSERT_TRUE(accepted) << accepted.error().message;
+  const std::vector<Broken> broken = {
+      {"unknown panorama", [](Camera& c) { c.panorama = 1.5f; }},
+      {"unknown panorama", [](Camera& c) { c.panorama = 6.0f; }},
+      {"without its feature bit", [](Camera& c) { c.panorama = 0.0f; }},
+      {"implausible panorama", [](Camera& c) { c.half_x = 0.0f; }},
+      {"implausible panorama", [](Camera& c) { c.half_y = kNan; }},
+      {"implausible panorama", [](Camera& c) { c.center_x = kInfinite; }},
+      {"implausible panorama", [](Camera& c) { c.limit = -1.0f; }},
+      {"implausible panorama", [](Camera& c) { c.eye = -0.1f; }},
+      {"no pair of pictures", [](Camera& c) { c.pictures = 3.0f; }},
+      {"no pair of pictures", [](Camera& c) { c.panorama = float(PANORAMA_CYLINDRICAL); }}};
+  for (const auto& [what, change] : broken) {
+    DeviceScene scene = good;
+    change(scene.header.camera);
+    const auto checked = check_device_scene(scene);
+    ASSERT_FALSE(checked) << what;
+    EXPECT_NE(checked.error().message.find(what), std::string::npos) << checked.error().message;
+  }
+}
+
 TEST(CameraCheck, ALensNeedsItsFeature) {
   DeviceScene scene = lens_scene();
   scene.header.features &= ~std::uint64_t(FEATURE_CAMERA);
