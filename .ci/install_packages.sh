@@ -23,7 +23,7 @@ esac
 
 declare -A lists=(
   [build]="clang-19 g++ cmake ninja-build ccache pkg-config git
-    libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libpng-dev libjpeg-dev libglm-dev
+    libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libnanovdb-dev libpng-dev libjpeg-dev libglm-dev
     libboost-dev ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
     libssl-dev libcpp-httplib-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
     zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/nanovdb_grids.h"
 #include "scenes/vdb_stream.h"
 
 namespace penumbra {
@@ -137,6 +138,12 @@ class CheckedArchive : public openvdb::io::Archive {
   }
 };
 
+Expected<openvdb::GridPtrVec> grids_of(std::string_view bytes) {
+  if (bytes.starts_with(kNanoVdbMagic)) return nanovdb_grids(bytes);
+  VdbStream stream(bytes);
+  return CheckedArchive().read(stream);
+}
+
 Expected<void> read_vdb(std::string_view bytes, std::string_view name, const Write& write) {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -145,10 +152,10 @@ Expected<void> read_vdb(std::string_view bytes, std::string_view name, const Wri
     openvdb::Metadata::unregisterType("__delayedload");
   });
   try {
-    VdbStream stream(bytes);
-    const openvdb::GridPtrVec grids = CheckedArchive().read(stream);
-    if (grids.empty()) return fail("it has no grids");
-    const Expected<openvdb::GridBase::Ptr> grid = chosen(grids, name);
+    const Expected<openvdb::GridPtrVec> grids = grids_of(bytes);
+    if (!grids) return std::unexpected(grids.error());
+    if (grids->empty()) return fail("it has no grids");
+    const Expected<openvdb::GridBase::Ptr> grid = chosen(*grids, name);
     if (!grid) return std::unexpected(grid.error());
     if (*grid == nullptr) return write_nothing(write);
     if ((*grid)->isType<openvdb::FloatGrid>())

@@ -1,6 +1,6 @@
-// The interface to OpenVDB files (.vdb): reads the grid of a medium. The code lives in a separate module. It
-// is loaded when a scene refers to such a file, and it exists only if OpenVDB was present when the renderer
-// was built.
+// The interface to OpenVDB files (.vdb) and NanoVDB files (.nvdb): reads the grid of a medium. The code lives
+// in a separate module. It is loaded when a scene refers to such a file, and it exists only if OpenVDB was
+// present when the renderer was built.
 #pragma once
 
 #include <array>

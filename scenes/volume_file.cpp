@@ -96,8 +96,11 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
   return file;
 }
 
-/// The first bytes of a .vdb file.
-constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
+/// Whether these are the first bytes of a .vdb or .nvdb file.
+bool is_vdb(std::string_view bytes) {
+  constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
+  return bytes.starts_with(kVdbMagic) || bytes.starts_with("NanoVDB");
+}
 
 /// What VdbReader writes. The process that wrote it may not have been sound.
 Expected<VolumeFile> take_vdb(const ChildInput& input, bool may_be_empty) {
@@ -153,12 +156,12 @@ Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes, s
 }  // namespace
 
 Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes) {
-  return bytes.starts_with(kVdbMagic) ? read_vdb(name, bytes, "") : read_vol(name, bytes);
+  return is_vdb(bytes) ? read_vdb(name, bytes, "") : read_vol(name, bytes);
 }
 
 Expected<VolumeFile> read_volume_grid(const std::string& name, std::string_view bytes,
                                       std::string_view grid) {
-  if (bytes.starts_with(kVdbMagic)) return read_vdb(name, bytes, grid);
+  if (is_vdb(bytes)) return read_vdb(name, bytes, grid);
   return VolumeFile();
 }
 

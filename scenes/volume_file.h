@@ -1,4 +1,4 @@
-// Volume files of Mitsuba (.vol) and OpenVDB (.vdb): numbers on a grid.
+// Volume files of Mitsuba (.vol), OpenVDB (.vdb) and NanoVDB (.nvdb): numbers on a grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,11 +15,11 @@ struct VolumeFile {
   glm::dvec3 low{0.0}, high{1.0};  ///< the bounding box that the file states; not validated
 };
 
-/// Reads a volume file. For OpenVDB files see VdbReader. Mitsuba's format is: "VOL", the byte 3, then in
-/// little-endian order the encoding 1 (single precision), the numbers of cells along x, y, z, the number of
-/// channels, a box, and the numbers, x fastest, with all channels of a cell adjacent. Errors, which begin
-/// with `name`: any other format, a file that is too short or too long, channels other than 1 or 3, a number
-/// that is not finite.
+/// Reads a volume file. For OpenVDB and NanoVDB files see VdbReader. Mitsuba's format is: "VOL", the byte 3,
+/// then in little-endian order the encoding 1 (single precision), the numbers of cells along x, y, z, the
+/// number of channels, a box, and the numbers, x fastest, with all channels of a cell adjacent. Errors, which
+/// begin with `name`: any other format, a file that is too short or too long, channels other than 1 or 3, a
+/// number that is not finite.
 Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes);
 
 /// Reads the grid of that name, which is not empty, of an OpenVDB file. If there is none, and of Mitsuba's

@@ -19,9 +19,6 @@ namespace {
 
 constexpr std::size_t kMostCells = std::size_t{1} << 28;
 
-/// Whether the file begins like a NanoVDB file.
-bool is_nanovdb(std::string_view bytes) { return bytes.starts_with("NanoVDB"); }
-
 glm::vec3 share_of(const glm::vec3& part, const glm::vec3& whole) {
   glm::vec3 share(0.0f);
   for (int c = 0; c < 3; ++c) share[c] = whole[c] > 0.0f ? part[c] / whole[c] : 0.0f;
@@ -371,7 +368,7 @@ MediumReader::Medium MediumReader::cloud(Parameters& parameters, const GraphicsS
   return medium;
 }
 
-/// Reads OpenVDB files. NanoVDB files have another format.
+/// Reads NanoVDB and OpenVDB files.
 MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const GraphicsState& state,
                                                SourceLocation location) {
   ReaderReport& report = context_.report;
@@ -401,11 +398,6 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
     medium.albedo = kUnreadColour;
     return medium;
   };
-  if (is_nanovdb(*bytes))
-    return placeholder(
-        fmt::format("'{}' is a file of NanoVDB, which OpenVDB does not read; OpenVDB's program "
-                    "nanovdb_convert makes a .vdb of it, which is read",
-                    name));
   auto file = grid_name.empty() ? read_volume_file(path->string(), *bytes)
                                 : read_volume_grid(path->string(), *bytes, grid_name);
   if (!file) return placeholder(file.error().message);

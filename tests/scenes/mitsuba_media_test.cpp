@@ -56,7 +56,7 @@ TEST_F(MitsubaMedia, MayEmit) {
   // Spectra are those of lights: equal-energy white, not grey.
   const glm::vec3 white = read_medium("<spectrum name='emission' value='1'/>").emission;
   EXPECT_GT(white.x, 1.2f);
-  EXPECT_THAT(wrong(rgb("emission", "-1 0 0")), HasSubstr("emission must be a"));
+  EXPECT_THAT(wrong(rgb("emission", "-1 0 0")), HasSubstr("an emission must be 0 or more"));
   const SceneDescription s = good(kVolpath + in("shape", "sphere", kNull + medium(rgb("emission", "1 2 3"))));
   EXPECT_NE(device(s).header.features & FEATURE_EMITTING_MEDIA, 0u);
   const SceneDescription dark = good(kVolpath + in("shape", "sphere", kNull + medium("")));

@@ -335,14 +335,13 @@ TEST_F(PbrtMedia, GridsOfFilesAreWhereTheFileSays) {
   expect_near(medium.density->to_world * glm::dvec4(1, 1, 1, 1), {12, 4, 6});
 }
 
-TEST_F(PbrtMedia, NanoVdbFilesSayWhatReadsThem) {
+TEST_F(PbrtMedia, DamagedNanoVdbFilesSaySo) {
   write("cloud.nvdb", std::string("NanoVDB0") + std::string(64, '\0'));
   const std::string medium =
       "MakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" \"cloud.nvdb\" "
       "\"float scale\" 4\n" +
       std::string(kBall);
-  EXPECT_THAT(wrong(medium),
-              AllOf(HasSubstr("'cloud.nvdb' is a file of NanoVDB"), HasSubstr("nanovdb_convert")));
+  EXPECT_THAT(wrong(medium), AllOf(HasSubstr("cloud.nvdb"), HasSubstr("NanoVDB")));
   const SceneDescription scene = good_pbrt(medium, "Camera \"perspective\"", {.lenient = true});
   EXPECT_EQ(scene.media.at(0).extinction, glm::vec3(8.0f));
   EXPECT_EQ(scene.media[0].albedo, kUnreadColour);

@@ -4,6 +4,11 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#ifdef PENUMBRA_HAS_NANOVDB
+  #include <nanovdb/util/IO.h>
+  #include <nanovdb/util/OpenToNanoVDB.h>
+#endif
+
 #include <cstring>
 #include <limits>
 #include <random>
@@ -110,6 +115,36 @@ TEST(VdbFiles, MayHaveOtherGridsByName) {
   ASSERT_TRUE(cold) << cold.error().message;
   EXPECT_TRUE(cold->grid.values.empty());
 }
+
+#ifdef PENUMBRA_HAS_NANOVDB
+TEST(NanoVdbFiles, AreReadAsThoseOfOpenVdb) {
+  using nanovdb::io::Codec;
+  const openvdb::GridPtrVec grids = {density(), density("temperature")};
+  const auto as_vdb = read_volume_file("smoke.vdb", vdb_of(grids));
+  ASSERT_TRUE(as_vdb);
+  for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
+    std::vector<nanovdb::GridHandle<>> handles;
+    for (const auto& grid : grids)
+      handles.push_back(nanovdb::openToNanoVDB(*openvdb::gridPtrCast<openvdb::FloatGrid>(grid)));
+    std::ostringstream stream(std::ios::binary);
+    nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles, codec);
+    const std::string bytes = stream.str();
+    const auto read = read_volume_file("smoke.nvdb", bytes);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->grid.values, as_vdb->grid.values);
+    EXPECT_EQ(read->low, as_vdb->low);
+    EXPECT_EQ(read->high, as_vdb->high);
+    const auto hot = read_volume_grid("smoke.nvdb", bytes, "temperature");
+    ASSERT_TRUE(hot) << hot.error().message;
+    EXPECT_EQ(hot->grid.values, as_vdb->grid.values);
+    for (std::size_t length = 8; length < bytes.size(); length += bytes.size() / 5) {
+      const auto cut = read_volume_file("smoke.nvdb", bytes.substr(0, length));
+      ASSERT_FALSE(cut) << length;
+      EXPECT_THAT(cut.error().message, ::testing::StartsWith("smoke.nvdb: "));
+    }
+  }
+}
+#endif
 
 /// pbrt's fire: one file for the density and, in its own box, the temperature.
 TEST(VdbFiles, AreFireByTheirTemperature) {
