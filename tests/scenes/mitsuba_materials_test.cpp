@@ -36,6 +36,44 @@ TEST_F(MitsubaPlugins, AnAreaLightWithoutABsdfIsBlack) {
   }
 }
 
+TEST_F(MitsubaPlugins, HairAbsorbsByPigmentsACoefficientOrAColour) {
+  const auto material = [&](const std::string& parameters) {
+    const SceneDescription s = good(in("shape", "sphere", in("bsdf", "hair", parameters)));
+    EXPECT_EQ(s.shapes.at(0).front_bsdf, s.shapes.at(0).back_bsdf);
+    return material_of(std::get<HairBsdf>(s.bsdfs.at(0).model));
+  };
+  const Material plain = material("");
+  EXPECT_FLOAT_EQ(plain.ior, 1.55f / 1.000277f);
+  EXPECT_EQ(plain.alpha_u, 0.3f);
+  EXPECT_EQ(plain.alpha_v, 0.3f);
+  EXPECT_FLOAT_EQ(plain.tilt, float(2.0 / 360));
+  EXPECT_EQ(plain.variant, HAIR_ALONG_V);
+  // 1.3 of eumelanin, 0.2 of pheomelanin.
+  EXPECT_NEAR(plain.transmitted.x, 1.3 * 0.419 + 0.2 * 0.187, 1e-5);
+  EXPECT_NEAR(plain.transmitted.z, 1.3 * 1.37 + 0.2 * 1.05, 1e-5);
+  const Material absorbing = material("<rgb name='sigma_a' value='1 2 3'/><float name='scale' value='.5'/>");
+  EXPECT_EQ(absorbing.transmitted.y, 1);
+  const Material coloured = material("<rgb name='reflectance' value='.1 .2 .3'/>");
+  EXPECT_EQ(coloured.variant, HAIR_ALONG_V | HAIR_OF_COLOUR);
+  EXPECT_EQ(coloured.diffuse.y, 0.2f);
+  EXPECT_THAT(error(scene(in(
+                  "shape", "sphere",
+                  in("bsdf", "hair", "<float name='eumelanin' value='1'/><rgb name='sigma_a' value='1'/>")))),
+              HasSubstr("give either pigments"));
+}
+
+TEST_F(MitsubaPlugins, HairLeavesATubeOfTrianglesWhereItEnteredIt) {
+  write("c.txt", "-1 0 0 .1\n0 0 0 .1\n1 0 0 .1\n2 0 0 .1\n");
+  const std::string file = "<string name='filename' value='c.txt'/>";
+  const SceneDescription s =
+      good(in("shape", "bsplinecurve", file + in("bsdf", "hair")) +
+           in("shape", "bsplinecurve", file + in("bsdf", "twosided", in("bsdf", "diffuse"))));
+  const auto model = [&](int bsdf) { return s.bsdfs.at(std::size_t(bsdf)).model; };
+  EXPECT_TRUE(std::holds_alternative<HairBsdf>(model(s.shapes.at(0).front_bsdf)));
+  EXPECT_TRUE(std::holds_alternative<NullBsdf>(model(s.shapes.at(0).back_bsdf)));
+  EXPECT_EQ(s.shapes.at(1).front_bsdf, s.shapes.at(1).back_bsdf);
+}
+
 TEST_F(MitsubaPlugins, PhongDefaults) {
   const SceneDescription s = good(in("shape", "sphere", in("bsdf", "phong")));
   const PhongBsdf& phong = std::get<PhongBsdf>(s.bsdfs.at(0).model);
