@@ -11,7 +11,7 @@
 #include "tests/kernels/bsdf/mitsuba_values.h"
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::hair_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -177,4 +177,4 @@ TEST(Hair, IsWorthWhatMitsubaSays) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::hair_test
