@@ -250,9 +250,15 @@ SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceL
     report.warn_counted(location,
                         "the indices of a coatedconductor have no textures; their factors are used");
   }
-  const auto root = [](TexturedNumber alpha) {
+  const auto root = [&](TexturedNumber alpha) {
     alpha.value = std::min(std::sqrt(alpha.value), 1.0f);
-    return alpha;
+    if (alpha.texture == kNoTexture) return alpha;
+    const auto texture = textures_.square_root(alpha.texture);
+    if (!texture)
+      report.warn_counted(location, "a coatedconductor has textures of roughness that are images; it is 0.7");
+    TexturedNumber result(texture ? 1.0f : 0.7f);
+    result.texture = texture.value_or(kNoTexture);
+    return result;
   };
   if (rough.u != rough.v)
     report.warn(location, "the coating of a coatedconductor is as rough in all directions");

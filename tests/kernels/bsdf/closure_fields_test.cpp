@@ -41,6 +41,7 @@ Closure some_closure(int family, RandomNumbers& numbers) {
   c.curve = 0;
   c.curve_rows = numbers.below(2) == 0 ? 1 : CURVE_ROWS;
   c.first_lobe = 0;
+  if (family == FAMILY_OPENPBR) c.variant *= OPENPBR_WEIGHT_TINTS;  // the one that it has
   return c;
 }
 
