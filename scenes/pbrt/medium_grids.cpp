@@ -53,8 +53,8 @@ glm::dvec3 noise_slope(const glm::dvec3& p) {
 
 constexpr double kColdest = 100.0;  ///< K; colder media do not emit
 
-/// The colours of black bodies between two temperatures, interpolated between those of a table: their
-/// relative errors are below 1e-4 above 500 K, where any light is seen.
+/// The colours of black bodies between two temperatures, interpolated between those of a table: errors are
+/// below 1e-4 of the largest channel above 500 K, where any light is seen.
 class BlackBodies {
  public:
   BlackBodies(double low, double high, const std::function<glm::vec3(const glm::vec3&)>& film_colour)
@@ -79,7 +79,7 @@ class BlackBodies {
   }
 
  private:
-  static constexpr double kRatio = 1.002;
+  static constexpr double kRatio = 1.001;
   double low_;
   std::vector<glm::vec3> colours_;
 };
