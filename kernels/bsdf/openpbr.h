@@ -1,14 +1,12 @@
 // The surface of OpenPBR 1.1: a metal and a dielectric base with a diffuse or transmitting inside, below a
 // coat, below fuzz. `openpbr` is the base alone, opaque and isotropic; `openpbr_layered` is all of it.
 //
-// GGX microfacets reflect by Fresnel's equations (dielectric) or by F82 (metal: Kutz et al. 2021). What they
-// lose between each other comes back as a separable lobe (Kulla and Conty 2017): that of a metal as (1 -
-// E(wo)) (1 - E(wi)), with the albedo E of microfacets that reflect all light; that of a dielectric as the
-// light below it, (1 - t R(wo)) (1 - t R(wi)) / (1 - t mean R) with the reflected R and its tint t, whose
-// other share the diffuse base reflects. These are reciprocal, and a white surface reflects all light. Not
-// reciprocal, but as exact in energy, are: rough diffuse (Portsmouth et al. 2024) below a dielectric, what is
-// below a coat or fuzz, each dimmed by what the layer reflects for wo, and transmission, divided by what a
-// single scattering leaves.
+// GGX microfacets reflect by Fresnel's equations (dielectric) or by F82 (metal: Kutz et al. 2021). What a
+// metal's microfacets lose between each other comes back as a separable lobe (Kulla and Conty 2017), which is
+// reciprocal. All else is dimmed by what the layer above it reflects for wo, as in the standard and in
+// Cycles, which is as exact in energy but not reciprocal: what is below coat, fuzz and a dielectric's
+// microfacets. Of the light below these, their further reflections have the share that makes up for the lost
+// ones. Transmission and the reflection of what transmits are divided by what a single scattering leaves.
 //
 // Fuzz is the sheen of Estevez and Kulla 2017 with the masking of Neubelt and Pettineo 2013.
 //
@@ -293,27 +291,20 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
 FN vec3 openpbr_diffuse(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool layered, vec3 wo, vec3 wi,
                         float lambert) {
   const CurveRows rows = layered ? base_rows(c, p.facets, true, wi) : p.rows;
-  const CurvePlace at = curve_place(wi.z);
-  const FacetAlbedos albedos = base_albedos(scene, rows, at);
-  const float reflected = albedos.reflected, plain = albedos.plain;
+  const float plain = base_albedos(scene, rows, curve_place(wi.z)).plain;
   const float metal =
       p.metal * lambert * (1.0f - p.plain) * (1.0f - plain) / max_f(1.0f - p.mean_plain, 1e-6f);
   const float dielectric = p.dielectric * p.opaque * lambert;
-  const bool rough = layered & (c.flatness > 0.0f);
-  RoughDiffuse d;
-  d.once = d.mean = 1.0f;
-  d.more = 0.0f;
-  if (layered) d = rough_diffuse(c.flatness, wo, wi);
-#define OPENPBR_CHANNEL(x)                                                                                  \
-  const float below_##x = (1.0f - p.tint.x * p.reflected) * dielectric;                                     \
-  const float shape_##x = (1.0f - p.tint.x * reflected) / max_f(1.0f - p.tint.x * p.mean_reflected, 1e-6f); \
-  const float diffuse_##x = rough ? rough_diffuse_value(d, p.base_colour.x) : shape_##x * p.base_colour.x;  \
-  const float value_##x = below_##x * mix_f(diffuse_##x, shape_##x, p.again.x) + metal * p.metal_again.x;
-  OPENPBR_CHANNEL(x)
-  OPENPBR_CHANNEL(y)
-  OPENPBR_CHANNEL(z)
-#undef OPENPBR_CHANNEL
-  return make_vec3(value_x, value_y, value_z);
+  vec3 diffuse = p.base_colour;
+  if (layered) {
+    const RoughDiffuse d = rough_diffuse(c.flatness, wo, wi);
+    diffuse = make_vec3(rough_diffuse_value(d, diffuse.x), rough_diffuse_value(d, diffuse.y),
+                        rough_diffuse_value(d, diffuse.z));
+  }
+  const vec3 below = make_vec3((1.0f - p.tint.x * p.reflected) * mix_f(diffuse.x, 1.0f, p.again.x),
+                               (1.0f - p.tint.y * p.reflected) * mix_f(diffuse.y, 1.0f, p.again.y),
+                               (1.0f - p.tint.z * p.reflected) * mix_f(diffuse.z, 1.0f, p.again.z));
+  return add_scaled(scale(below, dielectric), metal, p.metal_again);
 }
 
 FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
