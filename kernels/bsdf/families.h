@@ -126,6 +126,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define OPENPBR_THIN 2
 #define OPENPBR_BY_AZIMUTH 4    // rows of the base's curves differ by azimuth, else by roughness
 #define OPENPBR_WEIGHT_TINTS 8  // the specular weight is a factor of the dielectric's reflection, too
+#define OPENPBR_TINT_FADES 16   // towards white at grazing angles, as in glTF
 #define OPENPBR_BASE 0
 #define OPENPBR_PLAIN_SETS 1
 #define OPENPBR_SCATTERED 1

@@ -167,9 +167,12 @@ typedef struct {
   float mean_reflected, mean_plain;  // and their means
   float dielectric, metal;           // weights; those below are included
   vec3 tint, metal_base, dip;
-  vec3 base_colour;  // of the diffuse base
-  vec3 again;        // share of the light below the dielectric that its microfacets reflect
-  vec3 metal_again;  // of what a metal's microfacets do not reflect at once
+  float weight;        // of the dielectric's reflection
+  float along_normal;  // its Fresnel reflectance there
+  float fades;         // 1 over what that leaves if the tint fades, else 0
+  vec3 base_colour;    // of the diffuse base
+  vec3 again;          // share of the light below the dielectric that its microfacets reflect
+  vec3 metal_again;    // of what a metal's microfacets do not reflect at once
   // Of layered ones.
   bool inside, thin;
   float opaque, glass;  // shares of the dielectric; glass times what its single scattering lacks
@@ -180,11 +183,25 @@ typedef struct {
   float share_diffuse, share_facets, share_coat, share_fuzz, transmits;
 } OpenPbr;
 
+/// What the dielectric reflects. If the tint fades, it is only of F0 (1 - S) where Fresnel's reflectance is S
+/// + F0 (1 - S) (glTF 2.0, appendix B). `all`: what would be reflected without Fresnel's factor.
+FN vec3 tinted(OpenPbr p, float reflected, float all) {
+  const float white = clamp_f((reflected - p.along_normal * all) * p.fades, 0.0f, reflected);
+  return scale(add_scaled(make_vec3(white, white, white), reflected - white, p.tint), p.weight);
+}
+
 FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
 FN vec3 pow3(vec3 base, float exponent) {
   return make_vec3(exp_f(exponent * log_f(max_f(base.x, 1e-20f))),
                    exp_f(exponent * log_f(max_f(base.y, 1e-20f))),
                    exp_f(exponent * log_f(max_f(base.z, 1e-20f))));
+}
+
+/// What the microfacets of the dielectric leave of a base of this colour, with their further reflections.
+FN vec3 below_dielectric(OpenPbr p, vec3 base) {
+  const vec3 light = sub(uniform_vec3(1.0f), tinted(p, p.reflected, p.plain));
+  return mul(light, make_vec3(mix_f(base.x, 1.0f, p.again.x), mix_f(base.y, 1.0f, p.again.y),
+                              mix_f(base.z, 1.0f, p.again.z)));
 }
 
 /// `layered` is a constant: which of the two families it is.
@@ -204,7 +221,10 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
 
   p.metal = c.metallic * c.specular_level;
   p.dielectric = 1.0f - c.metallic;
-  p.tint = scale(c.specular, (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f);
+  p.tint = c.specular;
+  p.weight = (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f;
+  p.along_normal = sqr((c.ior - 1.0f) / (c.ior + 1.0f));
+  p.fades = (c.variant & OPENPBR_TINT_FADES) != 0 ? 1.0f / max_f(1.0f - p.along_normal, 1e-3f) : 0.0f;
   p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
   p.dip = make_vec3(metal_dip(p.metal_base.x, c.specular.x), metal_dip(p.metal_base.y, c.specular.y),
                     metal_dip(p.metal_base.z, c.specular.z));
@@ -215,7 +235,7 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
                 many_reflections(metal_mean.z, p.mean_plain));
   // The mean of the microfacets' further reflections, over that of the light below, in which they are.
   const float further = many_reflections(c.internal, p.mean_plain) * (1.0f - p.mean_plain);
-  p.again = scale(p.tint, further / max_f(1.0f - p.mean_reflected, 1e-6f));
+  p.again = scale(p.tint, p.weight * further / max_f(1.0f - p.mean_reflected, 1e-6f));
 
   p.inside = layered & ((c.variant & OPENPBR_INSIDE) != 0);
   p.thin = layered & ((c.variant & OPENPBR_THIN) != 0);
@@ -227,13 +247,10 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
   p.coat_facets = p.facets;
 
   // What is reflected of light for wo, roughly.
-  const vec3 at_once = add_scaled(scale(p.tint, p.dielectric * p.reflected), p.metal * p.plain, metal_mean);
-  const vec3 under =
-      make_vec3(1.0f - p.tint.x * p.reflected, 1.0f - p.tint.y * p.reflected, 1.0f - p.tint.z * p.reflected);
-  const vec3 returned =
-      make_vec3(mix_f(p.base_colour.x, 1.0f, p.again.x), mix_f(p.base_colour.y, 1.0f, p.again.y),
-                mix_f(p.base_colour.z, 1.0f, p.again.z));
-  vec3 diffuse = scale(mul(under, returned), p.dielectric);
+  const vec3 from_dielectric = tinted(p, p.reflected, p.plain);
+  const vec3 at_once = add_scaled(scale(from_dielectric, p.dielectric), p.metal * p.plain, metal_mean);
+  const vec3 returned = below_dielectric(p, p.base_colour);
+  vec3 diffuse = scale(returned, p.dielectric);
   diffuse = add_scaled(diffuse, p.metal * (1.0f - p.plain), p.metal_again);
   float facets = luminance(at_once);
   if (layered) {
@@ -246,7 +263,7 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
     p.glass = c.spec_trans / max_f(once, 1e-3f);
     p.transmits = p.inside ? 1.0f : p.dielectric * c.spec_trans;
     const float passed = p.dielectric * c.spec_trans * (1.0f - p.reflected);
-    diffuse = sub(diffuse, scale(mul(under, returned), p.dielectric * c.spec_trans));
+    diffuse = sub(diffuse, scale(returned, p.dielectric * c.spec_trans));
 
     p.coat_facets = openpbr_microfacets(c.clearcoat_gloss, 0.0f);
     const CurveRows coat_rows = facet_rows(c, sets, OPENPBR_COAT, facet_place(p.coat_facets.alpha_u));
@@ -301,10 +318,7 @@ FN vec3 openpbr_diffuse(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool l
     diffuse = make_vec3(rough_diffuse_value(d, diffuse.x), rough_diffuse_value(d, diffuse.y),
                         rough_diffuse_value(d, diffuse.z));
   }
-  const vec3 below = make_vec3((1.0f - p.tint.x * p.reflected) * mix_f(diffuse.x, 1.0f, p.again.x),
-                               (1.0f - p.tint.y * p.reflected) * mix_f(diffuse.y, 1.0f, p.again.y),
-                               (1.0f - p.tint.z * p.reflected) * mix_f(diffuse.z, 1.0f, p.again.z));
-  return add_scaled(scale(below, dielectric), metal, p.metal_again);
+  return add_scaled(scale(below_dielectric(p, diffuse), dielectric), metal, p.metal_again);
 }
 
 FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
@@ -312,7 +326,7 @@ FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec
   const float fresnel = dielectric_fresnel(facets.cosine, c.ior).reflectance;
   const vec3 metal = metal_fresnel(p.metal_base, p.dip, facets.cosine);
   const float lambert = INV_PI_F * wi.z;
-  const vec3 reflected = add_scaled(scale(p.tint, p.dielectric * fresnel), p.metal, metal);
+  const vec3 reflected = add_scaled(scale(tinted(p, fresnel, 1.0f), p.dielectric), p.metal, metal);
   BsdfValue value;
   value.f_cos = add_scaled(openpbr_diffuse(scene, c, p, false, wo, wi, lambert), facets.f_cos, reflected);
   value.pdf = p.share_diffuse * lambert + p.share_facets * facets.pdf;
@@ -338,8 +352,9 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const float masked = density * microfacet_masking(p.facets, above);
   const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
   const vec3 metal = metal_fresnel(p.metal_base, p.dip, FABS(cos_o));
-  const vec3 outside = add_scaled(
-      scale(p.tint, p.dielectric * (p.opaque * fresnel + p.glass * glass_reflects)), p.metal, metal);
+  const vec3 by_glass = scale(tinted(p, glass_reflects, 1.0f), p.glass);
+  const vec3 by_both = add_scaled(by_glass, p.opaque, tinted(p, fresnel, 1.0f));
+  const vec3 outside = add_scaled(scale(by_both, p.dielectric), p.metal, metal);
   const float in_glass = p.dielectric * p.glass;
   const vec3 reflected = select3(p.inside, uniform_vec3(in_glass * fresnel), outside);
   const vec3 once = make_vec3(SQRT(c.transmitted.x), SQRT(c.transmitted.y), SQRT(c.transmitted.z));
@@ -427,12 +442,10 @@ FN ControlLobes openpbr_control(const PRIVATE Scene* scene, Closure c, float cos
   const OpenPbr p = openpbr_of(scene, c, false, make_vec3(safe_sqrt(1.0f - cosine * cosine), 0.0f, cosine));
   const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_GGX, p.facets.alpha_u, cosine);
   const float at = fresnel_cosine(lobe), fresnel = dielectric_fresnel(at, c.ior).reflectance;
-  const vec3 reflected =
-      add_scaled(scale(p.tint, p.dielectric * fresnel), p.metal, metal_fresnel(p.metal_base, p.dip, at));
+  const vec3 reflected = add_scaled(scale(tinted(p, fresnel, 1.0f), p.dielectric), p.metal,
+                                    metal_fresnel(p.metal_base, p.dip, at));
   // What is below the dielectric as a Lambert lobe.
-  const vec3 below = make_vec3((1.0f - p.tint.x * p.reflected) * mix_f(p.base_colour.x, 1.0f, p.again.x),
-                               (1.0f - p.tint.y * p.reflected) * mix_f(p.base_colour.y, 1.0f, p.again.y),
-                               (1.0f - p.tint.z * p.reflected) * mix_f(p.base_colour.z, 1.0f, p.again.z));
+  const vec3 below = below_dielectric(p, p.base_colour);
   return make_control_lobes(add_scaled(scale(below, p.dielectric), p.metal * (1.0f - p.plain), p.metal_again),
                             lobe, reflected);
 }

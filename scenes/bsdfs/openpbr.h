@@ -32,6 +32,7 @@ struct OpenPbrBsdf {
   TexturedNumber base_diffuse_roughness{}, base_metalness{};
   TexturedNumber specular_weight{1.0f};
   TexturedColour specular_color{glm::vec3(1.0f)};
+  bool specular_color_fades = false;
   TexturedNumber specular_roughness{0.3f}, specular_anisotropy{};
   float specular_ior = 1.5f;  ///< inside over outside
   TexturedNumber transmission_weight{};
@@ -60,6 +61,8 @@ struct OpenPbrBsdf {
         "factor of what is reflected along the normal, by another index; of all that a metal reflects");
     row("specular_color", &O::specular_color, ColourWithin{},
         "factor of the dielectric's reflection; of the metal's at grazing angles");
+    row("specular_color_fades", &O::specular_color_fades, TrueOrFalse{},
+        "whether the dielectric's reflection becomes white at grazing angles, as in glTF");
     row("specular_roughness", &O::specular_roughness, NumberWithin{},
         "of the microfacets: their alpha is its square");
     row("specular_roughness_anisotropy", &O::specular_anisotropy, NumberWithin{},
@@ -149,6 +152,7 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
     m.channel_ior = to_vec3(surface.inside ? 1.0 / each : each);
   }
   m.variant = surface.specular_weight.texture != kNoTexture ? OPENPBR_WEIGHT_TINTS : 0;
+  m.variant |= surface.specular_color_fades ? OPENPBR_TINT_FADES : 0;
 
   FacetCurves curves;
   curves.ior = double(m.ior);

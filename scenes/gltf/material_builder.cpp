@@ -194,10 +194,6 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
   OpenPbrBsdf surface = core.as_openpbr(transmits);
   const bool colours_highlights = surface.specular_color != TexturedColour(glm::vec3(1.0f)) ||
                                   surface.specular_weight.texture != kNoTexture;
-  if (surface.specular_color != TexturedColour(glm::vec3(1.0f)) && core.metallic.value < 1.0f)
-    report_.warn_counted(
-        place(index, "extensions"),
-        "the colour of a specular reflection fades towards grazing angles in glTF, but stays here");
   if (colours_highlights && core.metallic.value > 0.0f &&
       (core.metallic.value < 1.0f || core.metallic.texture != kNoTexture))
     report_.warn_counted(

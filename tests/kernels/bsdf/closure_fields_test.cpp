@@ -41,7 +41,8 @@ Closure some_closure(int family, RandomNumbers& numbers) {
   c.curve = 0;
   c.curve_rows = numbers.below(2) == 0 ? 1 : CURVE_ROWS;
   c.first_lobe = 0;
-  if (family == FAMILY_OPENPBR) c.variant *= OPENPBR_WEIGHT_TINTS;  // the one that it has
+  if (family == FAMILY_OPENPBR)
+    c.variant = c.variant * OPENPBR_WEIGHT_TINTS + some(2, numbers) * OPENPBR_TINT_FADES;
   if (family == FAMILY_HAIR)
     c.variant = int(numbers.below(1 + HAIR_ALONG_V + HAIR_OFFSET_BY_V + HAIR_OF_COLOUR));
   return c;
