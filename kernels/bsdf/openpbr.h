@@ -198,8 +198,11 @@ FN vec3 pow3(vec3 base, float exponent) {
 }
 
 /// What the microfacets of the dielectric leave of a base of this colour, with their further reflections.
+/// Where the tint fades, that is without colour, as glTF defines.
 FN vec3 below_dielectric(OpenPbr p, vec3 base) {
-  const vec3 light = sub(uniform_vec3(1.0f), tinted(p, p.reflected, p.plain));
+  const vec3 reflected = tinted(p, p.reflected, p.plain);
+  const vec3 taken = select3(p.fades > 0.0f, uniform_vec3(max_component(reflected)), reflected);
+  const vec3 light = sub(uniform_vec3(1.0f), taken);
   return mul(light, make_vec3(mix_f(base.x, 1.0f, p.again.x), mix_f(base.y, 1.0f, p.again.y),
                               mix_f(base.z, 1.0f, p.again.z)));
 }

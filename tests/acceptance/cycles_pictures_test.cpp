@@ -28,6 +28,10 @@ constexpr const char* kLeaning[] = {"nmap", "nmapmirror", "nmapuvm_tan"};
 constexpr PictureException kExceptions[] = {
     {"alphatex", kBeforeFiltering},
     {"texmap", kBeforeFiltering},
+    {"texmirror",
+     "what rough microfacets reflect among each other is diffuse (Kulla and Conty 2017), in Cycles as narrow "
+     "as the "
+     "rest (Turquin 2019): it shows where a texture is nearly black"},
     {"area", "KHR_lights_punctual has no lights with an area, and Blender's lamp is left out"},
     {"glass",
      "without KHR_materials_volume a transmitting surface is infinitely thin; Blender's sphere is solid"},

@@ -19,7 +19,6 @@ constexpr PictureException kExceptions[] = {
      "light that goes to and fro is no linear function of the reflectance, so that spectra are darker in red "
      "by a tenth, as between Mitsuba 3's spectral and RGB variants of its plastic"},
     {"med_cam", "pbrt's picture has fireflies, beside a point light in a medium"},
-    {"med_le", "media that emit light are not read, and an error says so"},
 };
 
 /// Scenes of which the level alone is compared, because pbrt renders spectra, which differ from our colours
