@@ -29,6 +29,9 @@ struct RefractiveIndex {
   [[nodiscard]] Expected<float> parse(std::string_view name) const;
 };
 
+/// Least Abbe number that is read; the least of glasses is about 17.
+inline constexpr float kLeastAbbe = 1.0f;
+
 /// The refractive indices of red, green and blue light in a material of index `index` at the Fraunhofer line
 /// d and Abbe number V = (n_d - 1) / (n_F - n_C), by Cauchy's n = A + B / wavelength^2. A channel stands for
 /// the dominant wavelength of its Rec. 709 primary. Not below 1e-3.

@@ -97,6 +97,8 @@ bool has_light(const SceneDescription& scene) {
   bool shines = false;
   each_shape(scene,
              [&](const Shape& s) { shines = shines || (s.radiance && *s.radiance != glm::vec3(0.0f)); });
+  shines = shines ||
+           (sees_media(scene.integrator) && std::ranges::any_of(scene.media, &ParticipatingMedium::emits));
   return shines || std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
 }
 

@@ -50,6 +50,11 @@ struct DispersingSurface : DielectricSurface {
     row("abbe", &DispersingSurface::abbe, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
         "Abbe number of the inside, whose int_ior is that of yellow light; 0: no dispersion");
   }
+  template <typename Given>
+  void complete(Findings& findings, const Given&) {
+    if (disperses() && abbe < kLeastAbbe)
+      findings.push_back({"abbe", "an Abbe number is at least 1, or 0 without dispersion"});
+  }
   [[nodiscard]] bool disperses() const { return abbe > 0.0f; }
   /// The relative refractive index of each channel.
   [[nodiscard]] glm::vec3 channel_iors() const {
@@ -98,6 +103,7 @@ struct RoughDielectricBsdf : DispersingSurface, RoughSurface {
   }
   template <typename Given>
   void complete(Findings& findings, const Given& given) {
+    DispersingSurface::complete(findings, given);
     RoughSurface::complete(findings, given);
     if (passes())
       findings.push_back({"", "int_ior and ext_ior are the same, or nearly: everything passes", true});

@@ -54,9 +54,10 @@ struct MetalRoughParameters {
       surface.specular_color.value =
           most > 0.0f ? glm::min(given * plain, glm::vec3(1.0f)) / std::max(along_normal, 1e-20f)
                       : glm::vec3(1.0f);
-    if (metallic.value == 1.0f && metallic.texture == kNoTexture) surface.specular_color = glm::vec3(1.0f);
+    const bool all_metal = metallic.value == 1.0f && metallic.texture == kNoTexture;
+    if (all_metal) surface.specular_color = glm::vec3(1.0f);
     surface.specular_color_fades = surface.specular_color != TexturedColour(glm::vec3(1.0f));
-    if (specular.texture != kNoTexture) surface.specular_weight = specular;
+    if (specular.texture != kNoTexture && !all_metal) surface.specular_weight = specular;
     const float root = std::min(std::sqrt(along_normal * factor), 0.999f);
     surface.specular_ior = (1.0f + root) / (1.0f - root);
 

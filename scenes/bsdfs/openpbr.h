@@ -88,6 +88,12 @@ struct OpenPbrBsdf {
     row("geometry_thin_walled", &O::thin_walled, TrueOrFalse{}, "whether it is a sheet without an inside");
   }
 
+  template <typename Given>
+  void complete(Findings& findings, const Given&) {
+    if (disperses() && dispersion_abbe < kLeastAbbe * dispersion_scale)
+      findings.push_back(
+          {"transmission_dispersion_abbe_number", "an Abbe number over its scale is at least 1"});
+  }
   [[nodiscard]] bool transmits() const {
     return transmission_weight.value > 0.0f || transmission_weight.texture != kNoTexture;
   }

@@ -206,7 +206,7 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
     // Without a volume, glTF's transmitting surfaces are thin.
     surface.thin_walled = !(number_of(volume, "thicknessFactor", 0.0) > 0.0);
     if (const auto* dispersion = extension_of(material, "KHR_materials_dispersion")) {
-      constexpr double kMost = 1e3;
+      constexpr double kMost = 20.0 / kLeastAbbe;
       const double amount = std::clamp(number_of(dispersion, "dispersion", 0.0), 0.0, kMost);
       surface.dispersion_scale = amount > 0.0 ? 1.0f : 0.0f;
       surface.dispersion_abbe = float(20.0 / std::max(amount, 1.0 / kMost));  // by the extension's definition
@@ -217,7 +217,11 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
     if (!surface.thin_walled && attenuation != glm::vec3(1.0f) &&
         number_of(volume, "attenuationDistance", 0.0) > 0.0)
       report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
-    if (!surface.thin_walled && extension_of(material, "KHR_materials_specular") != nullptr)
+    const glm::vec3 tint = core.specular_color.value;
+    const bool reflects_less = core.specular != TexturedNumber(1.0f) ||
+                               core.specular_color.texture != kNoTexture ||
+                               std::min({tint.x, tint.y, tint.z}) < 1.0f;
+    if (!surface.thin_walled && reflects_less)
       report_.warn_counted(place(index, "extensions"),
                            "KHR_materials_specular: where a volume reflects less, it also refracts less");
   }
@@ -226,7 +230,7 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
   SurfaceMaterial whole = surface_of(name_of(material, index), surface);
   if (!transmits)
     whole.back = whole.front;  // both sides are the same, as in a rasteriser's two-sided materials
-  return with_diffuse_transmission(material, index, std::move(whole));
+  return with_diffuse_transmission(material, index, surface, std::move(whole));
 }
 
 void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface) {
@@ -235,6 +239,9 @@ void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t 
   const glm::vec3 colour = colour_of(numbers_of(*sheen, "sheenColorFactor", {0.0, 0.0, 0.0}));
   const float most = std::max({colour.x, colour.y, colour.z});
   if (most == 0.0f) return;
+  if (surface.coated())
+    report_.warn_counted(place(index, "extensions"),
+                         "KHR_materials_sheen: it is above the clear coat, not below it");
   surface.fuzz_weight = TexturedNumber(most);
   surface.fuzz_color = TexturedColour(colour / most);
   const TextureUse colours = extension_use(*sheen, "sheenColorTexture", index);
@@ -270,6 +277,10 @@ void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::si
         along_and_across(std::lerp(0.25, 1.0, strength * strength), 0.25).anisotropy;
     return;
   }
+  if (surface.coated())
+    report_.warn_counted(
+        place(index, "extensions"),
+        "KHR_materials_anisotropy: below a clear coat highlights are longer than they should be");
   const double across = std::pow(double(surface.specular_roughness.value), 2);
   const OpenPbrRoughness both = along_and_across(std::lerp(across, 1.0, strength * strength), across);
   surface.specular_roughness.value = both.roughness;
@@ -277,17 +288,24 @@ void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::si
 }
 
 SurfaceMaterial MaterialBuilder::with_diffuse_transmission(const tinygltf::Material& material,
-                                                           std::size_t index, SurfaceMaterial whole) {
+                                                           std::size_t index, const OpenPbrBsdf& surface,
+                                                           SurfaceMaterial whole) {
   const auto* extension = extension_of(material, "KHR_materials_diffuse_transmission");
   if (extension == nullptr) return whole;
   BlendBsdf blend;
   blend.weight =
       number(number_of(extension, "diffuseTransmissionFactor", 0.0),
              extension_use(*extension, "diffuseTransmissionTexture", index), BitmapChannels::kAlpha);
+  // It is a share of what is neither a metal nor transmitted without being scattered.
+  const auto rest = [](const TexturedNumber& n) { return n.texture == kNoTexture ? 1.0f - n.value : 1.0f; };
+  const float share = rest(surface.base_metalness) * rest(surface.transmission_weight);
+  blend.weight.value *= share;
+  if (blend.weight.texture != kNoTexture && share < 1.0f)
+    blend.weight.texture = textures_.scaled(blend.weight.texture, glm::vec3(share));
   if (blend.weight.value == 0.0f) return whole;
   report_.warn_counted(place(index, "extensions"),
                        "KHR_materials_diffuse_transmission: the share of the surface that transmits has no "
-                       "highlights");
+                       "highlights, and textures of metals and of transmission do not change it");
   DiffuseTransmitterBsdf sheet;
   sheet.reflectance = TexturedColour(glm::vec3(0.0f));
   sheet.transmittance =

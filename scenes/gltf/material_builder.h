@@ -57,7 +57,7 @@ class MaterialBuilder {
   void add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   void add_anisotropy(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   SurfaceMaterial with_diffuse_transmission(const tinygltf::Material& material, std::size_t index,
-                                            SurfaceMaterial whole);
+                                            const OpenPbrBsdf& surface, SurfaceMaterial whole);
   SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, bool coloured);
   /// How much of the surface there is (alphaMode). Nothing: all of it.
   std::optional<TexturedNumber> coverage(const tinygltf::Material& material, const Base& base);

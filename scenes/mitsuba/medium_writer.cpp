@@ -53,7 +53,10 @@ class MediumWriter {
         xml_.value("rgb", "albedo", colour_text(medium.albedo));
       }
       if (scale != 1.0f) xml_.value("float", "scale", fmt::format("{}", scale));
-      if (auto done = put_emission(medium); !done) return done;
+      // The density of a box is in its extinction.
+      const bool by_box = is_box && medium.emission_by_density;
+      if (auto done = put_emission(medium, by_box ? medium.density->grid->values[0] : 1.0f); !done)
+        return done;
       put_phase(medium.phase);
       xml_.close();
     }
@@ -61,14 +64,14 @@ class MediumWriter {
   }
 
  private:
-  Expected<void> put_emission(const ParticipatingMedium& medium) {
+  Expected<void> put_emission(const ParticipatingMedium& medium, float density) {
     if (!medium.emits()) return {};
     if (medium.density && medium.emission_by_density) xml_.value("boolean", "emission_by_density", "true");
     if (!medium.emission_grid) {
-      xml_.value("rgb", "emission", colour_text(medium.emission));
+      xml_.value("rgb", "emission", colour_text(density * medium.emission));
       return {};
     }
-    if (medium.emission != glm::vec3(1.0f))
+    if (density * medium.emission != glm::vec3(1.0f))
       return fail(fmt::format(
           "{} has a colour that multiplies the grid of its emission, which a file cannot say", medium.name));
     if (medium.emission_grid->fades)

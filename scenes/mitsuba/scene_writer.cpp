@@ -506,6 +506,10 @@ class SceneWriter {
   /// For two leaf or black BSDFs, with their bump or normal maps.
   void put_sides(int front, int back, const std::string& attributes, bool bent) {
     const bool two_sides = back != kBlackBsdf && !has_own_back(front);
+    const Bsdf *ahead = bsdf_at(front), *behind = bsdf_at(back);
+    if (ahead != nullptr && behind != nullptr && std::holds_alternative<HairBsdf>(ahead->model) &&
+        std::holds_alternative<NullBsdf>(behind->model))
+      remark("hair on curves is written as hair on both sides of tubes, which scatter light twice");
     if (!two_sides) return put_leaf(front, attributes, bent);
     xml_.open("bsdf", TwoSidedParameters::kPlugin, attributes);
     put_leaf(front, "", bent);

@@ -221,16 +221,18 @@ SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation
 /// An OpenPBR coat over a metal of the same reflectance along the normal and at the cosine 1 / 7.
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  report.warn_counted(location,
-                      "coatedconductor is approximated by an openpbr: a coating that scatters nothing over a "
-                      "metal with two reflectances");
   parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples"});
   const double eta = std::clamp(index(parameters, "interface.eta", location), 1.0 / kMostIndexRatio,
                                 double(kMostIndexRatio));
   const Roughness rough = roughness(parameters, "interface.", location);
   const ConductorSurface metal = conductor_surface(parameters, "conductor.", location);
   const Roughness below = roughness(parameters, "conductor.", location);
+  if (eta < 1.0)
+    report.warn_counted(location, "a coatedconductor whose coating has an index below 1 is read without it");
   if (eta <= 1.0) return metal_of(metal, below);
+  report.warn_counted(location,
+                      "coatedconductor is approximated by an openpbr: a coating that scatters nothing over a "
+                      "metal with two reflectances");
   OpenPbrBsdf surface;
   surface.coat_weight = 1.0f;
   surface.coat_ior = float(eta);
@@ -275,6 +277,8 @@ SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceL
                   "a coatedconductor that is rougher across its tangent is as rough in all directions");
       surface.specular_roughness = float(std::pow(u * v, 0.25));
     }
+  } else if (below.u != below.v) {
+    report.warn(location, "a coatedconductor whose roughness has a texture is as rough in all directions");
   }
   return both_sides("coatedconductor", surface);
 }

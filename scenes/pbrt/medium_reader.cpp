@@ -417,8 +417,16 @@ MediumReader::Medium MediumReader::sparse_grid(Parameters& parameters, const Gra
   medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(file->grid)), box_of(*file)};
   if (strength == 0.0 || hot_name.empty()) return medium;
   const auto hot = read_volume_grid(path->string(), *bytes, hot_name);
-  if (!hot) return placeholder(hot.error().message);
-  if (hot->grid.values.empty() || hot->grid.channels != 1) return medium;
+  if (!hot) {
+    report.unsupported(place, hot.error().message, "the medium does not shine");
+    return medium;
+  }
+  if (hot->grid.values.empty() || hot->grid.channels != 1) {
+    if (parameters.has("temperaturename") || !hot->grid.values.empty())
+      report.warn(place, fmt::format("'{}' has no grid '{}' of one channel: the medium does not shine", name,
+                                     hot_name));
+    return medium;
+  }
   set_emission(black_body_grid(hot->grid, kelvins, std::nullopt, float(strength) * absorbed,
                                [&](const glm::vec3& colour) { return film_colour(colour); }),
                box_of(*hot), true, medium, place);

@@ -358,6 +358,20 @@ TEST_F(GltfExtensions, DispersionIsAnAbbeNumber) {
   EXPECT_FLOAT_EQ(half.dispersion_abbe / half.dispersion_scale, 40.0f);  // 20 over the extension's number
 }
 
+TEST_F(GltfExtensions, MetalsAndGlassTransmitNothingDiffusely) {
+  const auto surface = [&](const std::string& core, const std::string& more) {
+    return good_gltf(triangle().text(one_mesh(
+        R"({"attributes": {"POSITION": 0}, "material": 0})",
+        R"(, "materials": [{"pbrMetallicRoughness": {)" + core +
+            R"(}, "extensions": {"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5})" +
+            more + "}}]")));
+  };
+  EXPECT_FLOAT_EQ(std::get<BlendBsdf>(front(surface(R"("metallicFactor": 0.25)", ""))).weight.value, 0.375f);
+  EXPECT_TRUE(std::holds_alternative<OpenPbrBsdf>(front(surface("", ""))));
+  EXPECT_TRUE(std::holds_alternative<OpenPbrBsdf>(front(
+      surface(R"("metallicFactor": 0)", R"(, "KHR_materials_transmission": {"transmissionFactor": 1})"))));
+}
+
 TEST_F(GltfExtensions, WhatIsLeftOutIsSaidAndNoError) {
   const std::string text = triangle().text(one_mesh(
       R"({"attributes": {"POSITION": 0}, "material": 0})",

@@ -59,6 +59,9 @@ TEST_F(MitsubaMedia, MayEmit) {
   EXPECT_THAT(wrong(rgb("emission", "-1 0 0")), HasSubstr("an emission must be 0 or more"));
   const SceneDescription s = good(kVolpath + in("shape", "sphere", kNull + medium(rgb("emission", "1 2 3"))));
   EXPECT_NE(device(s).header.features & FEATURE_EMITTING_MEDIA, 0u);
+  const auto all =
+      good_of(read(scene(kVolpath + in("shape", "sphere", kNull + medium(rgb("emission", "1 2 3"))))));
+  EXPECT_THAT(warnings(all), Not(HasSubstr("nothing in the scene emits light")));
   const SceneDescription dark = good(kVolpath + in("shape", "sphere", kNull + medium("")));
   EXPECT_EQ(device(dark).header.features & FEATURE_EMITTING_MEDIA, 0u);
 }
