@@ -31,7 +31,9 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
   if (k < bsdf_samples)
     sample_pair(h->sampler.kind, spp, nth_point(step_point(PAIR_BSDF), bsdf_samples, k), paths, i,
                 u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
-  if ((k < bsdf_samples) | ((k < emitter_samples) & (h->tables.lights.count > 1)))
+  // Dispersion chooses a channel for each sample.
+  const bool disperses = HAS(DISPERSION) && (SCENE_FEATURES(h) & FEATURE_DISPERSION) != 0;
+  if ((k < bsdf_samples) | ((k < emitter_samples) & ((h->tables.lights.count > 1) | disperses)))
     sample_pair(h->sampler.kind, spp, nth_point(step_point(PAIR_CHOICE), most, k), paths, i,
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }

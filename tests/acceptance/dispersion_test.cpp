@@ -169,6 +169,20 @@ TEST(Dispersion, TechniquesAgree) {
                lit_through_glass(Glass::kOpenPbr, path(DirectSampling::kMis)));
 }
 
+/// Also where no direction is sampled, and there is one light.
+TEST(Dispersion, EachSampleOfALightChoosesItsChannel) {
+  const auto by = [](const IntegratorSettings& integrator) {
+    SceneDescription scene = lit_through_glass(Glass::kRough, integrator);
+    scene.emitters.clear();
+    return scene;
+  };
+  const auto a = block_estimate(by({.method = DirectIntegrator{.emitter_samples = 4, .bsdf_samples = 1}}), 8,
+                                10, 4, big_passes()),
+             b = block_estimate(by({.method = PathIntegrator{.max_depth = 2}}), 8, 100, 4, big_passes());
+  const statistics::ImageTestResult test = statistics::z_test(a, b, {.significance = media::kSignificance});
+  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+}
+
 TEST(Dispersion, FurnaceStaysWhite) {
   SceneDescription scene = narrow_view(20'000, {.method = PathIntegrator{}});
   Shape ball = sphere({0.2, 0.3, 3}, 1, 0);
