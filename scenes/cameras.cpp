@@ -74,8 +74,9 @@ Expected<void> check_camera(const CameraSettings& camera, const Film& film) {
   }
   if (camera.blades == 1 || camera.blades == 2)
     return fail(fmt::format("a lens has no {} blades: 3 or more, or 0 for a disk", camera.blades));
+  if (camera.stereo != StereoPair::kNone && camera.projection != Projection::kEquirectangular)
+    return fail("a stereo pair needs the projection equirectangular");
   if (is_panorama(camera.projection)) return check_panorama(camera, film);
-  if (camera.stereo != StereoPair::kNone) return fail("a stereo pair needs the projection equirectangular");
   if (!camera.is_distorted()) return {};
   if (camera.projection != Projection::kPerspective)
     return fail("an orthographic image has no angles that distortion_k1 and distortion_k2 could distort");

@@ -9,9 +9,6 @@
 
 namespace penumbra {
 
-/// The first bytes of a NanoVDB file, before a number of its kind.
-constexpr std::string_view kNanoVdbMagic = "NanoVDB";
-
 /// All grids of the file. Like OpenVDB, NanoVDB trusts its input. Errors: another version of the format, a
 /// damaged file, or a build without NanoVDB.
 Expected<openvdb::GridPtrVec> nanovdb_grids(std::string_view bytes);

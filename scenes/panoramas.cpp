@@ -117,8 +117,6 @@ Expected<void> check_panorama(const CameraSettings& c, const Film& film) {
         "of panoramas only fisheyes have a principal_point_offset_x and principal_point_offset_y; the ranges "
         "of others say what the film shows");
   if (c.stereo == StereoPair::kNone) return {};
-  if (c.projection != Projection::kEquirectangular)
-    return fail("a stereo pair needs the projection equirectangular");
   if (film.height % 2 != 0)
     return fail(fmt::format("a film of two pictures must have an even height, not {}", film.height));
   return {};

@@ -26,7 +26,7 @@ double pixels_per_radian(const CameraSettings& camera, const Film& film);
 
 /// check_camera's part for panoramas. Errors: ranges of angles that are empty or more than the sphere;
 /// distortion, lateral chromatic aberration, an axis off the centre of anything but a fisheye; a stereo pair
-/// of another projection or on a film of odd height.
+/// on a film of odd height.
 Expected<void> check_panorama(const CameraSettings& camera, const Film& film);
 
 }  // namespace penumbra

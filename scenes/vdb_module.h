@@ -13,6 +13,9 @@
 
 namespace penumbra {
 
+/// The first bytes of a NanoVDB file, before a number of its kind.
+constexpr std::string_view kNanoVdbMagic = "NanoVDB";
+
 /// The most numbers of a box.
 constexpr std::uint64_t kMostVdbNumbers = std::uint64_t{1} << 28;
 

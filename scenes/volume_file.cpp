@@ -99,7 +99,7 @@ Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
 /// Whether these are the first bytes of a .vdb or .nvdb file.
 bool is_vdb(std::string_view bytes) {
   constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
-  return bytes.starts_with(kVdbMagic) || bytes.starts_with("NanoVDB");
+  return bytes.starts_with(kVdbMagic) || bytes.starts_with(kNanoVdbMagic);
 }
 
 /// What VdbReader writes. The process that wrote it may not have been sound.

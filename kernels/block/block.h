@@ -150,7 +150,7 @@ FN void sample_lens(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     const PRIVATE SceneHeader* h = &scene->header;                                                        \
     const Camera camera = h->camera;                                                                      \
     const FilmParameters film = h->film;                                                                  \
-    const float image_scale = of_channel(h->camera.image_scale, channel);                                 \
+    const float image_scale = channel_of(h->camera.image_scale, channel);                                 \
     const PathState fields = *paths; /* see step.h */                                                     \
     float weights[LANES], x[LANES], y[LANES], lens_u[LANES], lens_v[LANES];                               \
     float lens_x[LANES], lens_y[LANES], distances[LANES];                                                 \
@@ -178,7 +178,7 @@ FN void sample_lens(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
       for (int j = 0; j < LANES; j++) {                                                                   \
         const Camera own = of_lane;                                                                       \
         start_path(&fields, i + j,                                                                        \
-                   lens_ray(own, of_channel(own.focus, channel), x[j], y[j], lens_x[j], lens_y[j]));      \
+                   lens_ray(own, channel_of(own.focus, channel), x[j], y[j], lens_x[j], lens_y[j]));      \
       }                                                                                                   \
     for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);    \
   }
@@ -204,7 +204,7 @@ START_LENS_PATHS(start_moving_lens_paths, MOVED_CAMERA)
       const PanoramaView view = panorama_view(                                                               \
           camera, panorama_point(camera, film, x, y, film.filter_radius * fx.x, film.filter_radius * fy.x)); \
       const Camera own = of_lane;                                                                            \
-      Ray ray = panorama_ray(own, of_channel(own.focus, channel), view.direction, eye_of_row(own, film, y),  \
+      Ray ray = panorama_ray(own, channel_of(own.focus, channel), view.direction, eye_of_row(own, film, y),  \
                              lens_point(camera, lens_u[j], lens_v[j]));                                      \
       /* What no picture shows is black: its samples hit nothing and weigh nothing. */                       \
       ray.tmax = view.seen ? ray.tmax : 0.0f;                                                                \

@@ -76,12 +76,6 @@ FN void copy_lane(ulong features, const PRIVATE PathState* paths, int to, int fr
 // Of channels that are traced one after the other the first: green, whose layers are kept, comes last.
 #define FIRST_CHANNEL 2
 
-/// `known` with component `channel` taken from `found`.
-FN vec3 with_channel(vec3 known, vec3 found, int channel) {
-  return make_vec3(channel == 0 ? found.x : known.x, channel == 1 ? found.y : known.y,
-                   channel == 2 ? found.z : known.z);
-}
-
 /// Writes direct and indirect light of a finished path, of one channel or of EVERY_CHANNEL, to its slot.
 FN void finish_split_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
                            const PRIVATE SlotState* slots) {

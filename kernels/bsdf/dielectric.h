@@ -39,11 +39,13 @@ FN BsdfSample dielectric_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
 // A pane of two parallel smooth boundaries, so thin that it does not displace rays. Light that is reflected
 // inside any number of times is included.
 
-/// Reflectance of a pane with this relative index at a cosine above 0. With Fresnel's r and t = 1 - r it is r
-/// + t^2 r + t^2 r^3 + ... = 2 r / (1 + r).
+/// Reflectance of a pane whose boundaries reflect r each and pass t = 1 - r: r + t^2 r + t^2 r^3 + ... = 2 r
+/// / (1 + r).
+FN float reflectance_of_two(float r) { return 2.0f * r / (1.0f + r); }
+
+/// Reflectance of a pane with this relative index at a cosine above 0.
 FN float pane_reflectance(float cosine, float ior) {
-  const float r = dielectric_fresnel(cosine, ior).reflectance;
-  return 2.0f * r / (1.0f + r);
+  return reflectance_of_two(dielectric_fresnel(cosine, ior).reflectance);
 }
 
 /// Probability of reflection, which is sampled if `choice` is below it.

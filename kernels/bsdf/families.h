@@ -99,7 +99,7 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, clearcoat_rate)                                                      \
   F(a, float, diff_trans_rate)                                                     \
   F(a, float, tilt)   /* hair: of its scales, in turns */                          \
-  F(a, float, offset) /* hair: across the fibre, in [-1, 1], see offset_hair */    \
+  F(a, float, offset) /* hair: across the fibre, in [-1, 1], see bsdf.h */         \
   TEXTURED_FIELDS(F, a)
 #define CLOSURE_FIELDS(F, a)       \
   F(a, int, family) /* FAMILY_* */ \

@@ -35,10 +35,9 @@ FN float scaled_bessel_i0(float x) {
   return near ? small * exp_f(-x) : large / SQRT(near ? 1.0f : x);
 }
 
-/// The longitudinal part M (d'Eon et al. 2011, equation 7), which integrates over the angle with its cosine
-/// to
-/// 1. Its sinh and its exponentials are put together: the exponent is cos(theta_i + theta_o) - 1 over the
-/// variance `v`, half the squared distance of two points of a circle.
+/// The longitudinal part M (d'Eon et al. 2011, equation 7), which integrates to 1 over the angle with its
+/// cosine. Its sinh and its exponentials are put together: the exponent is cos(theta_i + theta_o) - 1 over
+/// the variance `v`, half the squared distance of two points of a circle.
 FN float hair_longitudinal(float sine_i, float cosine_i, float sine_o, float cosine_o, float v) {
   const float distance2 = sqr(cosine_i - cosine_o) + sqr(sine_i + sine_o), inverse = 1.0f / v;
   return scaled_bessel_i0(cosine_i * cosine_o * inverse) * exp_f(-0.5f * distance2 * inverse) /

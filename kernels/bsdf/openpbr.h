@@ -19,6 +19,7 @@
 #ifndef PENUMBRA_OPENPBR_H
 #define PENUMBRA_OPENPBR_H
 #include "kernels/bsdf/control_lobes.h"
+#include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/disney_lobes.h"
 #include "kernels/bsdf/roughplastic.h"
 #include "kernels/scene.h"
@@ -115,7 +116,7 @@ FN float metal_dip(float base, float tint) {
   return (base + (1.0f - base) * 0.46266435f) * (1.0f - tint) * 17.6514166f;
 }
 FN vec3 metal_fresnel(vec3 base, vec3 dip, float cosine) {
-  const float m = clamp_f(1.0f - cosine, 0.0f, 1.0f), m2 = m * m, m5 = m2 * m2 * m, d = (1.0f - m) * (m5 * m);
+  const float m = clamp_f(1.0f - cosine, 0.0f, 1.0f), m5 = schlick_weight(cosine), d = (1.0f - m) * (m5 * m);
   return make_vec3(max_f(mix_f(base.x, 1.0f, m5) - dip.x * d, 0.0f),
                    max_f(mix_f(base.y, 1.0f, m5) - dip.y * d, 0.0f),
                    max_f(mix_f(base.z, 1.0f, m5) - dip.z * d, 0.0f));
@@ -226,7 +227,7 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
   p.dielectric = 1.0f - c.metallic;
   p.tint = c.specular;
   p.weight = (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f;
-  p.along_normal = sqr((c.ior - 1.0f) / (c.ior + 1.0f));
+  p.along_normal = normal_reflectance(c.ior);
   p.fades = (c.variant & OPENPBR_TINT_FADES) != 0 ? 1.0f / max_f(1.0f - p.along_normal, 1e-3f) : 0.0f;
   p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
   p.dip = make_vec3(metal_dip(p.metal_base.x, c.specular.x), metal_dip(p.metal_base.y, c.specular.y),
@@ -347,9 +348,9 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const bool there = (wo.z > 0.0f) & (length2 > 0.0f) & (wi.z != 0.0f);
   const bool faces = there & (cos_o > 0.0f) & (refracts ? cos_i < 0.0f : cos_i > 0.0f);
 
-  // The base's microfacets. A pane of two boundaries reflects 2 F / (1 + F).
+  // The base's microfacets.
   const float fresnel = dielectric_fresnel(FABS(cos_o), c.ior).reflectance;
-  const float glass_reflects = p.thin ? 2.0f * fresnel / (1.0f + fresnel) : fresnel;
+  const float glass_reflects = p.thin ? reflectance_of_two(fresnel) : fresnel;
   const float glass_passes = 1.0f - glass_reflects;
   const float density = reflected_density(p.facets, wo, h);
   const float masked = density * microfacet_masking(p.facets, above);
@@ -423,8 +424,7 @@ FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3
   const vec3 facet = sample_microfacet(chosen, wo, u, v);
   const float cosine = max_f(dot3(wo, facet), 0.0f);
   const DielectricFresnel boundary = dielectric_fresnel(cosine, c.ior);
-  const float reflects =
-      p.thin ? 2.0f * boundary.reflectance / (1.0f + boundary.reflectance) : boundary.reflectance;
+  const float reflects = p.thin ? reflectance_of_two(boundary.reflectance) : boundary.reflectance;
   const bool transmits = is_base & (choice < up_to_coat + p.share_facets * (p.transmits * (1.0f - reflects)));
   const vec3 mirrored = mirror_about(wo, facet);
   const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),

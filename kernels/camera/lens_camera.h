@@ -18,8 +18,6 @@ FN int camera_channels(const PRIVATE SceneHeader* h) {
   return split ? 3 : 1;
 }
 
-FN float of_channel(vec3 v, int channel) { return channel == 1 ? v.y : (channel == 2 ? v.z : v.x); }
-
 /// A point relative to the optical axis, in half widths to the left and half heights upwards.
 typedef struct {
   float x, y;

@@ -4,7 +4,6 @@
 #ifndef PENUMBRA_DISPERSION_H
 #define PENUMBRA_DISPERSION_H
 #include "kernels/integrator/step.h"
-#include "kernels/medium/flight.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -44,8 +43,8 @@ STAGE void disperse(const PRIVATE Scene* scene, bool carries, const PRIVATE Path
       const float number = lane_number(step, DIM_LOBE_CHOICE, j);
       const ChannelChoice choice = choose_channel(carried, number);
       const float weight = choice.probability > 0.0f ? 1.0f / choice.probability : 0.0f;
-      const vec3 kept = make_vec3(choice.channel == 0 ? weight : 0.0f, choice.channel == 1 ? weight : 0.0f,
-                                  choice.channel == 2 ? weight : 0.0f);
+      const vec3 kept =
+          with_channel(make_vec3(0.0f, 0.0f, 0.0f), make_vec3(weight, weight, weight), choice.channel);
       const float ior = step->closures.ior[j], of_channel = channel_of(index, choice.channel);
       step->closures.ior[j] = disperses ? of_channel : ior;
       step->u[DIM_LOBE_CHOICE * LANES + j] = disperses ? choice.rest : number;

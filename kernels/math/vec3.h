@@ -48,6 +48,13 @@ FN vec3 cross3(vec3 a, vec3 b) {
 FN float length3(vec3 a) { return SQRT(dot3(a, a)); }
 FN vec3 normalize3(vec3 a) { return scale(a, 1.0f / SQRT(dot3(a, a))); }
 FN vec3 select3(bool c, vec3 a, vec3 b) { return make_vec3(c ? a.x : b.x, c ? a.y : b.y, c ? a.z : b.z); }
+/// Component 0, 1 or 2: a colour's channel, or a coordinate.
+FN float channel_of(vec3 v, int channel) { return channel == 0 ? v.x : (channel == 1 ? v.y : v.z); }
+/// `known` with component `channel` taken from `found`.
+FN vec3 with_channel(vec3 known, vec3 found, int channel) {
+  return make_vec3(channel == 0 ? found.x : known.x, channel == 1 ? found.y : known.y,
+                   channel == 2 ? found.z : known.z);
+}
 FN bool is_finite3(vec3 v) {
   const uint x = FLOAT_BITS(v.x) & 0x7fffffffu, y = FLOAT_BITS(v.y) & 0x7fffffffu;
   const uint z = FLOAT_BITS(v.z) & 0x7fffffffu;

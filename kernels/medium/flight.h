@@ -16,8 +16,6 @@ PENUMBRA_NAMESPACE_BEGIN
 
 FN float mean3(vec3 v) { return ((v.x + v.y) + v.z) * (1.0f / 3.0f); }
 
-FN float channel_of(vec3 v, int channel) { return channel == 0 ? v.x : (channel == 1 ? v.y : v.z); }
-
 FN vec3 exp3(vec3 v) { return make_vec3(exp_f(v.x), exp_f(v.y), exp_f(v.z)); }
 
 /// The optical depth at which a flight ends, exponentially distributed: -log(1 - u), where `fine` adds 24

@@ -26,8 +26,7 @@ FN bool has_diffuse_part(Closure c) {
 #define CHAIN_BEHIND_DIFFUSE 2  // an earlier one is diffuse, and the last is not
 // Of paths of the camera whose other light photons have brought, and which go on for the emission of media,
 // since media emit no photons.
-#define CHAIN_LAST \
-  3  // from the surface that took photons: its ray still finds the light that was sampled there
+#define CHAIN_LAST 3   // at the surface that took photons: its ray still finds light that was sampled there
 #define CHAIN_MEDIA 4  // further on
 
 STAGE void start_chains(const PRIVATE PathState* paths, int i) {

@@ -8,6 +8,7 @@
 
 #include "kernels/bsdf/families.h"
 #include "scenes/angles.h"
+#include "scenes/bsdfs/rough_boundary.h"
 
 namespace penumbra {
 namespace {
@@ -27,17 +28,6 @@ const std::array<Turn, 2 * kTurns>& turns() {
     return result;
   }();
   return table;
-}
-
-struct FacetRefraction {
-  double reflected = 1, cosine = 0;
-};
-FacetRefraction refract_at_facet(double cosine, double ior) {
-  const double square = 1 - (1 - cosine * cosine) / (ior * ior);
-  if (square <= 0) return {};
-  const double t = std::sqrt(square);
-  const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
-  return {0.5 * (s * s + p * p), t};
 }
 
 /// Two numbers of [0, 1] in the bits of one, see facet_albedos (kernels/bsdf/openpbr.h).
@@ -106,7 +96,7 @@ FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosi
       const double hx = gx * to_unit, hy = gy * to_unit, hz = up * to_unit;
       const double half = std::min(1.0, wx * hx + wy * hy + cosine * hz);  // cosine at the microfacet
       if (half <= 0) continue;
-      const FacetRefraction boundary = refract_at_facet(half, ior);
+      const SmoothRefraction boundary = smooth_refraction(half, ior);
       const double out = 2 * half * hz - cosine;
       if (out > 0) {
         const double visible = seen(2 * half * hx - wx, 2 * half * hy - wy, out);
@@ -148,7 +138,7 @@ double mean_fresnel(double ior) {
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double y = (i + 0.5) / kSteps;  // square root of the cosine
-    sum += refract_at_facet(y * y, ior).reflected * 4 * y * y * y / kSteps;
+    sum += smooth_refraction(y * y, ior).reflected * 4 * y * y * y / kSteps;
   }
   return sum;
 }

@@ -142,18 +142,6 @@ double masking(const RoughBoundary& boundary, const glm::dvec3& v, const glm::dv
   return (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a);
 }
 
-struct Refraction {
-  /// Fresnel reflectance; cosine of the transmitted direction, 0 for total reflection.
-  double reflected = 1, cosine = 0;
-};
-Refraction refract(double cosine, double ior) {
-  const double beyond = 1 - (1 - cosine * cosine) / (ior * ior);
-  if (beyond <= 0) return {};
-  const double t = std::sqrt(beyond);
-  const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
-  return {0.5 * (s * s + p * p), t};
-}
-
 double knot_cosine(int i) { return std::max(1e-6, double(i) / (CURVE_KNOTS - 1)); }
 
 /// The mean of part(wo, m) over the normals m visible from a viewer wo at this cosine.
@@ -173,13 +161,14 @@ double mean_over_normals(const RoughBoundary& boundary, double cosine, const Par
 std::array<double, CURVE_KNOTS> RoughBoundary::transmittance() const {
   const auto through = [&](const glm::dvec3& wo, const glm::dvec3& m) {
     const double cosine = glm::dot(wo, m);
-    const Refraction r = refract(cosine, ior);
+    const SmoothRefraction r = smooth_refraction(cosine, ior);
     const glm::dvec3 wi = (cosine / ior - r.cosine) * m - wo / ior;
     return wi.z < 0 ? (1 - r.reflected) * masking(*this, wi, m) : 0;
   };
   std::array<double, CURVE_KNOTS> curve{};
   if (smooth_base) {
-    for (int i = 0; i < CURVE_KNOTS; ++i) curve[std::size_t(i)] = 1 - refract(knot_cosine(i), ior).reflected;
+    for (int i = 0; i < CURVE_KNOTS; ++i)
+      curve[std::size_t(i)] = 1 - smooth_refraction(knot_cosine(i), ior).reflected;
     return curve;
   }
   for (int i = 0; i < CURVE_KNOTS; ++i)
@@ -193,7 +182,7 @@ double RoughBoundary::internal_reflectance() const {
   const auto back = [&](const glm::dvec3& wo, const glm::dvec3& m) {
     const double cosine = glm::dot(wo, m);
     const glm::dvec3 wi = 2 * cosine * m - wo;
-    return wi.z > 0 ? refract(cosine, beneath.ior).reflected * masking(beneath, wi, m) : 0;
+    return wi.z > 0 ? smooth_refraction(cosine, beneath.ior).reflected * masking(beneath, wi, m) : 0;
   };
   // 2 int R(mu) mu dmu as the mean over all knots including both ends, as in Mitsuba 3.
   double sum = 0;

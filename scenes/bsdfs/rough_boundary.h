@@ -3,11 +3,26 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <compare>
 
 #include "kernels/bsdf/families.h"
 
 namespace penumbra {
+
+struct SmoothRefraction {
+  double reflected = 1;  ///< Fresnel reflectance
+  double cosine = 0;     ///< of the transmitted direction; 0 for total reflection
+};
+/// Fresnel's equations and Snell's law at a cosine in [0, 1], for an index `ior` of the other side relative
+/// to this one.
+inline SmoothRefraction smooth_refraction(double cosine, double ior) {
+  const double beyond = 1 - (1 - cosine * cosine) / (ior * ior);
+  if (beyond <= 0) return {};
+  const double t = std::sqrt(beyond);
+  const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
+  return {0.5 * (s * s + p * p), t};
+}
 
 struct RoughBoundary {
   int distribution = DISTRIBUTION_BECKMANN;  ///< DISTRIBUTION_*

@@ -80,7 +80,7 @@ FilmParameters film_of(const Filmed& f) {
 Ray ray_through(const Filmed& f, glm::dvec2 position, int channel, float u, float v) {
   const Camera camera = kernel_camera(f);
   const int x = int(std::floor(position.x)), y = int(std::floor(position.y));
-  const FilmPoint p = film_point(camera, film_of(f), of_channel(camera.image_scale, channel), x, y,
+  const FilmPoint p = film_point(camera, film_of(f), channel_of(camera.image_scale, channel), x, y,
                                  float(position.x - x - 0.5), float(position.y - y - 0.5));
   std::array<float, LANES> d{}, px{}, py{};
   d.fill(film_radius(camera, p.x, p.y));
@@ -88,7 +88,7 @@ Ray ray_through(const Filmed& f, glm::dvec2 position, int channel, float u, floa
   py.fill(p.y);
   if (camera.reach > 0) undistort(camera, d.data(), px.data(), py.data());
   const LensPoint lens = lens_point(camera, u, v);
-  return lens_ray(camera, of_channel(camera.focus, channel), px[0], py[0], lens.x, lens.y);
+  return lens_ray(camera, channel_of(camera.focus, channel), px[0], py[0], lens.x, lens.y);
 }
 
 glm::dvec3 wide(const vec3& v) { return {v.x, v.y, v.z}; }

@@ -65,8 +65,8 @@ Ray ray_through(const CameraSettings& settings, const Film& film, int x, int y, 
   parameters.width = film.width;
   parameters.height = film.height;
   if (camera_features(settings) == 0) return camera_ray(camera, parameters, x, y, dx, dy);
-  const FilmPoint p = film_point(camera, parameters, of_channel(camera.image_scale, 1), x, y, dx, dy);
-  return lens_ray(camera, of_channel(camera.focus, 1), p.x, p.y, 0, 0);
+  const FilmPoint p = film_point(camera, parameters, channel_of(camera.image_scale, 1), x, y, dx, dy);
+  return lens_ray(camera, channel_of(camera.focus, 1), p.x, p.y, 0, 0);
 }
 
 TEST_P(CameraAttributes, ProjectWhatARaySeesToItsPointOfTheFilm) {
