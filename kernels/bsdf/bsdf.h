@@ -246,7 +246,7 @@ FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, cons
 
 /// Evaluates a single closure for a pair of world-space directions, with the surface's normal n and any
 /// tangent.
-FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, vec3 wi) {
+CALLED_FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, vec3 wi) {
   const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));
   switch (c.family) {
 #define EVAL_ONE(name, NAME, number, properties, text)                     \
@@ -261,8 +261,8 @@ FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, v
 }
 
 /// Samples a single closure likewise.
-FN BsdfSample sample_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, float u, float v,
-                          float choice) {
+CALLED_FN BsdfSample sample_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, float u, float v,
+                                 float choice) {
   const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));
   BsdfSample s = no_bsdf_sample();
   switch (c.family) {
