@@ -96,12 +96,37 @@ class Checker {
     require(
         c.panorama >= 1 && c.panorama <= float(PANORAMA_EQUAL_AREA) && c.panorama == std::floor(c.panorama),
         "an unknown panorama");
-    require(finite(c.center_x, c.center_y, c.half_x, c.half_y, c.limit, c.eye) && c.half_x > 0 &&
-                c.half_y > 0 && c.limit >= 0 && c.eye >= 0,
-            "an implausible panorama");
     require(c.pictures == 1 ||
                 (c.pictures == 2 && c.panorama == float(PANORAMA_EQUIRECTANGULAR) && h_.film.height % 2 == 0),
             "a film that is no pair of pictures");
+    check_panorama(c);
+  }
+
+  /// What a panorama's film shows: no more than the sphere, see PANORAMA_*, but for roundings.
+  void check_panorama(const Camera& c) {
+    constexpr float kTurns = 2, kRound = 1 + 1e-5f;  // 720 degrees
+    const auto finite = [](auto... numbers) { return (std::isfinite(numbers) && ...); };
+    bool plausible = finite(c.center_x, c.center_y, c.half_x, c.half_y, c.limit, c.eye) && c.half_x > 0 &&
+                     c.half_y > 0 && c.limit >= 0 && c.eye >= 0;
+    const float most_y = std::abs(c.center_y) + c.half_y;
+    switch (int(c.panorama)) {
+      case PANORAMA_EQUIRECTANGULAR:
+        plausible &= std::abs(c.center_x) <= kTurns && c.half_x <= 0.5f * kRound && most_y <= 0.25f * kRound;
+        break;
+      case PANORAMA_CYLINDRICAL:
+        plausible &= std::abs(c.center_x) <= kTurns && c.half_x <= 0.5f * kRound && most_y <= 1e6f * kRound;
+        break;
+      case PANORAMA_EQUIDISTANT:
+        plausible &= c.center_x == 0 && c.center_y == 0 && c.limit > 0 && c.limit <= 0.5f * kRound;
+        break;
+      case PANORAMA_EQUISOLID:
+        plausible &= c.center_x == 0 && c.center_y == 0 && c.limit > 0 && c.limit <= kRound;
+        break;
+      default:
+        plausible &= c.center_x == 0 && c.center_y == 0 && c.half_x == 1 && c.half_y == 1;
+    }
+    plausible &= c.eye == 0 || c.pictures == 2;
+    require(plausible, "an implausible panorama");
   }
 
   void check_tables() {

@@ -95,6 +95,11 @@ TEST(CameraCheck, NumbersThatNoPanoramaHasAreRefused) {
       {"implausible panorama", [](Camera& c) { c.center_x = kInfinite; }},
       {"implausible panorama", [](Camera& c) { c.limit = -1.0f; }},
       {"implausible panorama", [](Camera& c) { c.eye = -0.1f; }},
+      {"implausible panorama", [](Camera& c) { c.half_x = 0.6f; }},
+      {"implausible panorama", [](Camera& c) { c.half_y = 0.26f; }},
+      {"implausible panorama", [](Camera& c) { c.center_y = 0.1f; }},
+      {"implausible panorama", [](Camera& c) { c.center_x = 1e9f; }},
+      {"implausible panorama", [](Camera& c) { c.pictures = 1.0f; }},
       {"no pair of pictures", [](Camera& c) { c.pictures = 3.0f; }},
       {"no pair of pictures", [](Camera& c) { c.panorama = float(PANORAMA_CYLINDRICAL); }}};
   for (const auto& [what, change] : broken) {
