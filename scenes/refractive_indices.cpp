@@ -126,4 +126,11 @@ glm::dvec3 channel_indices(double index, double abbe) {
   return indices;
 }
 
+glm::dvec3 microfacet_indices(const glm::dvec3& indices) {
+  const auto far_from_1 = [](double index) {
+    return index >= 1 ? std::max(index, kLeastMicrofacetIndex) : std::min(index, 1 / kLeastMicrofacetIndex);
+  };
+  return {far_from_1(indices.x), far_from_1(indices.y), far_from_1(indices.z)};
+}
+
 }  // namespace penumbra

@@ -37,4 +37,9 @@ inline constexpr float kLeastAbbe = 1.0f;
 /// the dominant wavelength of its Rec. 709 primary. Not below 1e-3.
 glm::dvec3 channel_indices(double index, double abbe);
 
+inline constexpr double kLeastMicrofacetIndex = 1.001;
+/// Relative indices, each moved from around 1 to at least 1.001 or at most its inverse. By an index of 1 two
+/// directions do not determine the microfacet between them, and nearer to 1 they do not in single precision.
+glm::dvec3 microfacet_indices(const glm::dvec3& indices);
+
 }  // namespace penumbra

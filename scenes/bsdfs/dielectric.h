@@ -128,6 +128,7 @@ inline Material material_of(const RoughDielectricBsdf& dielectric) {
   if (passes) m.ior = 1.0f;
   if (passes) m.channel_ior = {};
   if (!passes) dielectric.set_roughness(m);
+  if (disperses(m)) m.channel_ior = to_vec3(microfacet_indices(glm::dvec3(dielectric.channel_iors())));
   return m;
 }
 

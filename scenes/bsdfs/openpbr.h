@@ -125,7 +125,7 @@ struct OpenPbrBsdf {
     const float under = std::lerp(specular_ior, std::max(ratio, 1.0f / ratio), coat);
     const float step = (under - 1.0f) / (under + 1.0f);
     const float root = std::min(std::sqrt(fixed(specular_weight)) * step, 0.999f);
-    return std::max((1.0f + root) / (1.0f - root), transmits() ? 1.001f : 1.0f);
+    return std::max((1.0f + root) / (1.0f - root), transmits() ? float(kLeastMicrofacetIndex) : 1.0f);
   }
 
   /// The roughness of the base as it is seen through the coat, where neither has a texture (OpenPBR, coat).
@@ -153,8 +153,8 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
   m.ior = surface.inside ? 1.0f / outside : outside;
   m.internal = float(mean_fresnel(double(m.ior)));
   if (surface.disperses()) {
-    const glm::dvec3 each =
-        channel_indices(double(outside), double(surface.dispersion_abbe / surface.dispersion_scale));
+    const glm::dvec3 each = microfacet_indices(
+        channel_indices(double(outside), double(surface.dispersion_abbe / surface.dispersion_scale)));
     m.channel_ior = to_vec3(surface.inside ? 1.0 / each : each);
   }
   m.variant = surface.specular_weight.texture != kNoTexture ? OPENPBR_WEIGHT_TINTS : 0;

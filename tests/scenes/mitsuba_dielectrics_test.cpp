@@ -1,6 +1,8 @@
 // Conductors and dielectrics of Mitsuba's files: parameters, defaults, sides, and errors.
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "tests/scenes/scene_text.h"
 
 namespace penumbra {
@@ -160,6 +162,21 @@ TEST_F(MitsubaDielectrics, HaveTwoSides) {
               HasSubstr("a twosided bsdf cannot hold 'dielectric', which lets light through"));
   EXPECT_THAT(refused(bsdf("twosided", bsdf("diffuse") + bsdf("thindielectric"))),
               HasSubstr("lets light through"));
+}
+
+TEST_F(MitsubaDielectrics, NoChannelOfARoughOneHasAnIndexOfOne) {
+  // Channels of a strong dispersion lie on both sides of the index of yellow light.
+  for (const char* inside : {"1.0011", "1.005", "0.998"})
+    for (const char* abbe : {"1", "5", "1000"}) {
+      const auto [outside, other] =
+          sides(bsdf("roughdielectric", number("int_ior", inside) + number("ext_ior", "1") +
+                                            number("abbe", abbe) + text("distribution", "ggx")));
+      EXPECT_EQ(outside.family, FAMILY_ROUGHDIELECTRIC_GGX);
+      for (const vec3& index : {outside.channel_ior, other.channel_ior})
+        for (const double each : {double(index.x), double(index.y), double(index.z)})
+          EXPECT_GT(std::abs(std::log(each)), std::log(1.001) - 1e-6) << inside << ' ' << abbe;
+      EXPECT_NEAR(double(outside.channel_ior.x * other.channel_ior.x), 1, 1e-6);
+    }
 }
 
 TEST_F(MitsubaDielectrics, IndicesAreChecked) {
