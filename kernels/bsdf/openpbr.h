@@ -192,10 +192,20 @@ FN vec3 tinted(OpenPbr p, float reflected, float all) {
 }
 
 FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
-FN vec3 pow3(vec3 base, float exponent) {
-  return make_vec3(exp_f(exponent * log_f(max_f(base.x, 1e-20f))),
-                   exp_f(exponent * log_f(max_f(base.y, 1e-20f))),
-                   exp_f(exponent * log_f(max_f(base.z, 1e-20f))));
+
+/// What a medium of this transmittance leaves of light that goes through it `times` times; textures may be
+/// above 1.
+FN float transmittance_power(float transmittance, float times) {
+  return exp_f(times * log_f(clamp_f(transmittance, 1e-20f, 1.0f)));
+}
+FN vec3 transmittance_power3(vec3 transmittance, float times) {
+  return make_vec3(transmittance_power(transmittance.x, times), transmittance_power(transmittance.y, times),
+                   transmittance_power(transmittance.z, times));
+}
+
+/// What passes a boundary, of light that a base of this albedo returns whenever the boundary reflects `back`.
+FN float left_after(float back, float albedo) {
+  return (1.0f - back) / max_f(1.0f - back * min_f(albedo, 1.0f), 1e-6f);
 }
 
 /// What the microfacets of the dielectric leave of a base of this colour, with their further reflections.
@@ -287,9 +297,8 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
     const float spread = luminance(diffuse) + luminance(at_once) * c.roughness;
     const float back =
         mix_f(coat_reflects, from_all_sides, min_f(spread * inverse_or_0(luminance(albedo)), 1.0f));
-    const vec3 darkened = make_vec3((1.0f - back) / (1.0f - back * min_f(albedo.x, 1.0f)),
-                                    (1.0f - back) / (1.0f - back * min_f(albedo.y, 1.0f)),
-                                    (1.0f - back) / (1.0f - back * min_f(albedo.z, 1.0f)));
+    const vec3 darkened =
+        make_vec3(left_after(back, albedo.x), left_after(back, albedo.y), left_after(back, albedo.z));
     p.below = scale(mix3(white, darkened, p.coat * c.diffuse_rate),
                     p.above_coat * max_f(1.0f - p.coat * coat_reflects, 0.0f));
     p.below = select3(p.inside, white, p.below);
@@ -377,7 +386,7 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   // The coat absorbs by the lengths of the ways through it, of which coat_colour has two along the normal.
   const float way_o = 1.0f / max_f(dielectric_fresnel(wo.z, c.clearcoat_rate).cosine, 1e-3f);
   const float way_i = 1.0f / max_f(dielectric_fresnel(above.z, c.clearcoat_rate).cosine, 1e-3f);
-  const vec3 absorbed = pow3(c.eta, 0.5f * (way_o + (through ? 0.0f : way_i)));
+  const vec3 absorbed = transmittance_power3(c.eta, 0.5f * (way_o + (through ? 0.0f : way_i)));
   f_cos = mul(f_cos, mul(p.below, mix3(uniform_vec3(1.0f), absorbed, p.coat)));
 
   const MicrofacetReflection coat = microfacet_reflection(p.coat_facets, wo, above);

@@ -287,6 +287,36 @@ TEST(OpenPbr, ACoatHasItsColourOnTheWayInAndOut) {
     }
 }
 
+TEST(OpenPbr, CoatsOfAnyIndexAndColourGiveNumbers) {
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(1.0f));
+  bsdf.coat_weight = 1.0f;
+  for (const float ior : {1.0f, 1.5f, 1e4f, 1e6f})
+    for (const float colour : {0.0f, 1.0f, 2.0f})  // a texture may be above 1
+      for (const double cosine : {1.0, 0.5, 1e-3, 1e-6}) {
+        bsdf.coat_ior = ior, bsdf.coat_color = TexturedColour(glm::vec3(colour));
+        const Surface surface(bsdf);
+        const vec3 value = surface.eval(at_cosine(cosine), at_cosine(0.5, 1)).f_cos;
+        EXPECT_TRUE(std::isfinite(value.x) && value.x >= 0 && value.x <= 1)
+            << ior << ' ' << colour << ' ' << cosine;
+        const Surface::Energy energy = surface.energy(at_cosine(cosine), 1 << 8);
+        EXPECT_TRUE(std::isfinite(energy.mean)) << ior << ' ' << colour << ' ' << cosine;
+      }
+}
+
+TEST(OpenPbr, NoChannelHasAnIndexOfOne) {
+  OpenPbrBsdf bsdf;
+  bsdf.transmission_weight = 1.0f, bsdf.specular_ior = 1.0f;
+  bsdf.dispersion_scale = 1.0f, bsdf.dispersion_abbe = 2.0f;
+  SceneTables tables;
+  MaterialTables shared(tables.curves);
+  for (const OpenPbrBsdf& side : {bsdf, *bsdf.other_side()}) {
+    const vec3 index = material_of(side, shared).channel_ior;
+    for (const double each : {double(index.x), double(index.y), double(index.z)})
+      EXPECT_GT(std::abs(std::log(each)), std::log(1.001) - 1e-6);
+  }
+}
+
 TEST(OpenPbr, ThePlainFamilyIsTheLayeredOneWithoutLayers) {
   RandomNumbers random(12);
   for (int k = 0; k < 100; ++k) {
