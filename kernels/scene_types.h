@@ -284,7 +284,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, emission)     /* radiance per scene unit */                                                      \
   F(int, emission_grid) /* index of a volume that scales the emission, 0 outside of its box; or -1 */      \
   F(int, emission_by_density) /* 1: the density scales it, too; 0 without density; 1 without grid but with \
-                                 density */
+                                 density */                                                                \
+  F(int, light)               /* index of the light that samples its emission, or -1 */
 
 // A grid of numbers in space, see medium/volume.h.
 #define VOLUME_FIELDS(F)                                                                          \
@@ -336,7 +337,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, texture)   /* index of the texture that scales its radiance, or -1 */                            \
   F(int, grid)      /* start of its sampling distribution in the light grids, or -1 */                    \
   F(int, grid_side)                                                                                       \
-  F(int, beam) /* index of the beam of a spot light or projector */
+  F(int, beam) /* index of the beam of a spot light or projector, or of the glow of a medium */
 
 // A node of the light hierarchy, see light_tree.h. Its lights are within the box. Their axes (normals)
 // deviate from the node's axis by at most the angle of cosine cos_o. Each emits within the angle of cosine
@@ -380,6 +381,26 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, beam_width)    /* spot: full intensity within it; linear: an angle, else 1 - its cosine */ \
   F(float, cutoff)        /* spot: no light beyond it; in the same measure */                         \
   F(float, inverse_width) /* 1 / (cutoff - beam_width), or 0 if they are equal */
+
+// A medium whose emission varies in space, as a light: see light/medium_light.h.
+#define GLOW_FIELDS(F)                                                                       \
+  F(vec3, cell_x) /* the axes of a cell of its volume, in the scene */                       \
+  F(vec3, cell_y)                                                                            \
+  F(vec3, cell_z)                                                                            \
+  F(float, by_area)   /* the volume of such a cell over the light's area */                  \
+  F(int, medium)      /* index of the medium */                                              \
+  F(int, volume)      /* index of the volume that varies its emission */                     \
+  F(int, side)        /* of a block, in cells; at the upper ends of the volume it is less */ \
+  F(int, first_block) /* in the table of blocks */                                           \
+  F(int, blocks)
+
+// A block of cells, the (x, y, z)-th along the axes. It is chosen by numbers from `below` to that of the
+// glow's next block, or to 1.
+#define GLOW_BLOCK_FIELDS(F) \
+  F(int, x)                  \
+  F(int, y)                  \
+  F(int, z)                  \
+  F(float, below) /* a multiple of 1 / LIGHT_PROBABILITY_STEPS */
 
 // How a spot light falls off between beam width and cutoff: linearly in the angle (Mitsuba), as 3t^2 - 2t^3
 // of the cosine (pbrt), or as t^2 of the cosine (glTF).
@@ -662,6 +683,9 @@ enum {
   I(media, Medium, density, volumes, -1, "a medium names a volume that is not there")                     \
   I(media, Medium, albedo_grid, volumes, -1, "a medium names a volume that is not there")                 \
   I(media, Medium, emission_grid, volumes, -1, "a medium names a volume that is not there")               \
+  I(media, Medium, light, lights, -1, "a medium names a light that is not there")                         \
+  I(glows, Glow, medium, media, 0, "a light names a medium that is not there")                            \
+  I(glows, Glow, volume, volumes, 0, "a light names a volume that is not there")                          \
   I(boundaries, Boundary, interior, media, 0, "a boundary names a medium that is not there")              \
   I(boundaries, Boundary, exterior, media, -1, "a boundary names a medium that is not there")             \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
@@ -741,6 +765,8 @@ enum {
   X(LightMember, LIGHT_MEMBER_FIELDS)                   \
   X(EnvironmentMap, ENVIRONMENT_MAP_FIELDS)             \
   X(Beam, BEAM_FIELDS)                                  \
+  X(Glow, GLOW_FIELDS)                                  \
+  X(GlowBlock, GLOW_BLOCK_FIELDS)                       \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \

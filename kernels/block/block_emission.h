@@ -7,8 +7,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Whether path i is under way in a medium whose emission it takes. No other technique finds that emission,
-/// so it has no MIS weight; the camera sees it even where emitters are hidden.
+/// Whether path i is under way in a medium whose emission it takes. The camera sees it even where emitters
+/// are hidden.
 FN bool takes_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i));
   const bool kept = !HAS(PARTS) || is_kept_part(&scene->header, get_depth(paths, i), TECHNIQUE_BSDF);
@@ -32,18 +32,52 @@ STAGE void add_even_emission(const PRIVATE Scene* scene, const PRIVATE PathState
     }
 }
 
+/// What weighs against samples of lights for LANES rays: nothing where their media are no lights, and where
+/// no light was sampled in their directions, as by the camera and at smooth glass.
+FN void balance_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         PRIVATE EmissionBalance* balances) {
+  FoundLights found;
+  int any = 0;
+  for (int j = 0; j < LANES; j++) {
+    const float pdf = get_left_pdf(paths, i + j);
+    const int light = scene->media[innermost(get_media(paths, i + j))].light;
+    const bool sampled = (light >= 0) & (get_depth(paths, i + j) > 0) & (pdf > 0.0f) & (pdf != DELTA_PDF);
+    found.light[j] = sampled ? light : -1;
+    found.pmf[j] = scene->lights[light >= 0 ? light : 0].pmf;
+    any |= sampled ? 1 : 0;
+    balances[j].direction = 1.0f;
+    balances[j].light = 0.0f;
+    balances[j].way = get_way(paths, i + j);
+    balances[j].heuristic = scene->header.integrator.heuristic;
+  }
+  if (any == 0) return;
+  if (NEEDS_LIGHT_TREE(scene)) find_previous_pmfs(scene, paths, i, &found);
+  for (int j = 0; j < LANES; j++) {
+    if (found.light[j] < 0) continue;
+    balances[j].direction = get_left_pdf(paths, i + j);
+    balances[j].light = found.pmf[j] / scene->lights[found.light[j]].area;
+  }
+}
+
 /// The same for all media. Throughputs are those at the last boundaries.
 FN void add_media_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE float* lengths) {
   add_even_emission(scene, paths, i, lengths);
   if (!has_grids(scene)) return;
+  EmissionBalance balances[LANES];
+  for (int j = 0; j < LANES; j++) {
+    balances[j].direction = 1.0f;
+    balances[j].light = balances[j].way = 0.0f;
+    balances[j].heuristic = HEURISTIC_BALANCE;
+  }
+  if (NEEDS_LIGHT(scene, MEDIUM)) balance_emission(scene, paths, i, balances);
   for (int j = 0; j < LANES; j++) {  // no lane loop: the number of points differs
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
     if (emits_evenly(medium) || !takes_emission(scene, paths, i + j)) continue;
     const float way = get_way(paths, i + j);
     const vec3 direction = get_ray_direction(paths, i + j),
                start = add_scaled(get_kept_origin(paths, i + j), way, direction);
-    const vec3 collected = track_emission(scene, medium, start, direction, lengths[j],
+    const vec3 collected = track_emission(scene, medium, start, direction, lengths[j], balances[j],
                                           ray_state(paths, i + j, way, 0x6a09e667u));
     set_radiance(paths, i + j, add(get_radiance(paths, i + j), mul(get_throughput(paths, i + j), collected)));
   }

@@ -54,6 +54,12 @@ STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE fl
     }
 }
 
+/// Stores the pdfs of the rays' directions, which flights change.
+STAGE void note_left_pdfs(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_left_pdf(paths, j, get_direction_pdf(paths, j));
+}
+
 /// Whether any ray under way is in a medium, met a boundary, or crossed one (the boundary may coincide with
 /// the surface where it arrives).
 FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
@@ -333,6 +339,20 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
     under_way[j] = get_ray_tmax(paths, i + j) > 0.0f ? lengths[j] : 0.0f;
   }
   dim_in_grids(scene, paths, i, ways, under_way);
+}
+
+/// Shadow rays to points of a medium bring light only if they arrive in that medium.
+STAGE void end_in_glows(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const int glow = get_shadow_glow(&fields, j);
+        const bool arrives = (glow < 0) | (innermost(get_shadow_media(&fields, j)) == glow);
+        const vec3 passes = get_shadow_passes(&fields, j);
+        set_shadow_passes(&fields, j, select3(arrives, passes, make_vec3(0.0f, 0.0f, 0.0f)));
+      }
+  }
 }
 
 /// Combines, for shadow rays, the transmittance of media and the MIS weight against direction sampling. A

@@ -62,6 +62,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, left_facing, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)                                                        \
   X(float, left_finite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE) /* see LightScales */                           \
   X(float, left_infinite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)                                               \
+  X(float, left_pdf, FEATURE_EMITTING_MEDIA, NEVER)             /* of its direction, before it flies */               \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light from polygons has closed forms */        \
   X(int, chain, FEATURE_PHOTONS, FEATURE_PHOTONS)       /* CHAIN_*: the surfaces that scattered it */                 \
   /* rays that pass through surfaces: see block_see_through.h */                                                      \
@@ -95,6 +96,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + first contradictory shape; 0: none; -1: unknown */     \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media that the shadow ray is in */                         \
   X(int, shadow_high, FEATURE_MEDIA, NEVER)                                                                           \
+  X(int, shadow_glow, FEATURE_EMITTING_MEDIA, NEVER)    /* the medium to a point of which it leads, or -1 */          \
   X(vec3, shadow_passes, FEATURE_MEDIA | TINTS, NEVER)  /* transmittance of media; then also the tint */              \
   X(vec3, shadow_tint, TINTS, NEVER)                    /* tint by glass */                                           \
   X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* its pdf by direction sampling over that by lights */       \

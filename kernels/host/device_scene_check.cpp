@@ -51,6 +51,8 @@ class Checker {
   void check_header() {
     require((h_.features & ~std::uint64_t(FEATURE_ALL)) == 0, "unknown features");
     require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
+    require((h_.light_kinds & 1u << LIGHT_MEDIUM) == 0 || has(FEATURE_EMITTING_MEDIA),
+            "media that are lights without their feature bit");
     require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
@@ -301,7 +303,7 @@ class Checker {
     if (!has(FEATURE_MEDIA)) {
       require(t.media.count == 0 && t.phase_lobes.count == 0 && t.boundaries.count == 0 &&
                   t.primitive_boundaries.count == 0 && t.volumes.count == 0 && t.flight_centres.count == 0 &&
-                  h_.camera_medium == 0 && (h_.families & families_with(FREE)) == 0,
+                  t.glows.count == 0 && h_.camera_medium == 0 && (h_.families & families_with(FREE)) == 0,
               "media without their feature bit");
       return;
     }
@@ -332,12 +334,60 @@ class Checker {
                  emits && media[i].density >= 0 && media[i].emission_grid < 0 ? 1 : 0,
                  media[i].density >= 0 ? 1 : 0),
               "a medium whose emission is nowhere");
+      require(t.lights.count == 0 || media[i].light < 0 || is_glow_of(media[i].light, int(i)),
+              "a medium names a light that is not its own");
     }
     check_volumes();
+    check_glows();
     for (const PhaseLobe& lobe : table<PhaseLobe>(scene_, t.phase_lobes))
       require(in(lobe.kind, PHASE_HG, PHASE_RAYLEIGH) && std::abs(lobe.g) < 1 && lobe.weight >= 0 &&
                   lobe.weight <= 1 + 1e-5f,
               "a phase function of implausible lobes");
+  }
+
+  /// Whether that light samples the emission of that medium.
+  [[nodiscard]] bool is_glow_of(int light, int medium) const {
+    const auto lights = table<Light>(scene_, h_.tables.lights);
+    if (!in(light, 0, h_.tables.lights.count - 1) || lights[std::size_t(light)].kind != LIGHT_MEDIUM)
+      return false;
+    const int glow = lights[std::size_t(light)].beam;
+    return in(glow, 0, h_.tables.glows.count - 1) &&
+           table<Glow>(scene_, h_.tables.glows)[std::size_t(glow)].medium == medium;
+  }
+
+  /// Checks the media that are lights, and their blocks.
+  void check_glows() {
+    const TableSpans& t = h_.tables;
+    if (t.glows.count == 0) return require(t.glow_blocks.count == 0, "blocks of media that are no lights");
+    require(has(FEATURE_EMITTING_MEDIA), "media that are lights without their feature bit");
+    if (!problem_.empty()) return;
+    const auto finite = [](const vec3& v) {
+      return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    const auto blocks = table<GlowBlock>(scene_, t.glow_blocks);
+    for (const Glow& g : table<Glow>(scene_, t.glows)) {
+      const Medium& medium = table<Medium>(scene_, t.media)[std::size_t(g.medium)];
+      require(g.volume == (medium.emission_grid >= 0 ? medium.emission_grid : medium.density),
+              "a light of a medium names a volume by which that does not emit");
+      require(finite(g.cell_x) && finite(g.cell_y) && finite(g.cell_z) && g.by_area >= 0 &&
+                  std::isfinite(g.by_area),
+              "a light of a medium has cells of implausible size");
+      const bool there = in(g.side, 1, 2 * MAX_VOLUME_CELLS) &&
+                         in(g.first_block, 0, t.glow_blocks.count - 1) &&
+                         in(g.blocks, 1, t.glow_blocks.count - g.first_block);
+      require(there, "a light of a medium names blocks that are not there");
+      if (!problem_.empty()) return;
+      const Volume& v = table<Volume>(scene_, t.volumes)[std::size_t(g.volume)];
+      float below = 0;
+      for (const GlowBlock& block : blocks.subspan(std::size_t(g.first_block), std::size_t(g.blocks))) {
+        require(in(block.x, 0, (v.nx - 1) / g.side) && in(block.y, 0, (v.ny - 1) / g.side) &&
+                    in(block.z, 0, (v.nz - 1) / g.side),
+                "a block of a light's medium is outside of its volume");
+        require(block.below >= below && block.below < 1, "blocks of a light's medium are not in order");
+        below = block.below;
+      }
+      require(blocks[std::size_t(g.first_block)].below == 0, "blocks of a light's medium do not begin at 0");
+    }
   }
 
   /// Checks that volumes have valid numbers and majorants.
@@ -625,6 +675,9 @@ class Checker {
     const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
     require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
+    require(l.kind != LIGHT_MEDIUM || h_.tables.lights.count == 0 ||
+                (has(FEATURE_EMITTING_MEDIA) && in(l.beam, 0, h_.tables.glows.count - 1) && l.area > 0),
+            "the medium of a light is not there");
   }
 
   /// Checks the light's texture and its grid, see light_grid.h.

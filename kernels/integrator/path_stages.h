@@ -230,6 +230,21 @@ STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathS
     }
 }
 
+/// Weighs samples of points in media against the directions in which rays find the same light, and notes the
+/// media to which shadow rays lead.
+STAGE void request_glows(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE StepLanes* RESTRICT step) {
+  const int heuristic = scene->header.integrator.heuristic;
+  for (int j = 0; j < LANES; j++) {  // no lane loop: few scenes have such lights
+    const LightSample light = load_light_sample(&step->lights, j);
+    const bool glows = scene->lights[light.light].kind == LIGHT_MEDIUM;
+    set_shadow_glow(paths, i + j, glows ? glow_of(scene, light.light)->medium : -1);
+    if (!glows || !(get_shadow_tmax(paths, i + j) > 0.0f)) continue;
+    const float weight = mis_weight(heuristic, light.pdf, step->values.pdf[j]);
+    set_shadow_radiance(paths, i + j, scale(get_shadow_radiance(paths, i + j), weight));
+  }
+}
+
 /// The media in which the next rays start.
 STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;

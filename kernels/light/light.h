@@ -10,6 +10,7 @@
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_texture.h"
+#include "kernels/light/medium_light.h"
 #include "kernels/light/rectangle_light.h"
 #include "kernels/light/sphere_light.h"
 #include "kernels/light/triangle_light.h"
@@ -152,7 +153,7 @@ LIGHT_KINDS(KIND_LANES)
 #undef SAMPLE_LANES
 
 // Kinds of lights that can move; and those whose radiance at a ray changes with it.
-#define MOVING_KINDS (~(1u << LIGHT_ENVIRONMENT | 1u << LIGHT_RECTANGLE))
+#define MOVING_KINDS (~(1u << LIGHT_ENVIRONMENT | 1u << LIGHT_RECTANGLE | 1u << LIGHT_MEDIUM))
 #define TURNING_KINDS (1u << LIGHT_ENVMAP)
 #define IS_AMONG(number, kinds) (((kinds) >> (number)&1u) != 0u)
 
@@ -202,6 +203,8 @@ FN uint choose_lane_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* r
   }
   if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
     choose_envmap_cells(scene, chosen->kind, chosen->u, v, samplings);
+  if (HAS_LIGHT(MEDIUM) && (among >> LIGHT_MEDIUM & 1u) != 0u)
+    choose_glow_points(scene, chosen->light, chosen->kind, chosen->u, v, samplings);
   return among;
 }
 
@@ -243,6 +246,8 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, receivers->time, samples);
+  if (HAS_LIGHT(MEDIUM) && (among >> LIGHT_MEDIUM & 1u) != 0u)
+    colour_glow_samples(scene, chosen.light, chosen.kind, samplings, samples);
 }
 
 /// The emission of the lights that rays hit. Pdfs are 0 unless `compared`.

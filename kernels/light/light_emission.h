@@ -128,6 +128,12 @@ FN LightSample emit_projector_light(const PRIVATE Scene* scene, int index, Light
                          scale(light.radiance, PI_F * width * height));
 }
 
+/// No photons: what they light has its light from media by rays alone.
+FN LightSample emit_medium_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
+                                 float v, float s, float t, LightSampling sampling, ulong strategies) {
+  return no_light_sample();
+}
+
 // For each kind of light, the lanes that chose it.
 #define EMIT_LANES(name, NAME, number, strategies, description)                                            \
   STAGE void emit_##name##_lights(                                                                         \

@@ -22,7 +22,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
   X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
-  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")
+  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")                   \
+  X(medium, MEDIUM, 11, 0, "grids of media that emit")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light along one axis
@@ -37,7 +38,10 @@ PENUMBRA_NAMESPACE_BEGIN
   /* See delta_lights.h. */                                                           \
   T(A, beams, Beam, 1, "beams of spot lights and projectors")                         \
   /* See light_grid.h. */                                                             \
-  T(A, light_grids, float, 3, "distributions over textured lights")
+  T(A, light_grids, float, 3, "distributions over textured lights")                   \
+  /* See medium_light.h. */                                                           \
+  T(A, glows, Glow, 1, "media that are lights")                                       \
+  T(A, glow_blocks, GlowBlock, 1, "distributions over media")
 
 #define ENUMERATE_KIND(name, NAME, number, strategies, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, strategies, description) +1

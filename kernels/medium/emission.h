@@ -8,6 +8,7 @@
 // of ratio tracking, which find what is in front in a dense medium.
 #ifndef PENUMBRA_MEDIUM_EMISSION_H
 #define PENUMBRA_MEDIUM_EMISSION_H
+#include "kernels/light/mis.h"
 #include "kernels/medium/tracking.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -121,9 +122,23 @@ FN vec3 passed_to(GLOBAL const Medium* medium, const PRIVATE DimmedRay* ray, flo
   return is_grid(medium) ? ray->kept : mul(ray->kept, exp3(scale(load3(&medium->extinction), -t)));
 }
 
-/// What a ray collects over `length` from the origin in a medium whose emission varies: an unbiased estimate.
+/// What weighs against samples of a light that the medium is, see light/medium_light.h.
+typedef struct {
+  float direction;  ///< pdf of the ray's direction at its start
+  float light;      ///< pdf of the light's samples at distance 1; 0: there are none
+  float way;        ///< distance from the ray's start to the origin
+  int heuristic;    ///< HEURISTIC_*
+} EmissionBalance;
+
+/// The weight of what a ray finds at the distance `t` from the origin.
+FN float emission_weight(EmissionBalance balance, float t) {
+  return mis_weight(balance.heuristic, balance.direction, balance.light * sqr(balance.way + t));
+}
+
+/// What a ray collects over `length` from the origin in a medium whose emission varies, times the weights: an
+/// unbiased estimate.
 FN vec3 track_emission(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin, vec3 direction,
-                       float length, uint random) {
+                       float length, EmissionBalance balance, uint random) {
   GLOBAL const Volume* v =
       scene->volumes + (medium->emission_grid >= 0 ? medium->emission_grid : medium->density);
   vec3 sum = make_vec3(0.0f, 0.0f, 0.0f);
@@ -141,7 +156,9 @@ FN vec3 track_emission(const PRIVATE Scene* scene, GLOBAL const Medium* medium, 
       const vec3 share = dimming_share(scene, medium, &ray), passed = passed_to(medium, &ray, ray.walk.t);
       const float real = max_component(share);
       const float both = rate * majorant_within(scene, v, p) + real * ray.walk.majorant;
-      if (real > 0.0f) sum = add(sum, scale(mul(passed, emission_at(scene, medium, p)), real / both));
+      const float weight = emission_weight(balance, ray.walk.t);
+      if (real > 0.0f)
+        sum = add(sum, scale(mul(passed, emission_at(scene, medium, p)), weight * (real / both)));
       if (is_grid(medium)) ray.kept = mul(ray.kept, one_minus3(share));
       const bool by_chance = max_component(passed) < LEAST_SURE_PASSING;
       if (by_chance && next_number(&ray.walk) < 0.5f) return sum;
@@ -154,7 +171,9 @@ FN vec3 track_emission(const PRIVATE Scene* scene, GLOBAL const Medium* medium, 
     if (!more) break;
     const vec3 p = add_scaled(origin, points.t, direction);
     const float both = points.majorant + max_component(extinction_at(scene, medium, p));
-    sum = add(sum, scale(mul(passed_to(medium, &ray, points.t), emission_at(scene, medium, p)), 1.0f / both));
+    const float weight = emission_weight(balance, points.t);
+    sum =
+        add(sum, scale(mul(passed_to(medium, &ray, points.t), emission_at(scene, medium, p)), weight / both));
     points.left = 1.0f;
   }
   return sum;

@@ -28,6 +28,7 @@
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/matte_book.h"
 #include "scenes/device/media_book.h"
+#include "scenes/device/medium_lights.h"
 #include "scenes/device/motion_tables.h"
 #include "scenes/device/moving_parts.h"
 #include "scenes/device/quadric_record.h"
@@ -663,6 +664,9 @@ class SceneBuilder {
         if (motion_) add_moving_emitter(std::size_t(&emitter - scene_.emitters.data()), light);
         if (is_sky(emitter)) h_.environment = light;
       }
+    if (samples_media())
+      for (const MediumLight& made : medium_lights(h_.camera_medium, records_))
+        records_.media[std::size_t(made.medium)].light = lights_.add(made.light);
     lights_.finish();
     records_.lights = lights_.lights();
     records_.light_cells = lights_.cells();
@@ -673,6 +677,12 @@ class SceneBuilder {
       each_shape(scene_, [&](const Shape& shape) {
         if (mark_flat_glass(shape, records_.materials)) need(FEATURE_FLAT_GLASS);
       });
+  }
+
+  /// Whether media are lights: with paths whose light and direction samples are balanced.
+  [[nodiscard]] bool samples_media() const {
+    return has(FEATURE_EMITTING_MEDIA) && direct_sampling(scene_.integrator) == DirectSampling::kMis &&
+           !has_photons(scene_.integrator) && !wants_polygons(scene_.integrator);
   }
 
   void add_moving_emitter(std::size_t emitter, int light) {

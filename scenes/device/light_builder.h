@@ -49,6 +49,8 @@ class LightBuilder {
   /// Adds an emitter, which must not be black.
   int add_emitter(const Emitter& emitter, const EmitterPlace& place);
 
+  int add(const EmitterLight& made);
+
   /// Extends the bounds of a light to all places between these states, which it takes one after the other.
   void cover(int light, std::span<const LightState> states);
 
@@ -79,7 +81,6 @@ class LightBuilder {
   enum Class { kShapes, kPoints, kSkies, kClasses };  ///< a directional light belongs to the class of skies
 
   int add(Light light, const glm::vec3& radiance, double area, double power);
-  int add(const EmitterLight& made);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
   [[nodiscard]] bool is_textured(const Shape& shape) const;

@@ -230,7 +230,7 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
     return fail(
         fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
   Medium nothing{};
-  nothing.density = nothing.albedo_grid = nothing.emission_grid = -1;
+  nothing.density = nothing.albedo_grid = nothing.emission_grid = nothing.light = -1;
   records.media.push_back(nothing);
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
@@ -241,7 +241,7 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);
     record.material = material_of_phase(medium.phase, records, first_material);
-    record.density = record.albedo_grid = record.emission_grid = -1;
+    record.density = record.albedo_grid = record.emission_grid = record.light = -1;
     record.emission = to_vec3(medium.emission);
     record.emission_by_density = medium.emits() && medium.density && medium.emission_by_density ? 1 : 0;
     const std::optional<GridVolume> emission = emission_grid(medium);

@@ -103,18 +103,21 @@ class PilotPaths {
     if (is_own_light(&scene_, r, light)) return {};
     const float v = number();
     LightSample found = no_light_sample();
+    LightSampling sampling = no_light_sampling();
+    const bool glows = scene_.lights[light].kind == LIGHT_MEDIUM;
+    if (glows) sampling = sample_glow(&scene_, light, u, v, sampling);
     switch (scene_.lights[light].kind) {
-#define SAMPLE_KIND(name, NAME, number, ways, description)                                                 \
-  case LIGHT_##NAME:                                                                                       \
-    found =                                                                                                \
-        sample_##name##_light(&scene_, light, load_light(scene_.lights + light),                           \
-                              still_axes(&scene_, light, LIGHT_##NAME), r, u, v, no_light_sampling(), 0u); \
+#define SAMPLE_KIND(name, NAME, number, ways, description)                                          \
+  case LIGHT_##NAME:                                                                                \
+    found = sample_##name##_light(&scene_, light, load_light(scene_.lights + light),                \
+                                  still_axes(&scene_, light, LIGHT_##NAME), r, u, v, sampling, 0u); \
     break;
       LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
       default:
         return {};
     }
+    if (glows) found.radiance = mul(found.radiance, glow_emission(&scene_, light, sampling));
     if (!(found.tmax > 0 && found.pdf > 0) || (is_beneath(s, found.wi) && !all_around)) return {};
     const double cosine = double(dot3(s.shading, found.wi));
     const double kept = all_around ? std::abs(cosine) : std::max(cosine, 0.0);
