@@ -148,9 +148,11 @@ FN vec3 track_emission(const PRIVATE Scene* scene, GLOBAL const Medium* medium, 
   const float rate = EMISSION_POINTS / whole;
   points.left = next_number(&points);
   DimmedRay ray = start_dimming(scene, medium, origin, direction, length, hash_uint(random ^ 0x2545f491u));
-  int collisions = 0;
+  int collisions = 0, found = 0;
   for (bool more = true; more;) {
-    more = next_collision(scene, v, rate, &points);
+    // Where the ray only grazes the grid, floats cannot distinguish the points, and no number of them ends
+    // it.
+    more = found++ < (int)EMISSION_POINTS && next_collision(scene, v, rate, &points);
     while (next_dimming(scene, medium, more ? points.t : points.end, &ray)) {
       const vec3 p = add_scaled(origin, ray.walk.t, direction);
       const vec3 share = dimming_share(scene, medium, &ray), passed = passed_to(medium, &ray, ray.walk.t);
