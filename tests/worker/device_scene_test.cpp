@@ -444,6 +444,51 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithLights) {
   }
 }
 
+TEST(DeviceSceneCheck, NamesWhatIsWrongWithMediaThatAreLights) {
+  const DeviceScene scene = build_or_throw(flames());
+  const SceneHeader& h = scene.header;
+  ASSERT_EQ(h.tables.glows.count, 2);
+  const auto lights = table<Light>(scene, h.tables.lights);
+  const auto at = std::size_t(std::ranges::find(lights, int(LIGHT_MEDIUM), &Light::kind) - lights.begin());
+  const auto with_glow = [&](auto change) { return with_record<Glow>(scene, h.tables.glows, 1, change); };
+  const auto with_block = [&](std::size_t k, auto change) {
+    return with_record<GlowBlock>(scene, h.tables.glow_blocks, k, change);
+  };
+  for (const int glow : {-1, 2, INT_MAX})
+    expect_refused(with_record<Light>(scene, h.tables.lights, at, [&](Light& l) { l.beam = glow; }),
+                   "a medium names a light that is not its own");
+  expect_refused(with_record<Light>(scene, h.tables.lights, at, [](Light& l) { l.area = 0; }),
+                 "the medium of a light is not there");
+  for (const int light : {-2, h.tables.lights.count})
+    expect_refused(with_record<Medium>(scene, h.tables.media, 1, [&](Medium& m) { m.light = light; }),
+                   "a medium names a light that is not there");
+  for (std::size_t k = 0; k < lights.size(); ++k)
+    if (lights[k].kind != LIGHT_MEDIUM)
+      expect_refused(with_record<Medium>(scene, h.tables.media, 1, [&](Medium& m) { m.light = int(k); }),
+                     "a medium names a light that is not its own");
+  for (const int medium : {-1, h.tables.media.count})
+    expect_refused(with_glow([&](Glow& g) { g.medium = medium; }), "a light names a medium");
+  for (const int medium : {0, 1}) expect_refused(with_glow([&](Glow& g) { g.medium = medium; }), "medium");
+  for (const int volume : {-1, h.tables.volumes.count})
+    expect_refused(with_glow([&](Glow& g) { g.volume = volume; }), "a light names a volume");
+  expect_refused(with_glow([](Glow& g) { g.by_area = std::numeric_limits<float>::infinity(); }),
+                 "a light of a medium has cells of implausible size");
+  for (const int side : {-1, 0, INT_MAX})
+    expect_refused(with_glow([&](Glow& g) { g.side = side; }), "blocks that are not there");
+  for (const int first : {-1, 1, h.tables.glow_blocks.count, INT_MAX})
+    expect_refused(with_glow([&](Glow& g) { g.first_block = first; }), "a light");
+  for (const int blocks : {-1, 0, h.tables.glow_blocks.count, INT_MAX})
+    expect_refused(with_glow([&](Glow& g) { g.blocks = blocks; }), "blocks that are not there");
+  for (const int x : {-1, 3, INT_MAX})
+    expect_refused(with_block(0, [&](GlowBlock& b) { b.x = x; }), "outside of its volume");
+  for (const float below : {-1.0f, 1.0f, std::numeric_limits<float>::quiet_NaN()})
+    expect_refused(with_block(1, [&](GlowBlock& b) { b.below = below; }), "not in order");
+  expect_refused(with_block(0, [](GlowBlock& b) { b.below = 0.001f; }), "do not begin at 0");
+  DeviceScene without = scene;
+  without.header.features &= ~std::uint64_t{FEATURE_EMITTING_MEDIA};
+  expect_refused(without, "feature bit");
+}
+
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {
   for (const NamedScene& named : device_scenes()) {
     const DeviceScene scene = build_or_throw(named.make());

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
@@ -119,6 +120,44 @@ SceneDescription photons() {
   scene.integrator.method = ppm;
   return scene;
 }
+
+}  // namespace
+
+SceneDescription flames() {
+  SceneDescription scene = film_and_camera();
+  add_box(scene);
+  scene.bsdfs.push_back({"nothing", NullBsdf{}});
+  auto cells = std::make_shared<VolumeGrid>();
+  cells->nx = 3;
+  cells->ny = 2;
+  cells->nz = 4;
+  for (int k = 0; k < 24; ++k) cells->values.push_back(k % 5 == 0 ? 0.0f : 0.3f * float(k));
+  const auto from = [&](double x) {
+    return GridVolume{.grid = cells, .to_world = translation(dvec3(x, -0.5, -0.3)) * scaling(dvec3(0.5))};
+  };
+  for (const bool by_density : {false, true}) {
+    const double x = by_density ? -0.6 : 0.1;
+    ParticipatingMedium medium{.name = "flame",
+                               .extinction = glm::vec3(2, 3, 4),
+                               .albedo = glm::vec3(0.8f),
+                               .phase = {{PHASE_HG, 0.4f, 1}}};
+    medium.emission = glm::vec3(3, 2, 1);
+    if (!by_density) medium.emission_grid = from(x);
+    medium.density = from(x);
+    medium.emission_by_density = by_density;
+    scene.media.push_back(medium);
+    Shape ball;
+    ball.name = "ball";
+    ball.geometry = Sphere{.center = dvec3(x + 0.25, -0.25, -0.05), .radius = 0.28};
+    ball.front_bsdf = ball.back_bsdf = int(scene.bsdfs.size()) - 1;
+    ball.interior = int(scene.media.size()) - 1;
+    scene.shapes.push_back(ball);
+  }
+  scene.integrator.method = VolpathIntegrator{};
+  return scene;
+}
+
+namespace {
 
 SceneDescription photons_of_one_map() {
   SceneDescription scene = photons();
@@ -275,7 +314,8 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"Emitters", emitters},
                                               {"EnvironmentAlone", environment_alone},
                                               {"Photons", photons},
-                                              {"PhotonsOfOneMap", photons_of_one_map}};
+                                              {"PhotonsOfOneMap", photons_of_one_map},
+                                              {"Flames", flames}};
   return scenes;
 }
 

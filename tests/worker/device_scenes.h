@@ -44,6 +44,8 @@ SceneDescription environment_alone();
 
 /// The box with lights of all kinds, those of shapes with textures.
 SceneDescription emitters();
+/// Two media that are lights, one by its density, by path tracing.
+SceneDescription flames();
 
 struct NamedScene {
   std::string name;
