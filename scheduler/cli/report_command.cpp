@@ -95,7 +95,7 @@ Expected<void> write_report(const fs::path& folder, const ReportData& report) {
 void print_summary(const fs::path& folder, const ReportData& report) {
   for (const SceneReport& scene : report.scenes) {
     print_remark(scene.name + "\n");
-    for (const Curve& curve : scene.curves) {
+    for (const ErrorCurve& curve : scene.curves) {
       const auto& fit = curve.mse_over_time.fit;
       print_remark(
           fmt::format("  {:<40} {}\n", curve.name.label,

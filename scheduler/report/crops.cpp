@@ -13,7 +13,7 @@ namespace {
 
 double common_seconds(const ReportData& report, const SceneReport& scene) {
   double common = INFINITY;
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     double longest = 0;
     for (const CurvePoint& point : curve.points) longest = std::max(longest, report.seconds(point.seconds));
     if (longest > 0) common = std::min(common, longest);
@@ -78,7 +78,7 @@ Image cut(const Image& image, const PixelWindow& window, double exposure) {
   return part;
 }
 
-const CurvePoint* nearest_point(const ReportData& report, const Curve& curve, double seconds) {
+const CurvePoint* nearest_point(const ReportData& report, const ErrorCurve& curve, double seconds) {
   const auto distance = [&](const CurvePoint& point) {
     return std::abs(std::log(std::max(1e-9, report.seconds(point.seconds)) / std::max(1e-9, seconds)));
   };
@@ -113,7 +113,7 @@ Expected<CropSet> make_crops(const ReportData& report, const SceneReport& scene,
 
   std::vector<Measured> measured;
   std::vector<double> tops;
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     const CurvePoint* point = nearest_point(report, curve, set.seconds);
     if (point == nullptr) continue;
     auto one = measure(*point, reference, window, report, options.exposure);

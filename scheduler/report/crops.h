@@ -16,7 +16,7 @@ struct CropOptions {
 };
 
 /// The point with the nearest time, by ratio; null for a curve without points.
-const CurvePoint* nearest_point(const ReportData& report, const Curve& curve, double seconds);
+const CurvePoint* nearest_point(const ReportData& report, const ErrorCurve& curve, double seconds);
 
 /// `errors` holds the relative squared error of each pixel, summed over all measurements; see choose_crop.
 /// Errors: an image cannot be read any more.

@@ -56,7 +56,7 @@ Slope slope_over_time(const std::vector<CostError>& points, double shortest) {
 
 /// If errors fall as 1 / T, the efficiency 1 / (error T) is constant along the curve. Otherwise it
 /// characterises a budget, not a method, and is not reported.
-void find_efficiency(const ReportData& report, Curve& curve) {
+void find_efficiency(const ReportData& report, ErrorCurve& curve) {
   curve.efficiency.reset();
   const auto& fit = curve.mse_over_time.fit;
   curve.no_efficiency = !fit ? "no slope" : fit->holds(-1) ? "" : "slope is not -1";
@@ -133,7 +133,7 @@ Expected<CurvePoint> measure_point(std::uint32_t spp, std::vector<ImageResult> i
   return point;
 }
 
-std::vector<CostError> over_time(const ReportData& report, const Curve& curve, bool relative) {
+std::vector<CostError> over_time(const ReportData& report, const ErrorCurve& curve, bool relative) {
   std::vector<CostError> points;
   for (const CurvePoint& point : curve.points) {
     points.push_back(
@@ -142,7 +142,7 @@ std::vector<CostError> over_time(const ReportData& report, const Curve& curve, b
   return points;
 }
 
-std::vector<CostError> over_spp(const Curve& curve, bool relative) {
+std::vector<CostError> over_spp(const ErrorCurve& curve, bool relative) {
   std::vector<CostError> points;
   for (const CurvePoint& point : curve.points) {
     if (point.spp > 0)
@@ -151,7 +151,7 @@ std::vector<CostError> over_spp(const Curve& curve, bool relative) {
   return points;
 }
 
-double error_at_time(const ReportData& report, const Curve& curve, double seconds) {
+double error_at_time(const ReportData& report, const ErrorCurve& curve, double seconds) {
   std::vector<CostError> points = over_time(report, curve, true);
   std::erase_if(points, [](const CostError& p) { return !(p.cost > 0 && p.error > 0); });
   std::ranges::sort(points, {}, &CostError::cost);
@@ -164,7 +164,7 @@ double error_at_time(const ReportData& report, const Curve& curve, double second
   return std::nan("");
 }
 
-double shortest_timed(const Curve& curve) {
+double shortest_timed(const ErrorCurve& curve) {
   std::vector<double> start, workers;
   for (const CurvePoint& point : curve.points)
     for (const ImageResult& image : point.images) {
@@ -175,7 +175,7 @@ double shortest_timed(const Curve& curve) {
   return std::max(median(std::move(start)), kStartsOfWorkers * median(std::move(workers)));
 }
 
-void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve) {
+void finish_curve(const ReportData& report, std::span<const Target> targets, ErrorCurve& curve) {
   const double shortest = shortest_timed(curve);
   curve.mse_over_time = slope_over_time(over_time(report, curve, false), shortest);
   curve.relmse_over_time = slope_over_time(over_time(report, curve, true), shortest);
@@ -194,9 +194,9 @@ void finish_curve(const ReportData& report, std::span<const Target> targets, Cur
   find_efficiency(report, curve);
 }
 
-std::optional<Target> common_target(const ReportData& report, std::span<const Curve> curves) {
+std::optional<Target> common_target(const ReportData& report, std::span<const ErrorCurve> curves) {
   double worst = 0;
-  for (const Curve& curve : curves) {
+  for (const ErrorCurve& curve : curves) {
     CostError last;
     for (const CostError& point : over_time(report, curve, true)) {
       if (point.error > 0 && point.cost >= last.cost) last = point;

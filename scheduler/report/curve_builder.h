@@ -21,20 +21,20 @@ Expected<CurvePoint> measure_point(std::uint32_t spp, std::vector<ImageResult> i
                                    const std::function<void(const ImagePair&)>& on_pair = {});
 
 /// MSE or relMSE of each point over its median time, or over samples per pixel.
-std::vector<CostError> over_time(const ReportData& report, const Curve& curve, bool relative);
-std::vector<CostError> over_spp(const Curve& curve, bool relative);
+std::vector<CostError> over_time(const ReportData& report, const ErrorCurve& curve, bool relative);
+std::vector<CostError> over_spp(const ErrorCurve& curve, bool relative);
 
 /// relMSE at that time, interpolated linearly in log error over log time; NaN outside the measured range.
-double error_at_time(const ReportData& report, const Curve& curve, double seconds);
+double error_at_time(const ReportData& report, const ErrorCurve& curve, double seconds);
 
 /// Fits the curve's slopes, over time only to budgets that take at least shortest_timed, and computes the
 /// times to `targets` and the efficiency.
-void finish_curve(const ReportData& report, std::span<const Target> targets, Curve& curve);
+void finish_curve(const ReportData& report, std::span<const Target> targets, ErrorCurve& curve);
 
 /// The shortest render time, in seconds, from which slopes over time are fitted: what the start takes, from
 /// the scene file to the first worker that is ready, and at least kStartsOfWorkers times what starting the
 /// workers takes. Medians over all images. 0 for peers, of which both are unknown.
-double shortest_timed(const Curve& curve);
+double shortest_timed(const ErrorCurve& curve);
 
 /// Waking threads and first requests take about as long within a render as starting the workers before it. In
 /// a run that is so many times longer they are at most a fourth.
@@ -42,6 +42,6 @@ constexpr double kStartsOfWorkers = 4;
 
 /// The smallest relMSE that the longest run of every curve reaches, as a common target. Nothing if there is
 /// none.
-std::optional<Target> common_target(const ReportData& report, std::span<const Curve> curves);
+std::optional<Target> common_target(const ReportData& report, std::span<const ErrorCurve> curves);
 
 }  // namespace penumbra

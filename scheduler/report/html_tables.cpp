@@ -31,7 +31,7 @@ std::string fit_text(const Slope& slope) {
 /// One row per curve, one column per budget.
 std::string equal_sample_table(const SceneReport& scene) {
   std::set<std::uint32_t> budgets;
-  for (const Curve& curve : scene.curves)
+  for (const ErrorCurve& curve : scene.curves)
     for (const CurvePoint& point : curve.points)
       if (point.spp > 0) budgets.insert(point.spp);
   std::vector<std::string> header = {"relMSE at spp"};
@@ -53,7 +53,7 @@ std::string equal_sample_table(const SceneReport& scene) {
 /// relMSE at times a factor of two apart, interpolated in log-log.
 std::string equal_time_table(const ReportData& report, const SceneReport& scene) {
   double low = INFINITY, high = 0;
-  for (const Curve& curve : scene.curves)
+  for (const ErrorCurve& curve : scene.curves)
     for (const CurvePoint& point : curve.points) {
       low = std::min(low, report.seconds(point.seconds));
       high = std::max(high, report.seconds(point.seconds));
@@ -107,7 +107,7 @@ std::string points_table(const SceneReport& scene) {
                   {"method", "spp", "images", "build", "transfer", "render", "total", "MSE", "relMSE",
                    "trimmed", "of blocks", "MAPE", "SMAPE", "largest", "left out", "load"});
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     const bool peer = curve.name.peer;
     for (const CurvePoint& point : curve.points) {
       double load = 0;
@@ -132,12 +132,12 @@ std::string points_table(const SceneReport& scene) {
 
 std::string sampler_table(const SceneReport& scene) {
   std::set<std::string> samplers;
-  for (const Curve& curve : scene.curves)
+  for (const ErrorCurve& curve : scene.curves)
     if (!curve.name.peer) samplers.insert(curve.name.sampler);
   if (samplers.size() < 2) return {};
   HtmlTable table("Samplers", {"sampler", "slope of MSE over spp", "expected: smooth", "expected: edges"});
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     if (curve.name.peer) continue;
     const auto order = expected_order(curve.name.sampler);
     table.add({swatch(i, curve.name.label), fit_text(curve.mse_over_spp),
@@ -158,7 +158,7 @@ std::string scene_summary_html(const SceneReport& scene) {
   header.insert(header.end(), {"efficiency 1 / (MSE T)", "estimates"});
   HtmlTable table("Methods", header);
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     std::vector<std::string> cells = {swatch(i, curve.name.label), fit_text(curve.mse_over_time),
                                       fit_text(curve.relmse_over_time), fit_text(curve.mse_over_spp)};
     for (std::size_t t = 0; t < scene.targets.size(); ++t) {

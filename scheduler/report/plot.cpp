@@ -133,7 +133,7 @@ bool has_clear_bias(const CurvePoint& point) {
 PlotRanges ranges_of(const ReportData& report) {
   PlotRanges ranges;
   for (const SceneReport& scene : report.scenes)
-    for (const Curve& curve : scene.curves)
+    for (const ErrorCurve& curve : scene.curves)
       for (const CurvePoint& point : curve.points) {
         if (point.errors.relative_mse > 0) ranges.seconds.include(report.seconds(point.seconds));
         if (point.spp > 0) ranges.budgets.insert(point.spp);
@@ -151,7 +151,7 @@ PlotRanges ranges_of(const ReportData& report) {
 constexpr int kMostXLabels = 6, kMostYLabels = 9;
 
 /// Peers have open symbols, so that they can be distinguished in grey print.
-std::string style(const Curve& curve, std::size_t index) {
+std::string style(const ErrorCurve& curve, std::size_t index) {
   static constexpr int kFilled[] = {7, 5, 9, 11, 13, 15}, kOpen[] = {6, 4, 8, 10, 12, 14};
   const int point = (curve.name.peer ? kOpen : kFilled)[index % 6];
   return fmt::format("lc rgb '{}' lw 2 pt {} ps 0.8{}", curve_color(index), point,
@@ -162,7 +162,7 @@ std::string slope_text(double slope) {
   return fmt::format("{}{:.2f}", slope < 0 ? "−" : "", std::abs(slope));
 }
 
-std::string legend(const Curve& curve, const Slope& slope) {
+std::string legend(const ErrorCurve& curve, const Slope& slope) {
   return slope.fit ? fmt::format("{} ({})", shortened(curve.name.label), slope_text(slope.fit->slope))
                    : shortened(curve.name.label);
 }
@@ -183,9 +183,9 @@ std::vector<PlotPoint> guide_line(const std::vector<std::vector<PlotPoint>>& cur
 /// relMSE of each point of each curve over its cost, which is not positive where there is none.
 std::string curves_script(const SceneReport& scene, const std::string& x_label, const std::string& axes,
                           const AxisRange& x, const AxisRange& y,
-                          const std::function<double(const CurvePoint&)>& cost, Slope Curve::*slope) {
+                          const std::function<double(const CurvePoint&)>& cost, Slope ErrorCurve::*slope) {
   std::vector<std::vector<PlotPoint>> all;
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     all.emplace_back();
     for (const CurvePoint& point : curve.points)
       all.back().push_back({cost(point), point.errors.relative_mse, point.relative_mse_error});
@@ -218,7 +218,7 @@ std::vector<PlotPoint> order_line(const std::vector<PlotPoint>& points, double s
 /// What the plot of relMSE over time shows, as text.
 std::string time_description(const ReportData& report, const SceneReport& scene) {
   std::string text = "Both axes are logarithmic.";
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     if (curve.points.empty()) continue;
     const CurvePoint &first = curve.points.front(), &last = curve.points.back();
     text += fmt::format(" {}: from {:.2g} at {:.2g} s to {:.2g} at {:.2g} s", curve.name.label,
@@ -241,7 +241,7 @@ std::string time_plot_script(const ReportData& report, const SceneReport& scene)
       scene, report.total_time ? "total time in seconds" : "render time in seconds",
       axis_script('x', ranges.seconds, kMostXLabels) + axis_script('y', ranges.relative_mse, kMostYLabels),
       ranges.seconds, ranges.relative_mse,
-      [&](const CurvePoint& point) { return report.seconds(point.seconds); }, &Curve::relmse_over_time);
+      [&](const CurvePoint& point) { return report.seconds(point.seconds); }, &ErrorCurve::relmse_over_time);
 }
 
 std::string spp_plot_script(const ReportData& report, const SceneReport& scene) {
@@ -252,7 +252,7 @@ std::string spp_plot_script(const ReportData& report, const SceneReport& scene) 
       scene, "samples per pixel",
       budget_axis_script(ranges.budgets) + axis_script('y', ranges.relative_mse, kMostYLabels), budgets,
       ranges.relative_mse, [](const CurvePoint& point) { return double(point.spp); },
-      &Curve::relmse_over_spp);
+      &ErrorCurve::relmse_over_spp);
 }
 
 std::string bias_plot_script(const ReportData& report, const SceneReport& scene) {
@@ -260,7 +260,7 @@ std::string bias_plot_script(const ReportData& report, const SceneReport& scene)
   Script script("samples per pixel", "relative variance, bias²");
   script.text(budget_axis_script(ranges.budgets) + axis_script('y', ranges.split, kMostYLabels));
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     std::vector<PlotPoint> variance, bias;
     for (const CurvePoint& point : curve.points) {
       if (point.spp == 0 || point.images.size() < 2) continue;
@@ -278,7 +278,7 @@ std::string bias_plot_script(const ReportData& report, const SceneReport& scene)
 
 std::string sampler_plot_script(const ReportData& report, const SceneReport& scene) {
   std::set<std::string> samplers;
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     if (!curve.name.peer) samplers.insert(curve.name.sampler);
   }
   if (samplers.size() < 2) return "";
@@ -287,7 +287,7 @@ std::string sampler_plot_script(const ReportData& report, const SceneReport& sce
   script.text(budget_axis_script(ranges.budgets) + axis_script('y', ranges.mse, kMostYLabels));
   std::map<double, std::string> orders;  // the samplers with that slope
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     if (curve.name.peer || curve.points.empty()) continue;
     std::vector<PlotPoint> points;
     for (const CurvePoint& point : curve.points)

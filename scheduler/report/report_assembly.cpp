@@ -68,9 +68,9 @@ class ErrorSum {
   double epsilon_;
 };
 
-Expected<Curve> rendered_curve(const CurvePlan& plan, const CellStore& store, const Reference& reference,
-                               double epsilon, ErrorSum& errors, std::size_t& missing) {
-  Curve curve;
+Expected<ErrorCurve> rendered_curve(const CurvePlan& plan, const CellStore& store, const Reference& reference,
+                                    double epsilon, ErrorSum& errors, std::size_t& missing) {
+  ErrorCurve curve;
   curve.name = plan.name;
   for (std::size_t i = 0; i < plan.cells.size(); ++i) {
     std::vector<ImageResult> images;
@@ -91,8 +91,9 @@ Expected<Curve> rendered_curve(const CurvePlan& plan, const CellStore& store, co
   return curve;
 }
 
-Expected<Curve> peer_curve(const Peer& peer, const Reference& reference, double epsilon, ErrorSum& errors) {
-  Curve curve;
+Expected<ErrorCurve> peer_curve(const Peer& peer, const Reference& reference, double epsilon,
+                                ErrorSum& errors) {
+  ErrorCurve curve;
   curve.name.label = peer.name;
   curve.name.peer = true;
   for (const PeerImage& image : peer.images) {
@@ -112,7 +113,7 @@ void add_remarks(SceneReport& scene, std::size_t missing) {
   if (missing > 0)
     scene.remarks.push_back(
         fmt::format("missing: {}; the curves are incomplete.", counted(missing, "image")));
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     std::uint64_t bad = 0, hidden = 0;
     for (const CurvePoint& point : curve.points) {
       for (const ImageResult& image : point.images) bad += image.bad_samples;
@@ -170,7 +171,7 @@ Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options
     if (const auto target = common_target(report, scene.curves)) scene.targets = {*target};
     scene.target_chosen = true;
   }
-  for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
+  for (ErrorCurve& curve : scene.curves) finish_curve(report, scene.targets, curve);
   add_remarks(scene, missing_here);
   missing += missing_here;
   auto crops = make_crops(report, scene, truth, errors.values(),

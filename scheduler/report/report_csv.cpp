@@ -15,7 +15,7 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 struct Row {
   const ReportData& report;
   const SceneReport& scene;
-  const Curve& curve;
+  const ErrorCurve& curve;
   const CurvePoint& point;
   const ImageResult& image;
 
@@ -74,7 +74,7 @@ std::string report_csv(const ReportData& report) {
   for (const Column& column : kColumns) names.emplace_back(column.name);
   std::string csv = csv_line(names);
   for (const SceneReport& scene : report.scenes)
-    for (const Curve& curve : scene.curves)
+    for (const ErrorCurve& curve : scene.curves)
       for (const CurvePoint& point : curve.points)
         for (const ImageResult& image : point.images) csv += line_of({report, scene, curve, point, image});
   return csv;

@@ -65,7 +65,7 @@ struct CurveName {
   bool same_quantity = true;  ///< the same limit image as the reference
 };
 
-struct Curve {
+struct ErrorCurve {
   CurveName name;
   std::vector<CurvePoint> points;  ///< by budget, or by time
   Slope mse_over_time, relmse_over_time, mse_over_spp, relmse_over_spp;
@@ -131,7 +131,7 @@ struct SceneReport {
   ReferenceSummary reference;
   std::vector<Target> targets;
   bool target_chosen = false;  ///< chosen by the report: the smallest error that every curve reaches
-  std::vector<Curve> curves;
+  std::vector<ErrorCurve> curves;
   std::optional<CropSet> crops;
   std::vector<Plot> plots;
   std::vector<std::string> remarks;

@@ -97,7 +97,7 @@ Json time_json(const std::optional<TimeToTarget>& time) {
   return json;
 }
 
-Json curve_json(const Curve& curve, const std::vector<Target>& targets) {
+Json curve_json(const ErrorCurve& curve, const std::vector<Target>& targets) {
   const CurveName& name = curve.name;
   Json points = Json::array(), to_target = Json::array();
   for (const CurvePoint& point : curve.points) points.push_back(point_json(point, name.peer));
@@ -167,7 +167,7 @@ Json report_data_json(const ReportData& report) {
   Json scenes = Json::array();
   for (const SceneReport& scene : report.scenes) {
     Json curves = Json::array(), targets = Json::array();
-    for (const Curve& curve : scene.curves) curves.push_back(curve_json(curve, scene.targets));
+    for (const ErrorCurve& curve : scene.curves) curves.push_back(curve_json(curve, scene.targets));
     for (const Target& target : scene.targets) targets.push_back(target_json(target));
     scenes.push_back({{"name", scene.name},
                       {"file", scene.file.string()},

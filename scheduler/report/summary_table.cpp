@@ -16,7 +16,7 @@ std::string metric_name(const Target& target) {
 }
 
 /// The longest run, null for a curve without points.
-const CurvePoint* longest(const ReportData& report, const Curve& curve) {
+const CurvePoint* longest(const ReportData& report, const ErrorCurve& curve) {
   const CurvePoint* found = nullptr;
   for (const CurvePoint& point : curve.points)
     if (found == nullptr || report.seconds(point.seconds) > report.seconds(found->seconds)) found = &point;
@@ -69,7 +69,7 @@ std::string latex_scene(const ReportData& report, const SceneReport& scene) {
   }
   std::string rows;
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
-    const Curve& curve = scene.curves[i];
+    const ErrorCurve& curve = scene.curves[i];
     const CurvePoint* last = longest(report, curve);
     rows += fmt::format("{} & {} & {} & {} & {}", latex_escaped(curve.name.label),
                         latex_slope(curve.mse_over_time), latex_slope(curve.mse_over_spp),
@@ -108,7 +108,7 @@ std::string target_text(const std::optional<TimeToTarget>& time) {
 
 std::optional<std::size_t> fastest_curve(const SceneReport& scene, std::size_t target) {
   std::vector<std::optional<TimeToTarget>> times;
-  for (const Curve& curve : scene.curves) times.push_back(curve.to_target[target]);
+  for (const ErrorCurve& curve : scene.curves) times.push_back(curve.to_target[target]);
   return fastest(times);
 }
 
@@ -120,7 +120,7 @@ std::string summary_csv(const ReportData& report) {
       "no_slope_over_spp_because", "longest_seconds", "relmse", "relmse_standard_error", "efficiency",
       "target", "target_error", "seconds", "shorter_than", "longer_than"});
   for (const SceneReport& scene : report.scenes)
-    for (const Curve& curve : scene.curves) {
+    for (const ErrorCurve& curve : scene.curves) {
       std::vector<std::string> fields = {csv_quoted(scene.name), csv_quoted(curve.name.label)};
       add_slope(curve.mse_over_time, fields);
       add_slope(curve.mse_over_spp, fields);

@@ -82,7 +82,7 @@ TEST(ReportJson, TargetsOfBlocks) {
   ReportData report = some_report();
   SceneReport& scene = report.scenes[0];
   scene.targets = {{.relative = true, .error = 0.125, .blocks = true}};
-  for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
+  for (ErrorCurve& curve : scene.curves) finish_curve(report, scene.targets, curve);
   const auto json = nlohmann::json::parse(report_data_json(report).dump())["scenes"][0];
   EXPECT_EQ(json["targets"][0]["metric"], "block_relmse");
   // Of blocks it is 1 / (4 T) and 1 / (4 T^2).
@@ -239,7 +239,7 @@ TEST(Slopes, AreNotClaimedFromRunsShorterThanTheStart) {
   // Starts of 3.5 s, all of it building; and starting workers in a fourth of that.
   for (const auto& [build, transfer] : {std::pair{3.5, 0.0}, {0.0, 0.875}}) {
     ReportData report = some_report();
-    Curve& curve = report.scenes[0].curves[0];
+    ErrorCurve& curve = report.scenes[0].curves[0];
     const auto start = [&, build = build, transfer = transfer] {
       for (CurvePoint& point : curve.points)
         for (ImageResult& image : point.images) {
@@ -267,7 +267,7 @@ TEST(Slopes, AreNotClaimedFromRunsShorterThanTheStart) {
 
 TEST(Slopes, OfPeersCountAllRuns) {
   ReportData report = some_report();
-  Curve& peer = report.scenes[0].curves[2];
+  ErrorCurve& peer = report.scenes[0].curves[2];
   for (const double seconds : {0.01, 0.02, 0.04}) peer.points.push_back(point_of(0, seconds, 1 / seconds));
   finish_curve(report, report.scenes[0].targets, peer);
   ASSERT_TRUE(peer.mse_over_time.fit);

@@ -38,7 +38,7 @@ ReportData large_report(const std::filesystem::path& folder) {
   crops.seconds = 4;
   crops.overview_png = picture(600, 300);
   crops.reference_png = picture(20, 20);
-  for (const Curve& curve : scene.curves) {
+  for (const ErrorCurve& curve : scene.curves) {
     CropPicture one;
     one.label = curve.name.label;
     one.seconds = curve.points.back().seconds.render;
@@ -77,7 +77,7 @@ TEST(ReportPage, LegendsFitWhateverTheLengthOfLabels) {
   const TemporaryFolder folder;
   ReportData report = some_report();
   SceneReport scene = report.scenes[0];
-  for (Curve& curve : scene.curves)
+  for (ErrorCurve& curve : scene.curves)
     for (CurvePoint& point : curve.points) {  // so that numbers at the axis are as wide as 5·10⁻⁶
       point.errors.mse *= 1e-5;
       point.errors.relative_mse *= 1e-5;
@@ -87,7 +87,7 @@ TEST(ReportPage, LegendsFitWhateverTheLengthOfLabels) {
     report.scenes.push_back(scene);
     report.scenes.back().curves.resize(1 + length % 3);
     report.scenes.back().name = std::to_string(length);
-    for (Curve& curve : report.scenes.back().curves)
+    for (ErrorCurve& curve : report.scenes.back().curves)
       curve.name.label = std::string("path_mis: mis=MAXIMUM, max_depth=-1, nee=CV, SOBOL").substr(0, length) +
                          curve.name.label.front();
   }

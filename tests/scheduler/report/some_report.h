@@ -41,19 +41,19 @@ inline ReportData some_report() {
   scene.targets = {{true, 0.5}, {false, 1e-9}};
   scene.reference.halves = {{"truth", "t.exr", 64, 1.5}};
   for (const double slope : {1.0, 2.0}) {
-    Curve curve;
+    ErrorCurve curve;
     curve.name.label = slope == 1 ? "one, \"quoted\"" : "two";
     curve.name.sampler = slope == 1 ? "independent" : "sobol";
     for (const std::uint32_t spp : {1u, 2u, 4u, 8u})
       curve.points.push_back(point_of(spp, spp, std::pow(spp, -slope)));
     scene.curves.push_back(curve);
   }
-  Curve peer;
+  ErrorCurve peer;
   peer.name.label = "peer";
   peer.name.peer = true;
   peer.points = {point_of(0, 3, 0.3)};
   scene.curves.push_back(peer);
-  for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
+  for (ErrorCurve& curve : scene.curves) finish_curve(report, scene.targets, curve);
   scene.remarks = {"<script>"};
   report.scenes = {scene};
   return report;
