@@ -53,7 +53,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(MOTION_LAYER, "layer of motion")                                    \
   X(DISPERSION, "glass whose refractive index differs between colours") \
   X(PANORAMA, "panoramic cameras")                                      \
-  X(EMITTING_MEDIA, "media that emit")
+  X(EMITTING_MEDIA, "media that emit")                                  \
+  X(CURVES, "curves")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -84,6 +84,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
 #define QUADRIC_CYLINDER 2
+// Pieces of curves, see intersect/curve.h; the last one is a ribbon with the normals of a cylinder.
+#define QUADRIC_ROUND 3
+#define QUADRIC_ROUND_BALLS 4
+#define QUADRIC_RIBBON 5
+#define QUADRIC_CYLINDRICAL_RIBBON 6
 
 // Which rays pass through a material: none, all, or a random share (where some leaves of its tree pass rays).
 #define PASSES_NONE 0
@@ -143,6 +148,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, u2)               \
   F(float, v2)
 
+// A piece of a curve has its ends in `center` and `x_axis`, its radii there in `radius` and `length`, its
+// unit tangents in `normal` and `y_axis`, of which the second is as long as the curve's parameter grows, from
+// `orientation`.
 #define QUADRIC_FIELDS(F)                                                                             \
   F(vec3, center) /* cylinder: centre of its first end */                                             \
   F(vec3, normal) /* unit; disk: front normal, sphere: pole of texture coordinates, cylinder: axis */ \
@@ -593,7 +601,7 @@ enum {
 #define SCENE_TABLES(T, A)                                                                 \
   T(A, triangles, Triangle, 1, "triangles")                                                \
   T(A, normals, VertexNormals, 1, "vertex normals")                                        \
-  T(A, quadrics, Quadric, 1, "spheres, disks and cylinders")                               \
+  T(A, quadrics, Quadric, 1, "spheres, disks, cylinders, pieces of curves")                \
   T(A, materials, Material, 1, "materials")                                                \
   T(A, curves, float, 1, "curves of BSDFs")                                                \
   T(A, textures, TextureNode, 1, "textures")                                               \
@@ -796,6 +804,9 @@ enum {
 SHARED_STRUCTS(DECLARE_STRUCT)
 #undef DECLARE_STRUCT
 #undef DECLARE_FIELD
+
+/// Of a quadric.
+FN bool is_curve_kind(int kind) { return kind >= QUADRIC_ROUND; }
 
 PENUMBRA_NAMESPACE_END
 #endif

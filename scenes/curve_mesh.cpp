@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scenes/angles.h"
+#include "scenes/curve_spline.h"
 
 namespace penumbra {
 namespace {
@@ -18,7 +19,6 @@ struct Fineness {
   std::size_t most_rings;
 };
 constexpr Fineness kFineness[] = {{32, 0.004, 20'000}, {16, 0.02, 250'000}, {8, 0.2, SIZE_MAX}};
-constexpr int kMostPieces = 64;  ///< per segment
 constexpr std::size_t kMostTriangles = std::size_t{1} << 27;
 
 /// The finest level for which the number of rings, `rings(fineness)`, is within the level's limit.
@@ -28,13 +28,6 @@ const Fineness& fineness_for(const Rings& rings) {
     if (rings(each) <= each.most_rings) return each;
   return std::end(kFineness)[-1];
 }
-
-/// A point of a curve and its derivatives by the parameter.
-struct Sample {
-  glm::dvec3 position, first, second;  ///< position, first and second derivative
-  double radius, radius_slope;
-  double v;
-};
 
 /// Two unit vectors across a tangent: where u = 0, and a quarter turn further.
 struct Across {
@@ -116,47 +109,6 @@ class TubeBuilder {
   Ring last_, before_;
 };
 
-/// Evaluates a segment of a uniform cubic B-spline, given by four points, at t in [0, 1].
-Sample bspline_at(const ControlPoint* points, double t) {
-  const double s = 1 - t;
-  const std::array<double, 4> w = {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
-                                   (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
-  const std::array<double, 4> d = {-s * s / 2, (3 * t * t - 4 * t) / 2, (-3 * t * t + 2 * t + 1) / 2,
-                                   t * t / 2};
-  const std::array<double, 4> dd = {s, 3 * t - 2, 1 - 3 * t, t};
-  Sample sample{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0), 0, 0, 0};
-  for (std::size_t i = 0; i < 4; ++i) {
-    sample.position += w[i] * points[i].position;
-    sample.first += d[i] * points[i].position;
-    sample.second += dd[i] * points[i].position;
-    sample.radius += w[i] * points[i].radius;
-    sample.radius_slope += d[i] * points[i].radius;
-  }
-  return sample;
-}
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  const double lengths = glm::length(a) * glm::length(b);
-  return lengths > 0 ? std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) : 0.0;
-}
-
-/// The number of pieces for which the chords are near enough to the curve, also on the outside of bends,
-/// where a turn by an angle moves them by the square of the angle over 8.
-int pieces_of(const ControlPoint* points, const Fineness& fineness) {
-  const Sample begin = bspline_at(points, 0), middle = bspline_at(points, 0.5), end = bspline_at(points, 1);
-  // The second derivative is linear, so it is largest at an end. A chord over h deviates by |C''| h^2 / 8.
-  const double bend = std::max(glm::length(begin.second), glm::length(end.second));
-  const double radius = std::max(middle.radius, 1e-30), error = 8 * fineness.chord_error;
-  const double turn = angle_between(begin.first, middle.first) + angle_between(middle.first, end.first);
-  const double pieces = std::max(std::sqrt(bend / (error * radius)), turn / std::sqrt(error));
-  return int(std::clamp(std::ceil(pieces), 1.0, double(kMostPieces)));
-}
-
-glm::dvec3 direction(const glm::dvec3& vector, const glm::dvec3& otherwise) {
-  const double length = glm::length(vector);
-  return length > 0 ? vector / length : otherwise;
-}
-
 Expected<void> check_triangles(std::size_t rings, int sides) {
   if (rings <= kMostTriangles / (2 * std::size_t(sides))) return {};
   return fail(fmt::format("the curves would be {} triangles; at most {} are made",
@@ -177,13 +129,19 @@ void add_sphere(TubeBuilder& builder, const ControlPoint& point, const glm::dvec
 
 }  // namespace
 
+Expected<CurveMesh> curve_mesh(const Curves& curves) {
+  return curves.form == CurveForm::kBalls ? linear_curve_mesh(curves.curves)
+                                          : bspline_curve_mesh(curves.curves);
+}
+
 Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
   std::size_t segments = 0;
   for (const Curve& curve : curves) segments += curve.size() - 3;
   const auto rings = [&](const Fineness& fineness) {
     std::size_t count = curves.size();
     for (const Curve& curve : curves)
-      for (std::size_t i = 0; i + 3 < curve.size(); ++i) count += std::size_t(pieces_of(&curve[i], fineness));
+      for (std::size_t i = 0; i + 3 < curve.size(); ++i)
+        count += std::size_t(pieces_of(&curve[i], fineness.chord_error));
     return count;
   };
   const Fineness& fineness = fineness_for(rings);
@@ -211,7 +169,7 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
     };
     add(0, 0.0);
     for (std::size_t i = 0; i + 3 < curve.size(); ++i) {
-      const int pieces = pieces_of(&curve[i], fineness);
+      const int pieces = pieces_of(&curve[i], fineness.chord_error);
       for (int k = 1; k <= pieces; ++k) {
         add(i, double(k) / pieces);
         builder.join();

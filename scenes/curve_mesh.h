@@ -28,4 +28,7 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves);
 /// triangles.
 Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves);
 
+/// Of curves of any form, as the ones above.
+Expected<CurveMesh> curve_mesh(const Curves& curves);
+
 }  // namespace penumbra

@@ -103,6 +103,15 @@ SurfaceMaterial hair_of_tubes(const SurfaceMaterial& material) {
   return {with_hair(material.front, outside), with_hair(material.back, inside)};
 }
 
+SurfaceMaterial hair_of_round_curves(const SurfaceMaterial& material) {
+  const auto fibre = [](HairBsdf hair) -> BsdfModel {
+    hair.offset = HairBsdf::kFromNormal;
+    return hair;
+  };
+  const MaterialTree front = with_hair(material.front, fibre);
+  return {front, material.back == material.front ? front : with_hair(material.back, fibre)};
+}
+
 SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend) {
   SurfaceBend behind = bend;
   behind.scale = -bend.scale;

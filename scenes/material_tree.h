@@ -56,6 +56,10 @@ SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend);
 /// passed a fibre leaves it without another surface.
 SurfaceMaterial hair_of_tubes(const SurfaceMaterial& material);
 
+/// The material as it is on round curves, of which only the outside is met: hair takes its offset from the
+/// normals.
+SurfaceMaterial hair_of_round_curves(const SurfaceMaterial& material);
+
 /// Adds the BSDFs of trees to a scene. A shared subtree is added once.
 class MaterialInstaller {
  public:

@@ -19,6 +19,10 @@ SceneBounds bounds_of(std::span<const Shape> shapes) {
       bounds.include(cylinder->center, cylinder->radius);
       bounds.include(cylinder->center + cylinder->length * cylinder->axis, cylinder->radius);
     }
+    // The control points of a spline are around it, and so are those of its radius.
+    if (const auto* curves = std::get_if<Curves>(&shape.geometry))
+      for (const Curve& curve : curves->curves)
+        for (const ControlPoint& point : curve) bounds.include(point.position, std::max(point.radius, 0.0));
   }
   return bounds;
 }

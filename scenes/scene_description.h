@@ -15,6 +15,7 @@
 
 #include "scenes/bsdfs.h"
 #include "scenes/cameras.h"
+#include "scenes/curves.h"
 #include "scenes/emitters.h"
 #include "scenes/film_format.h"
 #include "scenes/integrators.h"
@@ -58,7 +59,7 @@ struct Cylinder {
   glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};
 };
 
-using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder>;
+using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder, Curves>;
 
 struct Shape {
   std::string name;  ///< for messages

@@ -28,6 +28,18 @@ struct Check {
   Expected<void> operator()(const Cylinder& c) const {
     return check_quadric("cylinder", c.center, std::min(c.radius, c.length), c.radius + c.length);
   }
+  Expected<void> operator()(const Curves& curves) const {
+    for (const Curve& curve : curves.curves)
+      for (const ControlPoint& point : curve) {
+        const glm::dvec3 far = glm::abs(point.position);
+        if (!(far.x + far.y + far.z + std::abs(point.radius) < kFarthest))
+          return fail(
+              fmt::format("a curve is too far away or too thick for single precision: a radius of {} at "
+                          "({}, {}, {})",
+                          point.radius, point.position.x, point.position.y, point.position.z));
+      }
+    return {};
+  }
   Expected<void> operator()(const Mesh& mesh) const {
     const auto near = check_vertices(mesh);
     return near ? check_faces(mesh) : near;

@@ -262,6 +262,41 @@ FN void find_moving_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoint
   }
 }
 
+/// Replaces the points of lanes whose rays hit curves.
+STAGE void find_curve_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                             PRIVATE PrimitivePoints* points) {
+  for (int j = 0; j < LANES; j++) {
+    const int curve = curve_of(scene, get_hit(paths, i + j));
+    if (curve < 0) continue;
+    const vec3 o = get_ray_origin(paths, i + j), d = get_ray_direction(paths, i + j);
+    const int instance = NEEDS(scene, INSTANCES) ? instance_hit(paths, i + j) : -1;
+    PrimitivePoint r;
+    if (HAS(INSTANCES) && instance >= 0) {
+      const float time = NEEDS_MOTION(scene) ? get_time(paths, i + j) : 0.0f;
+      r = instance_curve_point(scene, curve, instance_of(scene, instance, time), o, d);
+    } else
+      r = point_on_curve(load_quadric(scene->quadrics + curve), o, d);
+    store_primitive_point(points, j, r);
+  }
+}
+
+/// Likewise their texture coordinates and tangents. The surfaces' instances and times must be set.
+STAGE void find_curve_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* points,
+                          PRIVATE Surfaces* surfaces) {
+  for (int j = 0; j < LANES; j++) {
+    Surface s = load_surface(surfaces, j);
+    const int curve = curve_of(scene, s.primitive);
+    if (curve < 0) continue;
+    const PrimitivePoint r = load_primitive_point(points, j);
+    if (HAS(INSTANCES) && NEEDS(scene, INSTANCES) && s.instance >= 0)
+      s = with_instance_curve_uv(scene, curve,
+                                 instance_of(scene, s.instance, NEEDS_MOTION(scene) ? s.time : 0.0f), r, s);
+    else
+      s = with_curve_uv(scene, curve, r, s);
+    store_surface_uv(surfaces, j, s);
+  }
+}
+
 STAGE void note_times(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) surfaces->time[j] = get_time(paths, i + j);
@@ -282,6 +317,8 @@ JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE P
   if (HAS(INSTANCES) && instances) find_instance_points(scene, paths, i, &points);
   const bool moves = has_moving_surfaces(scene);
   if (HAS(MOTION) && moves) find_moving_points(scene, paths, i, &points);
+  const bool curves = NEEDS(scene, CURVES) && quadrics;
+  if (HAS(CURVES) && curves) find_curve_points(scene, paths, i, &points);
   see_surfaces(paths, i, &points, surfaces);
   if (NEEDS_MOTION(scene)) note_times(paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
@@ -290,6 +327,7 @@ JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE P
   if (NEEDS(scene, UV) && HAS(QUADRICS) && quadrics) find_quadric_uvs(scene, paths, i, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(MOTION) && moves) find_moving_uvs(scene, &points, surfaces);
+  if (NEEDS(scene, UV) && HAS(CURVES) && curves) find_curve_uvs(scene, &points, surfaces);
 }
 
 /// Measures distances from where rays started, before any surface that they passed.

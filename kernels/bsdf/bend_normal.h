@@ -188,6 +188,28 @@ FN void find_moving_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfac
   }
 }
 
+/// Of curves.
+FN void find_curve_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                               PRIVATE DerivativesLanes* derivatives) {
+  for (int j = 0; j < LANES; j++) {
+    const Surface s = load_surface(surfaces, j);
+    const int curve = curve_of(scene, s.primitive);
+    if (curve < 0) continue;
+    const Quadric q = load_quadric(scene->quadrics + curve);
+    const vec3 front = scale(s.shading, s.front ? 1.0f : -1.0f);
+    Derivatives d;
+    if (HAS(INSTANCES) && NEEDS(scene, INSTANCES) && s.instance >= 0) {
+      const Instance at = instance_of(scene, s.instance, NEEDS_MOTION(scene) ? s.time : 0.0f);
+      const vec3 there = make_vec3(dot3(at.x, front), dot3(at.y, front), dot3(at.z, front));
+      curve_derivatives(q, s.u, s.v, normalize_any(there), &d.du, &d.dv);
+      d.du = from_group_vector(at, d.du);
+      d.dv = from_group_vector(at, d.dv);
+    } else
+      curve_derivatives(q, s.u, s.v, front, &d.du, &d.dv);
+    store_derivatives(derivatives, j, d);
+  }
+}
+
 /// If a surface is displaced along its normal n by h(u, v), its new normal is that of du + h_u n and dv + h_v
 /// n (Blinn 1978). The change of n itself is neglected, as in Mitsuba 3.
 STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
@@ -275,6 +297,7 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
     find_derivatives(scene, surfaces, &derivatives);
     if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
     if (HAS(MOTION) && has_moving_surfaces(scene)) find_moving_derivatives(scene, surfaces, &derivatives);
+    if (HAS(CURVES) && NEEDS(scene, CURVES)) find_curve_derivatives(scene, surfaces, &derivatives);
     bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
     apply_bends(scene, textures, &bends, surfaces);
   }

@@ -187,9 +187,7 @@ class Checker {
     check_motion();
     check_media();
     check_textures();
-    for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
-      require(in(q.kind, QUADRIC_SPHERE, has(FEATURE_CYLINDERS) ? QUADRIC_CYLINDER : QUADRIC_DISK),
-              "a quadric of unknown kind");
+    check_quadrics();
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
       require(holds(ALL_LIGHT_KINDS, l.kind), "a light of unknown kind");
       require(h_.tables.lights.count == 0 || holds(h_.light_kinds, l.kind),
@@ -222,6 +220,33 @@ class Checker {
     require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  void check_quadrics() {
+    const auto quadrics = table<Quadric>(scene_, h_.tables.quadrics);
+    const int moving = h_.tables.quadric_motions.count;
+    bool curves = false;
+    for (int i = 0; i < int(quadrics.size()) && problem_.empty(); ++i) {
+      const Quadric& q = quadrics[std::size_t(i)];
+      if (!is_curve_kind(q.kind)) {
+        require(in(q.kind, QUADRIC_SPHERE, has(FEATURE_CYLINDERS) ? QUADRIC_CYLINDER : QUADRIC_DISK),
+                "a quadric of unknown kind");
+        continue;
+      }
+      curves = true;
+      require(has(FEATURE_CURVES) && q.kind <= QUADRIC_CYLINDRICAL_RIBBON, "a quadric of unknown kind");
+      require(q.light == -1, "a curve that is a light");
+      require(i < int(quadrics.size()) - moving, "a curve that moves");
+      const float length = length3(sub(q.x_axis, q.center)), span = length3(q.y_axis);
+      require(is_finite3(q.center) && std::isfinite(length) && length > 0.0f && q.radius >= 0.0f &&
+                  q.length >= 0.0f && std::isfinite(q.radius) && std::isfinite(q.length),
+              "a piece of a curve whose ends are no points, or whose radii are no lengths");
+      require(is_finite3(q.normal) && std::isfinite(span) && span > 0.0f && std::isfinite(q.orientation),
+              "a piece of a curve whose cuts are no planes");
+    }
+    // The search without a hierarchy knows no curves.
+    require(!curves || has(FEATURE_BVH) || h_.intersector == INTERSECTOR_EMBREE,
+            "curves without a hierarchy");
   }
 
   /// Checks the numbers of photon maps, and the media at lights.

@@ -1,6 +1,7 @@
-// Spheres, disks and cylinders.
+// Spheres, disks and cylinders, and pieces of curves.
 #ifndef PENUMBRA_QUADRIC_H
 #define PENUMBRA_QUADRIC_H
+#include "kernels/intersect/curve.h"
 #include "kernels/math/math.h"
 #include "kernels/scene.h"
 
@@ -65,6 +66,7 @@ FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
 FN float intersect_quadric(Quadric q, vec3 o, vec3 d) {
   if (HAS(CYLINDERS) && q.kind == QUADRIC_CYLINDER)
     return intersect_cylinder(o, d, q.center, q.normal, q.radius, q.length);
+  if (HAS(CURVES) && is_curve_kind(q.kind)) return intersect_curve(curve_piece(q), o, d);
   return intersect_sphere_or_disk(q, o, d);
 }
 

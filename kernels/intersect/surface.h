@@ -2,16 +2,13 @@
 // recomputed from the primitive, so that all intersectors agree and positions are accurate far along a ray.
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
+#include "kernels/intersect/curve_surface.h"
 #include "kernels/intersect/instance.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/surface_uv.h"
 #include "kernels/intersect/triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
-
-// Rounding error of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled to cover the rounding
-// of the offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
-#define POSITION_ERROR (16.0f * HALF_EPSILON)
 
 /// The index of a triangle; record 0 is a placeholder for primitives that are no triangle.
 FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
@@ -145,6 +142,15 @@ FN PrimitivePoint point_on_quadric(Quadric q, vec3 o, vec3 d) {
   return r;
 }
 
+/// A point of a group, in scene space.
+FN PrimitivePoint placed_point(Instance at, PrimitivePoint r) {
+  r.p = from_group_point(at, r.p);
+  r.extent = from_group_extent(at, r.extent, r.p);
+  r.normal = from_group_normal(at, r.normal);
+  r.shading = from_group_normal(at, r.shading);
+  return r;
+}
+
 /// Where the ray from `o` along `d` meets the instance's primitive; the result is in scene space.
 FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, Instance at, vec3 o, vec3 d) {
   const GroupRay ray = group_ray(at, o, d);
@@ -159,11 +165,33 @@ FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, Inst
     q.distance /= unit.length;
     r = select_primitive_point(quadric >= 0, q, r);
   }
-  r.p = from_group_point(at, r.p);
-  r.extent = from_group_extent(at, r.extent, r.p);
-  r.normal = from_group_normal(at, r.normal);
-  r.shading = from_group_normal(at, r.shading);
-  return r;
+  return placed_point(at, r);
+}
+
+/// Where the ray from `o` along `d` meets the curve of the instance, likewise.
+FN PrimitivePoint instance_curve_point(const PRIVATE Scene* scene, int quadric, Instance at, vec3 o, vec3 d) {
+  const GroupRay ray = group_ray(at, o, d);
+  const UnitDirection unit = unit_direction(ray.d);
+  PrimitivePoint r = point_on_curve(load_quadric(scene->quadrics + quadric), ray.o, unit.d);
+  r.distance /= unit.length;
+  return placed_point(at, r);
+}
+
+/// The index of the primitive's quadric, if that is a curve, else -1.
+FN int curve_of(const PRIVATE Scene* scene, int primitive) {
+  const int quadric = primitive - scene->header.tables.triangles.count;
+  return quadric >= 0 && is_curve_kind(scene->quadrics[quadric].kind) ? quadric : -1;
+}
+
+/// Adds the texture coordinates of a curve's point.
+FN Surface with_curve_uv(const PRIVATE Scene* scene, int quadric, PrimitivePoint r, Surface s) {
+  const QuadricUv uv = curve_uv(load_quadric(scene->quadrics + quadric), r);
+  return with_uv(s, uv.at, r.normal, uv.du);
+}
+FN Surface with_instance_curve_uv(const PRIVATE Scene* scene, int quadric, Instance at, PrimitivePoint r,
+                                  Surface s) {
+  const QuadricUv uv = curve_uv(load_quadric(scene->quadrics + quadric), r);
+  return with_uv(s, uv.at, r.normal, from_group_vector(at, uv.du));
 }
 
 /// The surface of a ray that met `primitive` at the point `r`, without texture coordinates; -1: no hit.
@@ -191,10 +219,14 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
 /// Like surface_at, for a primitive of an instance.
 FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   const Instance at = load_instance(scene->instances + instance);
-  const PrimitivePoint r = instance_point(scene, primitive, at, o, d);
+  const int curve = NEEDS(scene, CURVES) ? curve_of(scene, primitive) : -1;
+  const PrimitivePoint r = HAS(CURVES) && curve >= 0 ? instance_curve_point(scene, curve, at, o, d)
+                                                     : instance_point(scene, primitive, at, o, d);
   Surface s = seen_surface(primitive, o, d, r);
   s.instance = instance;
-  if (NEEDS(scene, UV)) s = with_instance_uv(scene, primitive, at, r, s);
+  if (NEEDS(scene, UV))
+    s = HAS(CURVES) && curve >= 0 ? with_instance_curve_uv(scene, curve, at, r, s)
+                                  : with_instance_uv(scene, primitive, at, r, s);
   return s;
 }
 
@@ -207,9 +239,12 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   const int quadric = primitive - scene->header.tables.triangles.count;
   if (NEEDS(scene, QUADRICS) && (quadric >= 0))
     r = point_on_quadric(load_quadric(scene->quadrics + quadric), o, d);
+  const int curve = NEEDS(scene, CURVES) ? curve_of(scene, primitive) : -1;
+  if (HAS(CURVES) && curve >= 0) r = point_on_curve(load_quadric(scene->quadrics + curve), o, d);
   Surface s = seen_surface(primitive, o, d, r);
   if (NEEDS(scene, UV)) s = with_triangle_uv(scene, triangle, r, s);
   if (NEEDS(scene, UV) && NEEDS(scene, QUADRICS) && (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);
+  if (NEEDS(scene, UV) && HAS(CURVES) && curve >= 0) s = with_curve_uv(scene, curve, r, s);
   return s;
 }
 

@@ -15,6 +15,7 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/view.h"
 #include "scenes/device/camera_builder.h"
+#include "scenes/device/curve_pieces.h"
 #include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"
 #include "scenes/device/flight_centres.h"
@@ -262,6 +263,11 @@ class SceneBuilder {
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
     const auto place = [&](const glm::dvec3& p, double reach) { return local(p, shape, reach); };
     if (const auto quadric = quadric_record(shape, place)) add_quadric(shape, *quadric, front, back);
+    if (const auto* curves = std::get_if<Curves>(&shape.geometry)) {
+      need(FEATURE_CURVES);
+      for (const Quadric& piece : curve_pieces(*curves, place))
+        shape.flip_normals ? add_quadric(shape, piece, back, front) : add_quadric(shape, piece, front, back);
+    }
   }
 
   /// Takes unseen lights from the primitives, so that rays find none there.

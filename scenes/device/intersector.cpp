@@ -31,6 +31,8 @@ std::size_t still_quadrics(const SceneRecords& records) {
 /// Collects distinct vertices and the triangles over them, of what does not move. Returns false if the scene
 /// is too large to test every primitive.
 bool collect_corners(SceneRecords& records) {
+  const auto is_curve = [](const Quadric& q) { return is_curve_kind(q.kind); };
+  if (std::ranges::any_of(records.quadrics, is_curve)) return false;
   if (!records.instances.empty() || still_triangles(records) > MAX_WHOLE_TRIANGLES ||
       still_quadrics(records) > kMaxWholeQuadrics)
     return false;

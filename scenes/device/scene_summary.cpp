@@ -28,6 +28,11 @@ int lights_without_form(const DeviceScene& scene) {
   return int(std::ranges::count_if(lights, [](const Light& light) { return light.polygon < 0; }));
 }
 
+int curve_pieces_of(const DeviceScene& scene) {
+  return int(std::ranges::count_if(table<Quadric>(scene, scene.header.tables.quadrics),
+                                   [](const Quadric& q) { return is_curve_kind(q.kind); }));
+}
+
 std::string estimator_text(const SceneHeader& h) {
   switch (h.integrator.estimator) {
     case ESTIMATOR_ALPHA:
@@ -50,7 +55,9 @@ SceneSummary summarize(const DeviceScene& scene) {
     summary.needs.emplace_back(what, std::move(amount));
   };
   needs("triangles", std::to_string(h.tables.triangles.count));
-  needs("spheres and disks", std::to_string(h.tables.quadrics.count));
+  const int pieces = curve_pieces_of(scene);
+  needs("spheres and disks", std::to_string(h.tables.quadrics.count - pieces));
+  if (pieces > 0) needs("pieces of curves", std::to_string(pieces));
   if (h.tables.instances.count > 0)
     needs("instances", fmt::format("{}, of {} groups", h.tables.instances.count, h.tables.groups.count - 1));
   needs("materials", std::to_string(h.tables.materials.count - 1));

@@ -351,9 +351,11 @@ std::string MaterialReader::id_of(const Object* bsdf) const {
 
 std::pair<int, int> MaterialReader::install(const Object* bsdf, const Shape& shape, SceneDescription& scene,
                                             bool is_tube) {
-  if (bsdf != nullptr && is_tube) {
-    const auto [known, is_new] = of_tubes_.try_emplace(bsdf);
-    if (is_new) known->second = hair_of_tubes(read(*bsdf));
+  const auto* curves = std::get_if<Curves>(&shape.geometry);
+  const bool is_round = curves != nullptr && !is_ribbon(curves->form);
+  if (bsdf != nullptr && (is_tube || is_round)) {
+    const auto [known, is_new] = (is_tube ? of_tubes_ : of_curves_).try_emplace(bsdf);
+    if (is_new) known->second = is_tube ? hair_of_tubes(read(*bsdf)) : hair_of_round_curves(read(*bsdf));
     return installer_.add(known->second, scene);
   }
   if (bsdf != nullptr) return installer_.add(read(*bsdf), scene);

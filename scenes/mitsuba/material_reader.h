@@ -53,7 +53,7 @@ class MaterialReader {
 
   const Context& context_;
   std::map<const Object*, SurfaceMaterial> materials_;
-  std::map<const Object*, SurfaceMaterial> of_tubes_;
+  std::map<const Object*, SurfaceMaterial> of_tubes_, of_curves_;
   MaterialInstaller installer_;
   std::set<const Object*> reading_;
 };

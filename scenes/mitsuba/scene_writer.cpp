@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/curve_reader.h"
 #include "scenes/instances.h"
 #include "scenes/mesh_writer.h"
 #include "scenes/mitsuba/integrator_reader.h"
@@ -633,6 +634,19 @@ class SceneWriter {
       xml_.value("float", "radius", fmt::format("{}", cylinder->radius));
       if (p0 != glm::dvec3(0.0)) xml_.value("point", "p0", fmt::format("{}, {}, {}", p0.x, p0.y, p0.z));
       xml_.value("point", "p1", fmt::format("{}, {}, {}", p0.x, p0.y, p0.z + cylinder->length));
+    } else if (const auto* curves = std::get_if<Curves>(&geometry)) {
+      const std::string name = fmt::format("{}-{}.txt", file_.stem().string(), meshes_++);
+      files_.push_back({file_.parent_path() / name, text_of(*curves)});
+      if (!curves->ranges.empty())
+        remark("curves with parameters of their own are in a file that Mitsuba does not read");
+      const bool balls = curves->form == CurveForm::kBalls;
+      xml_.open("shape", balls ? LinearCurveShape::kPlugin : BsplineCurveShape::kPlugin, id);
+      xml_.value("string", "filename", name);
+      if (!balls) {
+        BsplineCurveShape parameters;
+        parameters.form = curves->form;
+        put_parameters(xml_, parameters);
+      }
     }
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())

@@ -143,11 +143,21 @@ struct CurvesShape : PlacedShape {
 };
 struct BsplineCurveShape : CurvesShape<BsplineCurveShape> {
   static constexpr const char* kPlugin = "bsplinecurve";
-  static constexpr const char* kText = "hair and tubes along cubic B-splines, as triangles";
+  static constexpr const char* kText = "hair and tubes along cubic B-splines";
+  CurveForm form = CurveForm::kRound;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    CurvesShape<BsplineCurveShape>::parameters(row);
+    row("form", &BsplineCurveShape::form,
+        OneOf<CurveForm>{
+            {{"round", CurveForm::kRound}, {"flat", CurveForm::kFlat}, {"cylinder", CurveForm::kCylinder}}},
+        "tubes, or as in pbrt ribbons that face each ray, flat or with the normals of tubes. Not in Mitsuba");
+  }
 };
 struct LinearCurveShape : CurvesShape<LinearCurveShape> {
   static constexpr const char* kPlugin = "linearcurve";
-  static constexpr const char* kText = "hair and tubes along straight segments, as triangles";
+  static constexpr const char* kText = "hair and tubes along straight segments";
 };
 
 struct SdfGridShape : PlacedShape {

@@ -325,12 +325,28 @@ std::optional<Geometry> read_heightfield(const ShapeInput& input) {
   return std::move(*mesh);
 }
 
-/// Reads shapes defined by formulas or curves, as triangles.
+/// Whether the shape has an object of the kind, directly or by reference.
+bool has_nested(const ShapeInput& input, std::string_view tag) {
+  return std::ranges::any_of(input.plugin.object().children, [&](const Child& child) {
+    const Object* inside = input.context.resolve(child);
+    return inside != nullptr && inside->tag == tag;
+  });
+}
+
+/// Reads shapes defined by formulas, and curves that emit, move or bound media, as triangles.
 template <typename Parameters>
 std::optional<Geometry> read_tessellated(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
   const auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
+  if constexpr (requires { curves_of(given, *file); }) {
+    if (input.keys.empty() && !has_nested(input, "emitter") && !has_nested(input, "medium")) {
+      auto curves = curves_of(given, *file);
+      if (curves) return std::move(*curves);
+      report_mesh_error(input, curves.error());
+      return std::nullopt;
+    }
+  }
   if (!std::is_same_v<Parameters, SdfGridShape> && stretches(input.keys))
     input.plugin.warn("its radii, which transforms do not change, grow and shrink as it moves");
   auto made = tessellated(input.plugin, given, *file);
@@ -510,7 +526,9 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   if (geometry) shape.geometry = std::move(*geometry);
   if (emitter != nullptr) read_area_light(context_, *emitter, shape);
   if (!geometry) return;
-  const bool is_tube = object.type == BsplineCurveShape::kPlugin || object.type == LinearCurveShape::kPlugin;
+  const bool is_tube =
+      (object.type == BsplineCurveShape::kPlugin || object.type == LinearCurveShape::kPlugin) &&
+      std::holds_alternative<Mesh>(shape.geometry);
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_, is_tube);
   shape.material = materials_.id_of(bsdf);
   holder.shapes.push_back(std::move(shape));

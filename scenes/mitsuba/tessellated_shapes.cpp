@@ -13,20 +13,25 @@ namespace penumbra::mitsuba {
 namespace {
 
 /// Only the points are transformed to world space; radii are not scaled.
-Expected<TessellatedShape> curves(const PluginReader& plugin, const glm::dmat4& to_world,
-                                  const SourceFile& file, std::size_t least,
-                                  Expected<CurveMesh> (*make)(std::span<const Curve>)) {
-  auto curves = read_curves(file, least);
-  if (!curves) return std::unexpected(curves.error());
-  for (Curve& curve : *curves)
+Expected<Curves> curves(CurveForm form, const glm::dmat4& to_world, const SourceFile& file) {
+  auto curves = read_curves(file, form);
+  if (!curves) return curves;
+  for (Curve& curve : curves->curves)
     for (ControlPoint& point : curve) {
       point.position = transform_point(to_world, point.position);
       const glm::dvec3 far = glm::abs(point.position);
-      if (!(far.x + far.y + far.z + point.radius < kFarthest))
+      if (!(far.x + far.y + far.z + std::abs(point.radius) < kFarthest))
         return fail(fmt::format("{}: a point is too far away, or its radius too large, for single precision",
                                 file.path.string()));
     }
-  auto made = make(*curves);
+  return curves;
+}
+
+/// Curves of triangles, for what only those can do.
+Expected<TessellatedShape> tubes(const PluginReader& plugin, const Expected<Curves>& curves,
+                                 const SourceFile& file) {
+  if (!curves) return std::unexpected(curves.error());
+  auto made = curve_mesh(*curves);
   if (!made) return fail(fmt::format("{}: {}", file.path.string(), made.error().message));
   if (made->sides < 32)
     plugin.warn(fmt::format("so many curves have {} sides, within {:.1f} % of their radius", made->sides,
@@ -36,14 +41,22 @@ Expected<TessellatedShape> curves(const PluginReader& plugin, const glm::dmat4& 
 
 }  // namespace
 
+Expected<Curves> curves_of(const BsplineCurveShape& shape, const SourceFile& file) {
+  return curves(shape.form, shape.to_world, file);
+}
+
+Expected<Curves> curves_of(const LinearCurveShape& shape, const SourceFile& file) {
+  return curves(CurveForm::kBalls, shape.to_world, file);
+}
+
 Expected<TessellatedShape> tessellated(const PluginReader& plugin, const BsplineCurveShape& shape,
                                        const SourceFile& file) {
-  return curves(plugin, shape.to_world, file, 4, bspline_curve_mesh);
+  return tubes(plugin, curves_of(shape, file), file);
 }
 
 Expected<TessellatedShape> tessellated(const PluginReader& plugin, const LinearCurveShape& shape,
                                        const SourceFile& file) {
-  return curves(plugin, shape.to_world, file, 2, linear_curve_mesh);
+  return tubes(plugin, curves_of(shape, file), file);
 }
 
 Expected<TessellatedShape> tessellated(const PluginReader&, const SdfGridShape& shape,

@@ -262,7 +262,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::subdivision(Parameters& parame
   return std::nullopt;
 }
 
-std::optional<std::vector<Curve>> ShapeReader::curves(Parameters& parameters, SourceLocation location) {
+std::optional<Curves> ShapeReader::curves(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   const std::vector<double> p = parameters.numbers("P", {"point3", "point"}, 3, report);
   const std::string basis = parameters.text("basis", "bezier", report),
@@ -291,9 +291,15 @@ std::optional<std::vector<Curve>> ShapeReader::curves(Parameters& parameters, So
         "P", fmt::format(
                  "a curve of {} points; a {} of degree {} has {}", points.size(), basis, degree,
                  bezier ? fmt::format("1 more than a multiple of {}", n) : fmt::format("{} or more", n + 1)));
-  if (type != "cylinder")
-    report.warn_counted(location, fmt::format("{} curves are round ones, as wide as they are", type));
-  return bspline_curves(points, {bezier, int(degree), 0.5 * first, 0.5 * last});
+  if (type == "ribbon") report.warn_counted(location, "ribbon curves are round ones, as wide as they are");
+  Curves curves{type == "flat"       ? CurveForm::kFlat
+                : type == "cylinder" ? CurveForm::kCylinder
+                                     : CurveForm::kRound,
+                bspline_curves(points, {bezier, int(degree), 0.5 * first, 0.5 * last})};
+  const auto count = double(curves.curves.size());
+  for (std::size_t i = 0; i < curves.curves.size(); ++i)
+    curves.ranges.emplace_back(double(i) / count, double(i + 1) / count);
+  return curves;
 }
 
 void ShapeReader::read(const std::string& type, Parameters& parameters, const GraphicsState& state,
@@ -325,11 +331,12 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
     parameters.finish("the shape 'curve'", report);
     if (!given) return;
     // Consecutive similar curves become one mesh, because there may be millions.
-    const bool alike = !pending_.curves.empty() && !use.alpha && !pending_.use.alpha &&
-                       pending_.state.has_same_surface(state);
+    const bool alike = !pending_.curves.curves.empty() && !use.alpha && !pending_.use.alpha &&
+                       pending_.curves.form == given->form && pending_.state.has_same_surface(state);
     if (!alike) finish_curves();
-    if (!alike) pending_ = {{}, std::move(use), state};
-    std::ranges::move(*given, std::back_inserter(pending_.curves));
+    if (!alike) pending_ = {{given->form, {}}, std::move(use), state};
+    std::ranges::move(given->curves, std::back_inserter(pending_.curves.curves));
+    std::ranges::move(given->ranges, std::back_inserter(pending_.curves.ranges));
     return;
   }
   finish_curves();
@@ -341,10 +348,14 @@ void ShapeReader::read(const std::string& type, Parameters& parameters, const Gr
 }
 
 void ShapeReader::finish_curves() {
-  if (pending_.curves.empty()) return;
-  Curves curves = std::exchange(pending_, {});
-  curves.use.is_tube = true;
-  auto mesh = bspline_curve_mesh(curves.curves);
+  if (pending_.curves.curves.empty()) return;
+  PendingCurves curves = std::exchange(pending_, {});
+  const bool moves = curves.state.ctm.start != curves.state.ctm.end;
+  // Ribbons with directions of their own are tubes.
+  curves.use.is_tube = moves || curves.curves.form == CurveForm::kRound ||
+                       curves.state.area_light != nullptr || curves.use.media.are_different();
+  if (!curves.use.is_tube) return add("curve", std::move(curves.curves), std::move(curves.use), curves.state);
+  auto mesh = curve_mesh(curves.curves);
   if (!mesh) return context_.report.error(curves.use.location, mesh.error().message);
   add("curve", std::move(mesh->mesh), std::move(curves.use), curves.state);
 }
@@ -629,6 +640,12 @@ bool ShapeReader::place(Shape& shape, const Placement& placement, const Transfor
              x_axis, y_axis};
   } else if (auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
     *cylinder = placed_cylinder(*cylinder, to_world).value();
+  } else if (auto* curves = std::get_if<Curves>(&shape.geometry)) {
+    // A transform that stretches makes the widths those of its mean scale.
+    const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(to_world))));
+    for (Curve& curve : curves->curves)
+      for (ControlPoint& point : curve)
+        point = {transform_point(to_world, point.position), scale * point.radius};
   }
   if (const auto traceable = check_traceable(shape.geometry); !traceable)
     return wrong(traceable.error().message);

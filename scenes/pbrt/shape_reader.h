@@ -43,7 +43,7 @@ class ShapeReader {
   std::optional<Geometry> disk(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> cylinder(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> subdivision(Parameters& parameters, SourceLocation location);
-  std::optional<std::vector<Curve>> curves(Parameters& parameters, SourceLocation location);
+  std::optional<Curves> curves(Parameters& parameters, SourceLocation location);
   std::optional<double> turn(Parameters& parameters, SourceLocation location);
   std::optional<Mesh> vertices(Parameters& parameters, SourceLocation location);
   std::vector<std::uint32_t> indices(Parameters& parameters, const Mesh& mesh, std::size_t corners,
@@ -63,8 +63,8 @@ class ShapeReader {
     Placement placement = {};
   };
   /// Consecutive curves with the same graphics state. They become one mesh when another shape follows.
-  struct Curves {
-    std::vector<Curve> curves;
+  struct PendingCurves {
+    Curves curves;
     Use use;
     GraphicsState state;
   };
@@ -96,7 +96,7 @@ class ShapeReader {
   std::map<std::shared_ptr<const SurfaceMaterial>, std::shared_ptr<const SurfaceMaterial>> of_tubes_;
   std::vector<Use> uses_;                     ///< for each of the scene's shapes
   std::vector<std::vector<Use>> group_uses_;  ///< for each of a group's shapes
-  Curves pending_;
+  PendingCurves pending_;
   std::map<std::string, int> objects_;  ///< groups by name
   int object_ = -1;                     ///< the group that is being read
   std::size_t triangles_ = 0, shape_count_ = 0;

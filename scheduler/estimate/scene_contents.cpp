@@ -27,6 +27,7 @@ std::size_t triangles_of(const Shape& shape) {
 const char* kind_of(const Shape& shape) {
   if (std::holds_alternative<Mesh>(shape.geometry)) return "meshes";
   if (std::holds_alternative<Sphere>(shape.geometry)) return "spheres";
+  if (std::holds_alternative<Curves>(shape.geometry)) return "curves";
   return std::holds_alternative<Disk>(shape.geometry) ? "disks" : "cylinders";
 }
 

@@ -5,13 +5,15 @@
 namespace penumbra {
 namespace {
 
-bool has_cylinder(const SceneDescription& scene) {
-  return std::ranges::any_of(scene.shapes,
-                             [](const Shape& s) { return std::holds_alternative<Cylinder>(s.geometry); });
+bool has_cylinder_or_curve(const SceneDescription& scene) {
+  return std::ranges::any_of(scene.shapes, [](const Shape& s) {
+    return std::holds_alternative<Cylinder>(s.geometry) || std::holds_alternative<Curves>(s.geometry);
+  });
 }
 
 bool has_only_polygon_lights(const SceneDescription& scene) {
-  if (!scene.instances.empty() || has_cylinder(scene)) return false;  // the window does not draw these
+  if (!scene.instances.empty() || has_cylinder_or_curve(scene))
+    return false;  // the window does not draw these
   return scene.emitters.empty() && std::ranges::all_of(scene.shapes, [](const Shape& s) {
            return !s.radiance || std::holds_alternative<Mesh>(s.geometry);
          });

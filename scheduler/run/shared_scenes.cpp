@@ -26,6 +26,11 @@ SceneOptions shot_of(const SceneOptions& options) {
 }
 
 std::uint64_t bytes_of_geometry(const Geometry& geometry) {
+  if (const auto* curves = std::get_if<Curves>(&geometry)) {
+    std::uint64_t points = 0;
+    for (const Curve& curve : curves->curves) points += sizeof curve + curve.size() * sizeof curve[0];
+    return points;
+  }
   const auto* mesh = std::get_if<Mesh>(&geometry);
   if (mesh == nullptr) return sizeof geometry;
   const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };

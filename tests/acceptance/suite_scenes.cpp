@@ -6,6 +6,7 @@
 #include <ostream>
 #include <tuple>
 
+#include "tests/support/every_curve.h"
 #include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
@@ -285,6 +286,13 @@ void textured(SceneDescription& scene) { add_every_texture(scene); }
 
 void every_emitter(SceneDescription& scene) { add_every_emitter(scene, {278, 274, 280}, 500); }
 
+void every_curve(SceneDescription& scene) { add_every_curve(scene, {278, 274, 280}, 400); }
+
+void every_curve_directly(SceneDescription& scene) {
+  every_curve(scene);
+  direct(scene);
+}
+
 /// Beside polygons in closed form.
 void every_emitter_controlled(SceneDescription& scene) {
   every_emitter(scene);
@@ -379,6 +387,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellLens", "cornell/cornell.xml", false, through_a_lens},
       {"CornellLensControlVariate", "cornell/cornell.xml", false, through_a_lens_with_control_variate},
       {"VeachMisParallel", "veach-mis/veach-mis.xml", false, in_parallel},
+      {"Curves", "cornell/cornell.xml", false, every_curve},
+      {"CurvesDirect", "cornell/cornell.xml", false, every_curve_directly},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

@@ -42,8 +42,7 @@ SceneText smooth_rim_one_sided() {
   return scene;
 }
 
-/// Tubes of triangles against Mitsuba's, which are exact. Their ends are points: into open ones Mitsuba does
-/// not see.
+/// Curves, whose ends are points here.
 SceneText curves(std::string_view name, std::string_view type) {
   SceneText scene = begin(name, path(3), {0, 0.5, 5}, 34);
   Random random(31);

@@ -7,12 +7,13 @@
 #include <numbers>
 
 #include "scenes/curve_mesh.h"
+#include "scenes/curve_reader.h"
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {
 namespace {
 
-class Curves : public SceneText {
+class CurveFiles : public SceneText {
  protected:
   static std::string shape(std::string_view type, std::string_view more = "") {
     return in("shape", type, "<string name='filename' value='c.txt'/>" + std::string(more));
@@ -20,7 +21,10 @@ class Curves : public SceneText {
   Mesh mesh(std::string_view type, std::string_view text, std::string_view more = "") {
     write("c.txt", text);
     const SceneDescription s = good(shape(type, more));
-    return s.shapes.size() == 1 ? std::get<Mesh>(s.shapes[0].geometry) : Mesh{};
+    if (s.shapes.size() != 1) return {};
+    const auto made = curve_mesh(std::get<Curves>(s.shapes[0].geometry));
+    EXPECT_TRUE(made);
+    return made->mesh;
   }
   std::string wrong(std::string_view type, std::string_view text) {
     write("c.txt", text);
@@ -50,7 +54,7 @@ std::pair<double, double> area_and_volume(const Mesh& mesh) {
 
 constexpr std::string_view kStraight = "-1 0 0 0.25\n0 0 0 0.25\n1 0 0 0.25\n2 0 0 0.25\n3 0 0 0.25\n";
 
-TEST_F(Curves, AStraightSplineIsATube) {
+TEST_F(CurveFiles, AStraightSplineIsATube) {
   // From the second point to the last but one.
   const Mesh m = mesh("bsplinecurve", kStraight);
   expect_wound_outwards(m);
@@ -73,7 +77,7 @@ TEST_F(Curves, AStraightSplineIsATube) {
   EXPECT_NEAR(area_and_volume(m).first, 2 * 2 * std::numbers::pi * 0.25, 1e-6);
 }
 
-TEST_F(Curves, ThicknessIsNotScaled) {
+TEST_F(CurveFiles, ThicknessIsNotScaled) {
   const Mesh m =
       mesh("bsplinecurve", kStraight, to_world("<scale x='3' y='5' z='7'/><rotate z='1' angle='90'/>"));
   double high = 0, out = 0;
@@ -103,7 +107,7 @@ Frenet spline(const Curve& p, double t) {
   return result;
 }
 
-TEST_F(Curves, ABentSplineIsWhereItsFormulaSays) {
+TEST_F(CurveFiles, ABentSplineIsWhereItsFormulaSays) {
   const Curve curve = {
       {{0, 0, 0}, 0.1}, {{1, 0, 0}, 0.2}, {{1, 1, 0.5}, 0.15}, {{0, 1, 1.5}, 0.1}, {{0, 0, 3}, 0.05}};
   const auto made = bspline_curve_mesh(std::vector<Curve>{curve});
@@ -141,7 +145,7 @@ TEST_F(Curves, ABentSplineIsWhereItsFormulaSays) {
     }
 }
 
-TEST_F(Curves, ALinearOneIsOfConesAndSpheres) {
+TEST_F(CurveFiles, ALinearOneIsOfConesAndSpheres) {
   // A capsule of radius 1 and length 3 with two balls as ends.
   const Mesh m = mesh("linearcurve", "0 0 0 1\n0 0 3 1\n");
   expect_wound_outwards(m);
@@ -167,7 +171,7 @@ TEST_F(Curves, ALinearOneIsOfConesAndSpheres) {
   }
 }
 
-TEST_F(Curves, TheBallOfABendTurnsAsTheSegmentBeforeIt) {
+TEST_F(CurveFiles, TheBallOfABendTurnsAsTheSegmentBeforeIt) {
   // As in Mitsuba 3, where a segment and the ball at its end are one.
   const auto made = linear_curve_mesh(std::vector<Curve>{{{{0, 0, 0}, 1}, {{4, 0, 0}, 1}, {{4, 4, 0}, 1}}});
   ASSERT_TRUE(made);
@@ -183,7 +187,7 @@ TEST_F(Curves, TheBallOfABendTurnsAsTheSegmentBeforeIt) {
   EXPECT_GT(outside, 50);
 }
 
-TEST_F(Curves, SeveralShareTheCoordinateAlong) {
+TEST_F(CurveFiles, SeveralShareTheCoordinateAlong) {
   const auto made = bspline_curve_mesh(
       std::vector<Curve>{{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{2, 0, 0}, 1}, {{3, 0, 0}, 1}, {{4, 0, 0}, 1}},
                          {{{0, 9, 0}, 1}, {{1, 9, 0}, 1}, {{2, 9, 0}, 1}, {{3, 9, 0}, 1}}});
@@ -194,7 +198,7 @@ TEST_F(Curves, SeveralShareTheCoordinateAlong) {
   }
 }
 
-TEST_F(Curves, TangentsThroughTheZenithTwistNothing) {
+TEST_F(CurveFiles, TangentsThroughTheZenithTwistNothing) {
   // An arch over z: where the tangent passes -z and z the direction of u = 0 jumps, and circles are joined
   // all the same.
   Curve arch;
@@ -215,7 +219,18 @@ TEST_F(Curves, TangentsThroughTheZenithTwistNothing) {
   }
 }
 
-TEST_F(Curves, ManyHaveFewerSides) {
+TEST_F(CurveFiles, ThatEmitMoveOrBoundMediaAreTriangles) {
+  write("c.txt", kStraight);
+  const auto is_mesh = [&](std::string_view more) {
+    return std::holds_alternative<Mesh>(good(shape("bsplinecurve", more)).shapes.at(0).geometry);
+  };
+  EXPECT_FALSE(is_mesh(""));
+  EXPECT_FALSE(is_mesh("<bsdf type='hair'/>"));
+  EXPECT_TRUE(is_mesh("<emitter type='area'/>"));
+  EXPECT_TRUE(is_mesh("<medium name='interior' type='homogeneous'/>"));
+}
+
+TEST_F(CurveFiles, ManyHaveFewerSides) {
   std::vector<Curve> hair(130'000,
                           Curve{{{0, 0, 0}, .1}, {{1, 0, 0}, .1}, {{2, 0, 0}, .1}, {{3, 0, 0}, 0.0}});
   const auto made = bspline_curve_mesh(hair);
@@ -225,7 +240,65 @@ TEST_F(Curves, ManyHaveFewerSides) {
   EXPECT_GT(made->error, 0.05);
 }
 
-TEST_F(Curves, FilesThatAreWrongSaySoWithTheLine) {
+TEST_F(CurveFiles, TheirFilesAreReadAsTheyAreWritten) {
+  write("c.txt",
+        "0 0.1 0 0.25\n0 0 1.7 0.25\n1 0 0 0\n2 0 0 0.125\n\n"
+        "3 0 0 1\n4 0 1e-7 1\n5 0 0 1\n6 0 0 1\n7 1 0 0.3333333333333333\n");
+  const auto read = [&](std::string_view type, std::string_view more) {
+    return std::get<Curves>(good(shape(type, more)).shapes.at(0).geometry);
+  };
+  const auto expect_same = [&](const Curves& a, const Curves& b) {
+    EXPECT_EQ(a.form, b.form);
+    EXPECT_EQ(a.ranges, b.ranges);
+    ASSERT_EQ(a.curves.size(), b.curves.size());
+    for (std::size_t i = 0; i < a.curves.size(); ++i) {
+      ASSERT_EQ(a.curves[i].size(), b.curves[i].size());
+      for (std::size_t k = 0; k < a.curves[i].size(); ++k) {
+        EXPECT_EQ(a.curves[i][k].position, b.curves[i][k].position);
+        EXPECT_EQ(a.curves[i][k].radius, b.curves[i][k].radius);
+      }
+    }
+  };
+  for (const char* type : {"bsplinecurve", "linearcurve"}) {
+    write("c.txt",
+          "0 0.1 0 0.25\n0 0 1.7 0.25\n1 0 0 0\n2 0 0 0.125\n\n"
+          "3 0 0 1\n4 0 1e-7 1\n5 0 0 1\n6 0 0 1\n7 1 0 0.3333333333333333\n");
+    const Curves first = read(type, "");
+    EXPECT_EQ(first.curves.size(), 2u);
+    write("c.txt", text_of(first));
+    expect_same(read(type, ""), first);
+  }
+  // Ribbons have parameters of their own, and control points of splines that end in a point.
+  write("c.txt", "0 0.5\n0 0 0 2\n0 0 1 1\n0 0 2 0\n0 0 3 -1\n\n\n0.1 1\n0 0 0 1\n1 0 0 1\n2 0 0 1\n3 0 0 1");
+  const Curves ribbons = read("bsplinecurve", "<string name='form' value='flat'/>");
+  EXPECT_EQ(ribbons.form, CurveForm::kFlat);
+  ASSERT_EQ(ribbons.ranges.size(), 2u);
+  EXPECT_EQ(ribbons.ranges[1], glm::vec2(0.1f, 1.0f));
+  EXPECT_EQ(ribbons.curves[0][3].radius, -1.0);
+  write("c.txt", text_of(ribbons));
+  expect_same(read("bsplinecurve", "<string name='form' value='flat'/>"), ribbons);
+}
+
+TEST_F(CurveFiles, HairTakesItsOffsetFromNormalsOnTubesAndFromVOnRibbons) {
+  write("c.txt", kStraight);
+  const auto offset = [&](std::string_view form) {
+    const SceneDescription s = good(
+        shape("bsplinecurve", std::string(form) + in("bsdf", "hair", "<string name='offset' value='v'/>")));
+    return std::get<HairBsdf>(s.bsdfs.at(std::size_t(s.shapes.at(0).front_bsdf)).model).offset;
+  };
+  EXPECT_EQ(offset(""), HairBsdf::kFromNormal);
+  EXPECT_EQ(offset("<string name='form' value='flat'/>"), HairBsdf::kFromV);
+  EXPECT_EQ(offset("<string name='form' value='cylinder'/>"), HairBsdf::kFromV);
+}
+
+TEST_F(CurveFiles, FilesThatAreWrongSaySoWithTheLine) {
+  EXPECT_THAT(wrong("bsplinecurve", "1 0.5\n0 0 0 1\n1 0 0 1\n2 0 0 1\n3 0 0 1\n"),
+              AllOf(HasSubstr("c.txt:1:"), HasSubstr("must grow from its beginning to its end")));
+  EXPECT_THAT(wrong("linearcurve", "0 1\n0 0 0 1\n1 0 0 1\n\n0 0 0 1\n1 0 0 1\n"),
+              AllOf(HasSubstr("c.txt:6:"), HasSubstr("a curve without a parameter")));
+  EXPECT_THAT(wrong("linearcurve", "0 1\n0 1\n0 0 0 1\n1 0 0 1\n"),
+              AllOf(HasSubstr("c.txt:2:"), HasSubstr("four numbers")));
+  EXPECT_THAT(wrong("linearcurve", "0 1\n\n0 0 0 1\n1 0 0 1\n"), HasSubstr("at least 2 control points"));
   EXPECT_THAT(wrong("bsplinecurve", "0 0 0 1\n1 0 0 1\n2 0 0 1\n\n"),
               AllOf(HasSubstr("c.txt:3:"), HasSubstr("at least 4 control points; this one ends after 3")));
   EXPECT_THAT(wrong("linearcurve", "0 0 0 1\n"), HasSubstr("at least 2 control points"));

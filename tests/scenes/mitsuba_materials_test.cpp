@@ -66,7 +66,7 @@ TEST_F(MitsubaPlugins, HairLeavesATubeOfTrianglesWhereItEnteredIt) {
   write("c.txt", "-1 0 0 .1\n0 0 0 .1\n1 0 0 .1\n2 0 0 .1\n");
   const std::string file = "<string name='filename' value='c.txt'/>";
   const SceneDescription s =
-      good(in("shape", "bsplinecurve", file + in("bsdf", "hair")) +
+      good(in("shape", "bsplinecurve", file + in("bsdf", "hair") + in("emitter", "area")) +
            in("shape", "bsplinecurve", file + in("bsdf", "twosided", in("bsdf", "diffuse"))));
   const auto model = [&](int bsdf) { return s.bsdfs.at(std::size_t(bsdf)).model; };
   EXPECT_TRUE(std::holds_alternative<HairBsdf>(model(s.shapes.at(0).front_bsdf)));

@@ -14,6 +14,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/settings.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/support/every_curve.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/written_scene.h"
 
@@ -151,6 +152,13 @@ TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
     SCOPED_TRACE(text);
     expect_same(good(text));
   }
+}
+
+TEST_F(MitsubaWriter, CurvesStayTheSame) {
+  SceneDescription scene =
+      good("<emitter type='constant'/><shape type='sphere'>" + diffuse("0.5, 0.4, 0.3") + "</shape>");
+  add_every_curve(scene, {0.1, 0.2, 0.3}, 2);
+  expect_same(scene);
 }
 
 TEST_F(MitsubaWriter, InstancesWithinGroupsAreWrittenAsTheScenesOwn) {

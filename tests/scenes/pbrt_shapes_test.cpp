@@ -99,15 +99,25 @@ TEST(PbrtCurves, AreTheSamePolynomials) {
   expect_near(at(pieces[0], 0, 0), 0.5 * (points[0] + points[1]));
 }
 
-TEST_F(PbrtShapes, CurvesInARowAreOneMesh) {
-  const std::string curve =
-      "Shape \"curve\" \"string type\" \"cylinder\" \"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3] \"float width\" "
-      "0.5\n";
-  const SceneDescription scene = good_pbrt(curve + curve + "Material \"diffuse\"\n" + curve);
-  ASSERT_EQ(scene.shapes.size(), 2u);
-  EXPECT_EQ(mesh(scene, 0).triangles.size(), 2 * mesh(scene, 1).triangles.size());
-  EXPECT_NEAR(area_of(mesh(scene, 1)), std::numbers::pi * 0.5 * 3, 0.01);
+TEST_F(PbrtShapes, CurvesInARowAreOneShape) {
+  const auto curve = [](const std::string& type) {
+    return "Shape \"curve\" \"string type\" \"" + type +
+           "\" \"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3] \"float width\" 0.5\n";
+  };
+  const SceneDescription scene = good_pbrt(curve("cylinder") + curve("cylinder") + curve("flat") +
+                                           "Scale 2 2 2\nMaterial \"diffuse\"\n" + curve("flat"));
+  ASSERT_EQ(scene.shapes.size(), 3u);
+  const auto curves = [&](std::size_t i) { return std::get<Curves>(scene.shapes[i].geometry); };
+  EXPECT_EQ(curves(0).form, CurveForm::kCylinder);
+  EXPECT_EQ(curves(0).curves.size(), 2u);
+  EXPECT_EQ(curves(0).ranges.size(), 2u);
+  EXPECT_EQ(curves(1).form, CurveForm::kFlat);
+  EXPECT_NEAR(curves(1).curves.at(0).at(1).radius, 0.25, 1e-12);
+  EXPECT_NEAR(curves(2).curves.at(0).at(1).radius, 0.5, 1e-12) << "scaled";
   EXPECT_THAT(wrong("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1]"), HasSubstr("a curve of 2 points"));
+  // What emits is of triangles.
+  const SceneDescription light = good_pbrt("AreaLightSource \"diffuse\"\n" + curve("cylinder"));
+  EXPECT_NEAR(area_of(mesh(light, 0)), std::numbers::pi * 0.5 * 3, 0.01);
 }
 
 TEST(PbrtSubdivision, OfAnOctahedronIsRound) {

@@ -572,5 +572,30 @@ TEST(DeviceSceneCheck, CamerasThatAreNotNumbersRenderSomething) {
   }
 }
 
+TEST(DeviceSceneCheck, CurvesThatAreNoneAreRefused) {
+  const DeviceScene scene = build_or_throw(curves());
+  const TableSpan quadrics = scene.header.tables.quadrics;
+  ASSERT_GT(quadrics.count, 0);
+  const auto with = [&](auto change) { return with_record<Quadric>(scene, quadrics, 0, change); };
+  EXPECT_TRUE(check_device_scene(scene));
+  DeviceScene without = scene;
+  without.header.features &= ~std::uint64_t(FEATURE_CURVES);
+  expect_refused(without, "a quadric of unknown kind");
+  expect_refused(with([](Quadric& q) { q.kind = QUADRIC_CYLINDRICAL_RIBBON + 1; }),
+                 "a quadric of unknown kind");
+  expect_refused(with([](Quadric& q) { q.light = 0; }), "a curve that is a light");
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    expect_refused(with([&](Quadric& q) { q.center.x = bad; }), "whose ends are no points");
+    expect_refused(with([&](Quadric& q) { q.x_axis.y = bad; }), "whose ends are no points");
+    expect_refused(with([&](Quadric& q) { q.radius = bad; }), "whose radii are no lengths");
+    expect_refused(with([&](Quadric& q) { q.normal.z = bad; }), "whose cuts are no planes");
+    expect_refused(with([&](Quadric& q) { q.y_axis.z = bad; }), "whose cuts are no planes");
+    expect_refused(with([&](Quadric& q) { q.orientation = bad; }), "whose cuts are no planes");
+  }
+  expect_refused(with([](Quadric& q) { q.x_axis = q.center; }), "whose ends are no points");
+  expect_refused(with([](Quadric& q) { q.length = -1; }), "whose radii are no lengths");
+  expect_refused(with([](Quadric& q) { q.y_axis = {0, 0, 0}; }), "whose cuts are no planes");
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/every_curve.h"
 #include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
@@ -300,6 +301,12 @@ SceneDescription emitters() {
   return scene;
 }
 
+SceneDescription curves() {
+  SceneDescription scene = diffuse_box();
+  add_every_curve(scene, dvec3(0), 1.5);
+  return scene;
+}
+
 void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
 
 const std::vector<NamedScene>& device_scenes() {
@@ -312,6 +319,7 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"Instances", instances},
                                               {"LightsInAHierarchy", lights_in_a_hierarchy},
                                               {"Emitters", emitters},
+                                              {"Curves", curves},
                                               {"EnvironmentAlone", environment_alone},
                                               {"Photons", photons},
                                               {"PhotonsOfOneMap", photons_of_one_map},

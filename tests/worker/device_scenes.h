@@ -47,6 +47,9 @@ SceneDescription emitters();
 /// Two media that are lights, one by its density, by path tracing.
 SceneDescription flames();
 
+/// The box with curves of all forms, and instances of them.
+SceneDescription curves();
+
 struct NamedScene {
   std::string name;
   SceneDescription (*make)();
