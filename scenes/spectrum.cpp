@@ -150,6 +150,11 @@ glm::dvec3 matching_rgb(double wavelength) {
   return xyz_to_rec709({cie.x, cie.y, cie.z});
 }
 
+glm::dvec3 reflectance_weight(double wavelength) {
+  static const glm::dvec3 white = integrate(kFlat, true);
+  return matching_rgb(wavelength) * cie_at(wavelength).d65 / white;
+}
+
 glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples) {
   return glm::min(index_to_rgb(samples), 1.0f);
 }

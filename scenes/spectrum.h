@@ -41,6 +41,10 @@ glm::vec3 emission_to_rgb(double constant);
 /// below 0. Its integral over the wavelength, divided by luminance_of_unit_power(), is emission_to_rgb(1).
 glm::dvec3 matching_rgb(double wavelength);
 
+/// The colour, under D65, of a reflectance at one wavelength (nm) alone, in the unit in which its integral
+/// over the wavelength is white. Channels may be below 0.
+glm::dvec3 reflectance_weight(double wavelength);
+
 /// The integral of the luminous efficiency function over the wavelength, in nm.
 double luminance_of_unit_power();
 
