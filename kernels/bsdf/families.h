@@ -45,7 +45,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(difftrans, DIFFTRANS, 23, SEVERAL_LOBES | TRANSMITS, "diffuse reflection and transmission")          \
   X(openpbr, OPENPBR, 24, SEVERAL_LOBES, "OpenPBR's base")                                               \
   X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")                           \
-  X(openpbr_layered, OPENPBR_LAYERED, 26, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "OpenPBR's surface")
+  X(openpbr_layered, OPENPBR_LAYERED, 26, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "OpenPBR's surface")  \
+  X(openpbr_film, OPENPBR_FILM, 27, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "... with a thin film")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -87,11 +88,14 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, sheen_tint)                                                                    \
   F(a, float, flatness) /* or subsurface */                                                  \
   F(a, float, clearcoat)                                                                     \
-  F(a, float, clearcoat_gloss)
+  F(a, float, clearcoat_gloss)                                                               \
+  F(a, float, film)           /* OpenPBR: weight of its thin film */                         \
+  F(a, float, film_thickness) /* ... place in the thicknesses of its table, in [0, 1] */
 #define CLOSURE_PARAMETERS(F, a)                                                   \
   F(a, int, variant)         /* of the family's formula */                         \
   F(a, int, curve)           /* start of its values in the table of curves */      \
   F(a, int, curve_rows)      /* number of its curves */                            \
+  F(a, int, film_rows)       /* number of thicknesses of its film; 0: no film */   \
   F(a, int, first_lobe)      /* phase functions: index in the table of lobes */    \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */ \
   F(a, float, specular_rate) /* principled: relative sampling rates of lobes */    \
@@ -116,6 +120,13 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define CURVE_STRIDE (CURVE_KNOTS + 1)  // offset from curve to curve
 #define FIRST_FACET_PLACE 0.177827941f  // fourth root of the roughness of the first row, 0.001: see openpbr.h
 #define LEAST_FUZZ_ROUGHNESS 0.1f
+
+// Curves of thin films, see thin_film.h.
+#define FILM_KNOTS 128
+#define FILM_METALS 8
+#define FILM_ROWS 32  // thicknesses at most
+#define FILM_CURVE (3 * (FILM_KNOTS + 1))
+#define FILM_REFLECTANCES ((1 + FILM_METALS) * FILM_CURVE)
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
@@ -166,14 +177,15 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ONLY(NAME) (1u << FAMILY_##NAME)
 #define ROUGH_CONDUCTORS (ONLY(ROUGHCONDUCTOR_GGX) | ONLY(ROUGHCONDUCTOR_BECKMANN))
 #define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
-#define DISPERSING (ONLY(DIELECTRIC) | ROUGH_DIELECTRICS | ONLY(OPENPBR_LAYERED))
+#define DISPERSING (ONLY(DIELECTRIC) | ROUGH_DIELECTRICS | OPENPBRS_LAYERED)
 #define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
 #define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
 #define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
 #define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
 #define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
 #define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
-#define OPENPBRS (ONLY(OPENPBR) | ONLY(OPENPBR_LAYERED))
+#define OPENPBRS_LAYERED (ONLY(OPENPBR_LAYERED) | ONLY(OPENPBR_FILM))
+#define OPENPBRS (ONLY(OPENPBR) | OPENPBRS_LAYERED)
 #define METALS_AND_BASES (PRINCIPLED_SOLIDS | ONLY(DISNEY))
 #define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
@@ -182,11 +194,14 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
         OPENPBRS | ONLY(HAIR))
 #define USERS_curve USERS(ROUGH_PLASTICS | OPENPBRS)
 #define USERS_curve_rows USERS(ROUGH_PLASTICS | OPENPBRS)
+#define USERS_film_rows USERS(ONLY(OPENPBR_FILM))
+#define USERS_film USERS(ONLY(OPENPBR_FILM))
+#define USERS_film_thickness USERS(ONLY(OPENPBR_FILM))
 #define USERS_first_lobe USERS(ONLY(PHASE))
 #define USERS_internal USERS(ONLY(PLASTIC) | OPENPBRS)
 #define USERS_specular_rate USERS(PRINCIPLEDS)
-#define USERS_diffuse_rate USERS(PRINCIPLEDS | ONLY(OPENPBR_LAYERED))
-#define USERS_clearcoat_rate USERS(PRINCIPLEDS | ONLY(OPENPBR_LAYERED))
+#define USERS_diffuse_rate USERS(PRINCIPLEDS | OPENPBRS_LAYERED)
+#define USERS_clearcoat_rate USERS(PRINCIPLEDS | OPENPBRS_LAYERED)
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_tilt USERS(ONLY(HAIR))
 #define USERS_offset USERS(ONLY(HAIR))
@@ -194,9 +209,9 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
   USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
         OPENPBRS | ONLY(HAIR))
 #define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | OPENPBRS)
-#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | ONLY(OPENPBR_LAYERED) | ONLY(HAIR))
-#define USERS_eta USERS(CONDUCTORS | ONLY(OPENPBR_LAYERED))
-#define USERS_k USERS(CONDUCTORS | ONLY(OPENPBR_LAYERED))
+#define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | OPENPBRS_LAYERED | ONLY(HAIR))
+#define USERS_eta USERS(CONDUCTORS | OPENPBRS_LAYERED)
+#define USERS_k USERS(CONDUCTORS | OPENPBRS_LAYERED)
 #define USERS_ior \
   USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS | OPENPBRS | ONLY(HAIR))
 #define USERS_alpha_u                                                                                   \
@@ -205,18 +220,18 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD) | ONLY(HAIR))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS | OPENPBRS)
-#define USERS_anisotropic USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
+#define USERS_anisotropic USERS(DISNEYS | OPENPBRS_LAYERED)
 #define USERS_metallic USERS(METALS_AND_BASES | OPENPBRS)
 #define USERS_spec_trans \
-  USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY) | ONLY(OPENPBR_LAYERED))
+  USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY) | OPENPBRS_LAYERED)
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_spec_tint USERS(DISNEYS | OPENPBRS)
 #define USERS_specular_level USERS(ONLY(DISNEY) | OPENPBRS)
-#define USERS_sheen USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
-#define USERS_sheen_tint USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
-#define USERS_flatness USERS(DISNEYS | ONLY(OPENPBR_LAYERED))
-#define USERS_clearcoat USERS(METALS_AND_BASES | ONLY(OPENPBR_LAYERED))
-#define USERS_clearcoat_gloss USERS(METALS_AND_BASES | ONLY(OPENPBR_LAYERED))
+#define USERS_sheen USERS(DISNEYS | OPENPBRS_LAYERED)
+#define USERS_sheen_tint USERS(DISNEYS | OPENPBRS_LAYERED)
+#define USERS_flatness USERS(DISNEYS | OPENPBRS_LAYERED)
+#define USERS_clearcoat USERS(METALS_AND_BASES | OPENPBRS_LAYERED)
+#define USERS_clearcoat_gloss USERS(METALS_AND_BASES | OPENPBRS_LAYERED)
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -256,7 +271,7 @@ FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u
 
 /// Whether light from behind is transmitted. Some closures of the principled families do not transmit.
 FN bool lets_light_through(Closure c) {
-  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | ONLY(OPENPBR_LAYERED));
+  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | OPENPBRS_LAYERED);
   return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
 }
 

@@ -1,5 +1,6 @@
 // The surface of OpenPBR 1.1: a metal and a dielectric base with a diffuse or transmitting inside, below a
-// coat, below fuzz. `openpbr` is the base alone, opaque and isotropic; `openpbr_layered` is all of it.
+// thin film, below a coat, below fuzz. `openpbr` is the base alone, opaque and isotropic; `openpbr_layered`
+// is all but the film, and `openpbr_film` is all.
 //
 // GGX microfacets reflect by Fresnel's equations (dielectric) or by F82 (metal: Kutz et al. 2021). What a
 // metal's microfacets lose between each other comes back as a separable lobe (Kulla and Conty 2017), which is
@@ -7,6 +8,9 @@
 // Cycles, which is as exact in energy but not reciprocal: what is below coat, fuzz and a dielectric's
 // microfacets. Of the light below these, their further reflections have the share that makes up for the lost
 // ones. Transmission and the reflection of what transmits are divided by what a single scattering leaves.
+//
+// What the film reflects of a channel replaces Fresnel's reflectance on its share `film` of the dielectric;
+// what it adds to a metal of such a reflectance along the normal is added to F82. See thin_film.h.
 //
 // Fuzz is the sheen of Estevez and Kulla 2017 with the masking of Neubelt and Pettineo 2013.
 //
@@ -22,6 +26,7 @@
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/disney_lobes.h"
 #include "kernels/bsdf/roughplastic.h"
+#include "kernels/bsdf/thin_film.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -75,6 +80,11 @@ FN FacetAlbedos facet_albedos(float both) {
   a.plain = (float)(int)(bits >> OPENPBR_PACKED_BITS) * (1.0f / (float)OPENPBR_PACKED);
   return a;
 }
+/// With a film, per channel: what microfacets reflect, and what they reflect or refract.
+typedef struct {
+  vec3 reflected, scattered;
+} FilmAlbedos;
+
 FN FacetAlbedos mix_albedos(FacetAlbedos a, FacetAlbedos b, float w) {
   a.reflected = mix_f(a.reflected, b.reflected, w);
   a.plain = mix_f(a.plain, b.plain, w);
@@ -160,13 +170,16 @@ FN float fuzz_lobe(float roughness, float cos_o, float cos_i, float cos_h) {
   return density * 0.25f / max_f(cos_o + cos_i - cos_o * cos_i, 1e-6f);
 }
 
+FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
+
 /// The parts that depend on wo alone.
 typedef struct {
   Microfacets facets, coat_facets;
   CurveRows rows;
-  float reflected, plain;            // albedos for wo
-  float mean_reflected, mean_plain;  // and their means
-  float dielectric, metal;           // weights; those below are included
+  FilmBlocks film;
+  vec3 reflected, mean_reflected;  // what microfacets reflect of light for wo, and of all
+  float plain, mean_plain;         // ... without Fresnel's factor
+  float dielectric, metal;         // weights; those below are included
   vec3 tint, metal_base, dip;
   float weight;        // of the dielectric's reflection
   float along_normal;  // its Fresnel reflectance there
@@ -176,22 +189,24 @@ typedef struct {
   vec3 metal_again;    // of what a metal's microfacets do not reflect at once
   // Of layered ones.
   bool inside, thin;
-  float opaque, glass;  // shares of the dielectric; glass times what its single scattering lacks
-  float coat, fuzz;     // weights
-  vec3 below;           // what coat and fuzz leave of the base; without the coat's absorption
-  float above_coat;     // what the fuzz leaves of the coat
+  float opaque;      // share of the dielectric
+  vec3 glass;        // that of what transmits, times what its single scattering lacks
+  float coat, fuzz;  // weights
+  vec3 below;        // what coat and fuzz leave of the base; without the coat's absorption
+  float above_coat;  // what the fuzz leaves of the coat
   // Sampling probabilities; the base's microfacets transmit with `transmits` times the transmittance.
   float share_diffuse, share_facets, share_coat, share_fuzz, transmits;
 } OpenPbr;
 
 /// What the dielectric reflects. If the tint fades, it is only of F0 (1 - S) where Fresnel's reflectance is S
 /// + F0 (1 - S) (glTF 2.0, appendix B). `all`: what would be reflected without Fresnel's factor.
-FN vec3 tinted(OpenPbr p, float reflected, float all) {
-  const float white = clamp_f((reflected - p.along_normal * all) * p.fades, 0.0f, reflected);
-  return scale(add_scaled(make_vec3(white, white, white), reflected - white, p.tint), p.weight);
+FN vec3 tinted(OpenPbr p, vec3 reflected, float all) {
+  const float least = p.along_normal * all;
+  const vec3 white = make_vec3(clamp_f((reflected.x - least) * p.fades, 0.0f, reflected.x),
+                               clamp_f((reflected.y - least) * p.fades, 0.0f, reflected.y),
+                               clamp_f((reflected.z - least) * p.fades, 0.0f, reflected.z));
+  return scale(add(white, mul(sub(reflected, white), p.tint)), p.weight);
 }
-
-FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
 
 /// What a medium of this transmittance leaves of light that goes through it `times` times; textures may be
 /// above 1.
@@ -208,6 +223,13 @@ FN float left_after(float back, float albedo) {
   return (1.0f - back) / max_f(1.0f - back * min_f(albedo, 1.0f), 1e-6f);
 }
 
+/// For a channel: the mean of the microfacets' further reflections, over that of the light below, in which
+/// they are. `boundary`: the mean of their reflectance; `reflected`: of what they reflect.
+FN float further_share(OpenPbr p, float boundary, float reflected, float tint) {
+  const float further = many_reflections(boundary, p.mean_plain) * (1.0f - p.mean_plain);
+  return tint * (p.weight * further / max_f(1.0f - reflected, 1e-6f));
+}
+
 /// What the microfacets of the dielectric leave of a base of this colour, with their further reflections.
 /// Where the tint fades, that is without colour, as glTF defines.
 FN vec3 below_dielectric(OpenPbr p, vec3 base) {
@@ -218,8 +240,55 @@ FN vec3 below_dielectric(OpenPbr p, vec3 base) {
                               mix_f(base.z, 1.0f, p.again.z)));
 }
 
-/// `layered` is a constant: which of the two families it is.
-FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 wo) {
+/// The three numbers of facet_albedos in the film's block.
+FN FilmAlbedos film_albedos_at(const PRIVATE Scene* scene, int at) {
+  const FacetAlbedos x = facet_albedos(scene->curves[at]), y = facet_albedos(scene->curves[at + 1]),
+                     z = facet_albedos(scene->curves[at + 2]);
+  FilmAlbedos a;
+  a.reflected = make_vec3(x.reflected, y.reflected, z.reflected);
+  a.scattered = make_vec3(x.plain, y.plain, z.plain);
+  return a;
+}
+FN FilmAlbedos mix_film_albedos(FilmAlbedos a, FilmAlbedos b, float w) {
+  a.reflected = mix3(a.reflected, b.reflected, w);
+  a.scattered = mix3(a.scattered, b.scattered, w);
+  return a;
+}
+/// `rows` are those of the base.
+FN FilmAlbedos film_albedos(const PRIVATE Scene* scene, Closure c, FilmBlocks film, CurveRows rows,
+                            int knot) {
+  const int first = FILM_REFLECTANCES + 3 * (rows.first - c.curve + knot),
+            second = FILM_REFLECTANCES + 3 * (rows.second - c.curve + knot);
+  const FilmAlbedos thin = mix_film_albedos(film_albedos_at(scene, film.first + first),
+                                            film_albedos_at(scene, film.first + second), rows.w);
+  const FilmAlbedos thick = mix_film_albedos(film_albedos_at(scene, film.second + first),
+                                             film_albedos_at(scene, film.second + second), rows.w);
+  return mix_film_albedos(thin, thick, film.w);
+}
+
+/// The reflectance of the base's microfacets, by Fresnel's equations and with its film; `film` is a constant.
+FN vec3 base_reflectances(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool film, float cosine,
+                          float fresnel) {
+  if (!film) return uniform_vec3(fresnel);
+  const vec3 of_film = film_over_dielectric(scene, p.film, film_place(cosine));
+  const bool partly = fresnel < 1.0f;  // the table does not know where total reflection begins
+  return select3(partly, mix3(uniform_vec3(fresnel), of_film, c.film), uniform_vec3(1.0f));
+}
+FN vec3 metal_reflectances(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool film, float cosine) {
+  const vec3 plain = metal_fresnel(p.metal_base, p.dip, cosine);
+  return film ? film_over_metal(scene, p.film, film_place(cosine), p.metal_base, plain, c.film) : plain;
+}
+/// Of two alike boundaries of a thin wall.
+FN vec3 reflectances_of_two(vec3 r) {
+  return make_vec3(reflectance_of_two(r.x), reflectance_of_two(r.y), reflectance_of_two(r.z));
+}
+/// The probability of reflection that samples have, for these reflectances.
+FN float chance_of_reflection(bool film, vec3 reflectances) {
+  return film ? (reflectances.x + reflectances.y + reflectances.z) * (1.0f / 3.0f) : reflectances.x;
+}
+
+/// `layered` and `film` are constants: which of the three families it is.
+FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool film, vec3 wo) {
   const int sets = layered ? OPENPBR_SETS : OPENPBR_PLAIN_SETS;
   const vec3 white = uniform_vec3(1.0f);
   OpenPbr p;
@@ -228,10 +297,28 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
   const CurvePlace at = curve_place(wo.z);
   const FacetAlbedos albedos = base_albedos(scene, p.rows, at);
   const FacetAlbedos means = albedos_between_rows(scene, p.rows, CURVE_KNOTS);
-  p.reflected = albedos.reflected;
+  p.reflected = uniform_vec3(albedos.reflected);
   p.plain = albedos.plain;
-  p.mean_reflected = means.reflected;
+  p.mean_reflected = uniform_vec3(means.reflected);
   p.mean_plain = means.plain;
+  vec3 internal = uniform_vec3(c.internal);
+  FilmAlbedos with_film;
+  with_film.reflected = with_film.scattered = white;
+  p.film.first = p.film.second = 0;
+  p.film.w = 0.0f;
+  if (film) {
+    p.film = film_blocks(c, c.curve_rows / sets);
+    const bool there = c.film_rows > 0;  // lanes of other families have none
+    CurveRows rows = p.rows;
+    rows.first = there ? rows.first : c.curve;
+    rows.second = there ? rows.second : c.curve;
+    with_film = mix_film_albedos(film_albedos(scene, c, p.film, rows, at.knot),
+                                 film_albedos(scene, c, p.film, rows, at.knot + 1), at.w);
+    const FilmAlbedos mean = film_albedos(scene, c, p.film, rows, CURVE_KNOTS);
+    p.reflected = mix3(p.reflected, with_film.reflected, c.film);
+    p.mean_reflected = mix3(p.mean_reflected, mean.reflected, c.film);
+    internal = mix3(internal, film_over_dielectric(scene, p.film, film_mean()), c.film);
+  }
 
   p.metal = c.metallic * c.specular_level;
   p.dielectric = 1.0f - c.metallic;
@@ -242,18 +329,19 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
   p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
   p.dip = make_vec3(metal_dip(p.metal_base.x, c.specular.x), metal_dip(p.metal_base.y, c.specular.y),
                     metal_dip(p.metal_base.z, c.specular.z));
-  const vec3 metal_mean = make_vec3(mean_metal(p.metal_base.x, p.dip.x), mean_metal(p.metal_base.y, p.dip.y),
-                                    mean_metal(p.metal_base.z, p.dip.z));
+  vec3 metal_mean = make_vec3(mean_metal(p.metal_base.x, p.dip.x), mean_metal(p.metal_base.y, p.dip.y),
+                              mean_metal(p.metal_base.z, p.dip.z));
+  if (film) metal_mean = film_over_metal(scene, p.film, film_mean(), p.metal_base, metal_mean, c.film);
   p.metal_again =
       make_vec3(many_reflections(metal_mean.x, p.mean_plain), many_reflections(metal_mean.y, p.mean_plain),
                 many_reflections(metal_mean.z, p.mean_plain));
-  // The mean of the microfacets' further reflections, over that of the light below, in which they are.
-  const float further = many_reflections(c.internal, p.mean_plain) * (1.0f - p.mean_plain);
-  p.again = scale(p.tint, p.weight * further / max_f(1.0f - p.mean_reflected, 1e-6f));
+  p.again = make_vec3(further_share(p, internal.x, p.mean_reflected.x, p.tint.x),
+                      further_share(p, internal.y, p.mean_reflected.y, p.tint.y),
+                      further_share(p, internal.z, p.mean_reflected.z, p.tint.z));
 
   p.inside = layered & ((c.variant & OPENPBR_INSIDE) != 0);
   p.thin = layered & ((c.variant & OPENPBR_THIN) != 0);
-  p.glass = 0.0f;
+  p.glass = make_vec3(0.0f, 0.0f, 0.0f);
   p.opaque = 1.0f;
   p.coat = p.fuzz = p.share_coat = p.share_fuzz = p.transmits = 0.0f;
   p.above_coat = 1.0f;
@@ -274,9 +362,13 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
     scattered.second += to_set;
     const float once = p.thin ? p.plain : facet_curve(scene, scattered, at);
     p.opaque = 1.0f - c.spec_trans;
-    p.glass = c.spec_trans / max_f(once, 1e-3f);
+    vec3 each_once = uniform_vec3(once);
+    if (film) each_once = select3(p.thin, each_once, mix3(each_once, with_film.scattered, c.film));
+    p.glass = make_vec3(c.spec_trans / max_f(each_once.x, 1e-3f), c.spec_trans / max_f(each_once.y, 1e-3f),
+                        c.spec_trans / max_f(each_once.z, 1e-3f));
     p.transmits = p.inside ? 1.0f : p.dielectric * c.spec_trans;
-    const float passed = p.dielectric * c.spec_trans * (1.0f - p.reflected);
+    const vec3 passed = scale(sub(white, p.reflected), p.dielectric * c.spec_trans);
+    const float passed_on_average = film ? luminance(passed) : passed.x;
     diffuse = sub(diffuse, scale(returned, p.dielectric * c.spec_trans));
 
     p.coat_facets = openpbr_microfacets(c.clearcoat_gloss, 0.0f);
@@ -291,7 +383,7 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
     p.above_coat = max_f(1.0f - p.fuzz * fuzz_reflects, 0.0f);
     // Of the light from below the coat reflects `back`, again and again: all that comes up from a diffuse
     // base, as much as on the way in from a mirror.
-    const vec3 albedo = add(add(at_once, diffuse), uniform_vec3(passed));
+    const vec3 albedo = add(add(at_once, diffuse), passed);
     const float ior2 = max_f(c.clearcoat_rate * c.clearcoat_rate, 1.0f);
     const float from_all_sides = 1.0f - (1.0f - between_rows(scene, coat_rows, CURVE_KNOTS)) / ior2;
     const float spread = luminance(diffuse) + luminance(at_once) * c.roughness;
@@ -305,7 +397,7 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, vec3 
     const float rest = luminance(p.below);
     p.share_coat = p.above_coat * p.coat * coat_reflects;
     p.share_fuzz = p.fuzz * fuzz_reflects * luminance(c.k);
-    facets = p.inside ? 1.0f : rest * (facets + passed);
+    facets = p.inside ? 1.0f : rest * (facets + passed_on_average);
     diffuse = scale(diffuse, p.inside ? 0.0f : rest);
   }
   const float scattered_diffusely = max_f(luminance(diffuse), 0.0f);
@@ -336,7 +428,7 @@ FN vec3 openpbr_diffuse(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool l
 
 FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
   const MicrofacetReflection facets = microfacet_reflection(p.facets, wo, wi);
-  const float fresnel = dielectric_fresnel(facets.cosine, c.ior).reflectance;
+  const vec3 fresnel = uniform_vec3(dielectric_fresnel(facets.cosine, c.ior).reflectance);
   const vec3 metal = metal_fresnel(p.metal_base, p.dip, facets.cosine);
   const float lambert = INV_PI_F * wi.z;
   const vec3 reflected = add_scaled(scale(tinted(p, fresnel, 1.0f), p.dielectric), p.metal, metal);
@@ -346,7 +438,9 @@ FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec
   return select_bsdf_value((wi.z > 0.0f) & (wo.z > 0.0f), value, no_bsdf_value());
 }
 
-FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec3 wo, vec3 wi) {
+/// `film`: as for openpbr_of.
+FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool film, vec3 wo,
+                                   vec3 wi) {
   // A thin wall mirrors what it lets through.
   const bool through = wi.z < 0.0f, refracts = through & !p.thin;
   const vec3 above = make_vec3(wi.x, wi.y, FABS(wi.z)), towards = select3(p.thin, above, wi);
@@ -358,22 +452,23 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const bool faces = there & (cos_o > 0.0f) & (refracts ? cos_i < 0.0f : cos_i > 0.0f);
 
   // The base's microfacets.
-  const float fresnel = dielectric_fresnel(FABS(cos_o), c.ior).reflectance;
-  const float glass_reflects = p.thin ? reflectance_of_two(fresnel) : fresnel;
-  const float glass_passes = 1.0f - glass_reflects;
+  const vec3 fresnel =
+      base_reflectances(scene, c, p, film, FABS(cos_o), dielectric_fresnel(FABS(cos_o), c.ior).reflectance);
+  const vec3 glass_reflects = select3(p.thin, reflectances_of_two(fresnel), fresnel);
+  const vec3 glass_passes = sub(uniform_vec3(1.0f), glass_reflects);
   const float density = reflected_density(p.facets, wo, h);
   const float masked = density * microfacet_masking(p.facets, above);
   const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
-  const vec3 metal = metal_fresnel(p.metal_base, p.dip, FABS(cos_o));
-  const vec3 by_glass = scale(tinted(p, glass_reflects, 1.0f), p.glass);
+  const vec3 metal = metal_reflectances(scene, c, p, film, FABS(cos_o));
+  const vec3 by_glass = mul(tinted(p, glass_reflects, 1.0f), p.glass);
   const vec3 by_both = add_scaled(by_glass, p.opaque, tinted(p, fresnel, 1.0f));
   const vec3 outside = add_scaled(scale(by_both, p.dielectric), p.metal, metal);
-  const float in_glass = p.dielectric * p.glass;
-  const vec3 reflected = select3(p.inside, uniform_vec3(in_glass * fresnel), outside);
+  const vec3 in_glass = scale(p.glass, p.dielectric);
+  const vec3 reflected = select3(p.inside, mul(in_glass, fresnel), outside);
   const vec3 once = make_vec3(SQRT(c.transmitted.x), SQRT(c.transmitted.y), SQRT(c.transmitted.z));
   const vec3 passed =
-      scale(select3(p.thin, c.transmitted, once), in_glass * glass_passes * (p.thin ? 1.0f : jacobian));
-  const float share_passed = p.transmits * glass_passes;
+      mul(select3(p.thin, c.transmitted, once), scale(mul(in_glass, glass_passes), p.thin ? 1.0f : jacobian));
+  const float share_passed = p.transmits * (1.0f - chance_of_reflection(film, glass_reflects));
   const float facets_pdf =
       density * (through ? share_passed * (p.thin ? 1.0f : c.ior * c.ior * jacobian) : 1.0f - share_passed);
   vec3 f_cos = scale(select3(through, passed, reflected), faces ? masked : 0.0f);
@@ -406,23 +501,26 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
 }
 
 FN BsdfValue openpbr_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  return openpbr_value(scene, c, openpbr_of(scene, c, false, wo), wo, wi);
+  return openpbr_value(scene, c, openpbr_of(scene, c, false, false, wo), wo, wi);
 }
 
 FN BsdfSample openpbr_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
-  const OpenPbr p = openpbr_of(scene, c, false, wo);
+  const OpenPbr p = openpbr_of(scene, c, false, false, wo);
   const vec3 mirrored = mirror_about(wo, sample_microfacet(p.facets, wo, u, v));
   const vec3 wi = select3(choice < p.share_facets, mirrored, cosine_hemisphere(u, v));
   return sample_of_value(wi, openpbr_value(scene, c, p, wo, wi));
 }
 
 FN BsdfValue openpbr_layered_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, wo), wo, wi);
+  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, false, wo), false, wo, wi);
+}
+FN BsdfValue openpbr_film_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, true, wo), true, wo, wi);
 }
 
-FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
-                                     float choice) {
-  const OpenPbr p = openpbr_of(scene, c, true, wo);
+FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool film, vec3 wo, float u,
+                                    float v, float choice) {
+  const OpenPbr p = openpbr_of(scene, c, true, film, wo);
   const float up_to_fuzz = p.share_diffuse + p.share_fuzz, up_to_coat = up_to_fuzz + p.share_coat;
   const bool is_diffuse = choice < p.share_diffuse, is_fuzz = !is_diffuse & (choice < up_to_fuzz);
   const bool is_coat = !is_diffuse & !is_fuzz & (choice < up_to_coat);
@@ -433,7 +531,9 @@ FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3
   const vec3 facet = sample_microfacet(chosen, wo, u, v);
   const float cosine = max_f(dot3(wo, facet), 0.0f);
   const DielectricFresnel boundary = dielectric_fresnel(cosine, c.ior);
-  const float reflects = p.thin ? reflectance_of_two(boundary.reflectance) : boundary.reflectance;
+  const vec3 reflectances = base_reflectances(scene, c, p, film, cosine, boundary.reflectance);
+  const float reflects =
+      chance_of_reflection(film, select3(p.thin, reflectances_of_two(reflectances), reflectances));
   const bool transmits = is_base & (choice < up_to_coat + p.share_facets * (p.transmits * (1.0f - reflects)));
   const vec3 mirrored = mirror_about(wo, facet);
   const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),
@@ -443,18 +543,28 @@ FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3
   BsdfSample s = no_bsdf_sample();
   s.wi = select3(is_diffuse | is_fuzz, scattered, select3(transmits, passed, mirrored));
   s.eta = (transmits & !p.thin) ? c.ior : 1.0f;
-  const BsdfValue value = openpbr_layered_value(scene, c, p, wo, s.wi);
+  const BsdfValue value = openpbr_layered_value(scene, c, p, film, wo, s.wi);
   // A facet may scatter to the wrong side of the surface.
   s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
   s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
   return s;
 }
 
+FN BsdfSample openpbr_layered_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                     float choice) {
+  return sample_openpbr_layers(scene, c, false, wo, u, v, choice);
+}
+FN BsdfSample openpbr_film_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                  float choice) {
+  return sample_openpbr_layers(scene, c, true, wo, u, v, choice);
+}
+
 FN ControlLobes openpbr_control(const PRIVATE Scene* scene, Closure c, float cosine) {
-  const OpenPbr p = openpbr_of(scene, c, false, make_vec3(safe_sqrt(1.0f - cosine * cosine), 0.0f, cosine));
+  const OpenPbr p =
+      openpbr_of(scene, c, false, false, make_vec3(safe_sqrt(1.0f - cosine * cosine), 0.0f, cosine));
   const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_GGX, p.facets.alpha_u, cosine);
   const float at = fresnel_cosine(lobe), fresnel = dielectric_fresnel(at, c.ior).reflectance;
-  const vec3 reflected = add_scaled(scale(tinted(p, fresnel, 1.0f), p.dielectric), p.metal,
+  const vec3 reflected = add_scaled(scale(tinted(p, uniform_vec3(fresnel), 1.0f), p.dielectric), p.metal,
                                     metal_fresnel(p.metal_base, p.dip, at));
   // What is below the dielectric as a Lambert lobe.
   const vec3 below = below_dielectric(p, p.base_colour);

@@ -169,9 +169,17 @@ class Checker {
     const bool curves = h_.tables.curves.count > 0;
     for (const Material& m : table<Material>(scene_, h_.tables.materials)) {
       const bool uses = holds(USERS_curve & ~EXTRA_FAMILIES, m.family);
+      const bool film = m.family == FAMILY_OPENPBR_FILM;
+      require(in(m.film_rows, film ? 1 : 0, film ? FILM_ROWS : 0) &&
+                  (!film || (m.curve_rows > 0 && m.curve_rows % OPENPBR_SETS == 0)),
+              "a material with an implausible film");
+      const std::int64_t film_size =
+          std::int64_t(m.film_rows) *
+          (FILM_REFLECTANCES + 3 * CURVE_STRIDE * std::int64_t(m.curve_rows / OPENPBR_SETS));
       require((!curves && !uses) ||
-                  (in(m.curve_rows, uses ? 1 : 0, OPENPBR_SETS * CURVE_ROWS) &&
-                   in(m.curve, 0, h_.tables.curves.count - std::max(m.curve_rows, 1) * CURVE_STRIDE)),
+                  (in(m.curve_rows, uses ? 1 : 0, OPENPBR_SETS * CURVE_ROWS) && m.curve >= 0 &&
+                   std::int64_t(m.curve) + std::max(m.curve_rows, 1) * CURVE_STRIDE + film_size <=
+                       h_.tables.curves.count),
               "a material names a curve that is not there");
     }
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");

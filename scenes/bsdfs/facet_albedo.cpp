@@ -43,15 +43,17 @@ FacetAlbedo unpacked(float both) {
 
 double knot_cosine(std::size_t knot) { return std::max(1e-8, std::pow(double(knot) / (CURVE_KNOTS - 1), 4)); }
 
-/// 2 int f(mu) mu dmu of a curve that is linear in the fourth root of mu between its knots.
+/// 2 int f(mu) mu dmu of a curve that is linear in the root of mu, of this degree, between its knots.
 template <typename Curve>
-double hemisphere_mean(const Curve& curve) {
+double hemisphere_mean(const Curve& curve, int knots = CURVE_KNOTS, int degree = 4) {
   double mean = 0;
-  for (int k = 0; k + 1 < CURVE_KNOTS; ++k) {
+  const int power = 2 * degree;
+  for (int k = 0; k + 1 < knots; ++k) {
     // With mu = y^4, mu dmu = 4 y^7 dy.
-    const double a = double(k) / (CURVE_KNOTS - 1), b = double(k + 1) / (CURVE_KNOTS - 1);
+    const double a = double(k) / (knots - 1), b = double(k + 1) / (knots - 1);
     const double slope = (curve(k + 1) - curve(k)) / (b - a), start = curve(k) - slope * a;
-    mean += start * (std::pow(b, 8) - std::pow(a, 8)) + slope * (8.0 / 9) * (std::pow(b, 9) - std::pow(a, 9));
+    mean += start * (std::pow(b, power) - std::pow(a, power)) +
+            slope * (double(power) / (power + 1)) * (std::pow(b, power + 1) - std::pow(a, power + 1));
   }
   return mean;
 }
@@ -70,9 +72,11 @@ double azimuth_share(std::size_t row, std::size_t count) {
   return share;
 }
 
-}  // namespace
-
-FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosine, double across) {
+/// Calls visit(cosine at the microfacet, what is not masked of a reflection, of a refraction) for equally
+/// probable visible microfacets, for the parameters of facet_albedo. Returns their number.
+template <typename Visit>
+double visit_facets(double alpha_u, double alpha_v, double ior, double cosine, double across,
+                    const Visit& visit) {
   // The mean over the visible normals of what is not masked on the way out (Heitz 2018). The normals are
   // those of a spherical cap, stretched (Dupuy and Benyoub 2023).
   const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
@@ -80,7 +84,6 @@ FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosi
   const double length = std::hypot(alpha_u * wx, alpha_v * wy, cosine);
   const double x = alpha_u * wx / length, y = alpha_v * wy / length, z = cosine / length;
   const int count = wy == 0 ? kTurns : 2 * kTurns;  // half of the circle is the other's mirror image
-  FacetAlbedo sum{0, 0, 0};
   const auto seen = [&](double u, double v, double w) {
     return 2 * w / (w + std::sqrt(w * w + alpha_u * alpha_u * u * u + alpha_v * alpha_v * v * v));
   };
@@ -98,17 +101,67 @@ FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosi
       if (half <= 0) continue;
       const SmoothRefraction boundary = smooth_refraction(half, ior);
       const double out = 2 * half * hz - cosine;
-      if (out > 0) {
-        const double visible = seen(2 * half * hx - wx, 2 * half * hy - wy, out);
-        sum.plain += visible;
-        sum.reflected += visible * boundary.reflected;
-      }
+      const double reflection = out > 0 ? seen(2 * half * hx - wx, 2 * half * hy - wy, out) : 0;
       const double along = half / ior - boundary.cosine, in = -(along * hz - cosine / ior);
-      if (in > 0 && boundary.reflected < 1)
-        sum.scattered += (1 - boundary.reflected) * seen(along * hx - wx / ior, along * hy - wy / ior, in);
+      const bool refracts = in > 0 && boundary.reflected < 1;
+      visit(half, boundary, reflection,
+            refracts ? seen(along * hx - wx / ior, along * hy - wy / ior, in) : 0);
     }
   }
-  const double parts = double(heights) * count;
+  return double(heights) * count;
+}
+
+double film_knot_cosine(int knot) { return std::max(1e-6, std::pow(double(knot) / (FILM_KNOTS - 1), 2)); }
+
+/// RGB curve of a film, with its means.
+using FilmCurve = std::array<glm::dvec3, FILM_KNOTS + 1>;
+
+template <typename OfCosine>
+FilmCurve film_curve(const OfCosine& of_cosine) {
+  FilmCurve curve;
+  for (int k = 0; k < FILM_KNOTS; ++k) curve[std::size_t(k)] = of_cosine(film_knot_cosine(k));
+  for (int c = 0; c < 3; ++c)
+    curve.back()[c] = hemisphere_mean([&](int k) { return curve[std::size_t(k)][c]; }, FILM_KNOTS, 2);
+  return curve;
+}
+
+/// As the kernels interpolate it.
+glm::dvec3 at_cosine(const FilmCurve& curve, double cosine) {
+  const double x = std::sqrt(cosine) * (FILM_KNOTS - 1);
+  const int knot = std::min(int(x), FILM_KNOTS - 2);
+  return glm::mix(curve[std::size_t(knot)], curve[std::size_t(knot) + 1], x - knot);
+}
+
+/// The albedos of microfacets with a film.
+struct FilmAlbedos {
+  glm::dvec3 reflected{0}, scattered{0};
+};
+FilmAlbedos film_albedos(double alpha_u, double alpha_v, double ior, double cosine, double across,
+                         const FilmCurve& reflectance) {
+  FilmAlbedos sum;
+  const double parts = visit_facets(
+      alpha_u, alpha_v, ior, cosine, across,
+      [&](double half, const SmoothRefraction& boundary, double reflection, double refraction) {
+        const glm::dvec3 r = boundary.reflected < 1 ? at_cosine(reflectance, half) : glm::dvec3(1);
+        sum.reflected += reflection * r;
+        sum.scattered += reflection * r + refraction * (1.0 - r);
+      });
+  return {sum.reflected / parts, sum.scattered / parts};
+}
+
+float packed(double low, double high) { return packed(FacetAlbedo{high, low, 0}); }
+
+}  // namespace
+
+FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosine, double across) {
+  FacetAlbedo sum{0, 0, 0};
+  const double parts =
+      visit_facets(alpha_u, alpha_v, ior, cosine, across,
+                   [&](double, const SmoothRefraction& boundary, double reflection, double refraction) {
+                     sum.plain += reflection;
+                     sum.reflected += reflection * boundary.reflected;
+                     sum.scattered += (1 - boundary.reflected) * refraction;
+                   });
   return {sum.plain / parts, sum.reflected / parts, (sum.reflected + sum.scattered) / parts};
 }
 
@@ -146,6 +199,66 @@ double mean_fresnel(double ior) {
 int FacetCurves::row_count() const { return rows == FacetRows::kOne ? 1 : CURVE_ROWS; }
 int FacetCurves::sets() const { return layered ? OPENPBR_SETS : OPENPBR_PLAIN_SETS; }
 
+std::size_t FacetCurves::size() const {
+  const auto rows_of_sets = std::size_t(row_count() * sets()) * CURVE_STRIDE;
+  return rows_of_sets +
+         std::size_t(film_rows) * (FILM_REFLECTANCES + 3 * CURVE_STRIDE * std::size_t(row_count()));
+}
+
+std::vector<float> FacetCurves::film_blocks() const {
+  std::vector<float> result;
+  const auto put = [&](const FilmCurve& curve) {
+    for (const glm::dvec3& each : curve)
+      for (int c = 0; c < 3; ++c) result.push_back(float(each[c]));
+  };
+  for (int k = 0; k < film_rows; ++k) {
+    ThinFilm of_row = *film;
+    if (film_rows > 1)
+      of_row.nanometres = std::lerp(film->nanometres, last_nanometres, double(k) / (film_rows - 1));
+    const FilmCurve reflectance = film_curve([&](double cosine) { return film_colour(of_row, cosine); });
+    put(reflectance);
+    for (int metal = 0; metal < FILM_METALS; ++metal) {
+      const double base = std::pow(double(metal) / (FILM_METALS - 1), 2);
+      put(film_curve([&](double cosine) { return film_on_metal(of_row, base, cosine); }));
+    }
+    const std::size_t start = result.size();
+    const int count = row_count();
+    result.resize(start + 3 * CURVE_STRIDE * std::size_t(count));
+    std::vector<glm::dvec3> means;
+    for (int row = 0; row < count; ++row) {
+      const FacetRow facets = row_of(std::size_t(row));
+      std::array<FilmAlbedos, CURVE_KNOTS> knots;
+      for (std::size_t knot = 0; knot < CURVE_KNOTS; ++knot)
+        knots[knot] =
+            film_albedos(facets.alpha_u, facets.alpha_v, ior, knot_cosine(knot), facets.across, reflectance);
+      float* const at = result.data() + start + 3 * CURVE_STRIDE * std::size_t(row);
+      glm::dvec3 mean(0);
+      for (int c = 0; c < 3; ++c) {
+        for (std::size_t knot = 0; knot < CURVE_KNOTS; ++knot)
+          at[3 * knot + std::size_t(c)] = packed(knots[knot].reflected[c], knots[knot].scattered[c]);
+        mean[c] = hemisphere_mean([&](int knot) { return knots[std::size_t(knot)].reflected[c]; });
+      }
+      means.push_back(mean);
+    }
+    glm::dvec3 all(0);
+    for (std::size_t row = 0; row < means.size(); ++row) all += azimuth_share(row, means.size()) * means[row];
+    for (std::size_t row = 0; row < means.size(); ++row)
+      for (std::size_t c = 0; c < 3; ++c)
+        result[start + 3 * (row * CURVE_STRIDE + CURVE_KNOTS) + c] =
+            packed((rows == FacetRows::kAzimuth ? all : means[row])[int(c)], 0);
+  }
+  return result;
+}
+
+FacetCurves::FacetRow FacetCurves::row_of(std::size_t row) const {
+  const auto count = std::size_t(row_count());
+  const double place = count > 1 ? double(row) / double(count - 1) : 0;
+  const bool by_roughness = rows == FacetRows::kRoughness;
+  const double alpha = std::pow(double(FIRST_FACET_PLACE) + (1 - double(FIRST_FACET_PLACE)) * place, 4);
+  return {by_roughness ? alpha : alpha_u, by_roughness ? alpha : alpha_v,
+          rows == FacetRows::kAzimuth ? place : 0, alpha};
+}
+
 std::vector<float> FacetCurves::curves() const {
   const auto count = std::size_t(row_count());
   std::vector<float> result(count * std::size_t(sets()) * CURVE_STRIDE);
@@ -153,11 +266,8 @@ std::vector<float> FacetCurves::curves() const {
     return result.data() + (std::size_t(set) * count + row) * CURVE_STRIDE;
   };
   for (std::size_t row = 0; row < count; ++row) {
-    const double place = count > 1 ? double(row) / double(count - 1) : 0;
     const bool by_roughness = rows == FacetRows::kRoughness;
-    const double alpha = std::pow(double(FIRST_FACET_PLACE) + (1 - double(FIRST_FACET_PLACE)) * place, 4);
-    const double u = by_roughness ? alpha : alpha_u, v = by_roughness ? alpha : alpha_v;
-    const double across = rows == FacetRows::kAzimuth ? place : 0;
+    const auto [u, v, across, alpha] = row_of(row);
     for (std::size_t knot = 0; knot < CURVE_KNOTS; ++knot) {
       const double cosine = knot_cosine(knot);
       const FacetAlbedo base = facet_albedo(u, v, ior, cosine, across);
@@ -192,6 +302,8 @@ std::vector<float> FacetCurves::curves() const {
     if (set != OPENPBR_BASE || rows != FacetRows::kAzimuth) continue;
     for (std::size_t row = 0; row < count; ++row) at(set, row)[CURVE_KNOTS] = packed(all);
   }
+  const std::vector<float> blocks = film_blocks();
+  result.insert(result.end(), blocks.begin(), blocks.end());
   return result;
 }
 

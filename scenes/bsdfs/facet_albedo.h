@@ -2,7 +2,11 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
+#include <optional>
 #include <vector>
+
+#include "scenes/bsdfs/thin_film.h"
 
 namespace penumbra {
 
@@ -29,7 +33,8 @@ double mean_fresnel(double ior);
 enum class FacetRows {
   kOne,        ///< there is one
   kRoughness,  ///< by roughness, see facet_place (kernels/bsdf/openpbr.h)
-  kAzimuth     ///< by the square of the sine of the angle with the direction of alpha_u, from 0 to 1
+  kAzimuth     ///< by the square of the sine of the angle with the direction of
+               ///< alpha_u, from 0 to 1
 };
 
 /// What OpenPBR's curves depend on.
@@ -41,14 +46,29 @@ struct FacetCurves {
   bool transmits = false;                 ///< without, the set of `scattered` is not needed and holds ones
   double coat_alpha = 0, coat_ior = 1;    ///< without a coat the index is 1
   double fuzz_roughness = -1;             ///< -1: there is no fuzz
+  /// The film of the first and of the last thickness, of layered ones; and how many thicknesses there are.
+  std::optional<ThinFilm> film;
+  double last_nanometres = 0;
+  int film_rows = 0;
 
   friend auto operator<=>(const FacetCurves&, const FacetCurves&) = default;
 
   [[nodiscard]] int row_count() const;
   [[nodiscard]] int sets() const;
   /// One set of rows after the other; after a row's knots follows the mean of the curve, interpolated as in
-  /// the kernels, over a cosine-weighted hemisphere.
+  /// the kernels, over a cosine-weighted hemisphere. Behind them are the blocks of a film
+  /// (kernels/bsdf/thin_film.h).
   [[nodiscard]] std::vector<float> curves() const;
+  [[nodiscard]] std::size_t size() const;  ///< of these
+
+ private:
+  /// The microfacets of a row.
+  struct FacetRow {
+    double alpha_u, alpha_v, across;
+    double alpha;  ///< where rows differ by roughness
+  };
+  [[nodiscard]] FacetRow row_of(std::size_t row) const;
+  [[nodiscard]] std::vector<float> film_blocks() const;
 };
 
 }  // namespace penumbra

@@ -21,7 +21,7 @@ int MaterialTables::facets(const FacetCurves& curves) {
   const auto [at, added] = facets_.try_emplace(curves, int(curves_.size()));
   if (!added) return at->second;
   missing_facets_.emplace_back(curves, curves_.size());
-  curves_.resize(curves_.size() + std::size_t(curves.row_count() * curves.sets()) * CURVE_STRIDE);
+  curves_.resize(curves_.size() + curves.size());
   return at->second;
 }
 

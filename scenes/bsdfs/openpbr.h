@@ -25,6 +25,7 @@ inline OpenPbrRoughness along_and_across(double along, double across) {
 }
 
 struct OpenPbrBsdf {
+  static constexpr float kMostFilm = 1e4f;  ///< micrometres
   static constexpr const char* kPlugin = "openpbr";
   static constexpr const char* kText = "OpenPBR surface (Academy Software Foundation)";
   TexturedNumber base_weight{1.0f};
@@ -38,6 +39,10 @@ struct OpenPbrBsdf {
   TexturedNumber transmission_weight{};
   TexturedColour transmission_color{glm::vec3(1.0f)};
   float dispersion_scale = 0.0f, dispersion_abbe = 20.0f;  ///< the Abbe number is that over the scale
+  TexturedNumber film_weight{};
+  TexturedNumber film_thickness{0.5f};        ///< micrometres; a texture is its place between these:
+  float film_least = 0.0f, film_most = 1.0f;  ///< micrometres
+  float film_ior = 1.4f;
   TexturedNumber coat_weight{};
   TexturedColour coat_color{glm::vec3(1.0f)};
   TexturedNumber coat_roughness{};
@@ -75,6 +80,13 @@ struct OpenPbrBsdf {
         "how much of the dispersion there is; not of sheets");
     row("transmission_dispersion_abbe_number", &O::dispersion_abbe,
         NumberWithin{LowEnd::kOpen, 0.0f, kAnyNumber}, "of the dispersion");
+    constexpr NumberWithin kThickness{LowEnd::kClosed, 0.0f, kMostFilm};
+    row("thin_film_weight", &O::film_weight, NumberWithin{}, "how much of the base has a thin film");
+    row("thin_film_thickness", &O::film_thickness, kThickness,
+        "thickness of the film in micrometres; a texture lies between the two that follow");
+    row("thin_film_thickness_minimum", &O::film_least, kThickness, "... where the texture is 0");
+    row("thin_film_thickness_maximum", &O::film_most, kThickness, "... where it is 1");
+    row("thin_film_ior", &O::film_ior, kIndex, "refractive index of the film");
     row("coat_weight", &O::coat_weight, NumberWithin{}, "how much of the surface has a coat");
     row("coat_color", &O::coat_color, ColourWithin{},
         "of light that went through the coat twice, along the normal");
@@ -100,13 +112,14 @@ struct OpenPbrBsdf {
   [[nodiscard]] bool disperses() const { return transmits() && !thin_walled && dispersion_scale > 0.0f; }
   [[nodiscard]] bool coated() const { return coat_weight.value > 0.0f || coat_weight.texture != kNoTexture; }
   [[nodiscard]] bool fuzzy() const { return fuzz_weight.value > 0.0f || fuzz_weight.texture != kNoTexture; }
+  [[nodiscard]] bool filmed() const { return film_weight.value > 0.0f || film_weight.texture != kNoTexture; }
   [[nodiscard]] bool anisotropic() const {
     return specular_anisotropy.value > 0.0f || specular_anisotropy.texture != kNoTexture;
   }
   /// Whether it is more than what the family of the base has.
   [[nodiscard]] bool layered() const {
-    return transmits() || coated() || fuzzy() || anisotropic() || base_diffuse_roughness.value > 0.0f ||
-           base_diffuse_roughness.texture != kNoTexture;
+    return transmits() || filmed() || coated() || fuzzy() || anisotropic() ||
+           base_diffuse_roughness.value > 0.0f || base_diffuse_roughness.texture != kNoTexture;
   }
   /// The BSDF seen from inside; none (black) if the material does not transmit.
   [[nodiscard]] std::optional<OpenPbrBsdf> other_side() const {
@@ -116,16 +129,43 @@ struct OpenPbrBsdf {
     return other;
   }
 
+  /// How much of an opaque base is below a coat.
+  [[nodiscard]] float coat_over_base() const {
+    const float weight = coat_weight.texture == kNoTexture ? coat_weight.value : 1.0f;
+    return transmits() ? 0.0f : weight;
+  }
+
   /// The index of the dielectric that reflects specular_weight times as much along the normal, under the
   /// coat; of one that transmits at least 1.001: by an index of 1 a direction would not determine a
   /// microfacet.
   [[nodiscard]] float effective_ior() const {
-    const auto fixed = [](const TexturedNumber& n) { return n.texture == kNoTexture ? n.value : 1.0f; };
-    const float coat = transmits() ? 0.0f : fixed(coat_weight), ratio = specular_ior / coat_ior;
+    const float coat = coat_over_base(), ratio = specular_ior / coat_ior;
     const float under = std::lerp(specular_ior, std::max(ratio, 1.0f / ratio), coat);
     const float step = (under - 1.0f) / (under + 1.0f);
-    const float root = std::min(std::sqrt(fixed(specular_weight)) * step, 0.999f);
+    const float weight = specular_weight.texture == kNoTexture ? specular_weight.value : 1.0f;
+    const float root = std::min(std::sqrt(weight) * step, 0.999f);
     return std::max((1.0f + root) / (1.0f - root), transmits() ? float(kLeastMicrofacetIndex) : 1.0f);
+  }
+
+  /// The film at its first thickness, as light meets it: from the air or the coat, or from inside.
+  [[nodiscard]] ThinFilm film() const {
+    const double outside = std::lerp(1.0, double(coat_ior), double(coat_over_base())),
+                 base = double(effective_ior());
+    ThinFilm result;
+    result.optical = double(film_ior);
+    result.index = double(film_ior) / outside / (inside ? base : 1.0);
+    result.base = inside ? 1.0 / base : base;
+    const bool textured = film_thickness.texture != kNoTexture;
+    result.nanometres = 1e3 * double(textured ? film_least : film_thickness.value);
+    return result;
+  }
+  /// How many thicknesses its table has: they differ by an eighth of the shortest wavelengths' period, if
+  /// that is possible.
+  [[nodiscard]] int film_rows() const {
+    if (film_thickness.texture == kNoTexture) return 1;
+    constexpr double kStep = 0.025;  // micrometres, optical
+    const double range = std::abs(double(film_most - film_least)) * double(film_ior);
+    return std::clamp(int(std::ceil(range / kStep)) + 1, 2, FILM_ROWS);
   }
 
   /// The roughness of the base as it is seen through the coat, where neither has a texture (OpenPBR, coat).
@@ -140,7 +180,9 @@ struct OpenPbrBsdf {
 
 inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) {
   const bool layered = surface.layered();
-  Material m = material_of_family(layered ? FAMILY_OPENPBR_LAYERED : FAMILY_OPENPBR);
+  Material m = material_of_family(surface.filmed() ? FAMILY_OPENPBR_FILM
+                                  : layered        ? FAMILY_OPENPBR_LAYERED
+                                                   : FAMILY_OPENPBR);
   PENUMBRA_SET_FIELD(m, diffuse, surface.base_color);
   PENUMBRA_SET_FIELD(m, spec_tint, surface.base_weight);
   PENUMBRA_SET_FIELD(m, metallic, surface.base_metalness);
@@ -198,6 +240,13 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
     curves.alpha_v = double(base.alpha_v);
     if (surface.coated()) curves.coat_alpha = double(openpbr_microfacets(m.clearcoat_gloss, 0.0f).alpha_u);
     if (surface.fuzzy()) curves.fuzz_roughness = double(m.sheen_tint);
+  }
+  if (surface.filmed()) {
+    PENUMBRA_SET_FIELD(m, film, surface.film_weight);
+    PENUMBRA_SET_FIELD(m, film_thickness, surface.film_thickness);
+    curves.film = surface.film();
+    curves.last_nanometres = 1e3 * double(surface.film_most);
+    m.film_rows = curves.film_rows = surface.film_rows();
   }
   m.curve = tables.facets(curves);
   m.curve_rows = curves.row_count() * curves.sets();

@@ -22,7 +22,7 @@ NativeTracePhotons trace_benchmarked_families;
 namespace {
 
 constexpr int kFamilies = 6;
-constexpr int kPhongs = FAMILY_GLOSSY_TOO - FAMILY_GLOSSY + 1;  ///< families of the same cost
+constexpr int kPhongs = FAMILY_GLOSSY - FAMILY_CRUDE + 1;  ///< families of the same cost
 constexpr RenderUnit kUnit{.width = 96, .height = 96, .sample_count = 16};
 
 /// Quads with a family each, at random.
@@ -102,7 +102,7 @@ DeviceScene with_families(const DeviceScene& scene, int count) {
   DeviceScene changed = scene;
   std::vector<ExtraFamily> extra_families;
   for (int k = 0; k < kFamilies; ++k)
-    extra_families.push_back({.material = k + 1, .family = FAMILY_GLOSSY + k % count});
+    extra_families.push_back({.material = k + 1, .family = FAMILY_CRUDE + k % count});
   put_extra_families(changed, extra_families);
   return changed;
 }

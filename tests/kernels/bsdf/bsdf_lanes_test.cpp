@@ -29,6 +29,8 @@ SceneTables all_materials() {
   tables.materials.push_back(material_of(OpenPbrBsdf{.specular_roughness = 0.4f}, shared));
   tables.materials.push_back(
       material_of(OpenPbrBsdf{.specular_roughness = 0.4f, .coat_weight = 0.5f}, shared));
+  tables.materials.push_back(
+      material_of(OpenPbrBsdf{.specular_roughness = 0.4f, .film_weight = 0.5f}, shared));
   shared.compute();
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));

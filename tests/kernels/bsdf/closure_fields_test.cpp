@@ -31,6 +31,8 @@ int spoilt(int) { return kNoIndex; }
 float spoilt(float) { return std::numeric_limits<float>::quiet_NaN(); }
 vec3 spoilt(const vec3&) { return make_vec3(spoilt(0.0f), spoilt(0.0f), spoilt(0.0f)); }
 
+constexpr int kFilmRows = 2;
+
 Closure some_closure(int family, RandomNumbers& numbers) {
   Closure c{};
 #define FILL(_, type, name) c.name = some(c.name, numbers);
@@ -41,6 +43,8 @@ Closure some_closure(int family, RandomNumbers& numbers) {
   c.curve = 0;
   c.curve_rows = numbers.below(2) == 0 ? 1 : CURVE_ROWS;
   c.first_lobe = 0;
+  c.film_rows = family == FAMILY_OPENPBR_FILM ? kFilmRows : 0;
+  if (family == FAMILY_OPENPBR_FILM && numbers.below(2) == 0) --c.film_rows;
   if (family == FAMILY_OPENPBR)
     c.variant = c.variant * OPENPBR_WEIGHT_TINTS + some(2, numbers) * OPENPBR_TINT_FADES;
   if (family == FAMILY_HAIR)
@@ -74,7 +78,9 @@ const int kFamilies[] = {BSDF_FAMILIES(COUNT)};
 
 SceneTables tables_of_all_families() {
   SceneTables tables;
-  for (int i = 0; i < CURVE_ROWS * CURVE_STRIDE; ++i) tables.curves.push_back(0.3f + 1e-4f * float(i));
+  constexpr int kFilms = kFilmRows * (FILM_REFLECTANCES + 3 * CURVE_STRIDE * CURVE_ROWS / OPENPBR_SETS);
+  for (int i = 0; i < CURVE_ROWS * CURVE_STRIDE + kFilms; ++i)
+    tables.curves.push_back(0.3f + 1e-5f * float(i));
   tables.phase_lobes.assign(PHASE_LOBES, PhaseLobe{PHASE_HG, 0.5f, 1.0f / PHASE_LOBES});
   tables.ltc_cells = ltc_table();
   return tables;

@@ -35,21 +35,34 @@ class Surface {
     scene_ = tables_.scene();
   }
   [[nodiscard]] BsdfValue eval(const vec3& wo, const vec3& wi) const {
-    return closure_.family == FAMILY_OPENPBR ? openpbr_eval(&scene_, closure_, wo, wi)
-                                             : openpbr_layered_eval(&scene_, closure_, wo, wi);
+    switch (closure_.family) {
+      case FAMILY_OPENPBR:
+        return openpbr_eval(&scene_, closure_, wo, wi);
+      case FAMILY_OPENPBR_LAYERED:
+        return openpbr_layered_eval(&scene_, closure_, wo, wi);
+      default:
+        return openpbr_film_eval(&scene_, closure_, wo, wi);
+    }
   }
   [[nodiscard]] BsdfSample sample(const vec3& wo, float u, float v, float choice) const {
-    return closure_.family == FAMILY_OPENPBR ? openpbr_sample(&scene_, closure_, wo, u, v, choice)
-                                             : openpbr_layered_sample(&scene_, closure_, wo, u, v, choice);
+    switch (closure_.family) {
+      case FAMILY_OPENPBR:
+        return openpbr_sample(&scene_, closure_, wo, u, v, choice);
+      case FAMILY_OPENPBR_LAYERED:
+        return openpbr_layered_sample(&scene_, closure_, wo, u, v, choice);
+      default:
+        return openpbr_film_sample(&scene_, closure_, wo, u, v, choice);
+    }
   }
   [[nodiscard]] const Closure& closure() const { return closure_; }
+  [[nodiscard]] Closure& closure() { return closure_; }
 
   struct Energy {
     double mean, error;  ///< its standard error, by the variance between parts
   };
-  /// What leaves of what arrives, in red: radiance times the square of the index. The samples are those of
-  /// the additive sequence of Roberts 2018 in three dimensions, shifted for each of the parts.
-  [[nodiscard]] Energy energy(const vec3& wo, int count) const {
+  /// What leaves of what arrives, in a channel: radiance times the square of the index. The samples are those
+  /// of the additive sequence of Roberts 2018 in three dimensions, shifted for each of the parts.
+  [[nodiscard]] Energy energy(const vec3& wo, int count, int channel = 0) const {
     constexpr double kRoot = 1.2207440846057596;  // of x^4 = x + 1
     constexpr int kParts = 8;
     double sum = 0, squares = 0;
@@ -62,7 +75,8 @@ class Surface {
       for (int i = 0; i < count / kParts; ++i) {
         const BsdfSample s = sample(wo, number(i, 1 / kRoot), number(i, 1 / (kRoot * kRoot)),
                                     number(i, 1 / (kRoot * kRoot * kRoot)));
-        if (s.pdf > 0) whole += double(s.weight.x) * double(s.eta) * double(s.eta);
+        const float weight = channel_of(s.weight, channel);
+        if (s.pdf > 0) whole += double(weight) * double(s.eta) * double(s.eta);
       }
       const double mean = whole / (count / kParts);
       sum += mean, squares += mean * mean;
@@ -120,17 +134,18 @@ bool absorbs_nothing(const OpenPbrBsdf& bsdf) {
 constexpr double kMostGain = 1e-3, kMostLoss = 5e-3;
 constexpr double kDeviations = 5;  // of the mean of the samples, by its 8 parts
 
-void expect_energy(const OpenPbrBsdf& bsdf, const vec3& wo, int which) {
-  const Surface surface(bsdf);
+void expect_energy(const OpenPbrBsdf& bsdf, const Surface& surface, const vec3& wo, int which,
+                   int channel = 0) {
   constexpr int kFew = 1 << 8, kMany = 1 << 15;
   const auto off = [&](const Surface::Energy& e) {
     return e.mean > 1 + kMostGain || (absorbs_nothing(bsdf) && e.mean < 1 - kMostLoss);
   };
   // Few samples say for most that all is well; those that they leave in doubt get many.
-  Surface::Energy energy = surface.energy(wo, kFew);
-  if (off(energy)) energy = surface.energy(wo, kMany);
+  Surface::Energy energy = surface.energy(wo, kFew, channel);
+  if (off(energy)) energy = surface.energy(wo, kMany, channel);
   const double allowed = kDeviations * energy.error;
-  const std::string what = std::to_string(which) + " at cosine " + std::to_string(wo.z);
+  const std::string what =
+      std::to_string(which) + " at cosine " + std::to_string(wo.z) + ", channel " + std::to_string(channel);
   EXPECT_LE(energy.mean, 1 + kMostGain + allowed) << what;
   if (absorbs_nothing(bsdf)) {
     EXPECT_GE(energy.mean, 1 - kMostLoss - allowed) << what;
@@ -142,8 +157,10 @@ TEST(OpenPbr, ReflectsAndTransmitsWhatArrivesAndNoMore) {
   for (int k = 0; k < 150; ++k) {
     OpenPbrBsdf bsdf = random_surface(random, k % 4 != 0);
     if (bsdf.transmits() && random.below(3) == 0) bsdf = *bsdf.other_side();
+    const Surface surface(bsdf);
     for (int j = 0; j < 3; ++j)
-      expect_energy(bsdf, at_cosine(std::max(0.02f, random.unit_float()), random.between(0, 2 * kPi)), k);
+      expect_energy(bsdf, surface,
+                    at_cosine(std::max(0.02f, random.unit_float()), random.between(0, 2 * kPi)), k);
   }
 }
 
@@ -181,10 +198,39 @@ TEST(OpenPbr, MetalsAreReciprocal) {
   }
 }
 
-TEST(OpenPbr, SamplesFollowTheDensity) {
+/// Compares samples with the density. Returns the probability of samples as far from it.
+double probability_of_samples(const Surface& surface, const vec3& wo, RandomNumbers& random, int which) {
   constexpr int kRows = 8, kColumns = 12, kSamples = 60'000, kParts = 24;
+  std::vector<double> expected(2 * kRows * kColumns), observed(expected.size());
+  double density = 0;
+  for (int i = 0; i < 2 * kRows * kParts; ++i)
+    for (int j = 0; j < kColumns * kParts; ++j) {
+      const double z = 1 - (i + 0.5) / (kRows * kParts), angle = 2 * kPi * (j + 0.5) / (kColumns * kParts);
+      const double r = std::sqrt(1 - z * z), area = 2 * kPi / (double(kRows) * kParts * kColumns * kParts);
+      const double share =
+          area *
+          double(surface.eval(wo, make_vec3(float(r * std::cos(angle)), float(r * std::sin(angle)), float(z)))
+                     .pdf);
+      expected[std::size_t(i / kParts * kColumns + j / kParts)] += share * kSamples;
+      density += share;
+    }
+  EXPECT_LE(density, 1 + 5e-3) << which;  // of the midpoint rule at these roughnesses
+  for (int i = 0; i < kSamples; ++i) {
+    const BsdfSample s = surface.sample(wo, random.unit_float(), random.unit_float(), random.unit_float());
+    if (!(s.pdf > 0)) continue;
+    double angle = std::atan2(double(s.wi.y), double(s.wi.x)) / (2 * kPi);
+    angle -= std::floor(angle);
+    const int row = std::clamp(int((1 - double(s.wi.z)) * kRows), 0, 2 * kRows - 1);
+    ++observed[std::size_t(row * kColumns + std::min(kColumns - 1, int(angle * kColumns)))];
+    const BsdfValue value = surface.eval(wo, s.wi);
+    EXPECT_NEAR(double(value.pdf), double(s.pdf), 1e-2 * double(s.pdf));
+  }
+  for (double& e : expected) e = std::max(e, 1e-3);
+  return statistics::chi_square_test(observed, expected, 5).p;
+}
+
+TEST(OpenPbr, SamplesFollowTheDensity) {
   RandomNumbers random(8);
-  std::vector<double> ps;
   for (int k = 0; k < 16; ++k) {
     OpenPbrBsdf bsdf = random_surface(random, k % 4 != 0);
     bsdf.specular_roughness = 0.4f + 0.6f * random.unit_float();
@@ -193,34 +239,7 @@ TEST(OpenPbr, SamplesFollowTheDensity) {
     if (k == 5) bsdf.specular_anisotropy = 0.6f;
     const Surface surface(bsdf);
     const vec3 wo = at_cosine(random.between(0.2, 0.99), random.between(0, 2 * kPi));
-    std::vector<double> expected(2 * kRows * kColumns), observed(expected.size());
-    double density = 0;
-    for (int i = 0; i < 2 * kRows * kParts; ++i)
-      for (int j = 0; j < kColumns * kParts; ++j) {
-        const double z = 1 - (i + 0.5) / (kRows * kParts), angle = 2 * kPi * (j + 0.5) / (kColumns * kParts);
-        const double r = std::sqrt(1 - z * z), area = 2 * kPi / (double(kRows) * kParts * kColumns * kParts);
-        const double share =
-            area *
-            double(
-                surface.eval(wo, make_vec3(float(r * std::cos(angle)), float(r * std::sin(angle)), float(z)))
-                    .pdf);
-        expected[std::size_t(i / kParts * kColumns + j / kParts)] += share * kSamples;
-        density += share;
-      }
-    EXPECT_LE(density, 1 + 5e-3) << k;  // of the midpoint rule at these roughnesses
-    for (int i = 0; i < kSamples; ++i) {
-      const BsdfSample s = surface.sample(wo, random.unit_float(), random.unit_float(), random.unit_float());
-      if (!(s.pdf > 0)) continue;
-      double angle = std::atan2(double(s.wi.y), double(s.wi.x)) / (2 * kPi);
-      angle -= std::floor(angle);
-      const int row = std::clamp(int((1 - double(s.wi.z)) * kRows), 0, 2 * kRows - 1);
-      ++observed[std::size_t(row * kColumns + std::min(kColumns - 1, int(angle * kColumns)))];
-      const BsdfValue value = surface.eval(wo, s.wi);
-      EXPECT_NEAR(double(value.pdf), double(s.pdf), 1e-2 * double(s.pdf));
-    }
-    for (double& e : expected) e = std::max(e, 1e-3);
-    ps.push_back(statistics::chi_square_test(observed, expected, 5).p);
-    EXPECT_GT(ps.back(), statistics::sidak_significance(0.01, 16)) << k;
+    EXPECT_GT(probability_of_samples(surface, wo, random, k), statistics::sidak_significance(0.01, 16)) << k;
   }
 }
 
@@ -330,6 +349,165 @@ TEST(OpenPbr, ThePlainFamilyIsTheLayeredOneWithoutLayers) {
     const double a = double(plain.eval(wo, wi).f_cos.x), b = double(layered.eval(wo, wi).f_cos.x);
     EXPECT_NEAR(a, b, 1e-4 * a + 1e-7) << k;
   }
+}
+
+// Thin films. Their reflectance itself is that of thin_film_test.
+
+OpenPbrBsdf random_film(RandomNumbers& random) {
+  OpenPbrBsdf bsdf = random_surface(random, true);
+  bsdf.specular_anisotropy = TexturedNumber();  // its curves take long
+  bsdf.film_weight = std::max(number(random), 0.1f);
+  const float thicknesses[] = {0.0f, 1e-3f, 0.1f, 0.3f, 0.6f, 2.0f, 10.0f, 1e3f};
+  bsdf.film_thickness = thicknesses[random.below(8)];
+  bsdf.film_ior = random.below(4) == 0 ? (random.below(2) == 0 ? 1.0f : 3.0f) : 1.0f + random.unit_float();
+  return bsdf;
+}
+
+TEST(OpenPbrFilm, ReflectsAndTransmitsWhatArrivesAndNoMore) {
+  RandomNumbers random(15);
+  for (int k = 0; k < 80; ++k) {
+    OpenPbrBsdf bsdf = random_film(random);
+    if (bsdf.transmits() && random.below(3) == 0) bsdf = *bsdf.other_side();
+    const Surface surface(bsdf);
+    for (int j = 0; j < 3; ++j)
+      expect_energy(bsdf, surface,
+                    at_cosine(std::max(0.02f, random.unit_float()), random.between(0, 2 * kPi)), k, j);
+  }
+}
+
+TEST(OpenPbrFilm, ClearRoughGlassScattersAllFromBothSides) {
+  for (const float roughness : {0.0f, 0.3f, 1.0f})
+    for (const float thickness : {0.0f, 0.25f, 0.5f, 20.0f}) {
+      OpenPbrBsdf glass;
+      glass.transmission_weight = 1.0f, glass.specular_roughness = roughness;
+      glass.film_weight = 1.0f, glass.film_thickness = thickness, glass.film_ior = 1.8f;
+      for (const OpenPbrBsdf& side : {glass, *glass.other_side()}) {
+        const Surface surface(side);
+        for (const double cosine : {1.0, 0.6, 0.2, 0.05})
+          for (int channel = 0; channel < 3; ++channel) {
+            const Surface::Energy energy = surface.energy(at_cosine(cosine), 1 << 12, channel);
+            EXPECT_NEAR(energy.mean, 1, kMostLoss + kDeviations * energy.error)
+                << roughness << ' ' << thickness << ' ' << cosine << ' ' << side.inside << ' ' << channel;
+          }
+      }
+    }
+}
+
+TEST(OpenPbrFilm, SamplesFollowTheDensity) {
+  RandomNumbers random(18);
+  for (int k = 0; k < 8; ++k) {
+    OpenPbrBsdf bsdf = random_film(random);
+    bsdf.specular_roughness = 0.4f + 0.6f * random.unit_float();
+    bsdf.coat_roughness = 0.4f + 0.6f * random.unit_float();
+    bsdf.specular_ior = std::max(bsdf.specular_ior, 1.3f), bsdf.specular_weight = 1.0f;
+    bsdf.specular_color = TexturedColour(glm::vec3(1.0f));
+    if (bsdf.transmits() && k % 2 == 0) bsdf = *bsdf.other_side();
+    const Surface surface(bsdf);
+    const vec3 wo = at_cosine(random.between(0.2, 0.99), random.between(0, 2 * kPi));
+    EXPECT_GT(probability_of_samples(surface, wo, random, k), statistics::sidak_significance(0.01, 8)) << k;
+  }
+}
+
+TEST(OpenPbrFilm, ASmoothOneHasTheColoursOfItsFilm) {
+  OpenPbrBsdf bsdf;
+  bsdf.base_color = TexturedColour(glm::vec3(0.0f)), bsdf.specular_roughness = 0.0f;
+  bsdf.film_weight = 1.0f, bsdf.film_ior = 1.33f;
+  for (const float thickness : {0.1f, 0.35f, 0.8f}) {
+    bsdf.film_thickness = thickness;
+    const Surface surface(bsdf);
+    for (const double cosine : {1.0, 0.7, 0.3, 0.1}) {
+      const glm::dvec3 expected = film_colour({1.33, 1.33, 1.5, 1e3 * double(thickness)}, cosine);
+      // Cosines of microfacets of the least roughness, and the table's interpolation.
+      for (int channel = 0; channel < 3; ++channel)
+        EXPECT_NEAR(surface.energy(at_cosine(cosine), 1 << 10, channel).mean, expected[channel], 2e-3)
+            << thickness << ' ' << cosine << ' ' << channel;
+    }
+  }
+}
+
+TEST(OpenPbrFilm, OfNoThicknessOrNoContrastChangesNothing) {
+  RandomNumbers random(19);
+  for (int k = 0; k < 40; ++k) {
+    OpenPbrBsdf bsdf = random_surface(random, true), film = bsdf;
+    film.film_weight = 1.0f;
+    const bool thick = k % 2 != 0;
+    film.film_thickness = thick ? 0.4f : 0.0f;
+    const double coat = double(std::lerp(1.0f, bsdf.coat_ior, bsdf.coat_over_base()));
+    if (thick) film.film_ior = bsdf.effective_ior() * float(coat);
+    if (thick) film.base_metalness = bsdf.base_metalness = 0.0f;
+    const Surface with(film), without(bsdf);
+    for (int j = 0; j < 20; ++j) {
+      const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+      vec3 wi = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+      if (bsdf.transmits() && j % 3 == 0) wi.z = -wi.z;
+      const double a = double(with.eval(wo, wi).f_cos.x), b = double(without.eval(wo, wi).f_cos.x);
+      // Of the table's interpolation, and of the steps of packed albedos.
+      EXPECT_NEAR(a, b, 5e-3 * b + 1e-3) << k;
+    }
+  }
+}
+
+TEST(OpenPbrFilm, AThicknessBetweenTwoHasTheColoursOfItsOwn) {
+  // As a texture makes it.
+  OpenPbrBsdf textured;
+  textured.film_weight = 1.0f, textured.film_thickness.texture = 0;
+  textured.film_least = 0.1f, textured.film_most = 0.4f, textured.specular_roughness = 0.5f;
+  textured.base_metalness = 0.5f, textured.base_color = TexturedColour(glm::vec3(0.9f, 0.5f, 0.1f));
+  Surface rows(textured);
+  for (const float place : {0.0f, 0.3f, 0.77f, 1.0f}) {
+    OpenPbrBsdf fixed = textured;
+    fixed.film_thickness = TexturedNumber(std::lerp(0.1f, 0.4f, place));
+    const Surface own(fixed);
+    rows.closure().film_thickness = place;
+    for (const double cosine : {0.9, 0.4}) {
+      const vec3 wo = at_cosine(cosine), wi = at_cosine(0.6, 2.5);
+      const vec3 a = rows.eval(wo, wi).f_cos, b = own.eval(wo, wi).f_cos;
+      for (int channel = 0; channel < 3; ++channel)
+        EXPECT_NEAR(double(channel_of(a, channel)), double(channel_of(b, channel)),
+                    5e-3 * double(channel_of(b, channel)) + 1e-4)
+            << place << ' ' << cosine << ' ' << channel;
+    }
+  }
+}
+
+TEST(OpenPbrFilm, OverAWhiteMetalChangesNothingAndOverAnyOtherReflectsNoMoreThanArrives) {
+  for (const float colour : {0.0f, 0.3f, 0.8f, 1.0f})
+    for (const float thickness : {0.1f, 0.3f, 1.0f}) {
+      OpenPbrBsdf metal;
+      metal.base_metalness = 1.0f, metal.base_color = TexturedColour(glm::vec3(colour));
+      OpenPbrBsdf bare = metal;
+      bare.base_diffuse_roughness = 1e-30f;  // of the layered family
+      metal.film_weight = 1.0f, metal.film_thickness = thickness;
+      const Surface surface(metal), without(bare);
+      for (const double cosine : {1.0, 0.5, 0.1})
+        for (int channel = 0; channel < 3; ++channel) {
+          const Surface::Energy energy = surface.energy(at_cosine(cosine), 1 << 12, channel);
+          EXPECT_LE(energy.mean, 1 + kMostGain + kDeviations * energy.error);
+          if (colour < 1.0f) continue;
+          // The same samples.
+          EXPECT_NEAR(energy.mean, without.energy(at_cosine(cosine), 1 << 12, channel).mean, 1e-4);
+        }
+    }
+}
+
+TEST(OpenPbrFilm, GivesNumbersAtItsExtremes) {
+  for (const float thickness : {0.0f, 1e-3f, 10.0f, 1e3f})
+    for (const float ior : {1.0f, 3.0f})
+      for (const float base : {1.0f, 1.5f, 3.0f})
+        for (const float metal : {0.0f, 1.0f}) {
+          OpenPbrBsdf bsdf;
+          bsdf.film_weight = 1.0f, bsdf.film_thickness = thickness, bsdf.film_ior = ior;
+          bsdf.specular_ior = base, bsdf.base_metalness = metal;
+          const Surface surface(bsdf);
+          for (const double o : {1.0, 1e-3, 1e-6})
+            for (const double i : {1.0, 1e-3, 1e-6}) {
+              const BsdfValue value = surface.eval(at_cosine(o), at_cosine(i, 3));
+              for (int channel = 0; channel < 3; ++channel) {
+                EXPECT_TRUE(std::isfinite(double(channel_of(value.f_cos, channel))));
+                EXPECT_GE(double(channel_of(value.f_cos, channel)), 0);
+              }
+            }
+        }
 }
 
 TEST(MetalRough, KeepsItsReflectancesAsAnOpenPbrSurface) {

@@ -48,7 +48,6 @@ FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   }
 PHONG_AGAIN(glossy, , , , )
 PHONG_AGAIN(crude, , , , )
-PHONG_AGAIN(glossy_too, , , , )
 #undef PHONG_AGAIN
 
 /// A microfacet lobe of about the width, half as bright again, beside too dark a Lambert of another colour.

@@ -9,8 +9,7 @@
   X(window, WINDOW, FAMILY_WINDOW, TRANSMITS | DELTA, "pane that bends nothing")           \
   X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS | DELTA, "glass without Fresnel") \
   X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form")        \
-  X(crude, CRUDE, FAMILY_CRUDE, SEVERAL_LOBES, "Phong BSDF with crude control lobes")      \
-  X(glossy_too, GLOSSY_TOO, FAMILY_GLOSSY_TOO, SEVERAL_LOBES, "the same, for families_benchmark")
+  X(crude, CRUDE, FAMILY_CRUDE, SEVERAL_LOBES, "Phong BSDF with crude control lobes")
 #define EXTRA_LTC_FAMILIES(X) X(crude, CRUDE)
 
 #endif
