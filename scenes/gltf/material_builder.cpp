@@ -226,6 +226,7 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
                            "KHR_materials_specular: where a volume reflects less, it also refracts less");
   }
   add_sheen(material, index, surface);
+  add_film(material, index, surface);
   add_anisotropy(material, index, surface);
   SurfaceMaterial whole = surface_of(name_of(material, index), surface);
   if (!transmits)
@@ -256,6 +257,28 @@ void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t 
   surface.fuzz_roughness =
       number(number_of(sheen, "sheenRoughnessFactor", 0.0),
              extension_use(*sheen, "sheenRoughnessTexture", index), BitmapChannels::kAlpha);
+}
+
+void MaterialBuilder::add_film(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface) {
+  const auto* film = extension_of(material, "KHR_materials_iridescence");
+  if (film == nullptr) return;
+  surface.film_weight = number(number_of(film, "iridescenceFactor", 0.0),
+                               extension_use(*film, "iridescenceTexture", index), BitmapChannels::kRed);
+  if (!surface.filmed()) return;
+  const auto micrometres = [&](const char* name, double fallback) {
+    constexpr double kMost = 1e3 * double(OpenPbrBsdf::kMostFilm);
+    return float(1e-3 * std::clamp(number_of(film, name, fallback), 0.0, kMost));
+  };
+  surface.film_least = micrometres("iridescenceThicknessMinimum", 100.0);
+  surface.film_most = micrometres("iridescenceThicknessMaximum", 400.0);
+  const TexturedNumber between =
+      number(1.0, extension_use(*film, "iridescenceThicknessTexture", index), BitmapChannels::kGreen);
+  surface.film_thickness = TexturedNumber(surface.film_most);
+  surface.film_thickness.texture = between.texture;
+  surface.film_ior = float(std::max(number_of(film, "iridescenceIor", 1.3), 1.0));
+  if (surface.coated())
+    report_.warn_counted(place(index, "extensions"),
+                         "KHR_materials_iridescence: below a clear coat the film reflects less");
 }
 
 void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::size_t index,

@@ -55,6 +55,7 @@ class MaterialBuilder {
   SurfaceMaterial layers(const tinygltf::Material& material, std::size_t index,
                          const MetalRoughParameters& core);
   void add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
+  void add_film(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   void add_anisotropy(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   SurfaceMaterial with_diffuse_transmission(const tinygltf::Material& material, std::size_t index,
                                             const OpenPbrBsdf& surface, SurfaceMaterial whole);

@@ -372,16 +372,34 @@ TEST_F(GltfExtensions, MetalsAndGlassTransmitNothingDiffusely) {
       surface(R"("metallicFactor": 0)", R"(, "KHR_materials_transmission": {"transmissionFactor": 1})"))));
 }
 
+TEST_F(GltfExtensions, IridescenceIsAThinFilm) {
+  const auto film = [&](const std::string& content) {
+    return std::get<OpenPbrBsdf>(front(good_gltf(triangle().text(
+        one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
+                 R"(, "materials": [{"extensions": {"KHR_materials_iridescence": {)" + content + "}}}]")))));
+  };
+  EXPECT_FALSE(film("").filmed());
+  const OpenPbrBsdf plain = film(R"("iridescenceFactor": 0.5)");
+  EXPECT_EQ(plain.film_weight.value, 0.5f);
+  EXPECT_FLOAT_EQ(plain.film_thickness.value, 0.4f) << "the maximum, in micrometres";
+  EXPECT_FLOAT_EQ(plain.film_ior, 1.3f);
+  const OpenPbrBsdf other = film(
+      R"("iridescenceFactor": 1, "iridescenceIor": 1.8, "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 900)");
+  EXPECT_FLOAT_EQ(other.film_thickness.value, 0.9f);
+  EXPECT_FLOAT_EQ(other.film_least, 0.2f);
+  EXPECT_FLOAT_EQ(other.film_ior, 1.8f);
+}
+
 TEST_F(GltfExtensions, WhatIsLeftOutIsSaidAndNoError) {
   const std::string text = triangle().text(one_mesh(
       R"({"attributes": {"POSITION": 0}, "material": 0})",
-      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_subsurface", "KHR_materials_iridescence",
-"KHR_animation_pointer", "KHR_xmp_json_ld"], "extensionsRequired": ["KHR_materials_iridescence"],
-"materials": [{"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
-"KHR_materials_iridescence": {"iridescenceFactor": 1}}}])"));
+      R"(, "extensionsUsed": ["KHR_materials_sheen", "KHR_materials_subsurface", "EXT_lights_image_based",
+"KHR_animation_pointer", "KHR_xmp_json_ld"], "extensionsRequired": ["EXT_lights_image_based"],
+"materials": [{"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}}}])"));
   const std::string said = warnings(good_gltf(text));
-  EXPECT_THAT(said, AllOf(HasSubstr("'KHR_materials_iridescence' is ignored: surfaces have no thin film"),
-                          HasSubstr("'KHR_materials_subsurface' is ignored")));
+  EXPECT_THAT(said,
+              AllOf(HasSubstr("'EXT_lights_image_based' is ignored: the sky that it describes is left out"),
+                    HasSubstr("'KHR_materials_subsurface' is ignored")));
   EXPECT_THAT(said, Not(AnyOf(HasSubstr("sheen"), HasSubstr("pointer"), HasSubstr("xmp"))));
   EXPECT_THAT(
       gltf_error(triangle().text(one_mesh(kTriangle, R"(, "extensionsRequired": ["KHR_techniques_webgl"])"))),
