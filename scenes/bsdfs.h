@@ -31,6 +31,7 @@
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/principled.h"
 #include "scenes/bsdfs/principledthin.h"
+#include "scenes/bsdfs/standard_surface.h"
 #include "scenes/bsdfs/ward.h"
 
 namespace penumbra {
@@ -43,10 +44,10 @@ using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughCondu
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters =
-    std::variant<TwoSidedParameters, MixtureParameters, MetalRoughParameters, NormalMapParameters,
-                 BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters, DisneyMetalParameters,
-                 DisneyClearcoatParameters, DisneySheenParameters, DisneyGlassParameters,
-                 DisneySumParameters>;
+    std::variant<TwoSidedParameters, MixtureParameters, MetalRoughParameters, StandardSurfaceParameters,
+                 NormalMapParameters, BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters,
+                 DisneyMetalParameters, DisneyClearcoatParameters, DisneySheenParameters,
+                 DisneyGlassParameters, DisneySumParameters>;
 
 struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages

@@ -82,6 +82,7 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
       {BlendBsdf::kPlugin, &MaterialReader::read_blend},
       {"mixturebsdf", &MaterialReader::read_mixture},
       {MetalRoughParameters::kPlugin, &MaterialReader::read_metal_rough},
+      {StandardSurfaceParameters::kPlugin, &MaterialReader::read_standard_surface},
       {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
       {"circular", &MaterialReader::read_polarizer},
       {"retarder", &MaterialReader::read_polarizer},
@@ -206,6 +207,19 @@ SurfaceMaterial MaterialReader::read_metal_rough(PluginReader& plugin) {
   MetalRoughParameters surface;
   plugin.read_parameters(surface);
   return surface_of(name_of(plugin.object()), surface.as_openpbr());
+}
+
+SurfaceMaterial MaterialReader::read_standard_surface(PluginReader& plugin) {
+  StandardSurfaceParameters surface;
+  plugin.read_parameters(surface);
+  if (surface.base_color.texture != kNoTexture && surface.coat.value > 0.0f &&
+      surface.coat_color != TexturedColour(glm::vec3(1.0f)))
+    plugin.warn("a base_color that is a texture is not dimmed by coat_color, as another is");
+  const SurfaceMaterial whole = surface_of(name_of(plugin.object()), surface.as_openpbr());
+  if (surface.opacity == TexturedNumber(1.0f)) return whole;
+  MaskBsdf mask;
+  mask.opacity = surface.opacity;
+  return masked(name_of(plugin.object()), mask, whole);
 }
 
 SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {

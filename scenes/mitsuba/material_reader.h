@@ -38,6 +38,7 @@ class MaterialReader {
   SurfaceMaterial read_blend(PluginReader& plugin);
   SurfaceMaterial read_mixture(PluginReader& plugin);
   SurfaceMaterial read_metal_rough(PluginReader& plugin);
+  SurfaceMaterial read_standard_surface(PluginReader& plugin);
   SurfaceMaterial read_polarizer(PluginReader& plugin);
   SurfaceMaterial read_coating(PluginReader& plugin);
   template <typename Parameters>

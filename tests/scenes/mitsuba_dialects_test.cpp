@@ -138,5 +138,47 @@ TEST_F(MitsubaDialects, EarsIsAPathTracer) {
               HasSubstr("a 'roughplastic' of the same parameters is nearest"));
 }
 
+TEST_F(MitsubaDialects, OpenPbrHasAThinFilm) {
+  const auto film = model_of<OpenPbrBsdf>(in(
+      "bsdf", "openpbr",
+      number("thin_film_weight", 0.5) + number("thin_film_thickness", 0.3) + number("thin_film_ior", 1.6)));
+  EXPECT_EQ(film.film_weight.value, 0.5f);
+  EXPECT_EQ(film.film().nanometres, 1e3 * double(0.3f));
+  EXPECT_EQ(film.film().index, double(1.6f));
+  std::vector<float> curves;
+  MaterialTables tables(curves);
+  EXPECT_EQ(material_of(film, tables).family, FAMILY_OPENPBR_FILM);
+  EXPECT_FALSE(model_of<OpenPbrBsdf>(in("bsdf", "openpbr", number("thin_film_ior", 1.6))).filmed());
+}
+
+TEST_F(MitsubaDialects, StandardSurfaceIsAnOpenPbr) {
+  // Expected values: MaterialX's translation graph, by hand.
+  const auto plain = model_of<OpenPbrBsdf>(in("bsdf", "standard_surface"));
+  EXPECT_EQ(plain.base_color.value, glm::vec3(0.8f));
+  EXPECT_EQ(plain.specular_roughness.value, 0.2f);
+  EXPECT_FALSE(plain.filmed());
+  const auto other =
+      model_of<OpenPbrBsdf>(in("bsdf", "standard_surface",
+                               number("base", 0.5) + number("specular", 0.4) + number("specular_IOR", 1.7) +
+                                   number("coat", 0.5) + "<rgb name='coat_color' value='.2 .4 .6'/>" +
+                                   number("sheen", 0.3) + number("sheen_roughness", 0.5) +
+                                   number("thin_film_thickness", 300) + number("thin_film_IOR", 1.3)));
+  EXPECT_EQ(other.base_weight.value, 0.5f);
+  EXPECT_EQ(other.specular_weight.value, 0.4f);
+  EXPECT_EQ(other.specular_ior, 1.7f);
+  EXPECT_EQ(other.coat_weight.value, 0.5f);
+  EXPECT_NEAR(other.base_color.value.x, 0.8 * 0.6, 1e-6) << "half of it is below the coat";
+  EXPECT_NEAR(other.fuzz_roughness.value, std::pow(0.5, 0.4), 1e-6);
+  EXPECT_EQ(other.film_weight.value, 1.0f);
+  EXPECT_FLOAT_EQ(other.film_thickness.value, 0.3f);
+  const auto metal = model_of<OpenPbrBsdf>(
+      in("bsdf", "standard_surface", number("metalness", 1) + number("specular", 0.4) + number("coat", 1)));
+  EXPECT_EQ(metal.specular_weight.value, 1.0f);
+  EXPECT_EQ(metal.coat_weight.value, 0.0f);
+  EXPECT_TRUE(model_of<OpenPbrBsdf>(in("bsdf", "standard_surface",
+                                       number("transmission", 1) + number("transmission_dispersion", 30)))
+                  .disperses());
+}
+
 }  // namespace
 }  // namespace penumbra
