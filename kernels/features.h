@@ -54,7 +54,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(DISPERSION, "glass whose refractive index differs between colours") \
   X(PANORAMA, "panoramic cameras")                                      \
   X(EMITTING_MEDIA, "media that emit")                                  \
-  X(CURVES, "curves")
+  X(CURVES, "curves")                                                   \
+  X(INTERIORS, "scattering below surfaces, and coloured glass")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -70,6 +70,9 @@ LOADED_RECORD(Motion, motion, MOTION_FIELDS)
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
 // Whether a medium emits.
 #define NEEDS_EMITTING_MEDIA(scene) (NEEDS(scene, EMITTING_MEDIA) && NEEDS_MEDIA(scene))
+// Whether materials have media inside.
+#define NEEDS_INTERIORS(scene) \
+  (NEEDS(scene, INTERIORS) && NEEDS_MEDIA(scene) && (scene)->header.tables.boundaries.count > 0)
 // Whether something moves while the shutter is open. If so, the scene has its tables.
 #define NEEDS_MOTION(scene) (NEEDS(scene, MOTION) && (scene)->header.tables.shutter.count > 0)
 // Whether shadow rays may pass what they hit.

@@ -293,7 +293,10 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, emission_grid) /* index of a volume that scales the emission, 0 outside of its box; or -1 */      \
   F(int, emission_by_density) /* 1: the density scales it, too; 0 without density; 1 without grid but with \
                                  density */                                                                \
-  F(int, light)               /* index of the light that samples its emission, or -1 */
+  F(int, light)               /* index of the light that samples its emission, or -1 */                    \
+  F(int, interior)            /* 1: that of a material, which shadow rays do not enter: see interiors.h */ \
+  F(int, exit)         /* material that its surface has for light from inside; -1: the surface's own */    \
+  F(int, albedo_curve) /* start of the curve by which its albedo follows the colour, or -1 */
 
 // A grid of numbers in space, see medium/volume.h.
 #define VOLUME_FIELDS(F)                                                                          \
@@ -326,7 +329,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BOUNDARY_FIELDS(F)                                                                     \
   F(int, interior) /* index of the medium behind the front side */                             \
   F(int, exterior) /* index of the medium before the front side; -1: the surrounding medium */ \
-  F(int, shape)    /* index of the shape in the scene, for messages */
+  F(int, shape)    /* index of the shape in the scene, for messages; -1: none is told */
 
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3, radiance) /* radiance; point, spot: radiant intensity; directional: irradiance */               \

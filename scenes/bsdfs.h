@@ -13,6 +13,8 @@
 // scene.
 #pragma once
 
+#include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -49,10 +51,17 @@ using HolderParameters =
                  DisneyMetalParameters, DisneyClearcoatParameters, DisneySheenParameters,
                  DisneyGlassParameters, DisneySumParameters>;
 
+/// A homogeneous medium behind a surface that transmits, with the phase function of Henyey and Greenstein.
+struct InnerMedium {
+  glm::vec3 extinction{0.0f}, albedo{0.0f};  ///< in 1 / scene unit; of single scattering
+  float g = 0.0f;                            ///< mean cosine of scattering, in (-1, 1)
+};
+
 struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages
   BsdfModel model;
-  SurfaceBend bend = {};  ///< normal or bump map; only of a BSDF that holds no others
+  SurfaceBend bend = {};                   ///< normal or bump map; only of a BSDF that holds no others
+  std::optional<InnerMedium> inside = {};  ///< only of a BSDF of the front that holds no others
 };
 
 /// The material of one BSDF. The materials of its children are not known here, so the device scene sets

@@ -101,6 +101,10 @@ bool sees_media(const IntegratorSettings& integrator) {
   return integrator.is<VolpathIntegrator>() || has_photons(integrator);
 }
 
+bool sees_interiors(const IntegratorSettings& integrator) {
+  return integrator.is<PathIntegrator>() || integrator.is<VolpathIntegrator>();
+}
+
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {
   if (const auto* cv = integrator.get<PolygonCvIntegrator>()) return ControlVariate{cv->alpha};
   return std::visit(

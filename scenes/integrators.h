@@ -310,6 +310,9 @@ bool has_photons(const IntegratorSettings& integrator);
 /// Whether the integrator sees participating media.
 bool sees_media(const IntegratorSettings& integrator);
 
+/// Whether the integrator sees the media inside of materials (interiors.h).
+bool sees_interiors(const IntegratorSettings& integrator);
+
 /// Changes to another integrator. Parameters that both have keep their values, except direct_sampling, which
 /// the new name determines, alpha between those with photons and others, and the default of rr_depth.
 void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);

@@ -37,6 +37,8 @@ struct ParticipatingMedium {
   bool emission_by_density = false;           ///< the density multiplies the emission, too
   /// 1 to PHASE_LOBES lobes, all different; the weights are positive and sum to 1
   std::vector<PhaseLobe> phase{};
+  /// It is the inside of a material, which all integrators that follow paths see.
+  bool of_material = false;
   [[nodiscard]] bool emits() const { return emission != glm::vec3(0.0f); }
 };
 

@@ -259,6 +259,7 @@ CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);
       start_in_media(scene, paths, i, u);
+      if (NEEDS_INTERIORS(scene)) start_outside_interiors(paths, i);
     }
   }
 }

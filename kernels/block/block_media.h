@@ -30,6 +30,15 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 }
 
+/// Camera rays do not start in interiors of materials.
+STAGE void start_outside_interiors(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) {
+      set_inner(paths, j, 0);
+      set_inner_albedo(paths, j, make_vec3(1.0f, 1.0f, 1.0f));
+    }
+}
+
 /// A hash of the path's sample and depth for random numbers of one purpose (`salt`).
 FN uint step_hash(const PRIVATE PathState* paths, int i, uint salt) {
   return hash_uint((uint)get_sample_index(paths, i) + hash_uint((uint)get_depth(paths, i) + salt));
@@ -137,7 +146,8 @@ STAGE bool find_equiangular_segments(const PRIVATE Scene* scene, const PRIVATE P
           equiangular_segment(origin, direction, length, load3(&centre->place), centre->size);
       const vec3 shares = equiangular_shares(segment, length, load3(&medium->extinction));
       const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
-      any |= (under_way & !is_grid(medium) & (max_component(shares) > 0.0f)) ? 1 : 0;
+      const bool lit = !is_grid(medium) & (medium->interior == 0);
+      any |= (under_way & lit & (max_component(shares) > 0.0f)) ? 1 : 0;
       store_equiangular(segments, j, segment);
     }
   return any != 0;
@@ -158,8 +168,9 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const float left = get_depth_left(&fields, i + j), length = lengths[j];
       const int hero = get_hero(&fields, i + j);
       const float sigma = channel_of(extinction, hero);
+      const bool lit = !is_grid(medium) & (medium->interior == 0);
       const bool scatters =
-          (get_ray_tmax(&fields, i + j) > 0.0f) & !is_grid(medium) & (sigma > 0.0f) & (left < sigma * length);
+          (get_ray_tmax(&fields, i + j) > 0.0f) & lit & (sigma > 0.0f) & (left < sigma * length);
       const EquiangularSegment segment = load_equiangular(segments, j);
       const vec3 shares = equiangular_shares(segment, length, extinction);
       const float number = ray_number(&fields, i + j, 0x5be0cd19u);
@@ -256,6 +267,19 @@ FN void apply_grid_albedo(const PRIVATE Scene* scene, const PRIVATE PathState* p
     const vec3 albedo = volume_value(scene, v, volume_place(v, get_ray_origin(paths, i + j)));
     set_throughput(paths, i + j, mul(get_throughput(paths, i + j), albedo));
   }
+}
+
+/// Likewise by the paths' own albedos, of media whose albedo follows the colour of a surface.
+STAGE void apply_inner_albedo(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                              const PRIVATE float* RESTRICT reaches) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int curve = scene->media[innermost(get_media(&fields, i + j))].albedo_curve;
+      const vec3 before = get_throughput(&fields, i + j), albedo = get_inner_albedo(&fields, i + j);
+      const bool scatters = (reaches[j] >= 0.0f) & (curve >= 0);
+      set_throughput(&fields, i + j, select3(scatters, mul(before, albedo), before));
+    }
 }
 
 /// Initialises the media of shadow rays: nothing attenuates them yet.

@@ -224,6 +224,7 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
     fly(scene, paths, i, surfaces.primitive, lengths, decided, reaches);
     scatter_in_media(paths, i, &surfaces, lengths, reaches);
     if (has_grids(scene)) apply_grid_albedo(scene, paths, i, reaches);
+    if (NEEDS_INTERIORS(scene)) apply_inner_albedo(scene, paths, i, reaches);
   }
   pass_hidden(paths, i, hides, &surfaces, passes);
   if (HAS(NESTED) && chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);

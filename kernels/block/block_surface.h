@@ -6,6 +6,7 @@
 #include "kernels/block/path_state.h"
 #include "kernels/bsdf/bend_normal.h"
 #include "kernels/intersect/surface.h"
+#include "kernels/medium/medium_state.h"
 #include "kernels/motion/moving_surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -349,6 +350,23 @@ STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* R
     }
 }
 
+/// Replaces the materials where paths meet the surface of the interior that they are in from inside, if that
+/// has a material of its own for them: see interiors.h.
+STAGE void see_exits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                     PRIVATE Surfaces* RESTRICT surfaces) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int medium = innermost(get_media(&fields, i + j)), exit = scene->media[medium].exit;
+      const int boundary = boundary_of(scene, surfaces->primitive[j]);
+      const int interior = scene->boundaries[boundary >= 0 ? boundary : 0].interior;
+      const bool leaves =
+          (boundary >= 0) & (interior == medium) & (exit >= 0) & !load_surface(surfaces, j).front;
+      const int own = surfaces->material[j];
+      surfaces->material[j] = leaves ? exit : own;
+    }
+}
+
 /// Whether all of LANES paths scatter in media, as is common where paths are sorted by family.
 FN bool all_in_media(const PRIVATE PathState* paths, int i) {
   int others = 0;
@@ -386,6 +404,7 @@ JIT_CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathS
     find_hit_surfaces(scene, paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
+  if (NEEDS_INTERIORS(scene)) see_exits(scene, paths, i, surfaces);
   if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
   if (NEEDS_MEDIA(scene) && NEEDS_MOTION(scene)) note_times(paths, i, surfaces);
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);

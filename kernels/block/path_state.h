@@ -100,6 +100,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, shadow_passes, FEATURE_MEDIA | TINTS, NEVER)  /* transmittance of media; then also the tint */              \
   X(vec3, shadow_tint, TINTS, NEVER)                    /* tint by glass */                                           \
   X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* its pdf by direction sampling over that by lights */       \
+  /* interiors of materials: see interiors.h */                                                                       \
+  X(int, inner, FEATURE_INTERIORS, FEATURE_INTERIORS)   /* of `depth`, how often it went in or scattered inside */    \
+  X(vec3, inner_albedo, FEATURE_INTERIORS, FEATURE_INTERIORS) /* factor of the medium's, by where it went in */       \
   /* whitted: branches that are left when the path ends, see BRANCH_FIELDS */                                         \
   X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are stored */               \
   X(int, branch_count, FEATURE_WHITTED, FEATURE_WHITTED)                                                              \

@@ -90,7 +90,8 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, clearcoat)                                                                     \
   F(a, float, clearcoat_gloss)                                                               \
   F(a, float, film)           /* OpenPBR: weight of its thin film */                         \
-  F(a, float, film_thickness) /* ... place in the thicknesses of its table, in [0, 1] */
+  F(a, float, film_thickness) /* ... place in the thicknesses of its table, in [0, 1] */     \
+  F(a, vec3, subsurface)      /* OpenPBR: colour of what scatters below */
 #define CLOSURE_PARAMETERS(F, a)                                                   \
   F(a, int, variant)         /* of the family's formula */                         \
   F(a, int, curve)           /* start of its values in the table of curves */      \
@@ -138,6 +139,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define OPENPBR_BY_AZIMUTH 4    // rows of the base's curves differ by azimuth, else by roughness
 #define OPENPBR_WEIGHT_TINTS 8  // the specular weight is a factor of the dielectric's reflection, too
 #define OPENPBR_TINT_FADES 16   // towards white at grazing angles, as in glTF
+#define OPENPBR_WALKS 32        // what scatters below goes into the medium inside, see interiors.h
 #define OPENPBR_BASE 0
 #define OPENPBR_PLAIN_SETS 1
 #define OPENPBR_SCATTERED 1
@@ -202,7 +204,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_specular_rate USERS(PRINCIPLEDS)
 #define USERS_diffuse_rate USERS(PRINCIPLEDS | OPENPBRS_LAYERED)
 #define USERS_clearcoat_rate USERS(PRINCIPLEDS | OPENPBRS_LAYERED)
-#define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN) | OPENPBRS_LAYERED)
 #define USERS_tilt USERS(ONLY(HAIR))
 #define USERS_offset USERS(ONLY(HAIR))
 #define USERS_diffuse                                                                                     \
@@ -224,7 +226,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_metallic USERS(METALS_AND_BASES | OPENPBRS)
 #define USERS_spec_trans \
   USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY) | OPENPBRS_LAYERED)
-#define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN) | OPENPBRS_LAYERED)
 #define USERS_spec_tint USERS(DISNEYS | OPENPBRS)
 #define USERS_specular_level USERS(ONLY(DISNEY) | OPENPBRS)
 #define USERS_sheen USERS(DISNEYS | OPENPBRS_LAYERED)
@@ -232,6 +234,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_flatness USERS(DISNEYS | OPENPBRS_LAYERED)
 #define USERS_clearcoat USERS(METALS_AND_BASES | OPENPBRS_LAYERED)
 #define USERS_clearcoat_gloss USERS(METALS_AND_BASES | OPENPBRS_LAYERED)
+#define USERS_subsurface USERS(OPENPBRS_LAYERED)
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -269,10 +272,13 @@ FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMIL
 /// Whether the closure is of one of the families.
 FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
 
-/// Whether light from behind is transmitted. Some closures of the principled families do not transmit.
+/// Whether light from behind is transmitted. Some closures of the principled families do not transmit; solid
+/// ones of OpenPBR scatter below the surface what these call diffuse transmission.
 FN bool lets_light_through(Closure c) {
   const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | OPENPBRS_LAYERED);
-  return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
+  const bool solid = is_among(c, OPENPBRS_LAYERED) & ((c.variant & OPENPBR_THIN) == 0);
+  const float amount = c.spec_trans + (solid ? 0.0f : c.diff_trans);
+  return is_among(c, families_with(TRANSMITS)) & (!by_amount | (amount > 0.0f));
 }
 
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }

@@ -12,6 +12,11 @@
 // What the film reflects of a channel replaces Fresnel's reflectance on its share `film` of the dielectric;
 // what it adds to a metal of such a reflectance along the normal is added to F82. See thin_film.h.
 //
+// Of the opaque base, subsurface has the share `diff_trans` and the colour `subsurface`. A thin wall scatters
+// it evenly, the share `diff_trans_rate` to the other side. With OPENPBR_WALKS its light goes evenly into the
+// medium inside, which gives it its colour (interiors.h); such directions have DELTA_PDF, since only walks
+// reach what is behind. Otherwise it is reflected diffusely.
+//
 // Fuzz is the sheen of Estevez and Kulla 2017 with the masking of Neubelt and Pettineo 2013.
 //
 // Fields: `diffuse` base colour, `spec_tint` base weight, `flatness` diffuse roughness, `specular` colour and
@@ -189,13 +194,14 @@ typedef struct {
   vec3 metal_again;    // of what a metal's microfacets do not reflect at once
   // Of layered ones.
   bool inside, thin;
-  float opaque;      // share of the dielectric
-  vec3 glass;        // that of what transmits, times what its single scattering lacks
-  float coat, fuzz;  // weights
-  vec3 below;        // what coat and fuzz leave of the base; without the coat's absorption
-  float above_coat;  // what the fuzz leaves of the coat
+  float opaque;                    // share of the dielectric
+  vec3 glass;                      // that of what transmits, times what its single scattering lacks
+  float coat, fuzz;                // weights
+  vec3 sub_reflected, sub_passed;  // of the opaque base's light: colours of what subsurface scatters
+  vec3 below;                      // what coat and fuzz leave of the base; without the coat's absorption
+  float above_coat;                // what the fuzz leaves of the coat
   // Sampling probabilities; the base's microfacets transmit with `transmits` times the transmittance.
-  float share_diffuse, share_facets, share_coat, share_fuzz, transmits;
+  float share_diffuse, share_facets, share_coat, share_fuzz, share_sub, transmits;
 } OpenPbr;
 
 /// What the dielectric reflects. If the tint fades, it is only of F0 (1 - S) where Fresnel's reflectance is S
@@ -230,14 +236,21 @@ FN float further_share(OpenPbr p, float boundary, float reflected, float tint) {
   return tint * (p.weight * further / max_f(1.0f - reflected, 1e-6f));
 }
 
-/// What the microfacets of the dielectric leave of a base of this colour, with their further reflections.
-/// Where the tint fades, that is without colour, as glTF defines.
-FN vec3 below_dielectric(OpenPbr p, vec3 base) {
+/// What the microfacets of the dielectric leave of the light. Where the tint fades, that is without colour,
+/// as glTF defines.
+FN vec3 left_by_dielectric(OpenPbr p) {
   const vec3 reflected = tinted(p, p.reflected, p.plain);
   const vec3 taken = select3(p.fades > 0.0f, uniform_vec3(max_component(reflected)), reflected);
-  const vec3 light = sub(uniform_vec3(1.0f), taken);
-  return mul(light, make_vec3(mix_f(base.x, 1.0f, p.again.x), mix_f(base.y, 1.0f, p.again.y),
-                              mix_f(base.z, 1.0f, p.again.z)));
+  return sub(uniform_vec3(1.0f), taken);
+}
+/// The same of a base of this colour, with their further reflections.
+FN vec3 below_dielectric(OpenPbr p, vec3 base) {
+  return mul(left_by_dielectric(p), make_vec3(mix_f(base.x, 1.0f, p.again.x), mix_f(base.y, 1.0f, p.again.y),
+                                              mix_f(base.z, 1.0f, p.again.z)));
+}
+/// ... and what of it subsurface passes on.
+FN vec3 passed_below(OpenPbr p, vec3 passed) {
+  return mul(left_by_dielectric(p), mul(passed, sub(uniform_vec3(1.0f), p.again)));
 }
 
 /// The three numbers of facet_albedos in the film's block.
@@ -343,7 +356,8 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   p.thin = layered & ((c.variant & OPENPBR_THIN) != 0);
   p.glass = make_vec3(0.0f, 0.0f, 0.0f);
   p.opaque = 1.0f;
-  p.coat = p.fuzz = p.share_coat = p.share_fuzz = p.transmits = 0.0f;
+  p.coat = p.fuzz = p.share_coat = p.share_fuzz = p.share_sub = p.transmits = 0.0f;
+  p.sub_reflected = p.sub_passed = make_vec3(0.0f, 0.0f, 0.0f);
   p.above_coat = 1.0f;
   p.below = white;
   p.coat_facets = p.facets;
@@ -351,7 +365,15 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   // What is reflected of light for wo, roughly.
   const vec3 from_dielectric = tinted(p, p.reflected, p.plain);
   const vec3 at_once = add_scaled(scale(from_dielectric, p.dielectric), p.metal * p.plain, metal_mean);
-  const vec3 returned = below_dielectric(p, p.base_colour);
+  vec3 base = p.base_colour;
+  const bool walks = layered & ((c.variant & OPENPBR_WALKS) != 0);
+  if (layered) {
+    const float amount = p.inside ? 0.0f : c.diff_trans, through = walks ? 1.0f : c.diff_trans_rate;
+    p.sub_reflected = scale(c.subsurface, amount * (1.0f - through));
+    p.sub_passed = scale(select3(walks, white, c.subsurface), amount * through);
+    base = add(scale(base, 1.0f - amount), p.sub_reflected);
+  }
+  const vec3 returned = below_dielectric(p, base);
   vec3 diffuse = scale(returned, p.dielectric);
   diffuse = add_scaled(diffuse, p.metal * (1.0f - p.plain), p.metal_again);
   float facets = luminance(at_once);
@@ -370,6 +392,9 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     const vec3 passed = scale(sub(white, p.reflected), p.dielectric * c.spec_trans);
     const float passed_on_average = film ? luminance(passed) : passed.x;
     diffuse = sub(diffuse, scale(returned, p.dielectric * c.spec_trans));
+    // What comes back from walks counts with what is scattered to the other side of a wall.
+    const vec3 scattered_on = scale(passed_below(p, p.sub_passed), p.dielectric * p.opaque);
+    const vec3 comes_back = mul(scattered_on, select3(walks, c.subsurface, white));
 
     p.coat_facets = openpbr_microfacets(c.clearcoat_gloss, 0.0f);
     const CurveRows coat_rows = facet_rows(c, sets, OPENPBR_COAT, facet_place(p.coat_facets.alpha_u));
@@ -383,10 +408,11 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     p.above_coat = max_f(1.0f - p.fuzz * fuzz_reflects, 0.0f);
     // Of the light from below the coat reflects `back`, again and again: all that comes up from a diffuse
     // base, as much as on the way in from a mirror.
-    const vec3 albedo = add(add(at_once, diffuse), passed);
+    const vec3 albedo = add(add(add(at_once, diffuse), passed), comes_back);
     const float ior2 = max_f(c.clearcoat_rate * c.clearcoat_rate, 1.0f);
     const float from_all_sides = 1.0f - (1.0f - between_rows(scene, coat_rows, CURVE_KNOTS)) / ior2;
-    const float spread = luminance(diffuse) + luminance(at_once) * c.roughness;
+    const float spread =
+        luminance(diffuse) + luminance(at_once) * c.roughness + (walks ? luminance(comes_back) : 0.0f);
     const float back =
         mix_f(coat_reflects, from_all_sides, min_f(spread * inverse_or_0(luminance(albedo)), 1.0f));
     const vec3 darkened =
@@ -399,13 +425,16 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     p.share_fuzz = p.fuzz * fuzz_reflects * luminance(c.k);
     facets = p.inside ? 1.0f : rest * (facets + passed_on_average);
     diffuse = scale(diffuse, p.inside ? 0.0f : rest);
+    p.share_sub = max_f(luminance(comes_back) * rest, 0.0f);
   }
   const float scattered_diffusely = max_f(luminance(diffuse), 0.0f);
-  const float to_unit = inverse_or_0(scattered_diffusely + facets + p.share_coat + p.share_fuzz);
+  const float to_unit =
+      inverse_or_0(scattered_diffusely + facets + p.share_coat + p.share_fuzz + p.share_sub);
   p.share_diffuse = scattered_diffusely * to_unit;
   p.share_facets = facets * to_unit;
   p.share_coat *= to_unit;
   p.share_fuzz *= to_unit;
+  p.share_sub *= to_unit;
   return p;
 }
 
@@ -422,6 +451,7 @@ FN vec3 openpbr_diffuse(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool l
     const RoughDiffuse d = rough_diffuse(c.flatness, wo, wi);
     diffuse = make_vec3(rough_diffuse_value(d, diffuse.x), rough_diffuse_value(d, diffuse.y),
                         rough_diffuse_value(d, diffuse.z));
+    diffuse = add(scale(diffuse, p.inside ? 1.0f : 1.0f - c.diff_trans), p.sub_reflected);
   }
   return add_scaled(scale(below_dielectric(p, diffuse), dielectric), metal, p.metal_again);
 }
@@ -438,9 +468,10 @@ FN BsdfValue openpbr_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, vec
   return select_bsdf_value((wi.z > 0.0f) & (wo.z > 0.0f), value, no_bsdf_value());
 }
 
-/// `film`: as for openpbr_of.
+/// `film`: as for openpbr_of. `into`: only of what goes into the medium inside, which is part of no other
+/// value.
 FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPbr p, bool film, vec3 wo,
-                                   vec3 wi) {
+                                   vec3 wi, bool into) {
   // A thin wall mirrors what it lets through.
   const bool through = wi.z < 0.0f, refracts = through & !p.thin;
   const vec3 above = make_vec3(wi.x, wi.y, FABS(wi.z)), towards = select3(p.thin, above, wi);
@@ -449,7 +480,7 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const vec3 h = scale(sum, sum.z < 0.0f ? -to_unit : to_unit);
   const float cos_o = dot3(wo, h), cos_i = dot3(towards, h);
   const bool there = (wo.z > 0.0f) & (length2 > 0.0f) & (wi.z != 0.0f);
-  const bool faces = there & (cos_o > 0.0f) & (refracts ? cos_i < 0.0f : cos_i > 0.0f);
+  const bool faces = there & !into & (cos_o > 0.0f) & (refracts ? cos_i < 0.0f : cos_i > 0.0f);
 
   // The base's microfacets.
   const vec3 fresnel =
@@ -478,10 +509,13 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const bool outer = there & !through & !p.inside;
   const float lambert = outer ? INV_PI_F * wi.z : 0.0f;
   f_cos = add(f_cos, openpbr_diffuse(scene, c, p, true, wo, above, lambert));
+  const float behind = (there & through & (p.thin | into)) ? INV_PI_F * above.z : 0.0f;
+  f_cos = add_scaled(f_cos, p.dielectric * p.opaque * behind, passed_below(p, p.sub_passed));
   // The coat absorbs by the lengths of the ways through it, of which coat_colour has two along the normal.
+  // What goes into the medium is absorbed on the way out as if it came back with the cosine of its way in.
   const float way_o = 1.0f / max_f(dielectric_fresnel(wo.z, c.clearcoat_rate).cosine, 1e-3f);
   const float way_i = 1.0f / max_f(dielectric_fresnel(above.z, c.clearcoat_rate).cosine, 1e-3f);
-  const vec3 absorbed = transmittance_power3(c.eta, 0.5f * (way_o + (through ? 0.0f : way_i)));
+  const vec3 absorbed = transmittance_power3(c.eta, 0.5f * (way_o + ((through & !into) ? 0.0f : way_i)));
   f_cos = mul(f_cos, mul(p.below, mix3(uniform_vec3(1.0f), absorbed, p.coat)));
 
   const MicrofacetReflection coat = microfacet_reflection(p.coat_facets, wo, above);
@@ -492,6 +526,7 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const float fuzz =
       outer ? p.fuzz * fuzz_lobe(c.sheen_tint, wo.z, above.z, min_f(cos_h, 1.0f)) * wi.z : 0.0f;
   f_cos = add_scaled(add(f_cos, uniform_vec3(on_top)), fuzz, c.k);
+  pdf += p.share_sub * behind;
   pdf +=
       p.share_diffuse * lambert + (outer ? p.share_coat * coat.pdf + p.share_fuzz * (0.5f * INV_PI_F) : 0.0f);
   BsdfValue value;
@@ -512,10 +547,10 @@ FN BsdfSample openpbr_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, flo
 }
 
 FN BsdfValue openpbr_layered_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, false, wo), false, wo, wi);
+  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, false, wo), false, wo, wi, false);
 }
 FN BsdfValue openpbr_film_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, true, wo), true, wo, wi);
+  return openpbr_layered_value(scene, c, openpbr_of(scene, c, true, true, wo), true, wo, wi, false);
 }
 
 FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool film, vec3 wo, float u,
@@ -524,7 +559,9 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   const float up_to_fuzz = p.share_diffuse + p.share_fuzz, up_to_coat = up_to_fuzz + p.share_coat;
   const bool is_diffuse = choice < p.share_diffuse, is_fuzz = !is_diffuse & (choice < up_to_fuzz);
   const bool is_coat = !is_diffuse & !is_fuzz & (choice < up_to_coat);
-  const bool is_base = !is_diffuse & !is_fuzz & !is_coat;
+  const bool is_sub =
+      !is_diffuse & !is_fuzz & !is_coat & (p.share_sub > 0.0f) & (choice >= 1.0f - p.share_sub);
+  const bool is_base = !is_diffuse & !is_fuzz & !is_coat & !is_sub;
   Microfacets chosen = p.facets;
   chosen.alpha_u = is_coat ? p.coat_facets.alpha_u : p.facets.alpha_u;
   chosen.alpha_v = is_coat ? p.coat_facets.alpha_v : p.facets.alpha_v;
@@ -541,12 +578,16 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   const vec3 scattered = select3(is_diffuse, cosine_hemisphere(u, v),
                                  sample_uniform_hemisphere(make_vec3(0.0f, 0.0f, 1.0f), u, v));
   BsdfSample s = no_bsdf_sample();
+  const vec3 evenly = cosine_hemisphere(u, v);
   s.wi = select3(is_diffuse | is_fuzz, scattered, select3(transmits, passed, mirrored));
+  s.wi = select3(is_sub, make_vec3(evenly.x, evenly.y, -evenly.z), s.wi);
   s.eta = (transmits & !p.thin) ? c.ior : 1.0f;
-  const BsdfValue value = openpbr_layered_value(scene, c, p, film, wo, s.wi);
+  const bool into = is_sub & !p.thin;
+  const BsdfValue value = openpbr_layered_value(scene, c, p, film, wo, s.wi, into);
   // A facet may scatter to the wrong side of the surface.
-  s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
+  s.pdf = (transmits | is_sub) == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
   s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
+  s.pdf = (into & (s.pdf > 0.0f)) ? DELTA_PDF : s.pdf;
   return s;
 }
 

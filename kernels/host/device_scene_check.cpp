@@ -336,10 +336,12 @@ class Checker {
     if (!has(FEATURE_MEDIA)) {
       require(t.media.count == 0 && t.phase_lobes.count == 0 && t.boundaries.count == 0 &&
                   t.primitive_boundaries.count == 0 && t.volumes.count == 0 && t.flight_centres.count == 0 &&
-                  t.glows.count == 0 && h_.camera_medium == 0 && (h_.families & families_with(FREE)) == 0,
+                  t.glows.count == 0 && !has(FEATURE_INTERIORS) && h_.camera_medium == 0 &&
+                  (h_.families & families_with(FREE)) == 0,
               "media without their feature bit");
       return;
     }
+    require(!has(FEATURE_INTERIORS) || t.boundaries.count > 0, "interiors of materials without boundaries");
     require(has(FEATURE_PATH) && has(FEATURE_NESTED), "media without the feature bits of their paths");
     require(in(t.media.count, 1, MAX_MEDIA), "an implausible number of media");
     require(in(h_.camera_medium, 0, t.media.count - 1), "the camera is in a medium that is not there");
@@ -359,6 +361,13 @@ class Checker {
       require(i == 0 || (in(media[i].material, 0, t.materials.count - 1) &&
                          materials[std::size_t(media[i].material)].family == FAMILY_PHASE),
               "a medium without a phase function");
+      require(in(media[i].interior, 0, has(FEATURE_INTERIORS) ? 1 : 0) &&
+                  in(media[i].exit, -1, media[i].interior != 0 ? t.materials.count - 1 : -1),
+              "an implausible interior of a material");
+      require(
+          in(media[i].albedo_curve, -1,
+             media[i].interior != 0 && t.curves.count >= CURVE_STRIDE ? t.curves.count - CURVE_STRIDE : -1),
+          "a medium names a curve that is not there");
       const bool emits = max_component(media[i].emission) > 0;
       require(within(media[i].emission,
                      i == 0 || !has(FEATURE_EMITTING_MEDIA) ? 0.0f : std::numeric_limits<float>::max()),

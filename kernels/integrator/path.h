@@ -9,6 +9,7 @@
 #define PENUMBRA_INTEGRATOR_PATH_H
 #include "kernels/integrator/dispersion.h"
 #include "kernels/integrator/flat_glass.h"
+#include "kernels/integrator/interiors.h"
 #include "kernels/integrator/path_stages.h"
 #include "kernels/photon/photon_chains.h"
 
@@ -22,17 +23,19 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
   StepLanes step;
   start_step(&step);
   for (int i = 0; i < count; i += LANES) {
-    const bool scatters = any_scatters(h, paths, i);
-    if (scatters) path_numbers(h, vertices + 1 >= h->integrator.rr_depth, paths, i, step.u);
+    const bool scatters = any_scatters(scene, paths, i), interiors = NEEDS_INTERIORS(scene);
+    const bool roulette = (vertices + 1 >= h->integrator.rr_depth) | interiors;
+    if (scatters) path_numbers(h, roulette, paths, i, step.u);
 
     // The surfaces that the last rays hit, and their BSDFs.
     find_surfaces(scene, paths, i, &step.surfaces);
     resolve_step_closures(scene, &step);
+    if (interiors) note_inner(scene, paths, i, &step);
     if (vertices == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
 
     // Emission that the rays hit, weighted against the light samples that could have found it.
     const bool finds = any_finds_light(scene, &step.surfaces);
-    const bool emits = scatters & takes_light_samples(step.families);
+    const bool emits = scatters & takes_light_samples(interiors ? lit_families(&step) : step.families);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_lights(scene, light_request(scene, true, emits, emits, balances), finds, &step, paths, i);
     if (finds) find_emissions(scene, &step.found, balances & (vertices > 0), &step.emissions);
@@ -51,6 +54,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     // Next-event estimation: a point on a light, and the shadow ray to it.
     if (emits) {
       sample_step_lights(scene, &step);
+      if (interiors) drop_inner_samples(&step);
       if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
       if (NEEDS_PHOTONS(scene)) drop_photon_samples(paths, i, &step.closures, &step.lights);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
@@ -71,6 +75,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
     shade_bumps(scene, &step.surfaces, &step.samples);
+    if (interiors) go_inside(scene, paths, i, &step);
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
     continue_paths(scene, paths, i, &step);
     if (NEEDS(scene, FLAT_GLASS)) follow_through_glass(scene, paths, i, &step.surfaces);

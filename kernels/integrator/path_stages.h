@@ -48,12 +48,22 @@ JIT_CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, con
                 u + DIM_FREE_FLIGHT * LANES);
 }
 
+/// Survival probability of a path whose last `inner` vertices are inside a material. The cap is milder than
+/// that of roulette_survival, since long walks carry much of the light: n vertices are survived with
+/// probability at most 100 / n.
+FN float inner_survival(float strongest, float eta, int inner) {
+  return min_f(SQRT(2.0f * strongest) * eta, 1.0f - 1.0f / ((float)inner + ROULETTE_LASTS));
+}
+
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
-FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
-  const int max_depth = h->integrator.max_depth;
+FN bool any_scatters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  const int max_depth = scene->header.integrator.max_depth;
+  const bool interiors = NEEDS_INTERIORS(scene);
   int any = 0;
-  for (int j = i; j < i + LANES; j++)
-    any |= ((get_hit(paths, j) != NOTHING_HIT) & (get_depth(paths, j) + 1 < max_depth)) ? 1 : 0;
+  for (int j = i; j < i + LANES; j++) {
+    const int depth = get_depth(paths, j) - (interiors ? get_inner(paths, j) : 0);
+    any |= ((get_hit(paths, j) != NOTHING_HIT) & (depth + 1 < max_depth)) ? 1 : 0;
+  }
   return any != 0;
 }
 
@@ -187,7 +197,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const bool controlled = is_controlled(scene, c, light.of_polygon);
       const bool alone = light.delta | controlled;
       const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
-      const bool scatters = is_hit(s) & (get_depth(&fields, i + j) + 1 < max_depth);
+      const bool scatters = is_hit(s) & (get_depth(&fields, i + j) - step->inner[j] + 1 < max_depth);
       const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
                        ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
       const vec3 arriving =
@@ -278,12 +288,15 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
-      const int depth = get_depth(&fields, i + j) + 1;
+      const bool within = step->within[j] != 0;
+      const int depth = get_depth(&fields, i + j) - step->inner[j] + (within ? 0 : 1);
       const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
       const Closure c = load_closure(&step->closures, j);
       const float kept = is_among(c, DIELECTRICS) ? max_component(next.weight) * (next.eta * next.eta) : 0.0f;
-      const float survival = path_survival(rr_depth, depth, strongest, step->eta[j], kept);
+      const float at_surface = path_survival(rr_depth, depth, strongest, step->eta[j], kept);
+      const float inside = inner_survival(strongest, step->eta[j], step->inner[j]);
+      const float survival = within ? inside : at_surface;
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_cut_off(scene, s, c, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_next_ray(&fields, i + j, s, next, scale(throughput, 1.0f / (alive ? survival : 1.0f)), alive);

@@ -30,6 +30,8 @@ typedef struct {
   BsdfValues values;      ///< BSDF values towards the lights
   BsdfSamples samples;    ///< samples of a next direction
   float eta[LANES];       ///< refractive index after that sample, relative to the one at the camera
+  int inner[LANES];       ///< of the path's depth, how much is in interiors: see interiors.h
+  int within[LANES];      ///< 1: it scatters inside a material, or goes in
 } StepLanes;
 
 FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
@@ -41,6 +43,7 @@ FN void start_step(PRIVATE StepLanes* step) {
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step->u[k] = 0.0f;
   for (int j = 0; j < LANES; j++) store_closure(&step->closures, j, black_closure());
   for (int j = 0; j < LANES; j++) step->eta[j] = 1.0f;
+  for (int j = 0; j < LANES; j++) step->inner[j] = step->within[j] = 0;
   // For scenes without tangents.
   const Surface nothing = surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f));
   for (int j = 0; j < LANES; j++) store_surface_uv(&step->surfaces, j, nothing);

@@ -240,7 +240,7 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
   start_step(&step);
   for (int i = 0; i < count; i += LANES) {
     if (steps == 0) start_branches(paths, i);
-    const bool scatters = any_scatters(h, paths, i);
+    const bool scatters = any_scatters(scene, paths, i);
     if (scatters) path_numbers(h, any_roulette(h, paths, i), paths, i, step.u);
 
     // The surfaces that the last rays hit, and their BSDFs.

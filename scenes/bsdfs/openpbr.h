@@ -38,6 +38,16 @@ struct OpenPbrBsdf {
   float specular_ior = 1.5f;  ///< inside over outside
   TexturedNumber transmission_weight{};
   TexturedColour transmission_color{glm::vec3(1.0f)};
+  float transmission_depth = 0.0f;  ///< 0: the colour is that of the surface
+  /// The colour inside, if that of transmission is the surface's nevertheless, as in glTF.
+  std::optional<glm::vec3> attenuation{};
+  glm::vec3 transmission_scatter{0.0f};
+  float transmission_anisotropy = 0.0f;
+  TexturedNumber subsurface_weight{};
+  TexturedColour subsurface_color{glm::vec3(0.8f)};
+  float subsurface_radius = 1.0f;
+  glm::vec3 subsurface_radius_scale{1.0f, 0.5f, 0.25f};
+  float subsurface_anisotropy = 0.0f;
   float dispersion_scale = 0.0f, dispersion_abbe = 20.0f;  ///< the Abbe number is that over the scale
   TexturedNumber film_weight{};
   TexturedNumber film_thickness{0.5f};        ///< micrometres; a texture is its place between these:
@@ -52,11 +62,15 @@ struct OpenPbrBsdf {
   TexturedNumber fuzz_roughness{0.5f};
   bool thin_walled = false;
   bool inside = false;  ///< whether this is the BSDF of the inner side
+  /// Bound of the mean cosines of scattering inside.
+  static constexpr float kMostAnisotropy = 0.99f;
 
   template <typename Row>
   static void parameters(const Row& row) {
     using O = OpenPbrBsdf;
-    constexpr NumberWithin kIndex{LowEnd::kClosed, 1.0f, kAnyNumber};
+    constexpr NumberWithin kIndex{LowEnd::kClosed, 1.0f, kAnyNumber},
+        kLength{LowEnd::kClosed, 0.0f, kAnyNumber};
+    constexpr NumberWithin kCosine{LowEnd::kClosed, -kMostAnisotropy, kMostAnisotropy};
     row("base_weight", &O::base_weight, NumberWithin{}, "factor of the base's colour");
     row("base_color", &O::base_color, ColourWithin{},
         "of the diffuse base and of the metal along the normal");
@@ -76,6 +90,12 @@ struct OpenPbrBsdf {
     row("transmission_weight", &O::transmission_weight, NumberWithin{},
         "how much of the dielectric transmits instead of reflecting diffusely");
     row("transmission_color", &O::transmission_color, ColourWithin{}, "of light that went in and out");
+    row("transmission_depth", &O::transmission_depth, kLength,
+        "way along which light takes on that colour inside; 0: it does so at the surface");
+    row("transmission_scatter", &O::transmission_scatter, ColourWithin{},
+        "scattering coefficient inside, times the depth");
+    row("transmission_scatter_anisotropy", &O::transmission_anisotropy, kCosine,
+        "mean cosine of that scattering");
     row("transmission_dispersion_scale", &O::dispersion_scale, NumberWithin{},
         "how much of the dispersion there is; not of sheets");
     row("transmission_dispersion_abbe_number", &O::dispersion_abbe,
@@ -87,6 +107,13 @@ struct OpenPbrBsdf {
     row("thin_film_thickness_minimum", &O::film_least, kThickness, "... where the texture is 0");
     row("thin_film_thickness_maximum", &O::film_most, kThickness, "... where it is 1");
     row("thin_film_ior", &O::film_ior, kIndex, "refractive index of the film");
+    row("subsurface_weight", &O::subsurface_weight, NumberWithin{},
+        "how much of the opaque base scatters light below its surface; with path and volpath");
+    row("subsurface_color", &O::subsurface_color, ColourWithin{}, "albedo of what scatters there");
+    row("subsurface_radius", &O::subsurface_radius, kLength, "mean free path");
+    row("subsurface_radius_scale", &O::subsurface_radius_scale, ColourWithin{}, "its factor for each colour");
+    row("subsurface_scatter_anisotropy", &O::subsurface_anisotropy, kCosine,
+        "mean cosine of scattering; of sheets, from reflection to transmission");
     row("coat_weight", &O::coat_weight, NumberWithin{}, "how much of the surface has a coat");
     row("coat_color", &O::coat_color, ColourWithin{},
         "of light that went through the coat twice, along the normal");
@@ -109,6 +136,20 @@ struct OpenPbrBsdf {
   [[nodiscard]] bool transmits() const {
     return transmission_weight.value > 0.0f || transmission_weight.texture != kNoTexture;
   }
+  [[nodiscard]] bool scatters_below() const {
+    return subsurface_weight.value > 0.0f || subsurface_weight.texture != kNoTexture;
+  }
+  /// Whether light that scatters below the surface may leave it elsewhere. Where a surface also transmits, or
+  /// without a radius, it does not.
+  [[nodiscard]] bool walks() const {
+    const glm::vec3 radius = subsurface_radius * subsurface_radius_scale;
+    return scatters_below() && !transmits() && !thin_walled &&
+           std::max({radius.x, radius.y, radius.z}) > 0.0f;
+  }
+  /// Whether what it transmits takes on its colour inside.
+  [[nodiscard]] bool colours_inside() const {
+    return transmits() && !thin_walled && transmission_depth > 0.0f;
+  }
   [[nodiscard]] bool disperses() const { return transmits() && !thin_walled && dispersion_scale > 0.0f; }
   [[nodiscard]] bool coated() const { return coat_weight.value > 0.0f || coat_weight.texture != kNoTexture; }
   [[nodiscard]] bool fuzzy() const { return fuzz_weight.value > 0.0f || fuzz_weight.texture != kNoTexture; }
@@ -118,7 +159,7 @@ struct OpenPbrBsdf {
   }
   /// Whether it is more than what the family of the base has.
   [[nodiscard]] bool layered() const {
-    return transmits() || filmed() || coated() || fuzzy() || anisotropic() ||
+    return transmits() || filmed() || scatters_below() || coated() || fuzzy() || anisotropic() ||
            base_diffuse_roughness.value > 0.0f || base_diffuse_roughness.texture != kNoTexture;
   }
   /// The BSDF seen from inside; none (black) if the material does not transmit.
@@ -213,6 +254,9 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
     PENUMBRA_SET_FIELD(m, clearcoat, surface.coat_weight);
     PENUMBRA_SET_FIELD(m, clearcoat_gloss, surface.coat_roughness);
     PENUMBRA_SET_FIELD(m, eta, surface.coat_color);
+    PENUMBRA_SET_FIELD(m, diff_trans, surface.subsurface_weight);
+    PENUMBRA_SET_FIELD(m, subsurface, surface.subsurface_color);
+    m.diff_trans_rate = surface.thin_walled ? (1.0f + surface.subsurface_anisotropy) / 2.0f : 0.0f;
     m.clearcoat_rate = surface.coat_ior;
     m.diffuse_rate = surface.coat_darkening;
     PENUMBRA_SET_FIELD(m, sheen, surface.fuzz_weight);

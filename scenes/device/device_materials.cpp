@@ -26,6 +26,15 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
+void set_interior(const Bsdf& bsdf, Material& m) {
+  const auto* surface = std::get_if<OpenPbrBsdf>(&bsdf.model);
+  if (surface == nullptr) return;
+  if (surface->walks()) m.variant |= OPENPBR_WALKS;
+  if (!surface->colours_inside() || surface->attenuation) return;
+  m.transmitted = {1, 1, 1};
+  m.transmitted_texture = kNoTexture;
+}
+
 bool open_pane(Material& m) {
   if (m.family != FAMILY_THINDIELECTRIC) return false;
   m.family = FAMILY_CONDUCTOR;

@@ -12,6 +12,10 @@ namespace penumbra {
 /// children come before it in the list.
 void set_passes(Material& m, const std::vector<Material>& before);
 
+/// What the material of a BSDF does with an interior that the integrator sees: what scatters below goes in,
+/// and the colour of what is transmitted is that of the interior.
+void set_interior(const Bsdf& bsdf, Material& m);
+
 /// If the material is a thin pane, it then lets rays pass straight through with some probability, and is a
 /// mirror for the others. Returns whether it is one.
 bool open_pane(Material& m);

@@ -37,6 +37,7 @@
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/interiors.h"
 #include "scenes/scene_bounds.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
@@ -190,8 +191,10 @@ class SceneBuilder {
     MaterialTables tables(records_.curves);
     // Other integrators meet panes as they meet other glass, except in media.
     const bool opens = follows_paths() || !media_->empty();
-    for (const Bsdf& bsdf : scene_.bsdfs) {
+    for (std::size_t i = 0; i < scene_.bsdfs.size(); ++i) {
+      const Bsdf& bsdf = scene_.bsdfs[i];
       Material m = material_of(bsdf, tables);
+      if (media_->sees_interiors()) set_interior(bsdf, m);
       if (opens && open_pane(m)) need(FEATURE_PANES);
       set_passes(m, records_.materials);
       if (m.passing_leaves > MOST_PASSING_LEAVES)
@@ -217,6 +220,9 @@ class SceneBuilder {
       h_.families |= 1u << FAMILY_PHASE;
       h_.camera_medium = media_->record_of(scene_.camera_medium);
       need(FEATURE_MEDIA | FEATURE_NESTED);
+      if (media_->has_interiors()) need(FEATURE_INTERIORS);
+      for (const Medium& m : records_.media)
+        if (m.exit >= 0) h_.families |= 1u << records_.materials[std::size_t(m.exit)].family;
       if (std::ranges::any_of(records_.media, [](const Medium& m) { return max_component(m.emission) > 0; }))
         need(FEATURE_EMITTING_MEDIA);
     }
@@ -780,7 +786,10 @@ class SceneBuilder {
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
   auto motion = exposed_motion(scene);
   if (!motion) return fail(scene.source + ": " + motion.error().message);
-  if (options.warnings != nullptr) *options.warnings = motion->warnings;
+  if (options.warnings != nullptr) {
+    *options.warnings = motion->warnings;
+    std::ranges::move(interior_warnings(scene), std::back_inserter(*options.warnings));
+  }
   const bool moves = motion->any() || motion->has_layer;
   std::optional<SceneDescription> middle;
   if (moves && scene.motion != nullptr) {

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <span>
 
 #include "kernels/medium/majorant_grid.h"
+#include "scenes/bsdfs/half_space.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/grid_volume.h"
@@ -148,6 +150,13 @@ std::optional<GridVolume> emission_grid(const ParticipatingMedium& medium) {
   return GridVolume{.grid = kOne, .to_world = medium.density->to_world};
 }
 
+/// The start of the curve of HalfSpace::curve for that mean cosine.
+int half_space_curve(float g, std::map<float, int>& known, std::vector<float>& curves) {
+  const auto [at, is_new] = known.try_emplace(g, int(curves.size()));
+  if (is_new) std::ranges::copy(HalfSpace(double(g)).curve(), std::back_inserter(curves));
+  return at->second;
+}
+
 bool is_boundary(const Shape& shape) { return shape.interior != kNoMedium || shape.exterior != kNoMedium; }
 
 }  // namespace
@@ -167,8 +176,10 @@ std::map<int, std::string> boundary_names(const SceneDescription& scene) {
 }
 
 MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed) : scene_(scene) {
-  if (!sees_media(scene.integrator)) return;
+  const bool interiors = sees_interiors();
+  if (!sees_media(scene.integrator) && !interiors) return;
   find_equal_media();
+  if (interiors) find_interiors();
   std::size_t number = 0;
   for (const Shape& shape : scene.shapes) add(shape, number++);
   std::vector<bool> is_placed(scene.groups.size(), false);
@@ -181,38 +192,67 @@ MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGrou
     }
   }
   // As in Mitsuba 3, volpath's paths and shadow rays pass through thin panes as through boundaries.
-  const bool has_pane = std::ranges::any_of(
-      scene.bsdfs, [](const Bsdf& bsdf) { return std::holds_alternative<ThinDielectricBsdf>(bsdf.model); });
-  empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium && !has_pane;
+  const bool has_pane =
+      sees_media(scene.integrator) && std::ranges::any_of(scene.bsdfs, [](const Bsdf& bsdf) {
+        return std::holds_alternative<ThinDielectricBsdf>(bsdf.model);
+      });
+  empty_ = boundaries_.empty() && record_of(scene.camera_medium) == 0 && !has_pane;
 }
 
 /// Media with equal properties are merged, because a file may define the same medium twice, even on both
 /// sides of a boundary.
+int MediaBook::record(const Entry& entry) {
+  const auto same = std::ranges::find_if(entries_, [&](const Entry& each) {
+    const bool kinds = (each.interior == nullptr) == (entry.interior == nullptr);
+    return kinds && equal(*each.medium, *entry.medium) &&
+           each.medium->of_material == entry.medium->of_material &&
+           (each.interior == nullptr || (each.interior->walks == entry.interior->walks &&
+                                         each.interior->by_colour == entry.interior->by_colour));
+  });
+  const int number = int(same - entries_.begin()) + 1;
+  // Beyond the limit media are not compared any more; the limit is reported later.
+  if (same == entries_.end() && entries_.size() <= kMostMedia) entries_.push_back(entry);
+  return number;
+}
+
 void MediaBook::find_equal_media() {
-  std::vector<const ParticipatingMedium*> different;
-  for (const ParticipatingMedium& medium : scene_.media) {
-    const auto same = std::ranges::find_if(different, [&](const auto* each) { return equal(*each, medium); });
-    records_.push_back(int(same - different.begin()) + 1);
-    // Beyond the limit media are not compared any more; the limit is reported later.
-    if (same == different.end() && different.size() <= kMostMedia) different.push_back(&medium);
+  const bool all = sees_media(scene_.integrator);
+  for (const ParticipatingMedium& medium : scene_.media)
+    records_.push_back(all || medium.of_material ? record({&medium, nullptr}) : 0);
+}
+
+void MediaBook::find_interiors() {
+  for (std::size_t i = 0; i < scene_.bsdfs.size(); ++i) {
+    std::optional<Interior> inside = interior_of(scene_, int(i));
+    const bool there = inside.has_value();
+    if (there) interiors_.push_back(std::move(*inside));
+    interior_records_.push_back(there ? record({&interiors_.back().medium, &interiors_.back()}) : 0);
   }
-  count_ = int(different.size());
 }
 
 void MediaBook::add(const Shape& shape, std::size_t number) {
-  if (!is_boundary(shape)) return;
+  const int own = shape.front_bsdf >= 0 && !interior_records_.empty()
+                      ? interior_records_[std::size_t(shape.front_bsdf)]
+                      : 0;
+  const bool of_material =
+      own != 0 || (shape.interior != kNoMedium && scene_.media[std::size_t(shape.interior)].of_material);
+  if (!of_material && !(is_boundary(shape) && sees_media(scene_.integrator))) return;
+  has_interiors_ |= of_material;
+  const bool knows_around = shape.exterior != kNoMedium && sees_media(scene_.integrator);
   Boundary boundary{};
-  boundary.interior = record_of(shape.interior);
-  boundary.exterior = shape.exterior == kNoMedium ? -1 : record_of(shape.exterior);
-  boundary.shape = int(number);
+  boundary.interior = own != 0 ? own : record_of(shape.interior);
+  boundary.exterior = knows_around ? record_of(shape.exterior) : -1;
+  // Surfaces with a material need not be closed.
+  boundary.shape = of_material ? -1 : int(number);
   numbers_.emplace(number, int(boundaries_.size()));
   boundaries_.push_back(boundary);
 }
 
 bool MediaBook::has_homogeneous() const {
-  return !empty_ && std::ranges::any_of(scene_.media, [](const ParticipatingMedium& medium) {
-    return !medium.density && medium.albedo != decltype(medium.albedo)(0.0f);
-  });
+  return !empty_ && sees_media(scene_.integrator) &&
+         std::ranges::any_of(scene_.media, [](const ParticipatingMedium& medium) {
+           return !medium.of_material && !medium.density && medium.albedo != decltype(medium.albedo)(0.0f);
+         });
 }
 
 int MediaBook::of_shape(std::size_t index) const {
@@ -226,21 +266,27 @@ int MediaBook::of_group(int group, std::size_t index) const {
 
 Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) {
   if (empty_) return {};
-  if (std::size_t(count_) > kMostMedia)
-    return fail(
-        fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
+  if (entries_.size() > kMostMedia)
+    return fail(fmt::format("the scene has {} media, more than {} that differ",
+                            scene_.media.size() + interiors_.size(), kMostMedia));
   Medium nothing{};
   nothing.density = nothing.albedo_grid = nothing.emission_grid = nothing.light = -1;
+  nothing.exit = nothing.albedo_curve = -1;
   records.media.push_back(nothing);
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
-  for (std::size_t i = 0; i < scene_.media.size(); ++i) {
-    if (records_[i] < int(records.media.size())) continue;  // an equal one is there already
-    const ParticipatingMedium& medium = scene_.media[i];
+  std::map<float, int> curves;
+  int exit = -1;
+  for (const Entry& entry : entries_) {
+    const ParticipatingMedium& medium = *entry.medium;
     Medium record{};
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);
     record.material = material_of_phase(medium.phase, records, first_material);
+    record.interior = medium.of_material ? 1 : 0;
+    record.exit = record.albedo_curve = -1;
+    if (entry.interior != nullptr && entry.interior->by_colour)
+      record.albedo_curve = half_space_curve(medium.phase[0].g, curves, records.curves);
     record.density = record.albedo_grid = record.emission_grid = record.light = -1;
     record.emission = to_vec3(medium.emission);
     record.emission_by_density = medium.emits() && medium.density && medium.emission_by_density ? 1 : 0;
@@ -254,6 +300,15 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
       *index = *added;
     }
     records.media.push_back(record);
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].interior == nullptr || !entries_[i].interior->walks) continue;
+    if (exit < 0) {
+      exit = int(records.materials.size());
+      records.materials.push_back(
+          material_of(DiffuseTransmitterBsdf{.transmittance = TexturedColour(glm::vec3(1.0f))}));
+    }
+    records.media[i + 1].exit = exit;
   }
   records.boundaries = std::move(boundaries_);
   return {};
