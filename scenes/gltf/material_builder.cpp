@@ -211,12 +211,14 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
       surface.dispersion_scale = amount > 0.0 ? 1.0f : 0.0f;
       surface.dispersion_abbe = float(20.0 / std::max(amount, 1.0 / kMost));  // by the extension's definition
     }
-    const glm::vec3 attenuation = volume == nullptr
-                                      ? glm::vec3(1.0f)
-                                      : colour_of(numbers_of(*volume, "attenuationColor", {1.0, 1.0, 1.0}));
-    if (!surface.thin_walled && attenuation != glm::vec3(1.0f) &&
-        number_of(volume, "attenuationDistance", 0.0) > 0.0)
-      report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
+    const double distance = number_of(volume, "attenuationDistance", 0.0);
+    if (!surface.thin_walled && distance > 0.0) {
+      const glm::vec3 colour = colour_of(numbers_of(*volume, "attenuationColor", {1.0, 1.0, 1.0}));
+      if (colour != glm::vec3(1.0f)) {
+        surface.attenuation = colour;
+        surface.transmission_depth = float(std::clamp(distance, 1e-30, 1e30));
+      }
+    }
     const glm::vec3 tint = core.specular_color.value;
     const bool reflects_less = core.specular != TexturedNumber(1.0f) ||
                                core.specular_color.texture != kNoTexture ||

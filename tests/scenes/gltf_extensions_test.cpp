@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "scenes/interiors.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/support/tga_file.h"
 
@@ -356,6 +357,30 @@ TEST_F(GltfExtensions, DispersionIsAnAbbeNumber) {
   const OpenPbrBsdf half = glass(R"("dispersion": 0.5)");
   EXPECT_TRUE(half.disperses());
   EXPECT_FLOAT_EQ(half.dispersion_abbe / half.dispersion_scale, 40.0f);  // 20 over the extension's number
+}
+
+TEST_F(GltfExtensions, VolumesAbsorb) {
+  const auto scene_of = [&](const std::string& volume) {
+    return good_gltf(triangle().text(
+        one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
+                 R"(, "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1]},
+"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {)" +
+                     volume + "}}}]")));
+  };
+  const SceneDescription scene =
+      scene_of(R"("thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.25])");
+  EXPECT_EQ(std::get<OpenPbrBsdf>(front(scene)).transmission_color.value, glm::vec3(0.5f, 1, 1));
+  const auto inside = interior_of(scene, scene.shapes.at(0).front_bsdf);
+  ASSERT_TRUE(inside.has_value());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(inside->medium.extinction[c], c * std::log(2.0) / 2, 1e-6) << c;
+  EXPECT_EQ(inside->medium.albedo, glm::vec3(0.0f));
+  // Sheets have no inside; without a distance nothing is absorbed.
+  for (const char* other : {R"("attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.25])",
+                            R"("thicknessFactor": 1, "attenuationColor": [1, 0.5, 0.25])",
+                            R"("thicknessFactor": 1, "attenuationDistance": 2)"}) {
+    const SceneDescription without = scene_of(other);
+    EXPECT_FALSE(interior_of(without, without.shapes.at(0).front_bsdf).has_value()) << other;
+  }
 }
 
 TEST_F(GltfExtensions, MetalsAndGlassTransmitNothingDiffusely) {
