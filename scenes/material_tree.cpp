@@ -53,6 +53,12 @@ SurfaceMaterial blended(const std::string& name, const BlendBsdf& blend, const S
   return {front, same ? front : black ? nullptr : branch(name, blend, first.back, second.back)};
 }
 
+SurfaceMaterial filled(const SurfaceMaterial& material, const InnerMedium& inside) {
+  MaterialNode front = *material.front;
+  front.bsdf.inside = inside;
+  return {std::make_shared<MaterialNode>(std::move(front)), material.back};
+}
+
 bool is_nothing(const MaterialTree& tree) {
   return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
 }

@@ -39,6 +39,9 @@ SurfaceMaterial masked(const std::string& name, const MaskBsdf& mask, const Surf
 SurfaceMaterial blended(const std::string& name, const BlendBsdf& blend, const SurfaceMaterial& first,
                         const SurfaceMaterial& second);
 
+/// The material with a medium behind its front, which is a single BSDF.
+SurfaceMaterial filled(const SurfaceMaterial& material, const InnerMedium& inside);
+
 /// Whether the tree is a single NullBsdf.
 bool is_nothing(const MaterialTree& tree);
 

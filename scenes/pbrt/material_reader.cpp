@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernels/bsdf/fresnel.h"
+#include "scenes/bsdfs/half_space.h"
 #include "scenes/bsdfs/rough_boundary.h"
 #include "scenes/pbrt/state.h"
 #include "scenes/refractive_indices.h"
@@ -384,9 +385,9 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
   return both_sides(name, model);
 }
 
-SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocation location) {
+SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocation location, double fallback) {
   float abbe = 0.0f;
-  const float eta = float(index(parameters, "eta", location, 1.5, &abbe));
+  const float eta = float(index(parameters, "eta", location, fallback, &abbe));
   const Roughness rough = roughness(parameters, "", location);
   if (rough.smooth()) {
     DielectricBsdf model;
@@ -428,20 +429,85 @@ SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, Sou
   return surface_of("diffusetransmission", sheet);
 }
 
-/// Subsurface scattering is approximated by light that leaves where it entered.
+namespace {
+
+/// What a colour has to be without a boundary, so that light that went in comes out with it: of what comes to
+/// the boundary from inside, evenly, the share `internal` is reflected.
+double colour_under_boundary(double colour, double internal) {
+  return colour / (1 - internal + colour * internal);
+}
+
+}  // namespace
+
+/// Where the colour differs between points, light goes in and out evenly below a boundary that reflects.
+SurfaceMaterial MaterialReader::textured_subsurface(Parameters& parameters, SourceLocation location,
+                                                    const TexturedColour& colour, const glm::vec3& radius,
+                                                    float g) {
+  ReaderReport& report = context_.report;
+  report.warn_counted(location,
+                      "a subsurface whose reflectance is a texture is approximated by an openpbr, whose "
+                      "boundary reflects nothing back inside");
+  OpenPbrBsdf surface;
+  surface.subsurface_weight = TexturedNumber(1.0f);
+  surface.subsurface_color = colour;
+  const float most = std::max({radius.x, radius.y, radius.z});
+  surface.subsurface_radius = most;
+  surface.subsurface_radius_scale = most > 0.0f ? radius / most : glm::vec3(1.0f);
+  surface.subsurface_anisotropy = std::clamp(g, -OpenPbrBsdf::kMostAnisotropy, OpenPbrBsdf::kMostAnisotropy);
+  surface.specular_ior = float(std::max(index(parameters, "eta", location, 1.33), 1.0));
+  const Roughness rough = roughness(parameters, "", location);
+  const bool textured = rough.u.texture != kNoTexture || rough.v.texture != kNoTexture;
+  if (textured || rough.u != rough.v)
+    report.warn(location, "such a subsurface is as rough everywhere and in all directions");
+  surface.specular_roughness =
+      std::min(float(std::pow(double(rough.u.value) * double(rough.v.value), 0.25)), 1.0f);
+  parameters.accept({"sigma_a", "sigma_s"});
+  return surface_of("subsurface", surface);
+}
+
+/// Subsurface scattering is the random walk of light in a dielectric. pbrt has the coefficients in 1 / mm of
+/// a name, which are reduced so that g is 0; or sigma_a and sigma_s; or those of a reflectance and a mean
+/// free path; a scale multiplies the coefficients, or the path.
 SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  report.warn_counted(location, "subsurface is approximated by a plastic: light comes out where it went in");
-  TexturedColour colour;
-  const double g = parameters.number("g", 0.0, report);
+  double g = parameters.number("g", 0.0, report);
   const double scale = parameters.number("scale", 1.0, report);
-  if (!(std::abs(g) < 1.0) || !(scale > 0.0))
+  if (!(std::abs(g) < 1.0) || !(scale > 0.0 && scale < 1e30)) {
     report.error(location, "a subsurface has g in (-1, 1) and a scale above 0");
-  if (parameters.has("reflectance")) {
-    colour = textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
+    return {};
+  }
+  const auto constant = [&](const char* name, ColourOf kind, const glm::vec3& fallback) {
+    const TexturedColour given = textures_.colour(parameters, name, kind, fallback);
+    if (given.texture == kNoTexture) return given.value;
+    report.unsupported(parameters.location(name, location),
+                       fmt::format("textures of the {} of a subsurface are not read", name),
+                       fmt::format("it is ({}, {}, {})", fallback.x, fallback.y, fallback.z));
+    return fallback;
+  };
+  InnerMedium inside;
+  const std::string name = parameters.text("name", "", report);
+  const bool by_coefficients = parameters.has("sigma_a") || parameters.has("sigma_s");
+  if (name.empty() && !by_coefficients && parameters.has("reflectance")) {
+    const Parameter* eta = parameters.find("eta");
+    const double ior = eta != nullptr && eta->numbers.size() == 1 ? eta->numbers[0] : 1.33;
+    const double internal =
+        ior > 1.0 && ior <= double(kMostIndexRatio) ? smooth_internal_reflectance(ior) : 0.0;
+    const glm::vec3 path = constant("mfp", ColourOf::kIndex, glm::vec3(1.0f));
+    const TexturedColour given =
+        textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
+    if (given.texture != kNoTexture)
+      return textured_subsurface(parameters, location, given, float(scale) * path, float(g));
+    const glm::vec3 reflectance = given.value;
+    const HalfSpace half_space(g);
+    for (int c = 0; c < 3; ++c) {
+      inside.extinction[c] = float(1.0 / std::max(scale * double(path[c]), 1e-30));
+      inside.albedo[c] = float(half_space.single_albedo(
+          colour_under_boundary(std::clamp(double(reflectance[c]), 0.0, 1.0), internal)));
+    }
   } else {
     Scattering scattering = scattering_of("Wholemilk").value();
-    if (const std::string name = parameters.text("name", "", report); !name.empty()) {
+    if (!name.empty()) {
+      g = 0.0;
       if (const auto found = scattering_of(name))
         scattering = *found;
       else
@@ -449,28 +515,19 @@ SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocatio
                            fmt::format("'{}' is no material whose scattering is known{}", name,
                                        known_names(name, scattering_names(), "Known are")),
                            "it is milk");
+    } else {
+      scattering.absorbed = constant("sigma_a", ColourOf::kIndex, scattering.absorbed);
+      scattering.scattered = constant("sigma_s", ColourOf::kIndex, scattering.scattered);
     }
-    for (const auto& [name, field] :
-         {std::pair("sigma_a", &scattering.absorbed), std::pair("sigma_s", &scattering.scattered)}) {
-      if (!parameters.has(name)) continue;
-      const TexturedColour given = textures_.colour(parameters, name, ColourOf::kIndex, *field);
-      if (given.texture != kNoTexture)
-        report.unsupported(parameters.location(name, location),
-                           "textures of the coefficients of a subsurface are not read", "they are milk's");
-      else
-        *field = given.value;
-    }
-    // The diffuse reflectance of a semi-infinite isotropic medium by similarity theory, for uniform
-    // illumination (van de Hulst).
     for (int c = 0; c < 3; ++c) {
-      const double scattered = double(scattering.scattered[c]) * (1.0 - g),
-                   sum = scattered + double(scattering.absorbed[c]);
-      const double s = sum > 0.0 ? std::sqrt(1.0 - scattered / sum) : 1.0;
-      colour.value[c] = float((1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s));
+      const double sum = double(scattering.absorbed[c]) + double(scattering.scattered[c]);
+      inside.extinction[c] = float(scale * sum);
+      inside.albedo[c] = sum > 0.0 ? float(std::min(double(scattering.scattered[c]) / sum, 1.0)) : 0.0f;
     }
   }
-  parameters.accept({"mfp"});
-  return plastic_with(parameters, colour, 1.33, "subsurface", location);
+  inside.g = float(g);
+  parameters.accept({"mfp", "reflectance", "sigma_a", "sigma_s"});
+  return filled(dielectric(parameters, location, 1.33), inside);
 }
 
 /// Of several ways to give the absorption, pbrt takes the first that is given.

@@ -46,10 +46,16 @@ class MaterialReader {
   SurfaceMaterial conductor(Parameters& parameters, SourceLocation location);
   SurfaceMaterial coated_diffuse(Parameters& parameters, SourceLocation location);
   SurfaceMaterial coated_conductor(Parameters& parameters, SourceLocation location);
-  SurfaceMaterial dielectric(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial dielectric(Parameters& parameters, SourceLocation location) {
+    return dielectric(parameters, location, 1.5);
+  }
+  SurfaceMaterial dielectric(Parameters& parameters, SourceLocation location, double fallback);
   SurfaceMaterial thin_dielectric(Parameters& parameters, SourceLocation location);
   SurfaceMaterial diffuse_transmission(Parameters& parameters, SourceLocation location);
   SurfaceMaterial subsurface(Parameters& parameters, SourceLocation location);
+  /// `radius`: mean free path of each colour.
+  SurfaceMaterial textured_subsurface(Parameters& parameters, SourceLocation location,
+                                      const TexturedColour& colour, const glm::vec3& radius, float g);
   SurfaceMaterial hair(Parameters& parameters, SourceLocation location);
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
   ConductorSurface conductor_surface(Parameters& parameters, const std::string& prefix,

@@ -7,9 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "scenes/bsdfs/half_space.h"
 #include "scenes/image/bitmap_values.h"
 #include "scenes/instances.h"
 #include "scenes/pbrt/image_lights.h"
+#include "scenes/scattering.h"
 #include "scenes/settings.h"
 #include "tests/scenes/gzip_writer.h"
 #include "tests/scenes/pbrt_text.h"
@@ -22,6 +24,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST_F(PbrtText, ItsDefaultsArePbrts) {
   const SceneDescription scene = good_pbrt(kTriangle);
@@ -314,15 +317,25 @@ TEST_F(PbrtText, MaterialsThatAreApproximated) {
   const auto& sheet = std::get<DiffuseTransmitterBsdf>(front(scene, 0));
   EXPECT_EQ(sheet.reflectance.value, glm::vec3(0.2f, 0.4f, 0.6f));
   EXPECT_EQ(sheet.transmittance.value, glm::vec3(0.2f));
-  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 1)).diffuse.value, glm::vec3(0.5f, 0.4f, 0.3f));
-  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 1)).int_ior, 1.33f);
-  const glm::vec3 skin = std::get<PlasticBsdf>(front(scene, 2)).diffuse.value;
-  EXPECT_FLOAT_EQ(skin.x, 1.0f) << "what absorbs nothing";
-  EXPECT_NEAR(
-      skin.z,
-      0.5 * (1 - 0.139 * std::sqrt(0.75)) / (1 + 1.17 * std::sqrt(0.75)) / 0.5 * (1 - std::sqrt(0.75)), 1e-6);
+  EXPECT_EQ(std::get<DielectricBsdf>(front(scene, 1)).int_ior, 1.33f);
+  const auto inside = [&](std::size_t shape) {
+    return scene.bsdfs.at(std::size_t(scene.shapes.at(shape).front_bsdf)).inside.value();
+  };
+  EXPECT_EQ(inside(1).extinction, glm::vec3(1.0f)) << "without a mean free path it is 1";
+  // More has to come to the boundary than leaves it.
+  const double internal = smooth_internal_reflectance(1.33);
+  EXPECT_NEAR(HalfSpace(0).albedo(double(inside(1).albedo.x)), 0.5 / (1 - internal + 0.5 * internal), 1e-5);
+  EXPECT_EQ(inside(2).extinction, glm::vec3(1.0f, 2.0f, 4.0f));
+  EXPECT_EQ(inside(2).albedo, glm::vec3(1.0f, 0.5f, 0.25f));
   EXPECT_NEAR(std::get<DielectricBsdf>(front(scene, 3)).int_ior, 1.6f, 1e-4f);
-  EXPECT_THAT(warnings(scene), HasSubstr("subsurface is approximated"));
+  EXPECT_THAT(warnings(scene), Not(HasSubstr("subsurface")));
+  const auto named = good_pbrt(
+      std::string("Material \"subsurface\" \"string name\" \"Skin1\" \"float g\" .5 \"float scale\" 10\n") +
+      kTriangle);
+  const InnerMedium& skin = named.bsdfs.at(std::size_t(named.shapes.at(0).front_bsdf)).inside.value();
+  const Scattering known = scattering_of("Skin1").value();
+  EXPECT_EQ(skin.g, 0.0f) << "coefficients of names are reduced";
+  EXPECT_NEAR(skin.extinction.y, 10 * (known.scattered.y + known.absorbed.y), 1e-4);
 }
 
 TEST_F(PbrtText, Hair) {
