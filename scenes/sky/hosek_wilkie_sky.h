@@ -16,8 +16,8 @@ struct BetweenTurbidities {
 
 /// Colours are linear Rec. 709 of spectral radiance in W/m²/sr/nm. A radiance of 1 at all wavelengths has
 /// luminance 1. The authors' coefficients for RGB are in hosek_wilkie/. Blender's Hosek-Wilkie sky has the
-/// authors' coefficients for XYZ, times 2 pi / 683: 0.983 of this, 93 % of all numbers within 5 % of that, and
-/// red up to a fifth more at the zenith above a low sun.
+/// authors' coefficients for XYZ, times 2 pi / 683: 0.983 of this, 93 % of all numbers within 5 % of that,
+/// and red up to a fifth more at the zenith above a low sun.
 class HosekWilkieSky {
  public:
   /// `to_sun` is a unit vector with y up; a sun below the horizon is moved to it. `turbidity` is in [1, 10].
