@@ -78,7 +78,8 @@ STAGE void turn_inside(const PRIVATE PathState* paths, int i, PRIVATE StepLanes*
       const bool inside = step->within[j] != 0;
       const float pdf = step->samples.pdf[j];
       const vec3 wi = LOAD_LANE_vec3(step->samples.wi, j), n = LOAD_LANE_vec3(step->surfaces.geometric, j);
-      const bool into = (step->closures.family[j] == FAMILY_OPENPBR_LAYERED) & (pdf == DELTA_PDF);
+      const bool layered = ((OPENPBRS_LAYERED >> step->closures.family[j]) & 1u) != 0u;
+      const bool into = layered & (pdf == DELTA_PDF);
       const float height = max_f(dot3(wi, n), 0.0f);
       STORE_LANE_vec3(step->samples.wi, j, select3(into, add_scaled(wi, -2.0f * height, n), wi));
       step->samples.pdf[j] = (inside & (pdf > 0.0f)) ? DELTA_PDF : pdf;
