@@ -70,7 +70,7 @@ FN void add_media_emission(const PRIVATE Scene* scene, const PRIVATE PathState* 
     balances[j].light = balances[j].way = 0.0f;
     balances[j].heuristic = HEURISTIC_BALANCE;
   }
-  if (NEEDS_LIGHT(scene, MEDIUM)) balance_emission(scene, paths, i, balances);
+  if (NEEDS_GLOWS(scene)) balance_emission(scene, paths, i, balances);
   for (int j = 0; j < LANES; j++) {  // no lane loop: the number of points differs
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
     if (emits_evenly(medium) || !takes_emission(scene, paths, i + j)) continue;

@@ -154,7 +154,7 @@ CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE Path
   if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
   leave_shadow_rays(paths, count);
   if (NEEDS_MEDIA(scene)) weigh_shadow_rays(scene, paths, count);
-  if (NEEDS_MEDIA(scene) && NEEDS_LIGHT(scene, MEDIUM)) end_in_glows(paths, count);
+  if (NEEDS_GLOWS(scene)) end_in_glows(paths, count);
   if (NEEDS_TINTS(scene)) apply_tints(paths, count);
   if (NEEDS_PASSES(scene) && !has_control(scene)) dim_shadow_light(paths, count);
 }

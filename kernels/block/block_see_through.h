@@ -191,7 +191,7 @@ FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
   float roulette[LANES], flights[LANES];
   sample_pair(h->sampler.kind, sequence_length(h), step_point(PAIR_END), paths, i, roulette, flights);
   start_flights(paths, i, flights);
-  if (NEEDS_LIGHT(scene, MEDIUM)) note_left_pdfs(paths, i);
+  if (NEEDS_GLOWS(scene)) note_left_pdfs(paths, i);
 }
 
 /// Of LANES rays from lane i on, those that pass the k-th surface they meet restart behind it; the others

@@ -51,8 +51,6 @@ class Checker {
   void check_header() {
     require((h_.features & ~std::uint64_t(FEATURE_ALL)) == 0, "unknown features");
     require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
-    require((h_.light_kinds & 1u << LIGHT_MEDIUM) == 0 || has(FEATURE_EMITTING_MEDIA),
-            "media that are lights without their feature bit");
     require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");

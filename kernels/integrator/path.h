@@ -62,7 +62,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       request_light(scene, paths, i, &step);
       if (HAS(LTC) && has_lobe_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
       if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
-      if (NEEDS_MEDIA(scene) && NEEDS_LIGHT(scene, MEDIUM)) request_glows(scene, paths, i, &step);
+      if (NEEDS_GLOWS(scene)) request_glows(scene, paths, i, &step);
       if (NEEDS(scene, FLAT_GLASS)) request_through_glass(paths, i, &step.lights);
     } else {
       request_no_light(paths, i);

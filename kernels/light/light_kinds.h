@@ -71,6 +71,8 @@ FN bool is_infinite_light(int kind) {
 #define SCENE_LIGHT_KINDS(h) NEEDED(LIGHT_KINDS_MASK, (h)->light_kinds)
 #define NEEDS_LIGHT(scene, NAME) \
   (HAS_LIGHT(NAME) && (SCENE_LIGHT_KINDS(&(scene)->header) >> LIGHT_##NAME & 1u) != 0u)
+/// Whether media are lights, see medium_light.h.
+#define NEEDS_GLOWS(scene) (NEEDS_EMITTING_MEDIA(scene) && NEEDS_LIGHT(scene, MEDIUM))
 
 PENUMBRA_NAMESPACE_END
 #endif

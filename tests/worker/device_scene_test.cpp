@@ -486,7 +486,7 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithMediaThatAreLights) {
   expect_refused(with_block(0, [](GlowBlock& b) { b.below = 0.001f; }), "do not begin at 0");
   DeviceScene without = scene;
   without.header.features &= ~std::uint64_t{FEATURE_EMITTING_MEDIA};
-  expect_refused(without, "feature bit");
+  expect_refused(without, "a medium of implausible emission");
 }
 
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {

@@ -236,6 +236,12 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
             "a light's beam is not there");
         continue;
       }
+      if (kind == LIGHT_MEDIUM) {
+        expect_refused(
+            with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
+            "the medium of a light is not there");
+        continue;
+      }
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
         render(with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) {
           light.kind = kind;
