@@ -19,6 +19,16 @@ typedef struct {
   int kind;
 } CurvePiece;
 
+/// False only if the line through `o` along the unit direction `d` passes the piece: it is further from its
+/// middle than the ends are and 2.3 radii, which bounds_of_curve explains. (a + b)^2 is at most 2 a^2 + 2 b^2,
+/// and the rounding of the distance is below 1e-6 of that to the middle.
+FN bool may_meet_curve(Quadric q, vec3 o, vec3 d) {
+  const vec3 middle = sub(scale(add(q.center, q.x_axis), 0.5f), o), step = sub(q.x_axis, q.center);
+  const vec3 aside = add_scaled(middle, -dot3(middle, d), d);
+  const float most = 0.5f * dot3(step, step) + 10.6f * sqr(max_f(q.radius, q.length));
+  return dot3(aside, aside) <= 1.0001f * most + 1e-8f * dot3(middle, middle);
+}
+
 /// The piece that a quadric's record holds.
 FN CurvePiece curve_piece(Quadric q) {
   CurvePiece c;

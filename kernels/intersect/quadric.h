@@ -66,7 +66,8 @@ FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
 FN float intersect_quadric(Quadric q, vec3 o, vec3 d) {
   if (HAS(CYLINDERS) && q.kind == QUADRIC_CYLINDER)
     return intersect_cylinder(o, d, q.center, q.normal, q.radius, q.length);
-  if (HAS(CURVES) && is_curve_kind(q.kind)) return intersect_curve(curve_piece(q), o, d);
+  if (HAS(CURVES) && is_curve_kind(q.kind))
+    return may_meet_curve(q, o, d) ? intersect_curve(curve_piece(q), o, d) : -1.0f;
   return intersect_sphere_or_disk(q, o, d);
 }
 

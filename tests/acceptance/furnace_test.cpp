@@ -142,6 +142,35 @@ TEST_P(PathFurnace, UnitSphereSeenFromInside) {
   EXPECT_NEAR(sample.mean(), 1, 4 * sample.standard_error() + kRounding);
 }
 
+/// A straight strand fills the pixel, before a uniform sky: fibres that absorb nothing are as bright.
+TEST(HairFurnace, StrandsOfEveryFormThatAbsorbNothingAreUnseen) {
+  for (const CurveForm form :
+       {CurveForm::kRound, CurveForm::kBalls, CurveForm::kFlat, CurveForm::kCylinder}) {
+    SceneDescription scene = furnace("0.5", {.method = PathIntegrator{}});
+    Curves strand{form, {{}}, {}};
+    for (int i = 0; i < 6; ++i) strand.curves[0].push_back({{0.15, 4.0 * i - 10, 1}, 0.5});
+    HairBsdf hair;
+    hair.absorption = HairBsdf::Absorption::kCoefficient;
+    hair.offset = is_ribbon(form) ? HairBsdf::kFromV : HairBsdf::kFromNormal;
+    scene.bsdfs = {Bsdf{"hair", hair}};
+    Shape shape;
+    shape.name = "strand";
+    shape.geometry = std::move(strand);
+    shape.front_bsdf = shape.back_bsdf = 0;
+    scene.shapes = {std::move(shape)};
+    scene.emitters = {ConstantEnvironment{}};
+    SCOPED_TRACE(int(form));
+    // The Bessel function of the lobes is within 1e-6 of itself.
+    const FilmAccumulator film = render_or_throw(scene, big_passes());
+    EXPECT_EQ(non_finite_count(film.flagged()), 0u);
+    const statistics::Sample sample = pixel_sample(film, 0, 0, 0);
+    EXPECT_GT(statistics::t_test(sample, 1, 1e-6 + kRounding).p, kSignificance)
+        << sample.mean() << " +- " << sample.standard_error();
+    // It is seen: light comes by scattering, which varies.
+    EXPECT_GT(sample.standard_error(), 1e-5);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Strategies, PathFurnace, testing::ValuesIn(path_strategies()),
                          [](const auto& info) { return strategy_name(info); });
 

@@ -155,8 +155,8 @@ TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
 }
 
 TEST_F(MitsubaWriter, CurvesStayTheSame) {
-  SceneDescription scene =
-      good("<emitter type='constant'/><shape type='sphere'>" + diffuse("0.5, 0.4, 0.3") + "</shape>");
+  SceneDescription scene = good("<emitter type='constant'/><shape type='sphere'><bsdf type='twosided'>" +
+                                diffuse("0.5, 0.4, 0.3") + "</bsdf></shape>");
   add_every_curve(scene, {0.1, 0.2, 0.3}, 2);
   expect_same(scene);
 }
