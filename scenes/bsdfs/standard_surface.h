@@ -1,6 +1,7 @@
 // Autodesk's Standard Surface 1.0.1 (Georgiev et al. 2019) as parameters of an OpenPBR surface, by the
 // translation graph of MaterialX 1.39 (standard_surface_to_open_pbr_surface), but for
-// `transmission_dispersion`, which is an Abbe number as in the former.
+// `transmission_dispersion`, which is an Abbe number as in the former. Readers of names take `specular_IOR`
+// for `specular_ior`, and so on.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +48,7 @@ struct StandardSurfaceParameters {
     row("specular", &S::specular, NumberWithin{}, "factor of what a dielectric reflects along the normal");
     row("specular_color", &S::specular_color, ColourWithin{}, "factor of the dielectric's reflection");
     row("specular_roughness", &S::specular_roughness, NumberWithin{}, "of the microfacets");
-    row("specular_IOR", &S::specular_ior, kIndex, "refractive index");
+    row("specular_ior", &S::specular_ior, kIndex, "refractive index");
     row("specular_anisotropy", &S::specular_anisotropy, NumberWithin{},
         "how much longer highlights are along the tangent");
     row("transmission", &S::transmission, NumberWithin{}, "how much of the dielectric transmits");
@@ -60,11 +61,11 @@ struct StandardSurfaceParameters {
     row("coat", &S::coat, NumberWithin{}, "how much of a dielectric has a coat");
     row("coat_color", &S::coat_color, ColourWithin{}, "of light that went through the coat");
     row("coat_roughness", &S::coat_roughness, NumberWithin{}, "of the coat");
-    row("coat_IOR", &S::coat_ior, kIndex, "refractive index of the coat");
+    row("coat_ior", &S::coat_ior, kIndex, "refractive index of the coat");
     row("coat_affect_roughness", &S::coat_affect_roughness, NumberWithin{}, "how much the coat darkens");
     row("thin_film_thickness", &S::thin_film_thickness,
         NumberWithin{LowEnd::kClosed, 0.0f, 1e3f * OpenPbrBsdf::kMostFilm}, "nanometres; 0: no film");
-    row("thin_film_IOR", &S::thin_film_ior, kIndex, "refractive index of the film");
+    row("thin_film_ior", &S::thin_film_ior, kIndex, "refractive index of the film");
     row("opacity", &S::opacity, NumberWithin{}, "how much of the surface there is");
     row("thin_walled", &S::thin_walled, TrueOrFalse{}, "whether it is a sheet without an inside");
   }
