@@ -286,7 +286,12 @@ void textured(SceneDescription& scene) { add_every_texture(scene); }
 
 void every_emitter(SceneDescription& scene) { add_every_emitter(scene, {278, 274, 280}, 500); }
 
-void every_curve(SceneDescription& scene) { add_every_curve(scene, {278, 274, 280}, 400); }
+/// Not their instances, of which what explains Embree's differences knows nothing.
+void every_curve(SceneDescription& scene) {
+  add_every_curve(scene, {278, 274, 280}, 400);
+  scene.instances.clear();
+  scene.groups.clear();
+}
 
 void every_curve_directly(SceneDescription& scene) {
   every_curve(scene);

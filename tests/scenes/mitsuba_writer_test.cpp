@@ -158,7 +158,19 @@ TEST_F(MitsubaWriter, CurvesStayTheSame) {
   SceneDescription scene = good("<emitter type='constant'/><shape type='sphere'><bsdf type='twosided'>" +
                                 diffuse("0.5, 0.4, 0.3") + "</bsdf></shape>");
   add_every_curve(scene, {0.1, 0.2, 0.3}, 2);
-  expect_same(scene);
+  // Materials are numbered as they are met.
+  const SceneDescription read = again(scene);
+  expect_same(read);
+  const DeviceScene before = device(scene), after = device(read);
+  const auto first = table<Quadric>(before, before.header.tables.quadrics),
+             second = table<Quadric>(after, after.header.tables.quadrics);
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    Quadric there = second[i];
+    there.front = first[i].front;
+    there.back = first[i].back;
+    EXPECT_EQ(std::memcmp(&first[i], &there, sizeof there), 0) << i;
+  }
 }
 
 TEST_F(MitsubaWriter, InstancesWithinGroupsAreWrittenAsTheScenesOwn) {
