@@ -392,7 +392,6 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellLens", "cornell/cornell.xml", false, through_a_lens},
       {"CornellLensControlVariate", "cornell/cornell.xml", false, through_a_lens_with_control_variate},
       {"VeachMisParallel", "veach-mis/veach-mis.xml", false, in_parallel},
-      {"Curves", "cornell/cornell.xml", false, every_curve},
       {"CurvesDirect", "cornell/cornell.xml", false, every_curve_directly},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
