@@ -497,6 +497,10 @@ SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocatio
         textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
     if (given.texture != kNoTexture)
       return textured_subsurface(parameters, location, given, float(scale) * path, float(g));
+    report.warn_counted(
+        location,
+        "the scattering for the reflectance of a subsurface assumes that light comes to the "
+        "boundary from all sides: colours of 0.5 and less come out a tenth to a quarter darker");
     const glm::vec3 reflectance = given.value;
     const HalfSpace half_space(g);
     for (int c = 0; c < 3; ++c) {

@@ -232,6 +232,28 @@ TEST(Interiors, WhiteGlassThatScattersStaysWhite) {
   expect_colour(scene, glm::dvec3(1), 3e-3);  // of the curves' 15 bits, at each of some reflections
 }
 
+TEST(Interiors, DielectricsMayHaveAMediumInside) {
+  const glm::vec3 extinction(2.0f, 4.0f, 8.0f), single(0.99f, 0.9f, 0.5f);
+  DielectricBsdf glass;
+  glass.int_ior = 1.33f;
+  glass.ext_ior = 1.0f;
+  const auto ball_of = [&](SceneDescription& scene) {
+    Shape ball = sphere({0, 0, 0}, 0.7, 0);
+    ball.front_bsdf = add(scene, glass);
+    ball.back_bsdf = add(scene, glass.other_side());
+    return ball;
+  };
+  SceneDescription declared = lit_ball(volpath());
+  bound(declared, ball_of(declared), add_medium(declared, medium(extinction, single, 0.5f)));
+  for (const IntegratorSettings& integrator : {path(), volpath()}) {
+    SceneDescription scene = lit_ball(integrator);
+    const Shape ball = ball_of(scene);
+    scene.bsdfs[std::size_t(ball.front_bsdf)].inside = InnerMedium{extinction, single, 0.5f};
+    scene.shapes.push_back(ball);
+    expect_alike(scene, declared);
+  }
+}
+
 /// A board of these colours, which alternate at every unit of the texture coordinates.
 int add_board(SceneDescription& scene, const glm::vec3& one, const glm::vec3& other) {
   CheckerboardTexture board;
