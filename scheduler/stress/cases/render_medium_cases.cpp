@@ -26,7 +26,7 @@ int add_medium(SceneDescription& scene, const glm::vec3& extinction, float albed
 }
 
 /// The shape with a boundary in the place of a surface.
-void bound(SceneDescription& scene, std::variant<Mesh, Sphere, Disk, Cylinder> geometry, int interior) {
+void bound(SceneDescription& scene, Geometry geometry, int interior) {
   if (scene.bsdfs.empty() || !std::holds_alternative<NullBsdf>(scene.bsdfs.back().model))
     scene.bsdfs.push_back({"nothing", NullBsdf{}});
   Shape shape;
