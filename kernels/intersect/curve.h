@@ -20,8 +20,8 @@ typedef struct {
 } CurvePiece;
 
 /// False only if the line through `o` along the unit direction `d` passes the piece: it is further from its
-/// middle than the ends are and 2.3 radii, which bounds_of_curve explains. (a + b)^2 is at most 2 a^2 + 2 b^2,
-/// and the rounding of the distance is below 1e-6 of that to the middle.
+/// middle than the ends are and 2.3 radii, which bounds_of_curve explains. (a + b)^2 is at most 2 a^2 + 2
+/// b^2, and the rounding of the distance is below 1e-6 of that to the middle.
 FN bool may_meet_curve(Quadric q, vec3 o, vec3 d) {
   const vec3 middle = sub(scale(add(q.center, q.x_axis), 0.5f), o), step = sub(q.x_axis, q.center);
   const vec3 aside = add_scaled(middle, -dot3(middle, d), d);
