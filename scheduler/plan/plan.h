@@ -230,6 +230,7 @@ class Plan {
   void issue_to(WorkerId id);
   [[nodiscard]] bool is_anything_waiting(bool also_copies) const;
   std::optional<UnitId> next_for(WorkerId worker);
+  [[nodiscard]] bool has_suspect(const Worker& worker) const;
   [[nodiscard]] bool has_work(const Job& job, JobId id) const;
   void prepare_one(WorkerId id, bool in_advance);
   [[nodiscard]] bool is_worth_forgetting_another(const Worker& worker, const Job& job) const;

@@ -56,8 +56,7 @@ bool Plan::is_anything_waiting(bool also_copies) const {
 std::optional<UnitId> Plan::next_for(WorkerId id) {
   const Worker& worker = workers_.at(id);
   const bool is_idle = worker.units.empty();
-  // A blamed unit is issued alone: nothing follows it, and only a worker without other units takes one.
-  if (worker.preparing || (!is_idle && !units_.at(worker.units.front()).faults.empty())) return {};
+  if (worker.preparing || has_suspect(worker)) return {};
   for (const JobId job : order_) {
     if (!worker.prepared.contains(job)) continue;
     if (const auto suspect = suspect_for(id, job)) return is_idle ? suspect : std::nullopt;
@@ -66,6 +65,12 @@ std::optional<UnitId> Plan::next_for(WorkerId id) {
     if (const auto unit = fresh_for(worker, job)) return unit;
   }
   return is_idle ? straggler_for(id) : std::nullopt;
+}
+
+/// Whether the worker has a blamed unit. Such a unit is issued alone: nothing follows it, no job is prepared
+/// after it, and only a worker without other units takes one. So if the worker dies, of the unit.
+bool Plan::has_suspect(const Worker& worker) const {
+  return !worker.units.empty() && !units_.at(worker.units.front()).faults.empty();
 }
 
 /// Whether units of the job wait to be issued.
@@ -83,7 +88,7 @@ bool Plan::has_work(const Job& job, JobId id) const {
 /// with work. In advance: any job that may still need it.
 void Plan::prepare_one(WorkerId id, bool in_advance) {
   Worker& worker = workers_.at(id);
-  if (worker.preparing) return;
+  if (worker.preparing || has_suspect(worker)) return;
   const auto has_some_for_it = [&](JobId job) {
     return has_work(jobs_.at(job), job) || check_for(id, job).has_value();
   };

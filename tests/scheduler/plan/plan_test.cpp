@@ -76,6 +76,22 @@ TEST_F(PlanTest, AWorkerEmptiesItsHandsForABlamedUnit) {
   EXPECT_THAT(assigned(), ElementsAre(Pair(2, unit(0, 0))));
 }
 
+TEST_F(PlanTest, NoJobIsPreparedAfterABlamedUnit) {
+  const auto told_to_prepare = [this] { return all<Prepare, JobId>([](const Prepare& p) { return p.job; }); };
+  start(1, 1);
+  add(2, {{1, 1}});
+  join(1);
+  lose(1);
+  prepares_at_once_ = false;
+  join(2);
+  EXPECT_THAT(told_to_prepare(), ElementsAre(kJob));
+  tell(WorkerPrepared{2, kJob});
+  EXPECT_THAT(held_[2], ElementsAre(unit(0, 0)));
+  EXPECT_THAT(told_to_prepare(), IsEmpty()) << "if the worker dies, of the unit";
+  done(2, unit(0, 0));
+  EXPECT_THAT(told_to_prepare(), ElementsAre(2));
+}
+
 TEST_F(PlanTest, WorkersThatLeaveGiveBackTheirUnitAndBlameItForNothing) {
   start(1, 1);
   for (WorkerId worker = 1; worker <= 9; ++worker) {
