@@ -152,7 +152,7 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
   for (const Curve& curve : curves) {
     glm::dvec3 tangent(0, 0, 1);
     const auto add = [&](std::size_t segment, double t) {
-      const Sample sample = bspline_at(&curve[segment], t);
+      const CurveSample sample = bspline_at(&curve[segment], t);
       tangent = direction(sample.first, tangent);
       const double speed = glm::length(sample.first);
       // The derivative of the unit tangent.

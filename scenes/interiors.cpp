@@ -4,18 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "scenes/bsdfs/half_space.h"
 
 namespace penumbra {
 namespace {
-
-/// Half-spaces take milliseconds, and scenes have few of them.
-const HalfSpace& half_space(float g) {
-  thread_local std::map<float, HalfSpace> known;
-  return known.try_emplace(g, double(g)).first->second;
-}
 
 Interior walk_inside(const OpenPbrBsdf& surface) {
   Interior inside;

@@ -31,8 +31,7 @@ struct Check {
   Expected<void> operator()(const Curves& curves) const {
     for (const Curve& curve : curves.curves)
       for (const ControlPoint& point : curve) {
-        const glm::dvec3 far = glm::abs(point.position);
-        if (!(far.x + far.y + far.z + std::abs(point.radius) < kFarthest))
+        if (!is_traceable(point))
           return fail(
               fmt::format("a curve is too far away or too thick for single precision: a radius of {} at "
                           "({}, {}, {})",
@@ -72,6 +71,11 @@ Expected<void> check_faces(const Mesh& mesh) {
                             cross > kSmallestCross ? "large" : "small", 0.5 * cross));
   }
   return {};
+}
+
+bool is_traceable(const ControlPoint& point) {
+  const glm::dvec3 far = glm::abs(point.position);
+  return far.x + far.y + far.z + std::abs(point.radius) < kFarthest;
 }
 
 Expected<void> check_traceable(const Geometry& geometry) { return std::visit(Check(), geometry); }

@@ -27,6 +27,9 @@ double triangle_cross(const Mesh& mesh, const glm::uvec3& triangle);
 Expected<void> check_vertices(const Mesh& mesh);
 Expected<void> check_faces(const Mesh& mesh);
 
+/// Whether a point of a curve is near and thin enough.
+bool is_traceable(const ControlPoint& point);
+
 /// The same for any shape. Errors: a shape that is too far away, too large or too small.
 Expected<void> check_traceable(const Geometry& geometry);
 

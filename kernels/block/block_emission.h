@@ -32,7 +32,7 @@ STAGE void add_even_emission(const PRIVATE Scene* scene, const PRIVATE PathState
     }
 }
 
-/// What weighs against samples of lights for LANES rays: nothing where their media are no lights, and where
+/// Sets what weighs against samples of lights, of LANES rays, but where their media are no lights, and where
 /// no light was sampled in their directions, as by the camera and at smooth glass.
 FN void balance_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          PRIVATE EmissionBalance* balances) {
@@ -45,15 +45,13 @@ FN void balance_emission(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     found.light[j] = sampled ? light : -1;
     found.pmf[j] = scene->lights[light >= 0 ? light : 0].pmf;
     any |= sampled ? 1 : 0;
-    balances[j].direction = 1.0f;
-    balances[j].light = 0.0f;
-    balances[j].way = get_way(paths, i + j);
-    balances[j].heuristic = scene->header.integrator.heuristic;
   }
   if (any == 0) return;
   if (NEEDS_LIGHT_TREE(scene)) find_previous_pmfs(scene, paths, i, &found);
   for (int j = 0; j < LANES; j++) {
     if (found.light[j] < 0) continue;
+    balances[j].way = get_way(paths, i + j);
+    balances[j].heuristic = scene->header.integrator.heuristic;
     balances[j].direction = get_left_pdf(paths, i + j);
     balances[j].light = found.pmf[j] / scene->lights[found.light[j]].area;
   }
@@ -65,11 +63,7 @@ FN void add_media_emission(const PRIVATE Scene* scene, const PRIVATE PathState* 
   add_even_emission(scene, paths, i, lengths);
   if (!has_grids(scene)) return;
   EmissionBalance balances[LANES];
-  for (int j = 0; j < LANES; j++) {
-    balances[j].direction = 1.0f;
-    balances[j].light = balances[j].way = 0.0f;
-    balances[j].heuristic = HEURISTIC_BALANCE;
-  }
+  for (int j = 0; j < LANES; j++) balances[j] = no_balance();
   if (NEEDS_GLOWS(scene)) balance_emission(scene, paths, i, balances);
   for (int j = 0; j < LANES; j++) {  // no lane loop: the number of points differs
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));

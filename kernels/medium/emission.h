@@ -130,6 +130,15 @@ typedef struct {
   int heuristic;    ///< HEURISTIC_*
 } EmissionBalance;
 
+/// There are no samples to weigh against.
+FN EmissionBalance no_balance(void) {
+  EmissionBalance balance;
+  balance.direction = 1.0f;
+  balance.light = balance.way = 0.0f;
+  balance.heuristic = HEURISTIC_BALANCE;
+  return balance;
+}
+
 /// The weight of what a ray finds at the distance `t` from the origin.
 FN float emission_weight(EmissionBalance balance, float t) {
   return mis_weight(balance.heuristic, balance.direction, balance.light * sqr(balance.way + t));

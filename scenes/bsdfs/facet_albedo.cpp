@@ -49,7 +49,7 @@ double hemisphere_mean(const Curve& curve, int knots = CURVE_KNOTS, int degree =
   double mean = 0;
   const int power = 2 * degree;
   for (int k = 0; k + 1 < knots; ++k) {
-    // With mu = y^4, mu dmu = 4 y^7 dy.
+    // With mu = y^n, mu dmu = n y^(2n - 1) dy.
     const double a = double(k) / (knots - 1), b = double(k + 1) / (knots - 1);
     const double slope = (curve(k + 1) - curve(k)) / (b - a), start = curve(k) - slope * a;
     mean += start * (std::pow(b, power) - std::pow(a, power)) +

@@ -33,8 +33,7 @@ double mean_fresnel(double ior);
 enum class FacetRows {
   kOne,        ///< there is one
   kRoughness,  ///< by roughness, see facet_place (kernels/bsdf/openpbr.h)
-  kAzimuth     ///< by the square of the sine of the angle with the direction of
-               ///< alpha_u, from 0 to 1
+  kAzimuth     ///< by the square of the sine of the angle with the direction of alpha_u, from 0 to 1
 };
 
 /// What OpenPBR's curves depend on.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace penumbra {
@@ -155,6 +156,11 @@ std::vector<float> HalfSpace::curve() const {
   for (int k = 0; k < CURVE_KNOTS; ++k)
     roots[std::size_t(k)] = float(std::sqrt(1 - single_albedo(double(k) / (CURVE_KNOTS - 1))));
   return roots;
+}
+
+const HalfSpace& half_space(float g) {
+  thread_local std::map<float, HalfSpace> known;
+  return known.try_emplace(g, double(g)).first->second;
 }
 
 }  // namespace penumbra

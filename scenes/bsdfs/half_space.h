@@ -40,4 +40,7 @@ class HalfSpace {
   std::array<double, kNodes> albedos_{};  ///< at Chebyshev points of s in [0, 1]
 };
 
+/// That of a mean cosine. It takes milliseconds, so each thread makes it once.
+const HalfSpace& half_space(float g);
+
 }  // namespace penumbra

@@ -72,7 +72,7 @@ class PieceMaker {
 };
 
 Joint joint_at(const ControlPoint* points, double t, double parameter) {
-  const Sample sample = bspline_at(points, t);
+  const CurveSample sample = bspline_at(points, t);
   // Where the speed is 0 the curve goes the way of its second derivative.
   const glm::dvec3 way =
       glm::length(sample.first) > 0 ? sample.first : (t < 0.5 ? 1.0 : -1.0) * sample.second;

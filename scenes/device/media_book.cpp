@@ -150,10 +150,18 @@ std::optional<GridVolume> emission_grid(const ParticipatingMedium& medium) {
   return GridVolume{.grid = kOne, .to_world = medium.density->to_world};
 }
 
+/// The record of vacuum; other media change what they have.
+Medium vacuum() {
+  Medium nothing{};
+  nothing.density = nothing.albedo_grid = nothing.emission_grid = nothing.light = -1;
+  nothing.exit = nothing.albedo_curve = -1;
+  return nothing;
+}
+
 /// The start of the curve of HalfSpace::curve for that mean cosine.
 int half_space_curve(float g, std::map<float, int>& known, std::vector<float>& curves) {
   const auto [at, is_new] = known.try_emplace(g, int(curves.size()));
-  if (is_new) std::ranges::copy(HalfSpace(double(g)).curve(), std::back_inserter(curves));
+  if (is_new) std::ranges::copy(half_space(g).curve(), std::back_inserter(curves));
   return at->second;
 }
 
@@ -269,25 +277,20 @@ Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) 
   if (entries_.size() > kMostMedia)
     return fail(fmt::format("the scene has {} media, more than {} that differ",
                             scene_.media.size() + interiors_.size(), kMostMedia));
-  Medium nothing{};
-  nothing.density = nothing.albedo_grid = nothing.emission_grid = nothing.light = -1;
-  nothing.exit = nothing.albedo_curve = -1;
-  records.media.push_back(nothing);
+  records.media.push_back(vacuum());
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
   std::map<float, int> curves;
   int exit = -1;
   for (const Entry& entry : entries_) {
     const ParticipatingMedium& medium = *entry.medium;
-    Medium record{};
+    Medium record = vacuum();
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);
     record.material = material_of_phase(medium.phase, records, first_material);
     record.interior = medium.of_material ? 1 : 0;
-    record.exit = record.albedo_curve = -1;
     if (entry.interior != nullptr && entry.interior->by_colour)
       record.albedo_curve = half_space_curve(medium.phase[0].g, curves, records.curves);
-    record.density = record.albedo_grid = record.emission_grid = record.light = -1;
     record.emission = to_vec3(medium.emission);
     record.emission_by_density = medium.emits() && medium.density && medium.emission_by_density ? 1 : 0;
     const std::optional<GridVolume> emission = emission_grid(medium);

@@ -19,8 +19,7 @@ Expected<Curves> curves(CurveForm form, const glm::dmat4& to_world, const Source
   for (Curve& curve : curves->curves)
     for (ControlPoint& point : curve) {
       point.position = transform_point(to_world, point.position);
-      const glm::dvec3 far = glm::abs(point.position);
-      if (!(far.x + far.y + far.z + std::abs(point.radius) < kFarthest))
+      if (!is_traceable(point))
         return fail(fmt::format("{}: a point is too far away, or its radius too large, for single precision",
                                 file.path.string()));
     }
