@@ -477,7 +477,7 @@ TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
   if (habits.verified == 1 && habits.dies == 0) EXPECT_GT(verified, 100 * not_verified);
   if (habits.verified > 0) EXPECT_GT(verified, 1000);
   if (habits.cancelled > 0) EXPECT_GT(cancelled, 500);
-  if (habits.cancelled > 0 && habits.dies > 0) EXPECT_GT(died_of_removed_jobs, 3);
+  if (habits.cancelled > 0 && habits.dies > 0) EXPECT_GT(died_of_removed_jobs, 5);
   if (habits.lies == 0) EXPECT_EQ(given_up, 0);
   if (habits.lies > 0) EXPECT_GT(restarts, 20);
 }
@@ -500,7 +500,7 @@ INSTANTIATE_TEST_SUITE_P(Habits, PlanSimulation,
                                                    .poisonous = 0.05,
                                                    .lies = 0.05,
                                                    .verified = 0.1,
-                                                   .cancelled = 0.01}}),
+                                                   .cancelled = 0.02}}),
                          [](const auto& parameter) { return parameter.param.name; });
 
 }  // namespace
