@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated meshes as arrays, and their parts of one material each as PLY files."""
+
+import dataclasses
+import hashlib
+
+import numpy
+
+from .ply import ply_bytes
+
+
+def values_of(collection, name, width, kind=numpy.float32):
+    """The property of all items: (n, width), or (n,) for a width of 1."""
+    values = numpy.empty(len(collection) * width, kind)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+@dataclasses.dataclass
+class MeshArrays:
+    """positions: (vertices, 3). corners: (loops,) vertex of each. triangles: (t, 3) loops. slots: (t,) material slot.
+    normals: (loops, 3), or None where all faces are flat."""
+    positions: numpy.ndarray
+    corners: numpy.ndarray
+    triangles: numpy.ndarray
+    slots: numpy.ndarray
+    normals: object
+
+
+def read_mesh(mesh):
+    """The arrays of a bpy.types.Mesh."""
+    mesh.calc_loop_triangles()
+    corners = values_of(mesh.loops, "vertex_index", 1, numpy.int32)
+    triangles = values_of(mesh.loop_triangles, "loops", 3, numpy.int32)
+    slots = numpy.zeros(len(triangles), numpy.int32)
+    indices = mesh.attributes.get("material_index")
+    if indices is not None:
+        slots = values_of(indices.data, "value", 1, numpy.int32)[
+            values_of(mesh.loop_triangles, "polygon_index", 1, numpy.int32)]
+    normals = None
+    if mesh.normals_domain == "POINT":
+        normals = values_of(mesh.vertex_normals, "vector", 3)[corners]
+    elif mesh.normals_domain == "CORNER":
+        normals = values_of(mesh.corner_normals, "vector", 3)
+    return MeshArrays(values_of(mesh.vertices, "co", 3), corners, triangles, slots, normals)
+
+
+def colours_of_corners(mesh, name):
+    """Linear colours of the attribute: (loops, 3). None if the mesh has no such colours."""
+    attribute = mesh.color_attributes.get(name)
+    if attribute is None:
+        return None
+    colours = values_of(attribute.data, "color", 4)[:, :3]
+    if attribute.domain == "POINT":
+        return colours[values_of(mesh.loops, "vertex_index", 1, numpy.int32)]
+    return colours
+
+
+def split_vertices(corners, values):
+    """Vertices that differ in the values at their corners become several.
+
+    corners: (n,) vertex of each corner. values: (n, k). Returns, for each corner, its new vertex, and for each new
+    vertex a corner of it.
+    """
+    vertex = numpy.empty(len(corners), numpy.int64)
+    chosen = []
+    count = 0
+    rest = numpy.arange(len(corners))
+    for _ in range(8):  # few corners of a vertex differ, usually
+        if not len(rest):
+            break
+        first = numpy.full(corners.max() + 1, -1, numpy.int64)
+        first[corners[rest][::-1]] = rest[::-1]  # the first of equal ones is written last
+        used = first >= 0
+        number = numpy.cumsum(used) - 1 + count
+        same = (values[rest] == values[first[corners[rest]]]).all(axis=1)
+        vertex[rest[same]] = number[corners[rest[same]]]
+        chosen.append(first[used])
+        count += len(chosen[-1])
+        rest = rest[~same]
+    if len(rest):
+        rows = numpy.column_stack([corners[rest], numpy.ascontiguousarray(values[rest]).view(numpy.int32)])
+        _, index, inverse = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
+        vertex[rest] = inverse.reshape(-1) + count
+        chosen.append(rest[index])
+    return vertex, numpy.concatenate(chosen) if chosen else rest
+
+
+def write_part(context, arrays, triangles, uvs=None, colours=None):
+    """Writes the triangles (indices of loops) and returns the file's path in the folder.
+
+    uvs: (loops, 2) or None. colours: {name: (loops, 3)}.
+    """
+    colours = colours or {}
+    tables = [table for table in [arrays.normals, uvs, *colours.values()] if table is not None]
+    corners = triangles.reshape(-1)
+    loops = numpy.unique(corners) if len(corners) != len(arrays.corners) else numpy.arange(len(arrays.corners))
+    values = numpy.column_stack([table[loops] for table in tables]) if tables else numpy.empty((len(loops), 0))
+    vertex, chosen = split_vertices(arrays.corners[loops], values)
+    place = numpy.empty(len(arrays.corners), numpy.int64)
+    place[loops] = vertex
+    source = loops[chosen]
+    parts = ply_bytes(arrays.positions[arrays.corners[source]], place[triangles],
+                      None if arrays.normals is None else arrays.normals[source],
+                      None if uvs is None else uvs[source], {name: table[source] for name, table in colours.items()})
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part)
+
+    def write(path):
+        with open(path, "wb") as file:
+            for part in parts:
+                file.write(part)
+
+    return context.file("meshes", ".ply", digest.digest(), write)
