@@ -12,7 +12,7 @@ def export_light(context, light_object, matrix):
     if light.type == "POINT":
         emitter = plugin("emitter", "point")
         add_matrix(emitter, matrix)
-        add_value(emitter, "rgb", "intensity", [light.energy / (4 * math.pi ** 2) * channel for channel in light.color])
+        add_value(emitter, "rgb", "intensity", [light.energy / (4 * math.pi) * channel for channel in light.color])
         return [emitter]
     context.report.add(f"lamps of type {light.type} are not exported", light_object.name)
     return []
