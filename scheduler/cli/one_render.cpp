@@ -16,7 +16,7 @@ OneRender::OneRender(const RenderOptions& options, const std::vector<std::string
       command_line_(command_line),
       stop_(stop),
       show_(show),
-      printer_(show ? progress_style() : ProgressStyle::kNone, terminal_columns()) {}
+      printer_(progress_style(options.progress, show), terminal_columns()) {}
 
 std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& prepare) {
   // Listen on a public address, or occupy hosts of a queue, only for a scene that can be rendered.

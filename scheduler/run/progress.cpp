@@ -11,6 +11,7 @@
 
 #include "kernels/host/console.h"
 #include "kernels/host/text.h"
+#include "scheduler/files/json_number.h"
 
 namespace penumbra {
 namespace {
@@ -65,10 +66,23 @@ std::string progress_bar(const RenderProgress& progress, int columns) {
                      std::string(std::size_t(length - filled), '.'), text);
 }
 
+std::string progress_json(const RenderProgress& progress, std::string_view what) {
+  nlohmann::ordered_json json = {{"samples_done", progress.samples_done},
+                                 {"samples_total", progress.samples_total},
+                                 {"seconds", json_number(progress.elapsed_seconds)},
+                                 {"seconds_left", json_number(seconds_left(progress).value_or(NAN))},
+                                 {"relative_error", json_number(progress.relative_error)},
+                                 {"workers", progress.workers},
+                                 {"notices", progress.notices}};
+  if (!what.empty()) json["render"] = what;
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 ProgressPrinter::ProgressPrinter(ProgressStyle style, int columns) : style_(style), columns_(columns) {}
 
 void ProgressPrinter::update(const RenderProgress& progress, const std::string& what) {
   if (style_ == ProgressStyle::kNone) return;
+  if (style_ == ProgressStyle::kJson) return print_remark(progress_json(progress, what) + "\n");
   for (const std::string& notice : progress.notices) print_message(notice);
   if (style_ == ProgressStyle::kBar) {
     // Leave one column free, because terminals wrap a line that fills the last one.
@@ -85,6 +99,13 @@ ProgressStyle progress_style() {
   const char* terminal = std::getenv("TERM");
   const bool can_redraw = terminal != nullptr && std::string_view(terminal) != "dumb";
   return isatty(STDERR_FILENO) != 0 && can_redraw ? ProgressStyle::kBar : ProgressStyle::kLines;
+}
+
+ProgressStyle progress_style(std::string_view name, bool show) {
+  if (name == "json") return ProgressStyle::kJson;
+  if (!show) return ProgressStyle::kNone;
+  if (name == "bar") return ProgressStyle::kBar;
+  return name == "lines" ? ProgressStyle::kLines : progress_style();
 }
 
 int terminal_columns() {

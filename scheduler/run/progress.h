@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "scheduler/farm/render_job.h"
 
@@ -12,6 +13,7 @@ enum class ProgressStyle {
   kNone,
   kBar,    ///< one line, redrawn in place
   kLines,  ///< a line every kSecondsBetweenLines, for log files
+  kJson,   ///< a JSON object a line on stdout, for other programs
 };
 
 constexpr double kSecondsBetweenLines = 10.0;
@@ -29,7 +31,11 @@ std::string progress_text(const RenderProgress& progress);
 /// shortened, then the text.
 std::string progress_bar(const RenderProgress& progress, int columns);
 
-/// Prints progress to stderr. Times are taken from the progress data.
+/// One line with the fields samples_done, samples_total, seconds, seconds_left, relative_error, workers,
+/// notices and, if it is not empty, render, which is `what`. Unknown values are null.
+std::string progress_json(const RenderProgress& progress, std::string_view what);
+
+/// Prints progress. Times are taken from the progress data.
 class ProgressPrinter {
  public:
   /// `columns` is the width of the terminal, for kBar.
@@ -47,6 +53,9 @@ class ProgressPrinter {
 
 /// The style for stderr: a bar on a terminal that can redraw a line, else lines.
 ProgressStyle progress_style();
+/// The style of an option's value: bar, lines, json; otherwise that for stderr. `show`: whether stderr shows
+/// progress.
+ProgressStyle progress_style(std::string_view name, bool show);
 /// The width of stderr's terminal; 80 if it is not a terminal.
 int terminal_columns();
 

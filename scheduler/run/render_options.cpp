@@ -242,6 +242,14 @@ void add_render_options(CommandLine& command, RenderOptions& options) {
           ->group(kEstimate);
   command.add_flag("--json", options.json, "Print the estimate as JSON")->needs(estimate)->group(kEstimate);
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->group(group::kGeneral);
+  command
+      .add_option(
+          "--progress", options.progress,
+          "How progress is shown: bar, lines, or json: an object a line on stdout, where with --quiet "
+          "nothing else is (default: bar on a terminal, else lines)")
+      ->type_name("STYLE")
+      ->check(one_of({"bar", "lines", "json"}))
+      ->group(group::kGeneral);
 }
 
 void show_common_render_options(CommandLine& command) {

@@ -23,11 +23,12 @@ struct RenderOptions : RenderRequest {
   std::string tev = {};           ///< address of a tev viewer that shows the render; empty: none
   bool interactive = false;       ///< viewers choose camera and samples
   bool quiet = false;
-  bool estimate = false;  ///< print the expected cost, and render no image
-  bool json = false;      ///< print the estimate as JSON
-  double film_scale = 1;  ///< at most 1; a smaller film, with its crop, for an estimate
-  bool resume = false;    ///< print a note if there is no checkpoint to resume from
-  bool restart = false;   ///< ignore and replace an existing checkpoint
+  std::string progress = {};  ///< see progress_style
+  bool estimate = false;      ///< print the expected cost, and render no image
+  bool json = false;          ///< print the estimate as JSON
+  double film_scale = 1;      ///< at most 1; a smaller film, with its crop, for an estimate
+  bool resume = false;        ///< print a note if there is no checkpoint to resume from
+  bool restart = false;       ///< ignore and replace an existing checkpoint
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: no checkpoints
   bool writes_here = true;  ///< false: the files are written elsewhere, by a service, or not at all
   // For several scenes and frames.

@@ -104,7 +104,7 @@ class SceneSet final : public JobSource {
         options_(options),
         command_line_(command_line),
         stop_(stop),
-        printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()),
+        printer_(progress_style(options.progress, !options.quiet), terminal_columns()),
         ffmpeg_(std::move(ffmpeg)),
         scenes_(scenes_of(plan_)) {
     EarlierRenders finished = EarlierRenders::read(plan_.summary);

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace penumbra {
@@ -90,6 +92,30 @@ TEST(ProgressPrinter, WritesALineEveryTenSecondsElsewhere) {
   EXPECT_EQ(printed(ProgressStyle::kLines, updates), progress_text(at(10, 100, 1000)) + "\n" +
                                                          progress_text(at(20, 200, 1000)) + "\n" +
                                                          progress_text(at(30, 300, 1000)) + "\n");
+}
+
+TEST(ProgressPrinter, JsonIsALineForOtherPrograms) {
+  RenderProgress progress = at(10, 30, 120);
+  progress.notices = {"compiling \"kernels\"\n"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(printed(ProgressStyle::kJson, {progress}), "");
+  const std::string text = testing::internal::GetCapturedStdout();
+  ASSERT_EQ(std::ranges::count(text, '\n'), 1);
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["samples_done"], 30);
+  EXPECT_EQ(json["seconds_left"], 30.0) << "at 3 a second, 90 are left";
+  EXPECT_TRUE(json["relative_error"].is_null()) << "unknown";
+  EXPECT_EQ(json["notices"][0], progress.notices[0]);
+  EXPECT_FALSE(json.contains("render"));
+  EXPECT_EQ(nlohmann::json::parse(progress_json(progress, "2 of 3"))["render"], "2 of 3");
+}
+
+TEST(ProgressStyle, JsonIsNotSilencedByQuiet) {
+  EXPECT_EQ(progress_style("json", false), ProgressStyle::kJson);
+  EXPECT_EQ(progress_style("lines", false), ProgressStyle::kNone);
+  EXPECT_EQ(progress_style("lines", true), ProgressStyle::kLines);
+  EXPECT_EQ(progress_style("bar", true), ProgressStyle::kBar);
+  EXPECT_EQ(progress_style("", true), progress_style());
 }
 
 TEST(ProgressPrinter, QuietIsQuiet) {
