@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of Blender as BSDFs, emitters and media."""
+
+import dataclasses
+
+from . import principled  # noqa: F401  registers the node
+from .closures import BLACK, Leaf
+from .elements_of import bsdf_element, emission_element
+from .fields import constant
+from .nodes import Input
+from .reading import Reading
+from .shaders import closure_of
+
+
+@dataclasses.dataclass
+class Surface:
+    """A material as elements of a scene file.
+
+    bsdf: without an id; None: the surface shows nothing (if it emits, it is black else).
+    emission: <emitter type="area">, or None. interior: <medium>, or None.
+    uv_map: the UV map that the textures use; None: the active one for renders.
+    uvs: (loops, 2), coordinates of the evaluated mesh's loops that are used instead, or None.
+    attributes: names of the colour attributes that the mesh must carry.
+    """
+    bsdf: object = None
+    emission: object = None
+    interior: object = None
+    uv_map: str | None = None
+    uvs: object = None
+    attributes: set = dataclasses.field(default_factory=set)
+
+
+def export_material(material, obj, context):
+    """The Surface of a material on an evaluated object. Without a material: Blender's default grey."""
+    if material is None or material.node_tree is None:
+        colour = constant([0.8] * 3 if material is None else material.diffuse_color[:3])
+        return Surface(bsdf_element(Leaf("diffuse", {"reflectance": colour}, ("reflectance",)), context))
+    output = material.node_tree.get_output_node("CYCLES")
+    reading = Reading(material, obj, context)
+    if output is None:
+        return Surface(bsdf_element(BLACK, context))
+    closure = closure_of(reading, Input(output.inputs["Surface"]))
+    surface = Surface()
+    if closure.bsdf is not None or closure.emission is None:
+        surface.bsdf = bsdf_element(closure.bsdf, context)
+    if closure.emission is not None:
+        surface.emission = emission_element(closure.emission, context)
+    return surface

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a shader is: a tree of BSDFs, and the light that it emits."""
+
+from dataclasses import dataclass, field, replace
+
+from .fields import Field, constant
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One BSDF plugin. parameters: Field, bool, int or str by name. colours: the parameters that multiply all of it.
+
+    transmits: whether it has two sides of its own. bend: a Bend, or None.
+    """
+    plugin: str
+    parameters: dict
+    colours: tuple = ()
+    transmits: bool = False
+    bend: object = None
+
+
+@dataclass(frozen=True)
+class Bend:
+    """A normal map or bump map: the plugin, its texture, and the factor of heights."""
+    plugin: str
+    texture: Field
+    scale: float = 1.0
+
+
+@dataclass(frozen=True)
+class Blend:
+    """weight: of the second."""
+    weight: Field
+    first: object
+    second: object
+
+
+@dataclass(frozen=True)
+class Mask:
+    """Light passes where the opacity is 0."""
+    opacity: Field
+    inside: object
+
+
+@dataclass(frozen=True)
+class Clear:
+    """No surface: all light passes."""
+
+
+BLACK = Leaf("diffuse", {"reflectance": constant(0.0)}, ("reflectance",))
+
+
+@dataclass
+class Closure:
+    """bsdf: Leaf, Blend, Mask, Clear, or None where nothing scatters light. emission: radiance, or None."""
+    bsdf: object = None
+    emission: Field | None = None
+
+
+def leaves(bsdf):
+    """All leaves of a tree."""
+    if isinstance(bsdf, Leaf):
+        yield bsdf
+    elif isinstance(bsdf, Blend):
+        yield from leaves(bsdf.first)
+        yield from leaves(bsdf.second)
+    elif isinstance(bsdf, Mask):
+        yield from leaves(bsdf.inside)
+
+
+def bent(bsdf, bend):
+    """The tree with the bend on all leaves that have none."""
+    if bend is None or bsdf is None:
+        return bsdf
+    if isinstance(bsdf, Leaf):
+        return bsdf if bsdf.bend is not None else replace(bsdf, bend=bend)
+    if isinstance(bsdf, Blend):
+        return replace(bsdf, first=bent(bsdf.first, bend), second=bent(bsdf.second, bend))
+    if isinstance(bsdf, Mask):
+        return replace(bsdf, inside=bent(bsdf.inside, bend))
+    return bsdf
