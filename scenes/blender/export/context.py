@@ -5,6 +5,11 @@ import hashlib
 import os
 import pathlib
 
+# Blender tells of changes of these, but geometry and materials do not depend on them.
+_WITHOUT_EFFECT = {"SCENE", "COLLECTION", "ACTION", "CAMERA", "LIGHT", "WORLD", "ARMATURE", "LINESTYLE"}
+# Changes of these may change any material.
+_OF_MATERIALS = {"NODETREE", "IMAGE", "TEXTURE"}
+
 
 class Report:
     """What an export leaves out or approximates, by object, material and node. Repeated lines count once."""
@@ -22,17 +27,45 @@ class Report:
 
 
 class Context:
-    """One export to a folder.
+    """One export to a folder, of one frame or of several.
 
     folder: where scenes are written. Files beside them are named by their content, so frames share what stays the same.
-    depsgraph: of the frame that is exported. texture_size: pixels on a side of a baked texture.
+    depsgraph: of the frame that is exported. frame_set(frame, subframe) takes it to another time, for motion blur: that
+    of a RenderEngine, or of the scene if there is none. texture_size: pixels on a side of a baked texture. camera: the
+    object to see by, or that of the scene.
     """
 
-    def __init__(self, folder, depsgraph, texture_size=1024, report=None):
+    def __init__(self, folder, depsgraph, texture_size=1024, report=None, frame_set=None, camera=None):
         self.folder = pathlib.Path(folder)
         self.depsgraph = depsgraph
         self.texture_size = texture_size
         self.report = report if report is not None else Report()
+        self.camera = camera
+        self.geometry = {}  # what scene.py knows of geometry, by identity; it stays until something changes it
+        self.frame_set = frame_set
+
+    def go_to(self, frame):
+        """Takes the depsgraph to a time in frames, and notes what changes."""
+        whole = int(frame // 1)
+        if self.frame_set is not None:
+            self.frame_set(whole, frame - whole)
+        else:
+            self.depsgraph.scene.original.frame_set(whole, subframe=frame - whole)
+        self.note_updates()
+
+    def note_updates(self):
+        """Forgets the geometry and materials that Blender has changed since the last time."""
+        changed, kinds = set(), set()
+        for update in self.depsgraph.updates:
+            original = update.id.original
+            kinds.add(original.id_type)
+            if update.is_updated_geometry or original.id_type not in _WITHOUT_EFFECT | {"OBJECT"}:
+                changed.add(original.session_uid)
+        if kinds & _OF_MATERIALS and not kinds & {"MATERIAL", "WORLD", "LIGHT"}:
+            self.geometry.clear()
+        for identity, known in list(self.geometry.items()):
+            if changed & known.made_of:
+                del self.geometry[identity]
 
     def file(self, subfolder, suffix, key, write):
         """The path, relative to the folder, of the file whose content `key` (bytes) determines. `write(path)` makes it

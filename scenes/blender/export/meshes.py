@@ -45,14 +45,20 @@ def read_mesh(mesh):
     return MeshArrays(values_of(mesh.vertices, "co", 3), corners, triangles, slots, normals)
 
 
-def colours_of_corners(mesh, name):
+def uvs_of_corners(mesh, name):
+    """Coordinates of the UV map, or of the one that is active for rendering: (loops, 2). None without any."""
+    layer = mesh.uv_layers.get(name) if name else next((uv for uv in mesh.uv_layers if uv.active_render), None)
+    return None if layer is None else values_of(layer.uv, "vector", 2)
+
+
+def colours_of_corners(mesh, arrays, name):
     """Linear colours of the attribute: (loops, 3). None if the mesh has no such colours."""
     attribute = mesh.color_attributes.get(name)
     if attribute is None:
         return None
     colours = values_of(attribute.data, "color", 4)[:, :3]
     if attribute.domain == "POINT":
-        return colours[values_of(mesh.loops, "vertex_index", 1, numpy.int32)]
+        return colours[arrays.corners]
     return colours
 
 

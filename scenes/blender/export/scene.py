@@ -1,119 +1,148 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Walks the evaluated scene and writes it."""
 
+import copy
+
+from ..properties import settings_of
 from .cameras import export_camera
-from .elements import Element, add_matrix, add_reference, add_value, plugin, write_scene
+from .elements import Element, add_reference, add_value, plugin, write_scene
+from .geometry import geometry_of
 from .lights import export_light
-from .meshes import colours_of_corners, read_mesh, values_of, write_part
+from .motion import Place, Shutter
 from .surfaces import Surfaces
 from .world import export_world
 
-_SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+_SHOWN = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES"}
+_NOTHING = {"CAMERA", "EMPTY", "LIGHT_PROBE", "ARMATURE", "LATTICE", "SPEAKER"}
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
 
-def uvs_of_corners(mesh, name):
-    """Coordinates of the UV map, or of the one that is active for rendering: (loops, 2). None without any."""
-    layer = mesh.uv_layers.get(name) if name else next((uv for uv in mesh.uv_layers if uv.active_render), None)
-    return None if layer is None else values_of(layer.uv, "vector", 2)
+def _instance_key(instance):
+    """What an instance is in other frames, too."""
+    parent = instance.parent.name_full if instance.is_instance and instance.parent is not None else ""
+    return (instance.object.name_full, instance.object.type, parent, tuple(instance.persistent_id))
 
 
-class SceneWriter:
+def _is_shown(context, instance):
+    return instance.show_self and not (context.depsgraph.mode == "VIEWPORT" and instance.object.original.hide_render)
+
+
+def _places_at_keys(context, shutter):
+    """{key of an instance: [matrix at each key]}, and the camera's matrices. None where the instance was not there."""
+    matrices, camera = {}, []
+    for index, frame in enumerate(shutter.frames):
+        context.go_to(frame)
+        for instance in context.depsgraph.object_instances:
+            known = matrices.setdefault(_instance_key(instance), [None] * len(shutter.frames))
+            known[index] = instance.matrix_world.copy()
+        camera.append(_camera(context).matrix_world.copy())
+    return matrices, camera
+
+
+def _camera(context):
+    """The evaluated camera, or None."""
+    camera = context.camera or context.depsgraph.scene.camera
+    return camera.original.evaluated_get(context.depsgraph) if camera is not None else None
+
+
+class _SceneWriter:
     """One scene file in the making."""
 
-    def __init__(self, context):
+    def __init__(self, context, shutter):
         self.context = context
-        self.surfaces = Surfaces(context)
-        self.placed = {}  # (key, matrices): geometry that is shown, in the order of the depsgraph
-        self.parts = {}  # key: [(plugin type, path, surface, name)]
+        self.shutter = shutter
+        self.surfaces = Surfaces()
+        self.placed = {}  # geometry by identity, and its Places, in the order of the depsgraph
         self.lights = []
 
-    def walk(self):
-        """Collects what the depsgraph shows."""
+    def walk(self, keyed):
+        """Collects what the depsgraph shows. keyed: see _places_at_keys."""
         for instance in self.context.depsgraph.object_instances:
             obj = instance.object
-            if obj.original.hide_render or not instance.show_self:
+            if obj.type in _NOTHING or not _is_shown(self.context, instance):
                 continue
-            matrix = instance.matrix_world.copy()
+            now = instance.matrix_world.copy()
+            matrices = [matrix or now for matrix in keyed.get(_instance_key(instance), [now])]
+            place = Place(self.shutter, matrices)
             if obj.type == "LIGHT":
-                self.lights += export_light(self.context, obj, matrix)
-            elif obj.type in _SURFACES:
-                key = self.geometry(obj)
-                if self.parts[key]:
-                    self.placed.setdefault(key, []).append(matrix)
-            elif obj.type not in {"CAMERA", "EMPTY", "LIGHT_PROBE", "ARMATURE", "LATTICE", "SPEAKER"}:
+                self.lights += export_light(self.context, obj, place)
+            elif obj.type in _SHOWN:
+                self._report(obj)
+                geometry = geometry_of(self.context, obj)
+                if geometry.parts:
+                    self.placed.setdefault(geometry, []).append(place)
+            else:
                 self.context.report.add(f"objects of type {obj.type} are not exported", obj.name)
 
-    def geometry(self, obj):
-        """The key of the parts of an evaluated object, which are written on the first call."""
-        materials = tuple(slot.material.as_pointer() if slot.material else 0 for slot in obj.material_slots)
-        key = (obj.data.as_pointer(), materials)
-        if key not in self.parts:
-            mesh = obj.to_mesh()
-            self.parts[key] = self.mesh_parts(obj, mesh) if mesh is not None else []
-            obj.to_mesh_clear()
-        return key
+    def _report(self, obj):
+        report = self.context.report
+        if obj.is_holdout or obj.is_shadow_catcher:
+            report.add("a holdout or shadow catcher is exported as any other object", obj.name)
+        hidden = [ray.replace("_", " ") for ray in _RAYS if not getattr(obj, f"visible_{ray}")]
+        if hidden:
+            report.add(f"invisible to {', '.join(hidden)} rays, but exported as visible", obj.name)
 
-    def mesh_parts(self, obj, mesh):
-        arrays = read_mesh(mesh)
-        slots = [slot.material for slot in obj.material_slots] or [None]
-        parts = []
-        for index, material in enumerate(slots):
-            # Blender shows faces of slots that are not there with the last one.
-            chosen = arrays.slots == index if index + 1 < len(slots) else arrays.slots >= index
-            triangles = arrays.triangles[chosen]
-            if not len(triangles):
-                continue
-            surface = self.surfaces.of(material, obj)
-            uvs = surface.uvs if surface.uvs is not None else uvs_of_corners(mesh, surface.uv_map)
-            colours = {name: colours_of_corners(mesh, name) for name in surface.attributes}
-            path = write_part(self.context, arrays, triangles, uvs,
-                              {name: table for name, table in colours.items() if table is not None})
-            parts.append((path, arrays.normals is None, surface, material.name if material else "default"))
-        return parts
-
-    def shapes(self, key, matrix):
-        """The <shape> elements of the parts; without a matrix they are in their own space."""
-        for path, is_flat, surface, name in self.parts[key]:
-            shape = plugin("shape", "ply")
-            add_value(shape, "string", "filename", path)
-            if is_flat:
-                add_value(shape, "boolean", "face_normals", True)
-            if matrix is not None:
-                add_matrix(shape, matrix)
-            self.surfaces.add_to(shape, surface, name)
+    def _shapes(self, geometry, place):
+        """The <shape> elements of the parts; without a place they are in their own space."""
+        for part in geometry.parts:
+            shape = copy.deepcopy(part.shape)
+            if place is not None:
+                place.add_to(shape)
+            self.surfaces.add_to(shape, part.surface, part.name)
             yield shape
 
-    def all_shapes(self):
+    def shapes(self):
         """Shapes of what is shown once; groups and instances of what is shown several times."""
         shapes = []
-        for number, (key, matrices) in enumerate(self.placed.items()):
-            if len(matrices) == 1:
-                shapes += self.shapes(key, matrices[0])
+        for geometry, places in self.placed.items():
+            if len(places) == 1:
+                shapes += self._shapes(geometry, places[0])
                 continue
-            group = plugin("shape", "shapegroup", f"group {number}")
-            group.extend(self.shapes(key, None))
+            group = plugin("shape", "shapegroup", f"group {len(shapes)}")
+            group.extend(self._shapes(geometry, None))
             shapes.append(group)
-            for matrix in matrices:
+            for place in places:
                 instance = plugin("shape", "instance")
-                add_matrix(instance, matrix)
+                place.add_to(instance)
                 add_reference(instance, group.get("id"))
                 shapes.append(instance)
         return shapes
 
 
+def _integrator(scene, has_media):
+    settings = settings_of(scene)
+    kind = settings.integrator if settings.integrator != "auto" else "volpathmis" if has_media else "path"
+    integrator = plugin("integrator", "path" if kind == "path_mis" else kind)
+    if kind not in {"ao", "normals"}:
+        add_value(integrator, "integer", "max_depth", settings.max_depth)
+    return integrator
+
+
 def export_scene(context, scene, name="scene"):
-    """Writes NAME.xml in the context's folder: the scene as its depsgraph has it. Returns the path."""
-    writer = SceneWriter(context)
-    writer.walk()
-    shapes = writer.all_shapes()
+    """Writes NAME.xml in the context's folder: the scene as its depsgraph has it. Returns the path.
+
+    With motion blur the depsgraph is taken through the time of the shutter, and back.
+    """
+    shutter = Shutter(scene)
+    keyed, camera_keys = {}, None
+    context.note_updates()
+    camera = _camera(context)
+    if shutter.is_open and camera is not None:
+        now = scene.frame_current
+        keyed, camera_keys = _places_at_keys(context, shutter)
+        context.go_to(now)
+        camera = _camera(context)
+    writer = _SceneWriter(context, shutter)
+    writer.walk(keyed)
+    shapes = writer.shapes()
     element = Element("scene", {"version": "3.0.0"})
-    integrator = plugin("integrator", "path")
-    element.append(integrator)
-    if scene.camera is None:
+    element.append(_integrator(scene, any(made.tag == "medium" for made in writer.surfaces.elements)))
+    if camera is None:
         context.report.add("the scene has no camera")
     else:
-        element.append(export_camera(context, scene, scene.camera.evaluated_get(context.depsgraph)))
-    element.extend(export_world(context, scene.world))
+        place = Place(shutter, camera_keys or [camera.matrix_world.copy()])
+        element.append(export_camera(context, scene, camera, place))
+    element.extend(export_world(context, context.depsgraph.scene.world))
     element.extend(writer.surfaces.elements)
     element.extend(writer.lights)
     element.extend(shapes)

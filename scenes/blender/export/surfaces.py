@@ -1,34 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of shapes: equal ones are written once and referred to."""
+"""Shapes with their materials: equal materials are written once and referred to."""
 
+import dataclasses
 from xml.etree import ElementTree
 
 from .elements import add_reference
-try:
-    from .materials import export_material
-except ImportError:
-    # Until the materials are there, all are the default grey.
-    import types
 
-    from .elements import add_value, plugin
 
-    def export_material(material, obj, context):
-        bsdf = plugin("bsdf", "diffuse")
-        add_value(bsdf, "rgb", "reflectance", [0.8] * 3)
-        return types.SimpleNamespace(bsdf=bsdf, emission=None, interior=None, uv_map=None, uvs=None, attributes=set())
+@dataclasses.dataclass
+class Part:
+    """What shows one material. shape: <shape> without a place and a material. name: of the material."""
+    shape: object
+    surface: object
+    name: str
 
 
 class Surfaces:
     """The <bsdf> and <medium> elements of one scene file. Equal ones share an id."""
 
-    def __init__(self, context):
-        self.context = context
+    def __init__(self):
         self.elements = []
         self._ids = {}
-
-    def of(self, material, obj):
-        """The Surface of a material on an evaluated object."""
-        return export_material(material, obj, self.context)
 
     def add_to(self, shape, surface, name):
         """Gives a <shape> the surface's BSDF, emission and interior; `name` becomes part of their ids."""

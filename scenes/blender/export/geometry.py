@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The geometry of objects as <shape> elements, one for each material, made once for all objects that show it."""
+
+import dataclasses
+
+from .curves import curve_parts, strand_parts
+from .elements import add_value, plugin
+from .materials import export_material
+from .meshes import colours_of_corners, read_mesh, uvs_of_corners, write_part
+from .surfaces import Part
+
+
+@dataclasses.dataclass(eq=False)
+class Geometry:
+    """parts: list of Part. made_of: session_uids of the data-blocks that it is made of. It lasts as long as they stay."""
+    parts: list
+    made_of: set
+
+
+def _materials(context, obj):
+    """The materials of the slots; at least one, which may be None."""
+    override = context.depsgraph.view_layer_eval.material_override
+    slots = [slot.material for slot in obj.material_slots] or [None]
+    return [override] * len(slots) if override is not None else slots
+
+
+def _identity(obj, materials):
+    """Equal for objects with the same geometry and materials, and whether that is so in other frames, too."""
+    uids = tuple(material.session_uid if material is not None else 0 for material in materials)
+    data, original = obj.data, obj.original
+    if data.original != original.data:  # made by geometry nodes, and lives as long as their result
+        return ("made", data.as_pointer(), uids)
+    if not original.modifiers and getattr(original.data, "shape_keys", None) is None and obj.type == original.type:
+        return ("data", original.data.session_uid, uids)
+    return ("object", original.session_uid, uids)
+
+
+def geometry_of(context, obj):
+    """The Geometry of an evaluated object."""
+    materials = _materials(context, obj)
+    identity = _identity(obj, materials)
+    known = context.geometry.get(identity)
+    if known is None:
+        made_of = {block.session_uid for block in [obj.original, obj.original.data, *materials] if block is not None}
+        known = Geometry(_parts(context, obj, materials), made_of)
+        context.geometry[identity] = known
+    return known
+
+
+def _parts(context, obj, materials):
+    if obj.type == "CURVES":
+        return curve_parts(context, obj, materials)
+    if obj.type == "MESH":
+        return _mesh_parts(context, obj, obj.data, materials) + strand_parts(context, obj, materials)
+    mesh = obj.to_mesh()
+    parts = _mesh_parts(context, obj, mesh, materials) if mesh is not None else []
+    obj.to_mesh_clear()
+    return parts
+
+
+def _mesh_parts(context, obj, mesh, materials):
+    arrays = read_mesh(mesh)
+    parts = []
+    for index, material in enumerate(materials):
+        # Blender shows faces of slots that are not there with the last one.
+        chosen = arrays.slots == index if index + 1 < len(materials) else arrays.slots >= index
+        triangles = arrays.triangles if chosen.all() else arrays.triangles[chosen]
+        if not len(triangles):
+            continue
+        surface = export_material(material, obj, context)
+        uvs = surface.uvs if surface.uvs is not None else uvs_of_corners(mesh, surface.uv_map)
+        colours = {name: colours_of_corners(mesh, arrays, name) for name in surface.attributes}
+        for name in [name for name, table in colours.items() if table is None]:
+            context.report.add(f'the mesh has no colours "{name}"', obj.name)
+            del colours[name]
+        shape = plugin("shape", "ply")
+        add_value(shape, "string", "filename", write_part(context, arrays, triangles, uvs, colours))
+        if arrays.normals is None:
+            add_value(shape, "boolean", "face_normals", True)
+        parts.append(Part(shape, surface, material.name if material is not None else "default"))
+    return parts
