@@ -14,6 +14,7 @@ import argparse
 import difflib
 import importlib
 import json
+import os
 import pathlib
 import re
 import sys
@@ -73,13 +74,12 @@ def import_beside(name):
 
 
 def open_file(bpy, file):
-    """Opens the file without its scripts and windows."""
-    if bpy.app.module:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+    """Opens the file without the user's settings, and without its scripts and windows."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     try:
         bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
     except RuntimeError as error:
-        raise BadInput(f"Blender cannot open it: {' '.join(str(error).split())}") from error
+        raise BadInput(f"Blender {bpy.app.version_string} cannot open it: {' '.join(str(error).split())}") from error
 
 
 def report_file(bpy, report):
@@ -108,20 +108,24 @@ class Result:
 
 
 def export(bpy, arguments, result):
+    if arguments.file is not None:
+        open_file(bpy, os.path.abspath(arguments.file))  # Blender takes PWD for the current folder
     properties = import_beside("properties")
     if not hasattr(bpy.types.Scene, "penumbra"):
-        properties.register()  # so that what files store counts
+        properties.register()
     report = import_beside("export.context").Report()
-    if arguments.file is not None:
-        open_file(bpy, arguments.file)
     report_file(bpy, report)
 
     scene = bpy.context.scene
     if arguments.scene is not None:
         scene = bpy.data.scenes[one_of(bpy.data.scenes.keys(), arguments.scene, "scene", "the file")]
     owner = f"the scene {scene.name!r}"
+    cameras = [obj.name for obj in scene.objects if obj.type == "CAMERA"]
     if arguments.camera is not None:
-        one_of([obj.name for obj in scene.objects if obj.type == "CAMERA"], arguments.camera, "camera", owner)
+        one_of(cameras, arguments.camera, "camera", owner)
+    elif scene.camera is None and all(marker.camera is None for marker in scene.timeline_markers):
+        raise BadInput(f"{owner} has no active camera; --camera NAME chooses one. It has: "
+                       f"{', '.join(map(repr, cameras)) or 'none'}")
     if arguments.view_layer is not None:
         one_of(scene.view_layers.keys(), arguments.view_layer, "view layer", owner)
     if bpy.context.window is not None:
@@ -129,13 +133,15 @@ def export(bpy, arguments, result):
     frames = arguments.frames or [scene.frame_current]
     fps = scene.render.fps / scene.render.fps_base
 
+    out = arguments.out.absolute()
+
     def progress(done, count):
-        path = arguments.out / f"frame.{frames[done - 1]:04d}.xml"
+        path = out / f"frame.{frames[done - 1]:04d}.xml"
         print(f"Penumbra: frame {frames[done - 1]}, {done} of {count}: {path}", flush=True)
         result.add(frame=frames[done - 1], path=str(path), fps=fps, report=report.lines)
 
     paths, report = import_beside("export.shot").export_shot(
-        arguments.out, scene, frames, view_layer=arguments.view_layer, camera=arguments.camera,
+        out, scene, frames, view_layer=arguments.view_layer, camera=arguments.camera,
         texture_size=arguments.texture_size or properties.settings_of(scene).texture_size, progress=progress,
         report=report)
     for line in report.lines:

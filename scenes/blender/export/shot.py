@@ -41,13 +41,15 @@ class _ExportEngine(bpy.types.RenderEngine):
             type(self).shot.error = error
 
 
-def export_shot(folder, scene, frames, view_layer=None, camera=None, texture_size=1024, progress=None):
+def export_shot(folder, scene, frames, view_layer=None, camera=None, texture_size=1024, progress=None,
+                report=None):
     """Writes frame.NNNN.xml of each frame to the folder, as the scene is evaluated for renders.
 
     view_layer: its name, or all that are rendered have to be one. camera: the name of an object, or the scene's camera.
-    progress(done, count) is called after each frame. Returns the paths and the Report. Not while Blender renders.
+    progress(done, count) is called after each frame. report: a Report to add to. Returns the paths and the Report. Not
+    while Blender renders.
     """
-    report = Report()
+    report = report if report is not None else Report()
     paths = []
     render = scene.render
     kept = {name: getattr(render, name) for name in _QUIET}
