@@ -1,0 +1,2 @@
+class Viewport:
+    def __init__(self, engine): pass
