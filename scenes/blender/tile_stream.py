@@ -27,7 +27,9 @@ class TileStream:
         self._lock = threading.Lock()
         self._image = None
         self._version = 0
+        self._known = None  # (height, width): where tiles have arrived
         self._ends = threading.Event()
+        self._has_all = threading.Event()
         self.problem = None  # why the stream has ended early; the render goes on
         self._thread = threading.Thread(target=self._receive, daemon=True)
         self._thread.start()
@@ -47,6 +49,26 @@ class TileStream:
         """A copy, (height, width, 3) floats; black where no tile has arrived. None before the image is known."""
         with self._lock:
             return None if self._image is None else self._image.copy()
+
+    def image_over(self, background):
+        """The image as (height, width, 4), opaque; where no tile has arrived the background (rows, columns, 4), scaled to
+        its size, or nothing. None before the image is known."""
+        with self._lock:
+            if self._image is None:
+                return None
+            height, width = self._known.shape
+            image = np.zeros((height, width, 4), np.float32)
+            if background is not None:
+                rows = np.arange(height) * background.shape[0] // height
+                columns = np.arange(width) * background.shape[1] // width
+                image[:] = background[rows[:, None], columns]
+            image[self._known, :3] = self._image[self._known]
+            image[self._known, 3] = 1
+            return image
+
+    def drain(self, seconds=2.0):
+        """Waits until all has arrived that a renderer has sent which has ended."""
+        self._has_all.wait(seconds)
 
     def close(self):
         """Ends the stream."""
@@ -69,6 +91,7 @@ class TileStream:
                     self._receive_packets(connection)
                 except (OSError, ValueError, struct.error) as error:
                     self.problem = f"the tiles do not arrive any further: {error}"
+            self._has_all.set()
 
     def _receive_packets(self, connection):
         while (head := self._receive_bytes(connection, 4)) is not None:
@@ -107,6 +130,7 @@ class TileStream:
                 raise ValueError(f"an image of {width} x {height} pixels")
             with self._lock:
                 self._image = np.zeros((height, width, 3), np.float32)
+                self._known = np.zeros((height, width), bool)
         elif operation == UPDATE_IMAGE:
             channels = reader.texts()
             x, y, width, height = (reader.number("i") for _ in range(4))
@@ -127,6 +151,7 @@ class TileStream:
                 if name in CHANNELS:
                     channel = values[offset:offset + stride * (count - 1) + 1:stride]
                     self._image[y:y + height, x:x + width, CHANNELS.index(name)] = channel.reshape(height, width)
+            self._known[y:y + height, x:x + width] = True
             self._version += 1
 
 
