@@ -21,9 +21,11 @@ def worker_options(settings):
 
 
 def film_options(scene):
-    """What the film of a scene's render holds."""
-    return ["--set", "film.pixel_format=" + ("rgba" if scene.render.film_transparent else "rgb"),
-            "--set", "film.compression=zip"]  # exr.py reads it
+    """What the film of a scene's render holds. A transparent one does not show the world."""
+    options = ["--set", "film.compression=zip"]  # exr.py reads it
+    if not scene.render.film_transparent:
+        return options + ["--set", "film.pixel_format=rgb"]
+    return options + ["--set", "film.pixel_format=rgba", "--set", "integrator.hide_emitters=true"]
 
 
 def farm_options(settings):

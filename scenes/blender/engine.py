@@ -149,10 +149,14 @@ class LayerRender:
             scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
             try:
                 self.tell(context.report)
-                if not engine.test_break():
+                if not self.is_stopped():
                     self.render(scene_file, pathlib.Path(own) / "image.exr")
             finally:
                 scene_file.unlink(missing_ok=True)
+
+    def is_stopped(self):
+        """Whether the user has pressed Esc."""
+        return self.engine.test_break()
 
     def tell(self, report):
         """Warns of what the picture will lack."""
@@ -200,7 +204,7 @@ class LayerRender:
         began = shown_at = time.monotonic()
         shown = 0
         while not process.wait(POLL_INTERVAL):
-            if self.engine.test_break():
+            if self.is_stopped():
                 process.stop(GRACE)
                 return
             now = time.monotonic()
@@ -249,7 +253,7 @@ class LayerRender:
 
     def take(self, process, stream, result, image):
         """Fills the passes from the file, or from the tiles where there is none. Error: the renderer has failed."""
-        is_stopped = self.engine.test_break()
+        is_stopped = self.is_stopped()
         code = process.code()
         if image.exists():
             self.fill_from(image, result)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the program `penumbra` and runs it beside Blender."""
 
+import atexit
 import collections
 import json
 import os
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import threading
 import time
+import weakref
 
 NAME = "penumbra"
 # Where programs are installed that desktops start without a shell's PATH.
@@ -32,13 +34,14 @@ def preferences():
 def find_program():
     """The path of `penumbra`: of the preferences, of the environment's PENUMBRA, in PATH, beside this extension."""
     chosen = getattr(preferences(), "program", "")
-    for source, value in (("the preferences of the extension", chosen),
+    for source, value in (("the field Program in the extension's preferences", chosen),
                           ("the environment variable PENUMBRA", os.environ.get("PENUMBRA", ""))):
         if value:
             path = pathlib.Path(value).expanduser()
             path = path / NAME if path.is_dir() else path
             if not os.access(path, os.X_OK):
-                raise ProgramError(f"There is no program {path}, which {source} name as that of Penumbra.")
+                raise ProgramError(f"There is no program {path}. It is what {source} says; it would be {NAME} of an "
+                                   "installation of Penumbra.")
             return path
     in_path = shutil.which(NAME)
     if in_path:
@@ -79,6 +82,16 @@ def run(arguments, timeout=None):
     return ran.stdout
 
 
+_running = weakref.WeakSet()
+
+
+@atexit.register
+def _end_all():
+    """A Blender that ends leaves no renderer behind."""
+    for process in list(_running):
+        process.kill()
+
+
 class Process:
     """A `penumbra` that runs, in a process group of its own, so that Ctrl-C in Blender's terminal does not reach it."""
 
@@ -91,6 +104,7 @@ class Process:
                 stderr=subprocess.PIPE, text=True, errors="replace", start_new_session=True, cwd=folder)
         except OSError as error:
             raise ProgramError(f"{program} does not run: {error}.") from error
+        _running.add(self)
         self._lock = threading.Lock()
         self._progress = {}
         self._said = collections.deque(maxlen=LINES_KEPT)
@@ -150,6 +164,9 @@ class Process:
     def _join(self):
         for reader in self._readers:
             reader.join(timeout=2)
+        for pipe, reader in zip((self._process.stdout, self._process.stderr), self._readers):
+            if not reader.is_alive():
+                pipe.close()
 
     def messages(self):
         """The last lines that it has said."""

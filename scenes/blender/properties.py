@@ -121,9 +121,9 @@ def _settings_of_group(scene, group):
         seed=group.seed + (max(0, scene.frame_current) if group.animate_seed else 0),
         integrator=group.integrator,
         max_depth=group.max_bounces + EDGES_BEYOND_BOUNCES,
-        filter_width=group.filter_width,
-        time_budget=group.time_budget,
-        target_error=group.target_error if group.use_target_error else 0.0,
+        filter_width=_short(group.filter_width),
+        time_budget=_short(group.time_budget),
+        target_error=_short(group.target_error) if group.use_target_error else 0.0,
         denoise=group.denoise,
         texture_size=int(group.texture_size),
         workers=group.workers,
@@ -134,6 +134,11 @@ def _settings_of_group(scene, group):
         farm_priority=group.farm_priority,
         farm_name=group.farm_name,
     )
+
+
+def _short(value):
+    """The decimal number that was entered, of which Blender keeps a 32-bit float."""
+    return float(f"{value:.6g}")
 
 
 class _Stored:
@@ -168,8 +173,8 @@ def _settings_of_cycles(scene):
         preview_samples=max(1, cycles.preview_samples),
         seed=max(0, cycles.seed) + (max(0, scene.frame_current) if cycles.use_animated_seed else 0),
         max_depth=cycles.max_bounces + EDGES_BEYOND_BOUNCES,
-        filter_width=cycles.filter_width,
-        time_budget=cycles.time_limit,
+        filter_width=_short(cycles.filter_width),
+        time_budget=_short(cycles.time_limit),
     )
 
 
