@@ -20,12 +20,9 @@ def worker_options(settings):
     return options + (["--threads", str(settings.threads)] if settings.threads else [])
 
 
-def film_options(scene):
-    """What the film of a scene's render holds. A transparent one does not show the world."""
-    options = ["--set", "film.compression=zip"]  # exr.py reads it
-    if not scene.render.film_transparent:
-        return options + ["--set", "film.pixel_format=rgb"]
-    return options + ["--set", "film.pixel_format=rgba", "--set", "integrator.hide_emitters=true"]
+def film_options():
+    """How the EXR is stored, so that exr.py reads it."""
+    return ["--set", "film.compression=zip"]
 
 
 def farm_options(settings):

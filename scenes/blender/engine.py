@@ -14,7 +14,7 @@ import numpy as np
 
 from . import exr, passes, preview
 from .command import film_options, sampling_options, worker_options
-from .export.context import Context
+from .export.context import Context, Report
 from .export.scene import export_scene
 from .program import Process, ProgramError
 from .properties import settings_of
@@ -35,7 +35,10 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True  # Material Preview, without lights of the scene
     bl_use_postprocess = True
 
-    viewport = None  # a class attribute, since engines that only render need no viewport
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.viewport = None
+        self.contexts = {}  # of view layers, by name
 
     def render(self, depsgraph):
         """Renders one view layer of one frame."""
@@ -48,6 +51,16 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         except Exception as error:  # Blender would print it, and take the render for done
             traceback.print_exc()
             self.fail(f"The scene cannot be rendered: {error!r}. The console tells where this happened; please report it.")
+
+    def context_of(self, depsgraph, folder, texture_size):
+        """The export's context. That of the frame before knows what stays, if Blender has kept its evaluation, too."""
+        context = self.contexts.get(depsgraph.view_layer.name)
+        if context is None or context.depsgraph != depsgraph or context.texture_size != texture_size:
+            context = Context(folder, depsgraph, texture_size,
+                              frame_set=lambda frame, subframe: self.frame_set(frame, subframe=subframe))
+            self.contexts[depsgraph.view_layer.name] = context
+        context.report = Report()
+        return context
 
     def fail(self, text):
         """An error in Blender's report, and over the picture. It ends an animation, and `blender -b` with exit code 1."""
@@ -145,7 +158,7 @@ class LayerRender:
         folder = shared_folder()
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder, prefix="render.") as own:
-            context = Context(folder, self.depsgraph, self.settings.texture_size)
+            context = self.engine.context_of(self.depsgraph, folder, self.settings.texture_size)
             scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
             try:
                 self.tell(context.report)
@@ -175,7 +188,7 @@ class LayerRender:
         return [
             "render", scene_file, "-o", image, "--quiet", "--progress", "json", "--tev", stream.address, "--crop",
             ",".join(map(str, self.crop)), "--checkpoint-interval", "0", *sampling_options(self.settings, samples),
-            *worker_options(self.settings), *film_options(self.scene), *passes.options_for(self.passes),
+            *worker_options(self.settings), *film_options(), *passes.options_for(self.passes),
         ]
 
     def render(self, scene_file, image):

@@ -61,7 +61,7 @@ def shot_options(scene, view_layer):
         options[options.index("--seed") + 1] = str(scene.penumbra.seed)
         options += ["--seed-per-frame", "frame"]
     chosen = passes.passes_of(view_layer, settings.denoise != "off")
-    return options + film_options(scene) + passes.options_for(chosen)
+    return options + film_options() + passes.options_for(chosen)
 
 
 def shots_of(status, submitter):

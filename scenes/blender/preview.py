@@ -62,7 +62,8 @@ class View:
         else:
             centre = (-projection[0, 3] / projection[0, 0], -projection[1, 3] / projection[1, 1], 0)
             to_world = to_world @ mathutils.Matrix.Translation(centre)
-            settings |= {"camera.projection": "orthographic", "camera.scale_x": 1 / projection[0, 0]}
+            settings |= {"camera.projection": "orthographic", "camera.scale_x": 1 / projection[0, 0],
+                         "camera.principal_point_offset_x": 0, "camera.principal_point_offset_y": 0}
         settings["camera.to_world"] = " ".join(map(repr, _rows(to_world @ TURN)))
         return [text for key, value in settings.items() for text in ("--set", f"{key}={value}")]
 
@@ -121,7 +122,8 @@ class Viewport:
         settings = settings_of(scene)
         self._engine.update_stats("", "Exporting the scene")
         if self._context is None or self._context.texture_size != settings.texture_size:
-            self._context = Context(self._folder, depsgraph, settings.texture_size)
+            # The present instant alone: another frame would change what all of Blender shows.
+            self._context = Context(self._folder, depsgraph, settings.texture_size, frame_set=lambda *_: None)
         self._context.depsgraph = depsgraph
         self._context.report = Report()
         try:
@@ -131,7 +133,7 @@ class Viewport:
         for line in self._context.report.lines:
             self._engine.report({"INFO"}, f"Penumbra: {line}")
         self._samples = settings.preview_samples
-        self._options = ["--seed", str(settings.seed), *worker_options(settings), *film_options(scene)]
+        self._options = ["--seed", str(settings.seed), *worker_options(settings), *film_options()]
         self._is_stale = True
         if self._stage is not None and not self._stage.is_coarse:
             self._replace(None)

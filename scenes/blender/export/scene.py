@@ -115,6 +115,8 @@ def _integrator(scene, has_media):
     integrator = plugin("integrator", "path" if kind == "path_mis" else kind)
     if kind not in {"ao", "normals"}:
         add_value(integrator, "integer", "max_depth", settings.max_depth)
+        if scene.render.film_transparent:  # the world lights, but is not seen
+            add_value(integrator, "boolean", "hide_emitters", True)
     return integrator
 
 
