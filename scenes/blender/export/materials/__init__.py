@@ -8,7 +8,7 @@ from .closures import BLACK, Leaf
 from .elements_of import bsdf_element, emission_element
 from .fields import constant
 from .nodes import Input
-from .reading import Reading
+from .reading import NeedsMesh, Reading
 from .shaders import closure_of
 
 
@@ -36,13 +36,23 @@ def export_material(material, obj, context):
         colour = constant([0.8] * 3 if material is None else material.diffuse_color[:3])
         return Surface(bsdf_element(Leaf("diffuse", {"reflectance": colour}, ("reflectance",)), context))
     output = material.node_tree.get_output_node("CYCLES")
-    reading = Reading(material, obj, context)
     if output is None:
         return Surface(bsdf_element(BLACK, context))
+    try:
+        return _surface(Reading(material, obj, context), output)
+    except NeedsMesh:
+        return _surface(Reading(material, obj, context, over_mesh=True), output)
+
+
+def _surface(reading, output):
     closure = closure_of(reading, Input(output.inputs["Surface"]))
-    surface = Surface()
+    surface = Surface(attributes=reading.attributes)
     if closure.bsdf is not None or closure.emission is None:
-        surface.bsdf = bsdf_element(closure.bsdf, context)
+        surface.bsdf = bsdf_element(closure.bsdf, reading.context)
     if closure.emission is not None:
-        surface.emission = emission_element(closure.emission, context)
+        surface.emission = emission_element(closure.emission, reading.context)
+    if reading.over_mesh:
+        surface.uvs = reading.uvs()
+    else:
+        surface.uv_map = next(iter(reading.uv_maps), None)
     return surface

@@ -24,7 +24,7 @@ def closure_of(reading, at):
     if source is None or source.is_constant:
         return Closure()
     if source.socket.type != "SHADER":
-        return Closure(None, reading.colour_at(at))  # Blender shows colours as light
+        return Closure(None, reading.value(at, [0.0] * 3, 0.0))  # Blender shows colours as light
     function = SHADERS.get(source.node.bl_idname)
     if function is None:
         reading.note(source.node, f"shader '{source.node.bl_label}' is not exported; it is black")

@@ -3,8 +3,9 @@
 
 import numpy
 
+from .coordinates import render_uv_map
 from .fields import Field, NotFolded, combine, constant, to_number, to_vector
-from .nodes import Input, source_of
+from .nodes import source_of
 
 # function(values, source) -> Field by bl_idname of nodes; see folded_nodes.py and images.py.
 FOLDED = {}
@@ -42,9 +43,26 @@ def converted(field, kind, to):
 class Values:
     """Folds the sockets of one material."""
 
-    def __init__(self, images):
-        self.images = images
+    def __init__(self, images, mesh):
+        self.images, self.mesh = images, mesh
         self._known = {}
+
+    def is_uv_map(self, name):
+        """Whether the mesh has a UV map of that name."""
+        return self.mesh is not None and name in self.mesh.uv_layers
+
+    def uv_map(self, name):
+        """The name, or None for the map that is active for renders, which an empty name means, too."""
+        return None if name in {"", render_uv_map(self.mesh)} else name
+
+    def attribute(self, node, name):
+        """The Field of a colour attribute; an empty name means the one that is active for renders."""
+        colours = self.mesh.color_attributes if self.mesh is not None else None
+        if not name and colours:
+            name = colours[max(colours.render_color_index, 0)].name
+        if not colours or name not in colours:
+            raise NotFolded(node, "the mesh has no such colour attribute")
+        return Field(numpy.zeros(3), None, None, name)
 
     def fold(self, at):
         """The Field of an Input. Raises NotFolded."""
@@ -81,6 +99,3 @@ def is_linked(at):
         return False
     source = source_of(at)
     return source is not None and not source.is_constant
-
-
-__all__ = ["FOLDED", "Field", "Input", "Values", "converted", "folds", "is_linked", "own_value"]
