@@ -3,11 +3,13 @@
 
 import dataclasses
 
-from . import principled  # noqa: F401  registers the node
-from .closures import BLACK, Leaf
+from . import microfacets, principled  # noqa: F401  register nodes
+from .closures import BLACK, Leaf, bent
 from .elements_of import bsdf_element, emission_element
 from .fields import constant
-from .nodes import Input
+from .media import medium_element
+from .nodes import Input, source_of
+from .normals import displacement_bend
 from .reading import NeedsMesh, Reading
 from .shaders import closure_of
 
@@ -45,12 +47,19 @@ def export_material(material, obj, context):
 
 
 def _surface(reading, output):
-    closure = closure_of(reading, Input(output.inputs["Surface"]))
-    surface = Surface(attributes=reading.attributes)
+    context = reading.context
+    surface = Surface(interior=medium_element(reading, Input(output.inputs["Volume"])), attributes=reading.attributes)
+    at = Input(output.inputs["Surface"])
+    if source_of(at) is None or source_of(at).is_constant:
+        # Nothing is linked: a boundary of the volume, or else black.
+        surface.bsdf = bsdf_element(BLACK, context) if surface.interior is None else None
+        return surface
+    closure = closure_of(reading, at)
+    bsdf = bent(closure.bsdf, displacement_bend(reading, Input(output.inputs["Displacement"])))
     if closure.bsdf is not None or closure.emission is None:
-        surface.bsdf = bsdf_element(closure.bsdf, reading.context)
+        surface.bsdf = bsdf_element(bsdf, context)
     if closure.emission is not None:
-        surface.emission = emission_element(closure.emission, reading.context)
+        surface.emission = emission_element(closure.emission, context)
     if reading.over_mesh:
         surface.uvs = reading.uvs()
     else:

@@ -1,15 +1,156 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Principled BSDF as an openpbr surface."""
+"""The Principled BSDF as an openpbr surface, whose layers are the same but for what is noted."""
 
-from .closures import Closure, Leaf
-from .fields import constant, product
-from .shaders import scaled_emission, shades
+import math
+
+from .closures import Closure, Leaf, Mask
+from .fields import combine, constant, product
+from .microfacets import as_openpbr, fixed, note_tangent, subsurface_parameters
+from .normals import bend_of
+from .shaders import multiplied, shades, shining
+
+
+def _reflectance(ior):
+    return ((ior - 1) / (ior + 1)) ** 2
+
+
+def _index(reflectance):
+    root = min(math.sqrt(reflectance), 0.999)
+    return (1 + root) / (1 - root)
 
 
 @shades("ShaderNodeBsdfPrincipled")
 def principled(reading, source):
-    parameters = {"base_color": reading.colour(source, "Base Color", high=1.0),
-                  "base_metalness": reading.number(source, "Metallic", low=0.0, high=1.0),
+    node = source.node
+    if node.distribution == "GGX":
+        reading.note(node, "its microfacets scatter light among each other, as those of Multiscatter GGX")
+    transmission = reading.number(source, "Transmission Weight", low=0.0, high=1.0)
+    colour = reading.colour(source, "Base Color", high=1.0)
+    parameters = {"base_color": colour, "base_metalness": reading.number(source, "Metallic", low=0.0, high=1.0),
                   "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}
-    emitted = product(reading.colour(source, "Emission Color"), reading.number(source, "Emission Strength", low=0.0))
-    return Closure(Leaf("openpbr", parameters, ("base_weight",)), scaled_emission(emitted, constant(1.0)))
+    transmits = not transmission.is_value(0.0)
+    _add(parameters, "base_diffuse_roughness", reading.number(source, "Diffuse Roughness", low=0.0, high=1.0))
+    _add_specular(reading, source, parameters, transmission)
+    _add_anisotropy(reading, source, parameters)
+    if transmits:
+        parameters |= {"transmission_weight": transmission, "transmission_color": colour}
+    subsurface = reading.number(source, "Subsurface Weight", low=0.0, high=1.0)
+    if not subsurface.is_value(0.0):
+        parameters |= {"subsurface_weight": subsurface, **subsurface_parameters(
+            reading, source, node.subsurface_method, colour, "Subsurface Scale", "Subsurface Radius", "Subsurface Anisotropy")}
+        if transmits:
+            reading.note(node, "where a surface also transmits, light that scatters below it leaves it at the same place")
+    _add_coat(reading, source, parameters, transmits)
+    _add_sheen(reading, source, parameters)
+    _add_film(reading, source, parameters)
+    emission = multiplied(reading, reading.colour(source, "Emission Color"),
+                          reading.number(source, "Emission Strength", low=0.0), node)
+    if shining(emission) is not None and ("coat_weight" in parameters or "fuzz_weight" in parameters):
+        reading.note(node, "coat and sheen do not dim its emission")
+    bsdf = Leaf("openpbr", parameters, (), transmits, bend_of(reading, source))
+    alpha = reading.number(source, "Alpha", default=1.0, low=0.0, high=1.0)
+    if alpha.is_value(1.0):
+        return Closure(bsdf, shining(emission))
+    return Closure(Mask(alpha, bsdf), shining(emission) and shining(multiplied(reading, emission, alpha, node)))
+
+
+def _add(parameters, name, field, neutral=0.0):
+    if not field.is_value(neutral):
+        parameters[name] = field
+
+
+def _add_specular(reading, source, parameters, transmission):
+    """The level is a factor of the reflectance along the normal, 0.5 being 1; the tint fades to white at grazing angles."""
+    node = source.node
+    ior = fixed(reading, reading.number(source, "IOR", default=1.5, low=1e-5), node, "IOR")
+    if ior < 1:
+        reading.note(node, "a refractive index below 1 is exported as its inverse")
+        ior = 1 / ior
+    level = reading.number(source, "Specular IOR Level", default=0.5, low=0.0)
+    tint = reading.colour(source, "Specular Tint", default=1.0)
+    along_normal = _reflectance(ior)
+    if not level.is_constant:
+        parameters["specular_weight"] = combine(lambda data: (2 * data).clip(0, 1), level)
+        if (level.data > 0.5).any():
+            reading.note(node, "a 'Specular IOR Level' that varies is 0.5 at most")
+    elif not transmission.is_value(1.0):
+        along_normal = min(along_normal * 2 * level.number, 1.0)
+        if not transmission.is_value(0.0) and level.number != 0.5:
+            reading.note(node, "'Specular IOR Level' also changes how it refracts")
+    most = float(tint.data.max()) if tint.attribute is None else 1.0
+    if most > 1:  # more than white is another index
+        tint = product(tint, constant(1 / most))
+        along_normal = min(along_normal * most, 1.0)
+    parameters["specular_ior"] = ior if along_normal == _reflectance(ior) else _index(along_normal)
+    if not tint.is_value(1.0):
+        parameters |= {"specular_color": tint, "specular_color_fades": True}
+
+
+def _add_anisotropy(reading, source, parameters):
+    anisotropy = reading.number(source, "Anisotropic", low=0.0, high=1.0)
+    if anisotropy.is_value(0.0):
+        return
+    note_tangent(reading, source, "Anisotropic Rotation")
+    aspect = math.sqrt(1 - 0.9 * fixed(reading, anisotropy, source.node, "Anisotropic"))
+    alpha = fixed(reading, parameters["specular_roughness"], source.node, "Roughness") ** 2
+    parameters |= as_openpbr(min(max(alpha, 1e-8) / aspect, 1.0), max(alpha, 1e-8) * aspect)
+
+
+def _add_coat(reading, source, parameters, transmits):
+    """Cycles' coat changes neither the reflectance nor the roughness of what is below it, and has no darkening."""
+    weight = reading.number(source, "Coat Weight", low=0.0, high=1.0)
+    if weight.is_value(0.0):
+        return
+    node = source.node
+    ior = max(fixed(reading, reading.number(source, "Coat IOR", default=1.5), node, "Coat IOR"), 1.0)
+    roughness = reading.number(source, "Coat Roughness", default=0.03, low=0.0, high=1.0)
+    parameters |= {"coat_weight": weight, "coat_ior": ior, "coat_darkening": 0.0, "coat_roughness": roughness}
+    tint = reading.colour(source, "Coat Tint", default=1.0, high=1.0)
+    _add(parameters, "coat_color", tint, 1.0)
+    if reading.is_linked(source, "Coat Normal") or reading.is_linked(source, "Normal"):
+        reading.note(node, "the coat has the normals of what is below it")
+    if transmits:
+        return
+    share = weight.number if weight.is_constant else 1.0
+    parameters["specular_ior"] /= 1 - share + share / ior
+    below = parameters["specular_roughness"]
+    below = below if not isinstance(below, float) else constant(below)
+    if not below.is_constant or not roughness.is_constant:
+        return  # openpbr, too, leaves such roughnesses as they are
+    given = below.number
+
+    def seen(base):
+        both = min(1.0, base ** 4 + 2 * roughness.number ** 4) ** 0.25
+        return base + (both - base) * share
+
+    if seen(0.0) > given:
+        reading.note(node, f"below the coat the surface looks as if its roughness were {seen(0.0):.3g}")
+    low, high = 0.0, given
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if seen(middle) < given else (low, middle)
+    parameters["specular_roughness"] = constant(low)
+
+
+def _add_sheen(reading, source, parameters):
+    weight = reading.number(source, "Sheen Weight", low=0.0, high=1.0)
+    if weight.is_value(0.0):
+        return
+    reading.note(source.node, "sheen is that of Estevez and Kulla 2017")
+    parameters |= {"fuzz_weight": weight, "fuzz_color": reading.colour(source, "Sheen Tint", default=1.0, high=1.0),
+                   "fuzz_roughness": reading.number(source, "Sheen Roughness", default=0.5, low=0.0, high=1.0)}
+
+
+def _add_film(reading, source, parameters):
+    thickness = reading.number(source, "Thin Film Thickness", low=0.0)
+    if thickness.is_value(0.0):
+        return
+    node = source.node
+    ior = fixed(reading, reading.number(source, "Thin Film IOR", default=1.33), node, "Thin Film IOR")
+    parameters |= {"thin_film_weight": 1.0, "thin_film_ior": max(ior, 1.0)}
+    if thickness.is_constant:
+        parameters["thin_film_thickness"] = thickness.number / 1000  # of nanometres
+        return
+    most = float(thickness.data.max())
+    parameters |= {"thin_film_thickness": product(thickness, constant(1 / most)), "thin_film_thickness_minimum": 0.0,
+                   "thin_film_thickness_maximum": most / 1000}

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes as closures."""
+"""Shader nodes that are no microfacets, and their mixtures, as closures."""
+
+from dataclasses import replace
 
 from .closures import BLACK, Blend, Clear, Closure, Leaf, Mask
-from .fields import combine, constant, product
-from .nodes import source_of
+from .fields import NotFolded, combine, constant, product, to_number
+from .nodes import Input, source_of
+from .normals import bend_of
 
 # function(reading, source) -> Closure by bl_idname of shader nodes.
 SHADERS = {}
@@ -38,7 +41,7 @@ def blended(weight, first, second):
         return first
     if weight.is_value(1.0):
         return second
-    if first == second:
+    if first is second:
         return first
     if isinstance(first, Clear):
         return Mask(weight, second or BLACK)
@@ -52,26 +55,117 @@ def inverse(field):
     return combine(lambda data: 1 - data, field)
 
 
-def scaled_emission(field, factor):
-    """Emission times a factor; None is none."""
-    if field is None or factor.is_value(0.0) or field.is_value(0.0):
-        return None
-    return product(field, factor)
+def multiplied(reading, first, second, node):
+    """The product of two fields; where their images differ in place, the second counts by its mean."""
+    try:
+        return product(first, second)
+    except NotFolded as reason:
+        reading.note(node, f"its factor counts by its mean, since {reason}")
+        mean = second.data.reshape(-1, second.data.shape[-1]).mean(axis=0) if second.attribute is None else [1.0]
+        return product(first, constant(mean))
 
 
-def sum_of_emissions(first, second):
-    """The sum; None is none."""
+def shining(field):
+    """A radiance, or None where it is 0."""
+    return None if field is None or field.is_value(0.0) else field
+
+
+@shades("ShaderNodeMixShader")
+def mix(reading, source):
+    weight = reading.number(source, "Fac", low=0.0, high=1.0)
+    shaders = [Input(socket, source.groups) for socket in source.node.inputs if socket.type == "SHADER"]
+    first, second = (closure_of(reading, at) for at in shaders)
+    emitted = [shining(each and multiplied(reading, each, part, source.node))
+               for each, part in ((first.emission, inverse(weight)), (second.emission, weight))]
+    nothing = first.bsdf is None and second.bsdf is None
+    return Closure(None if nothing else blended(weight, first.bsdf, second.bsdf), _sum(reading, *emitted, source.node))
+
+
+def _sum(reading, first, second, node):
     if first is None or second is None:
         return second if first is None else first
-    return combine(lambda a, b: a + b, first, second)
+    try:
+        return combine(lambda a, b: a + b, first, second)
+    except NotFolded as reason:
+        reading.note(node, f"of two emissions the first is exported, since {reason}")
+        return first
+
+
+@shades("ShaderNodeAddShader")
+def add(reading, source):
+    first, second = (closure_of(reading, Input(socket, source.groups)) for socket in source.node.inputs)
+    emission = _sum(reading, first.emission, second.emission, source.node)
+    if first.bsdf is None or second.bsdf is None:
+        return Closure(second.bsdf if first.bsdf is None else first.bsdf, emission)
+    most = [_most(bsdf) for bsdf in (first.bsdf, second.bsdf)]
+    total = sum(most)
+    if total == 0:
+        return Closure(first.bsdf, emission)
+    weight = most[1] / total
+    factors = [0 if part == 0 else 1 / part for part in (1 - weight, weight)]
+    if total > 1:
+        reading.note(source.node, f"the sum of two BSDFs that reflect up to {total:g} times the light is exported as "
+                                  f"{1 / total:.3g} of it")
+        factors = [factor / total for factor in factors]
+    scaled = [_scaled(bsdf, factor) for bsdf, factor in zip((first.bsdf, second.bsdf), factors)]
+    return Closure(blended(constant(weight), *scaled), emission)
+
+
+def _most(bsdf):
+    """A bound of what a tree reflects and transmits, in [0, 1]."""
+    if isinstance(bsdf, Blend):
+        return max(_most(bsdf.first), _most(bsdf.second))
+    if not isinstance(bsdf, Leaf) or not bsdf.colours:
+        return 1.0
+    return max(1.0 if bsdf.parameters[name].attribute is not None else float(bsdf.parameters[name].data.max())
+               for name in bsdf.colours)
+
+
+def _scaled(bsdf, factor):
+    """The tree with colours times the factor; a share of it where it has no such colours (the factor is 1 at most)."""
+    if isinstance(bsdf, Blend):
+        return replace(bsdf, first=_scaled(bsdf.first, factor), second=_scaled(bsdf.second, factor))
+    if isinstance(bsdf, Leaf) and bsdf.colours and all(bsdf.parameters[name].attribute is None for name in bsdf.colours):
+        colours = {name: product(bsdf.parameters[name], constant(factor)) for name in bsdf.colours}
+        return replace(bsdf, parameters={**bsdf.parameters, **colours})
+    return Blend(constant(1 - factor), bsdf, BLACK) if factor < 1 else bsdf
 
 
 @shades("ShaderNodeBsdfDiffuse")
 def diffuse(reading, source):
-    return Closure(Leaf("diffuse", {"reflectance": reading.colour(source, "Color", high=1.0)}, ("reflectance",)))
+    colour = reading.colour(source, "Color", high=1.0)
+    roughness = reading.number(source, "Roughness", low=0.0, high=1.0)
+    bend = bend_of(reading, source)
+    if roughness.is_value(0.0):
+        return Closure(Leaf("diffuse", {"reflectance": colour}, ("reflectance",), bend=bend))
+    # Without a reflection above it, openpbr's base is the same model (Portsmouth, Kutz and Hill 2024).
+    return Closure(Leaf("openpbr", {"base_color": colour, "base_diffuse_roughness": roughness, "specular_ior": 1.0},
+                        bend=bend))
 
 
-@shades("ShaderNodeEmission")
+@shades("ShaderNodeBsdfTranslucent")
+def translucent(reading, source):
+    colour = reading.colour(source, "Color", high=1.0)
+    return Closure(Leaf("difftrans", {"transmittance": colour}, ("transmittance",), True, bend_of(reading, source)))
+
+
+@shades("ShaderNodeBsdfTransparent")
+def transparent(reading, source):
+    colour = reading.colour(source, "Color", high=1.0)
+    if colour.is_value(1.0):
+        return Closure(Clear())
+    if not colour.is_constant or len(set(colour.colour)) > 1:
+        reading.note(source.node, "its colour counts by its luminance")
+    return Closure(Mask(inverse(to_number(colour, "RGBA")), BLACK))
+
+
+@shades("ShaderNodeEmission", "ShaderNodeBackground")
 def emission(reading, source):
-    radiance = product(reading.colour(source, "Color"), reading.number(source, "Strength", low=0.0))
-    return Closure(None, scaled_emission(radiance, constant(1.0)))
+    radiance = multiplied(reading, reading.colour(source, "Color"), reading.number(source, "Strength", low=0.0), source.node)
+    return Closure(None, shining(radiance))
+
+
+@shades("ShaderNodeHoldout")
+def holdout(reading, source):
+    reading.note(source.node, "a holdout is black; it makes no hole")
+    return Closure(BLACK)

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Glossy, Metallic, Glass, Refraction, Sheen, Subsurface and hair shaders as closures."""
+
+import math
+
+import numpy
+
+from .closures import Closure, Leaf
+from .fields import combine, constant, product, to_number
+from .normals import bend_of
+from .shaders import shades, transparent
+
+_LEAST_ALPHA = 1e-4  # the program raises lower ones
+# Cycles scales the radii of walks by this ("Random Walk").
+SUBSURFACE_RADIUS = 1 / (4 * math.pi)
+
+
+def squared(field):
+    """The square of a field."""
+    return combine(lambda data: data ** 2, field)
+
+
+def fixed(reading, field, node, name):
+    """The field as a constant number; of an image the mean, with a note."""
+    if field.is_constant:
+        return field.number
+    reading.note(node, f"'{name}' counts by its mean")
+    return float(to_number(field, "VECTOR").data.mean()) if field.attribute is None else 0.5
+
+
+def note_tangent(reading, source, *names):
+    """Highlights are long along the tangent of texture coordinates, Blender's around the object's z."""
+    if reading.is_linked(source, "Tangent") or not reading.number(source, *names).is_value(0.0):
+        reading.note(source.node, "highlights are long in the direction of the texture's u, not of Blender's tangent")
+
+
+def _roughnesses(reading, source):
+    """alpha along the tangent and across it: (u, v)."""
+    alpha = squared(reading.number(source, "Roughness", low=0.0, high=1.0))
+    anisotropy = reading.number(source, "Anisotropy", low=-0.99, high=0.99)
+    if anisotropy.is_value(0.0):
+        return alpha, alpha
+    note_tangent(reading, source, "Rotation")
+    amount = fixed(reading, anisotropy, source.node, "Anisotropy")
+    along = 1 - amount if amount >= 0 else 1 / (1 + amount)
+    return product(alpha, constant(along)), product(alpha, constant(1 / along))
+
+
+def _rough(distribution, along, across):
+    """Parameters of rough plugins."""
+    kind = {"distribution": "beckmann" if distribution == "BECKMANN" else "ggx"}
+    return {**kind, "alpha": along} if along is across else {**kind, "alpha_u": along, "alpha_v": across}
+
+
+def _is_smooth(along):
+    return along.is_constant and along.number < _LEAST_ALPHA
+
+
+def as_openpbr(along, across):
+    """openpbr's roughness and anisotropy that give constant alphas."""
+    ratio = across / along
+    return {"specular_roughness": math.sqrt(along * math.sqrt((1 + ratio ** 2) / 2)),
+            "specular_roughness_anisotropy": 1 - ratio}
+
+
+@shades("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlossy")
+def glossy(reading, source):
+    node = source.node
+    colour = reading.colour(source, "Color", high=1.0)
+    along, across = _roughnesses(reading, source)
+    bend = bend_of(reading, source)
+    if node.distribution == "ASHIKHMIN_SHIRLEY":
+        reading.note(node, "the distribution of Ashikhmin and Shirley is exported as GGX")
+    mirror = {"material": "none", "specular_reflectance": colour}
+    if _is_smooth(along) and along is across:
+        return Closure(Leaf("conductor", mirror, ("specular_reflectance",), bend=bend))
+    if node.distribution == "MULTI_GGX" and along is across:
+        return Closure(_constant_metal(reading, source, colour, bend))
+    if node.distribution == "MULTI_GGX":
+        reading.note(node, "what anisotropic microfacets lose between each other stays lost")
+    return Closure(Leaf("roughconductor", {**mirror, **_rough(node.distribution, along, across)}, ("specular_reflectance",),
+                        bend=bend))
+
+
+def _constant_metal(reading, source, colour, bend):
+    """A metal with all scattering among its microfacets, whose reflectance is as constant as F82 can be: the same at the
+    cosines 1 and 1 / 7."""
+    at_edge = (6 / 7) ** 5  # Schlick's weight there
+    tint = combine(lambda data: numpy.divide(data, data + (1 - data) * at_edge, out=numpy.ones(data.shape),
+                                             where=data + (1 - data) * at_edge > 0), colour)
+    return Leaf("openpbr", {"base_color": colour, "base_metalness": 1.0, "specular_color": tint,
+                            "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}, bend=bend)
+
+
+@shades("ShaderNodeBsdfMetallic")
+def metallic(reading, source):
+    node = source.node
+    along, across = _roughnesses(reading, source)
+    bend = bend_of(reading, source)
+    note_film(reading, source)
+    if node.fresnel_type == "F82":
+        if node.distribution != "MULTI_GGX":
+            reading.note(node, "its microfacets scatter light among each other, as those of Multiscatter GGX")
+        parameters = {"base_color": reading.colour(source, "Base Color", high=1.0), "base_metalness": 1.0,
+                      "specular_color": reading.colour(source, "Edge Tint", high=1.0)}
+        if along is across:
+            parameters["specular_roughness"] = reading.number(source, "Roughness", low=0.0, high=1.0)
+        else:
+            parameters |= as_openpbr(*(fixed(reading, alpha, node, "Roughness") for alpha in _sorted(reading, node, along, across)))
+        return Closure(Leaf("openpbr", parameters, bend=bend))
+    if node.distribution == "MULTI_GGX" and not _is_smooth(along):
+        reading.note(node, "what its microfacets lose between each other stays lost")
+    parameters = {"eta": reading.colour(source, "IOR"), "k": reading.colour(source, "Extinction")}
+    if not _is_smooth(along):
+        parameters |= _rough(node.distribution, along, across)
+    return Closure(Leaf("conductor" if _is_smooth(along) else "roughconductor", parameters, bend=bend))
+
+
+def _sorted(reading, node, along, across):
+    """openpbr's highlights are long along the tangent only."""
+    if float(along.data.mean()) >= float(across.data.mean()):
+        return along, across
+    reading.note(node, "negative anisotropy is exported as positive")
+    return across, along
+
+
+def note_film(reading, source):
+    """Thin films are exported of the Principled BSDF only."""
+    if not reading.number(source, "Thin Film Thickness").is_value(0.0):
+        reading.note(source.node, "its thin film is not exported")
+
+
+@shades("ShaderNodeBsdfGlass")
+def glass(reading, source):
+    node = source.node
+    colour = reading.colour(source, "Color", high=1.0)
+    ior = max(fixed(reading, reading.number(source, "IOR", default=1.5), node, "IOR"), 1e-5)
+    roughness = reading.number(source, "Roughness", low=0.0, high=1.0)
+    alpha = squared(roughness)
+    bend = bend_of(reading, source)
+    note_film(reading, source)
+    if node.distribution == "MULTI_GGX" and not _is_smooth(alpha) and ior > 1:
+        parameters = {"transmission_weight": 1.0, "transmission_color": squared(colour), "specular_color": colour,
+                      "specular_ior": ior, "specular_roughness": roughness}
+        return Closure(Leaf("openpbr", parameters, (), True, bend))
+    parameters = {"int_ior": ior, "ext_ior": 1.0, "specular_reflectance": colour, "specular_transmittance": colour}
+    if _is_smooth(alpha):
+        return Closure(Leaf("dielectric", parameters, ("specular_reflectance", "specular_transmittance"), True, bend))
+    return Closure(Leaf("roughdielectric", {**parameters, **_rough(node.distribution, alpha, alpha)},
+                        ("specular_reflectance", "specular_transmittance"), True, bend))
+
+
+@shades("ShaderNodeBsdfRefraction")
+def refraction(reading, source):
+    node = source.node
+    ior = max(fixed(reading, reading.number(source, "IOR", default=1.5), node, "IOR"), 1e-5)
+    if ior == 1:
+        return transparent(reading, source)
+    reading.note(node, "it transmits what a boundary does not reflect, not all light")
+    colour = reading.colour(source, "Color", high=1.0)
+    alpha = squared(reading.number(source, "Roughness", low=0.0, high=1.0))
+    parameters = {"int_ior": ior, "ext_ior": 1.0, "specular_reflectance": constant(0.0), "specular_transmittance": colour}
+    bend = bend_of(reading, source)
+    if _is_smooth(alpha):
+        return Closure(Leaf("dielectric", parameters, ("specular_transmittance",), True, bend))
+    return Closure(Leaf("roughdielectric", {**parameters, **_rough(node.distribution, alpha, alpha)},
+                        ("specular_transmittance",), True, bend))
+
+
+@shades("ShaderNodeBsdfSheen")
+def sheen(reading, source):
+    reading.note(source.node, "sheen is that of Estevez and Kulla 2017")
+    return Closure(Leaf("openpbr", {"base_weight": 0.0, "specular_ior": 1.0, "fuzz_weight": 1.0,
+                                    "fuzz_color": reading.colour(source, "Color", high=1.0),
+                                    "fuzz_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)},
+                        bend=bend_of(reading, source)))
+
+
+def subsurface_parameters(reading, source, method, colour, scale, radius, anisotropy):
+    """openpbr's parameters of subsurface scattering, but for its weight; names of inputs."""
+    node = source.node
+    if method == "BURLEY":
+        reading.note(node, "subsurface scattering of Christensen and Burley is exported as a random walk")
+    elif method == "RANDOM_WALK_SKIN":
+        reading.note(node, "the refraction of 'Random Walk (Skin)' at the surface is not exported")
+    scales = reading.value(reading.at(source, radius), [1.0] * 3, 0.0)
+    if not scales.is_constant:
+        reading.note(node, "'Radius' counts by its mean")
+        scales = constant(scales.data.reshape(-1, 3).mean(axis=0) if scales.attribute is None else [1.0] * 3)
+    length = max(fixed(reading, reading.number(source, scale), node, scale), 0.0) * SUBSURFACE_RADIUS
+    most = float(scales.colour.max())
+    return {"subsurface_color": colour, "subsurface_radius": length * most,
+            "subsurface_radius_scale": constant(scales.colour / most if most > 0 else [1.0] * 3),
+            "subsurface_scatter_anisotropy": fixed(reading, reading.number(source, anisotropy, low=0.0, high=0.9), node,
+                                                   anisotropy)}
+
+
+@shades("ShaderNodeSubsurfaceScattering")
+def subsurface(reading, source):
+    colour = reading.colour(source, "Color", high=1.0)
+    parameters = {"base_color": colour, "specular_ior": 1.0, "subsurface_weight": 1.0,
+                  **subsurface_parameters(reading, source, source.node.falloff, colour, "Scale", "Radius", "Anisotropy")}
+    return Closure(Leaf("openpbr", parameters, bend=bend_of(reading, source)))
+
+
+@shades("ShaderNodeBsdfHairPrincipled")
+def hair(reading, source):
+    """Chiang et al. 2016."""
+    node = source.node
+    if node.model != "CHIANG":
+        reading.note(node, "hair of Huang is exported as that of Chiang")
+    if any(not reading.number(source, name).is_value(0.0) for name in ("Coat", "Random Roughness")):
+        reading.note(node, "its coat and its random roughness are not exported")
+    parameters = {"longitudinal_roughness": reading.number(source, "Roughness", low=0.0, high=1.0),
+                  "azimuthal_roughness": reading.number(source, "Radial Roughness", low=0.0, high=1.0),
+                  "scale_tilt": math.degrees(fixed(reading, reading.number(source, "Offset"), node, "Offset")),
+                  "int_ior": fixed(reading, reading.number(source, "IOR", default=1.55), node, "IOR"), "ext_ior": 1.0}
+    if node.parametrization == "ABSORPTION":
+        parameters["sigma_a"] = reading.value(reading.at(source, "Absorption Coefficient"), [0.0] * 3, 0.0)
+    elif node.parametrization == "COLOR":
+        parameters["reflectance"] = reading.colour(source, "Color", high=1.0)
+    else:
+        _add_melanin(reading, source, parameters)
+    return Closure(Leaf("hair", parameters, (), True))
+
+
+def _add_melanin(reading, source, parameters):
+    """Pigments: Cycles' amount is -ln(1 - melanin), of which the share of redness is pheomelanin."""
+    node = source.node
+    if not reading.number(source, "Random Color").is_value(0.0) or not reading.colour(source, "Tint").is_value(1.0):
+        reading.note(node, "the random colour and the tint of melanin are not exported")
+    melanin = fixed(reading, reading.number(source, "Melanin", low=0.0, high=1.0), node, "Melanin")
+    redness = fixed(reading, reading.number(source, "Melanin Redness", low=0.0, high=1.0), node, "Melanin Redness")
+    amount = -math.log(max(1 - melanin, 1e-4))
+    parameters["eumelanin"] = amount * (1 - redness)
+    parameters["pheomelanin"] = amount * redness
+
+
+@shades("ShaderNodeBsdfHair")
+def hair_of_kajiya(reading, source):
+    reading.note(source.node, "this hair is exported as that of Chiang et al. 2016 with its colour")
+    return Closure(Leaf("hair", {"reflectance": reading.colour(source, "Color", high=1.0)}, (), True))
