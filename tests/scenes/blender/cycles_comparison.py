@@ -3,6 +3,7 @@
 PENUMBRA_PROGRAM names the program; without it, it is sought in PATH. Runs in a Python with bpy.
 """
 
+import dataclasses
 import math
 import os
 import pathlib
@@ -94,7 +95,7 @@ def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
         image = os.path.join(temporary, "penumbra.exr")
         command = [program(), "render", str(paths[0]), "--quiet", "--threads", "2", "--spp", str(spp), "--seed",
                    str(seed), "-o", image]
-        for key, value in {"film.compression": "none", "film.rfilter": "box", **(settings or {})}.items():
+        for key, value in {"film.compression": "none", **(settings or {})}.items():
             command += ["--set", f"{key}={value}"]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != 0:
@@ -102,20 +103,36 @@ def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
         return read_rgb(image), report
 
 
-def compare(scene, spp=64, cycles_spp=None, batches=4, settings=None):
-    """Both images, as means of renders with several seeds, and the standard errors of the means of all pixels.
+@dataclasses.dataclass
+class Mean:
+    """The mean of renders with several seeds. error: standard error of the image's mean, per channel. pixel_error: mean
+    standard error of a pixel's channel."""
+    image: numpy.ndarray
+    error: numpy.ndarray
+    pixel_error: float
 
-    Returns (cycles, cycles_error, penumbra, penumbra_error, report); errors are of the image's mean, per channel.
-    """
+
+@dataclasses.dataclass
+class Comparison:
+    """Both programs' pictures of a scene, and the Report of the export."""
+    cycles: Mean
+    penumbra: Mean
+    report: object
+
+
+def _mean(images):
+    root = len(images) ** 0.5
+    means = numpy.array([image.mean(axis=(0, 1), dtype=float) for image in images])
+    return Mean(numpy.mean(images, axis=0, dtype=float), means.std(axis=0, ddof=1) / root,
+                float(numpy.std(images, axis=0, ddof=1, dtype=float).mean() / root))
+
+
+def compare(scene, spp=64, cycles_spp=None, batches=4, settings=None):
+    """Renders the current frame with both programs, with spp samples in all of several seeds."""
     scene.cycles.samples = max(1, (cycles_spp or spp) // batches)
     ours, theirs, report = [], [], None
     for seed in range(batches):
         theirs.append(cycles_image(scene, seed))
         image, report = penumbra_image(scene, max(1, spp // batches), seed, settings=settings)
         ours.append(image)
-
-    def summary(images):
-        means = numpy.array([image.mean(axis=(0, 1), dtype=float) for image in images])
-        return numpy.mean(images, axis=0), means.std(axis=0, ddof=1) / len(images) ** 0.5
-
-    return (*summary(theirs), *summary(ours), report)
+    return Comparison(_mean(theirs), _mean(ours), report)

@@ -1,0 +1,502 @@
+"""Scenes of one feature each, made in bpy: UNIT_SCENES[name](scene) fills an empty_scene.
+
+Their light is direct and simple, so that few samples tell a wrong factor, place or orientation.
+"""
+
+import math
+import os
+import tempfile
+
+import bpy
+import mathutils
+import numpy
+
+from cycles_comparison import add_camera, set_world
+
+UNIT_SCENES = {}
+
+
+def unit_scene(make):
+    UNIT_SCENES[make.__name__] = make
+    return make
+
+
+def diffuse(colour=(0.8, 0.8, 0.8)):
+    """A material of one Diffuse BSDF."""
+    material = bpy.data.materials.new("diffuse")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = (*colour, 1)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def emission(colour=(1, 1, 1), strength=1.0):
+    """A material that only emits."""
+    material = bpy.data.materials.new("emission")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader = tree.nodes.new("ShaderNodeEmission")
+    shader.inputs["Color"].default_value = (*colour, 1)
+    shader.inputs["Strength"].default_value = strength
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def active(*materials):
+    """The object that was added last, with materials."""
+    obj = bpy.context.object
+    for material in materials:
+        obj.data.materials.append(material)
+    return obj
+
+
+def floor(size=6, colour=(0.8, 0.8, 0.8)):
+    bpy.ops.mesh.primitive_plane_add(size=size)
+    return active(diffuse(colour))
+
+
+def add_light(scene, kind, location, target=(0, 0, 0), **settings):
+    light = bpy.data.lights.new(kind, kind)
+    for name, value in settings.items():
+        setattr(light, name, value)
+    obj = bpy.data.objects.new(kind, light)
+    obj.location = location
+    obj.rotation_euler = (mathutils.Vector(target) - obj.location).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(obj)
+    return obj
+
+
+def sunny(scene, energy=3.0):
+    """A sun without width from the left above, and a grey sky, so that no normal is lost in the dark."""
+    set_world(scene, (0.2, 0.2, 0.2))
+    return add_light(scene, "SUN", (-2, -3, 5), energy=energy, angle=0)
+
+
+def markers(scene):
+    """Three emitting squares of different colours and sizes on a black floor, which tell all mirror images apart."""
+    for place, size, colour in (((1.2, 0.5, 0), 0.8, (1, 0.1, 0.1)), ((-0.8, 1.0, 0), 0.5, (0.1, 1, 0.1)),
+                                ((-0.4, -0.9, 0), 1.1, (0.1, 0.1, 1))):
+        bpy.ops.mesh.primitive_plane_add(size=size, location=place)
+        active(emission(colour))
+
+
+def walls(scene):
+    """Six emitting squares around the origin, each of another colour."""
+    for axis, colour in enumerate(((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (0, 1, 1), (1, 0, 1))):
+        place = mathutils.Vector([2 if axis % 3 == i else 0 for i in range(3)]) * (1 if axis < 3 else -1)
+        bpy.ops.mesh.primitive_plane_add(size=3, location=place, rotation=place.to_track_quat("Z", "Y").to_euler())
+        active(emission(colour))
+
+
+# Geometry
+
+
+@unit_scene
+def smooth_normals(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8)
+    bpy.ops.object.shade_smooth()
+    active(diffuse())
+    sunny(scene)
+    add_camera(scene, (0, -5, 1), (0, 0, 0), 26)
+
+
+@unit_scene
+def flat_normals(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8)
+    active(diffuse())
+    sunny(scene)
+    add_camera(scene, (0, -5, 1), (0, 0, 0), 26)
+
+
+@unit_scene
+def custom_normals(scene):
+    obj = floor(3)
+    tilted = mathutils.Vector((0.5, -0.2, 1)).normalized()
+    obj.data.normals_split_custom_set([tilted, (0, 0, 1), (0, 0, 1), tilted])
+    sunny(scene)
+    add_camera(scene, (0, -1, 5), (0, 0, 0), 40)
+
+
+@unit_scene
+def material_slots(scene):
+    bpy.ops.mesh.primitive_cube_add(size=1.5)
+    obj = active(diffuse((0.8, 0.1, 0.1)), diffuse((0.1, 0.8, 0.1)), diffuse((0.1, 0.1, 0.8)))
+    for index, face in enumerate(obj.data.polygons):
+        face.material_index = index % 3
+    sunny(scene)
+    add_camera(scene, (2, -4, 3), (0, 0, 0), 30)
+
+
+@unit_scene
+def colour_attribute(scene):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4, size=3)
+    obj = active(diffuse())
+    attribute = obj.data.color_attributes.new("Paint", "FLOAT_COLOR", "CORNER")
+    colours = numpy.random.default_rng(1).uniform(0.1, 0.9, (len(attribute.data), 4)).astype("f")
+    attribute.data.foreach_set("color", colours.ravel())
+    tree = obj.data.materials[0].node_tree
+    node = tree.nodes.new("ShaderNodeVertexColor")
+    node.layer_name = "Paint"
+    tree.links.new(node.outputs["Color"], next(n for n in tree.nodes if n.type == "BSDF_DIFFUSE").inputs["Color"])
+    sunny(scene)
+    add_camera(scene, (0, -1, 5), (0, 0, 0), 40)
+
+
+@unit_scene
+def collection_instances(scene):
+    """Also mirrored, stretched and nested."""
+    inner = bpy.data.collections.new("inner")
+    bpy.ops.mesh.primitive_cone_add(vertices=5, radius1=0.5, depth=1, location=(0.3, 0, 0.2))
+    obj = active(diffuse((0.8, 0.4, 0.2)))
+    bpy.ops.object.shade_smooth()
+    scene.collection.objects.unlink(obj)
+    inner.objects.link(obj)
+    outer = bpy.data.collections.new("outer")
+    for x in (-0.6, 0.6):
+        empty = bpy.data.objects.new("inside", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", inner
+        empty.location, empty.scale = (x, 0, 0), (1 if x > 0 else -0.7, 1, 0.8)
+        outer.objects.link(empty)
+    for y, scale in ((-0.5, (1, 1, 1)), (1.2, (1, -1, 1.5))):
+        empty = bpy.data.objects.new("outside", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", outer
+        empty.location, empty.scale, empty.rotation_euler = (0, y, 0), scale, (0, 0, 0.3)
+        scene.collection.objects.link(empty)
+    sunny(scene)
+    add_camera(scene, (1, -5, 4), (0, 0.3, 0), 32)
+
+
+@unit_scene
+def render_modifiers(scene):
+    """The viewport shows fewer subdivisions than renders do."""
+    bpy.ops.mesh.primitive_cube_add(size=1.8)
+    obj = active(diffuse())
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = 0, 3
+    bpy.ops.object.shade_smooth()
+    sunny(scene)
+    add_camera(scene, (2, -4, 2), (0, 0, 0), 30)
+
+
+@unit_scene
+def bevelled_curve(scene):
+    bpy.ops.curve.primitive_bezier_circle_add(radius=1)
+    obj = active(diffuse((0.3, 0.8, 0.5)))
+    obj.data.bevel_depth, obj.data.bevel_resolution = 0.25, 3
+    sunny(scene)
+    add_camera(scene, (1, -4, 3), (0, 0, 0), 36)
+
+
+@unit_scene
+def metaballs(scene):
+    for x in (-0.5, 0.5):
+        bpy.ops.object.metaball_add(radius=0.9, location=(x, 0, 0))
+        bpy.context.object.data.render_resolution = 0.1
+        active(diffuse())
+    sunny(scene)
+    add_camera(scene, (0, -5, 2), (0, 0, 0), 30)
+
+
+@unit_scene
+def text(scene):
+    bpy.ops.object.text_add(location=(-0.9, -0.5, 0))
+    obj = active(diffuse((0.9, 0.8, 0.2)))
+    obj.data.body, obj.data.extrude = "R4", 0.1
+    obj.data.size = 1.6
+    sunny(scene)
+    add_camera(scene, (0.3, -1, 5), (0, 0, 0), 30)
+
+
+@unit_scene
+def geometry_nodes_instances(scene):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=3, y_subdivisions=2, size=2.5)
+    obj = active(diffuse((0.2, 0.5, 0.8)))
+    tree = bpy.data.node_groups.new("Points", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    given, result = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    points = tree.nodes.new("GeometryNodeInstanceOnPoints")
+    cone = tree.nodes.new("GeometryNodeMeshCone")
+    cone.inputs["Radius Bottom"].default_value, cone.inputs["Depth"].default_value = 0.3, 0.8
+    points.inputs["Rotation"].default_value = (0.3, 0.2, 0)
+    material = tree.nodes.new("GeometryNodeSetMaterial")
+    material.inputs["Material"].default_value = obj.data.materials[0]
+    for source, target in ((given.outputs[0], points.inputs["Points"]), (cone.outputs[0], points.inputs["Instance"]),
+                           (points.outputs[0], material.inputs[0]), (material.outputs[0], result.inputs[0])):
+        tree.links.new(source, target)
+    obj.modifiers.new("Nodes", "NODES").node_group = tree
+    sunny(scene)
+    add_camera(scene, (1, -5, 4), (0, 0, 0), 36)
+
+
+@unit_scene
+def hair_curves(scene):
+    """Thick straight ones: their silhouettes do not depend on how splines are drawn."""
+    if hasattr(scene, "cycles_curves"):
+        scene.cycles_curves.shape = "THICK"
+    data = bpy.data.hair_curves.new("hair")
+    data.add_curves([4] * 5)
+    positions = numpy.array([[(x * 0.5, 0, 0.5 * z - 0.75) for z in range(4)] for x in range(-2, 3)], "f")
+    data.attributes["position"].data.foreach_set("vector", positions.ravel())
+    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    radius.data.foreach_set("value", numpy.full(20, 0.12, "f"))
+    data.materials.append(diffuse())
+    scene.collection.objects.link(bpy.data.objects.new("hair", data))
+    sunny(scene)
+    add_camera(scene, (0, -5, 0.5), (0, 0, 0), 30)
+
+
+# Cameras
+
+
+@unit_scene
+def shifted_view(scene):
+    markers(scene)
+    camera = add_camera(scene, (0, 0, 6), (0, 0, 0), 40).data
+    camera.shift_x, camera.shift_y = 0.12, -0.07
+
+
+@unit_scene
+def vertical_fit(scene):
+    markers(scene)
+    camera = add_camera(scene, (0, 0, 6), (0, 0, 0), 40).data
+    camera.sensor_fit, camera.sensor_height, camera.lens, camera.shift_y = "VERTICAL", 20, 35, 0.1
+
+
+@unit_scene
+def tall_pixels(scene):
+    markers(scene)
+    scene.render.pixel_aspect_y = 1.6
+    camera = add_camera(scene, (0, 0, 6), (0, 0, 0), 40).data
+    camera.shift_x, camera.shift_y = 0.05, 0.1
+
+
+@unit_scene
+def orthographic(scene):
+    markers(scene)
+    camera = add_camera(scene, (1, 1, 6), (0, 0, 0), 40).data
+    camera.type, camera.ortho_scale, camera.shift_x, camera.shift_y = "ORTHO", 4, 0.1, -0.05
+
+
+@unit_scene
+def depth_of_field(scene):
+    markers(scene)
+    camera = add_camera(scene, (0, 0, 3), (0, 0, 0), 60).data
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 1.5, 0.1
+    camera.dof.aperture_blades, camera.dof.aperture_rotation = 3, 0.4
+
+
+def panorama(scene, kind, **settings):
+    walls(scene)
+    camera = add_camera(scene, (0.1, 0.2, 0.1), (0.4, 2, 0.5), 40).data
+    camera.type = "PANO"
+    owner = camera if hasattr(camera, "panorama_type") else camera.cycles
+    owner.panorama_type = kind
+    for name, value in settings.items():
+        setattr(owner, name, value)
+
+
+@unit_scene
+def equirectangular(scene):
+    panorama(scene, "EQUIRECTANGULAR", longitude_min=-2.5, longitude_max=1.5, latitude_min=-1, latitude_max=1.3)
+
+
+@unit_scene
+def fisheye_equidistant(scene):
+    scene.render.resolution_x = scene.render.resolution_y
+    panorama(scene, "FISHEYE_EQUIDISTANT", fisheye_fov=math.radians(200))
+
+
+@unit_scene
+def fisheye_equisolid(scene):
+    panorama(scene, "FISHEYE_EQUISOLID", fisheye_lens=8.0, fisheye_fov=math.radians(170))
+
+
+@unit_scene
+def cylindrical(scene):
+    if bpy.app.version < (4, 5):
+        return "Blender 4.2 has no cylindrical panorama"
+    panorama(scene, "CENTRAL_CYLINDRICAL", central_cylindrical_range_u_min=-2.0, central_cylindrical_range_u_max=1.0,
+             central_cylindrical_range_v_min=-0.8, central_cylindrical_range_v_max=1.2, central_cylindrical_radius=1.5)
+    return None
+
+
+# Lights
+
+
+@unit_scene
+def point(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "POINT", (0.5, 0, 1.5), energy=100, shadow_soft_size=0, color=(1, 0.5, 0.2))
+
+
+@unit_scene
+def point_with_radius(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "POINT", (0.5, 0, 3.5), energy=100, shadow_soft_size=0.4, use_soft_falloff=False).scale = (2, 2, 2)
+
+
+@unit_scene
+def spot(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "SPOT", (-1, 0, 2), (0.5, 0.3, 0), energy=100, shadow_soft_size=0, spot_size=1.2, spot_blend=0.6)
+
+
+@unit_scene
+def sun(scene):
+    floor()
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.5))
+    active(diffuse())
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "SUN", (-1, -1, 2), energy=3, angle=0)
+
+
+@unit_scene
+def area_rectangle(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    lamp = add_light(scene, "AREA", (-1, 0.5, 2.5), energy=80, shape="RECTANGLE", size=0.5, size_y=1.5)
+    lamp.scale = (2, 0.7, 1)
+
+
+@unit_scene
+def area_ellipse(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "AREA", (-1, 0.5, 2.5), energy=80, shape="ELLIPSE", size=0.5, size_y=1.5)
+
+
+@unit_scene
+def strength_without_area(scene):
+    if bpy.app.version < (4, 5):
+        return "lamps of Blender 4.2 always share their power over their area"
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "AREA", (-1, 0.5, 2.5), energy=20, shape="SQUARE", size=0.5, normalize=False, exposure=1.5,
+              use_temperature=True, temperature=3500)
+    add_light(scene, "POINT", (1, 0.5, 3.5), energy=10, shadow_soft_size=0.3, normalize=False, use_soft_falloff=False)
+    return None
+
+
+@unit_scene
+def nodes_of_lamps(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    light = add_light(scene, "POINT", (0.5, 0, 1.5), energy=100, shadow_soft_size=0).data
+    light.use_nodes = True
+    node = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
+    node.inputs["Strength"].default_value, node.inputs["Color"].default_value = 0.5, (0.2, 0.9, 0.4, 1)
+
+
+# The world
+
+
+@unit_scene
+def world_colour(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    active(diffuse())
+    set_world(scene, (0.3, 0.6, 0.9), 1.7)
+    add_camera(scene, (0, -4, 1), (0, 0, 0), 40)
+
+
+def environment(scene, folder):
+    """An image of the sphere whose colours tell all directions apart, and its nodes."""
+    width, height = 32, 16
+    image = bpy.data.images.new("sphere", width, height, float_buffer=True)
+    pixels = numpy.ones((height, width, 4), "f")
+    pixels[..., 0] = (numpy.arange(width) / width)[None]
+    pixels[..., 1] = (numpy.arange(height) / height)[:, None]
+    pixels[..., 2] = 0.2
+    image.pixels.foreach_set(pixels.ravel())
+    image.filepath_raw, image.file_format = os.path.join(folder, "sphere.exr"), "OPEN_EXR"
+    image.save()
+    tree = scene.world.node_tree
+    texture, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    texture.image = bpy.data.images.load(image.filepath_raw)
+    texture.image.colorspace_settings.name = "Linear Rec.709"
+    texture.interpolation = "Linear"
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 2.5
+    for source, target in ((place.outputs["Generated"], mapping.inputs["Vector"]), (mapping.outputs[0], texture.inputs[0]),
+                           (texture.outputs[0], background.inputs["Color"])):
+        tree.links.new(source, target)
+    mapping.inputs["Rotation"].default_value = (0.3, -0.2, 1.1)
+    return mapping
+
+
+_FOLDER = tempfile.TemporaryDirectory()
+
+
+@unit_scene
+def world_image(scene):
+    environment(scene, _FOLDER.name)
+    add_camera(scene, (0, 0, 0), (0.5, 1, 0.3), 80)
+
+
+@unit_scene
+def world_image_turned_back(scene):
+    environment(scene, _FOLDER.name).vector_type = "TEXTURE"
+    add_camera(scene, (0, 0, 0), (-0.5, -1, 0.3), 80)
+
+
+@unit_scene
+def world_sky(scene):
+    """Baked, with the sun's disk, which lights the floor."""
+    floor()
+    tree = scene.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sky_type = "NISHITA" if bpy.app.version < (5, 0) else "SINGLE_SCATTERING"
+    sky.sun_elevation, sky.sun_rotation = 0.6, 0.8
+    tree.links.new(sky.outputs[0], next(node for node in tree.nodes if node.type == "BACKGROUND").inputs["Color"])
+    add_camera(scene, (0, -4, 2), (0, 0, 0), 70)
+
+
+# Motion
+
+
+def keyed(obj, path, first, last, frames=(0, 4)):
+    """The property goes evenly from the first to the last value."""
+    bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
+    for frame, value in zip(frames, (first, last)):
+        setattr(obj, path, value)
+        obj.keyframe_insert(path, frame=frame)
+
+
+def blurred(scene):
+    scene.frame_set(2)
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+
+
+@unit_scene
+def moving_object(scene):
+    markers(scene)
+    add_camera(scene, (0, 0, 6), (0, 0, 0), 40)
+    keyed(bpy.context.object, "location", (-2, -0.9, 0), (2, -0.5, 0))
+    blurred(scene)
+
+
+@unit_scene
+def moving_camera(scene):
+    markers(scene)
+    keyed(add_camera(scene, (0, 0, 6), (0, 0, 0), 40), "location", (-2, 0, 6), (1, 1, 6))
+    blurred(scene)
+    scene.render.motion_blur_position = "START"
+
+
+@unit_scene
+def region(scene):
+    markers(scene)
+    add_camera(scene, (0, 0, 6), (0, 0, 0), 40)
+    render = scene.render
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.25, 1.0
