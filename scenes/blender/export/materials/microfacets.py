@@ -5,10 +5,10 @@ import math
 
 import numpy
 
-from .closures import Closure, Leaf
+from .closures import BLACK, Closure, Leaf
 from .fields import combine, constant, product, to_number
 from .normals import bend_of
-from .shaders import shades, transparent
+from .shaders import blended, shades, transparent
 
 _LEAST_ALPHA = 1e-4  # the program raises lower ones
 # Cycles scales the radii of walks by this ("Random Walk").
@@ -56,6 +56,11 @@ def _is_smooth(along):
     return along.is_constant and along.number < _LEAST_ALPHA
 
 
+def _loses_little(along):
+    """Whether microfacets lose less than 0.5 % of the light between each other."""
+    return along.is_constant and along.number <= 0.05
+
+
 def as_openpbr(along, across):
     """openpbr's roughness and anisotropy that give constant alphas."""
     ratio = across / along
@@ -74,21 +79,22 @@ def glossy(reading, source):
     mirror = {"material": "none", "specular_reflectance": colour}
     if _is_smooth(along) and along is across:
         return Closure(Leaf("conductor", mirror, ("specular_reflectance",), bend=bend))
-    if node.distribution == "MULTI_GGX" and along is across:
+    if node.distribution == "MULTI_GGX" and along is across and not _loses_little(along):
         return Closure(_constant_metal(reading, source, colour, bend))
-    if node.distribution == "MULTI_GGX":
+    if node.distribution == "MULTI_GGX" and not _loses_little(along):
         reading.note(node, "what anisotropic microfacets lose between each other stays lost")
     return Closure(Leaf("roughconductor", {**mirror, **_rough(node.distribution, along, across)}, ("specular_reflectance",),
                         bend=bend))
 
 
 def _constant_metal(reading, source, colour, bend):
-    """A metal with all scattering among its microfacets, whose reflectance is as constant as F82 can be: the same at the
-    cosines 1 and 1 / 7."""
-    at_edge = (6 / 7) ** 5  # Schlick's weight there
-    tint = combine(lambda data: numpy.divide(data, data + (1 - data) * at_edge, out=numpy.ones(data.shape),
-                                             where=data + (1 - data) * at_edge > 0), colour)
-    return Leaf("openpbr", {"base_color": colour, "base_metalness": 1.0, "specular_color": tint,
+    """A metal with all scattering among its microfacets, whose mean reflectance is the colour, as that along the normal.
+    Of F82 (kernels/bsdf/openpbr.h) the means over cosines are those of Schlick's term, 1 / 21, and of the dip, 1 / 126."""
+    def tint(data):
+        schlick = data + (1 - data) * 0.46266435  # at the cosine 1 / 7
+        return numpy.maximum(1 - 6 * (1 - data) / (17.6514166 * schlick), 0)
+
+    return Leaf("openpbr", {"base_color": colour, "base_metalness": 1.0, "specular_color": combine(tint, colour),
                             "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}, bend=bend)
 
 
@@ -139,15 +145,24 @@ def glass(reading, source):
     alpha = squared(roughness)
     bend = bend_of(reading, source)
     note_film(reading, source)
-    if node.distribution == "MULTI_GGX" and not _is_smooth(alpha) and ior > 1:
-        parameters = {"transmission_weight": 1.0, "transmission_color": squared(colour), "specular_color": colour,
-                      "specular_ior": ior, "specular_roughness": roughness}
-        return Closure(Leaf("openpbr", parameters, (), True, bend))
+    if node.distribution == "MULTI_GGX" and not _loses_little(alpha) and ior > 1:
+        return Closure(_glass_of_many_reflections(reading, node, colour, ior, roughness, bend))
     parameters = {"int_ior": ior, "ext_ior": 1.0, "specular_reflectance": colour, "specular_transmittance": colour}
     if _is_smooth(alpha):
         return Closure(Leaf("dielectric", parameters, ("specular_reflectance", "specular_transmittance"), True, bend))
     return Closure(Leaf("roughdielectric", {**parameters, **_rough(node.distribution, alpha, alpha)},
                         ("specular_reflectance", "specular_transmittance"), True, bend))
+
+
+def _glass_of_many_reflections(reading, node, colour, ior, roughness, bend):
+    """openpbr's glass, which has no colour of reflections inside: a grey is absorbed by a share of black instead."""
+    most = float(colour.data.max()) if colour.is_constant else 1.0
+    rest = product(colour, constant(1 / most)) if most > 0 else colour
+    if not rest.is_value(1.0):
+        reading.note(node, "its reflections inside have less colour")
+    parameters = {"transmission_weight": 1.0, "transmission_color": squared(rest), "specular_color": rest,
+                  "specular_ior": ior, "specular_roughness": roughness}
+    return blended(constant(1 - most), Leaf("openpbr", parameters, (), True, bend), BLACK)
 
 
 @shades("ShaderNodeBsdfRefraction")

@@ -7,7 +7,7 @@ from .closures import Closure, Leaf, Mask
 from .fields import combine, constant, product
 from .microfacets import as_openpbr, fixed, note_tangent, subsurface_parameters
 from .normals import bend_of
-from .shaders import multiplied, shades, shining
+from .shaders import blended, inverse, multiplied, shades, shining
 
 
 def _reflectance(ior):
@@ -24,34 +24,50 @@ def principled(reading, source):
     node = source.node
     if node.distribution == "GGX":
         reading.note(node, "its microfacets scatter light among each other, as those of Multiscatter GGX")
-    transmission = reading.number(source, "Transmission Weight", low=0.0, high=1.0)
-    colour = reading.colour(source, "Base Color", high=1.0)
-    parameters = {"base_color": colour, "base_metalness": reading.number(source, "Metallic", low=0.0, high=1.0),
-                  "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}
-    transmits = not transmission.is_value(0.0)
-    _add(parameters, "base_diffuse_roughness", reading.number(source, "Diffuse Roughness", low=0.0, high=1.0))
-    _add_specular(reading, source, parameters, transmission)
-    _add_anisotropy(reading, source, parameters)
-    if transmits:
-        parameters |= {"transmission_weight": transmission, "transmission_color": colour}
-    subsurface = reading.number(source, "Subsurface Weight", low=0.0, high=1.0)
-    if not subsurface.is_value(0.0):
-        parameters |= {"subsurface_weight": subsurface, **subsurface_parameters(
-            reading, source, node.subsurface_method, colour, "Subsurface Scale", "Subsurface Radius", "Subsurface Anisotropy")}
-        if transmits:
-            reading.note(node, "where a surface also transmits, light that scatters below it leaves it at the same place")
-    _add_coat(reading, source, parameters, transmits)
-    _add_sheen(reading, source, parameters)
-    _add_film(reading, source, parameters)
+    metalness = reading.number(source, "Metallic", low=0.0, high=1.0)
+    # Of what is no metal a share transmits. Its inner side shows the opaque part, too, which openpbr's does not.
+    transmission = multiplied(reading, inverse(metalness),
+                              reading.number(source, "Transmission Weight", low=0.0, high=1.0), node)
+    opaque_metal = metalness
+    if not transmission.is_value(0.0) and not metalness.is_value(0.0):
+        opaque_metal = combine(lambda metal, glass: (metal / (1 - glass).clip(1e-6, 1)).clip(0, 1), metalness, transmission)
+    bend = bend_of(reading, source)
+    opaque, glass = (None if unused else Leaf("openpbr", _parameters(reading, source, transmits, opaque_metal), (), transmits,
+                                              bend)
+                     for transmits, unused in ((False, transmission.is_value(1.0)), (True, transmission.is_value(0.0))))
+    bsdf = blended(transmission, opaque, glass)
     emission = multiplied(reading, reading.colour(source, "Emission Color"),
                           reading.number(source, "Emission Strength", low=0.0), node)
-    if shining(emission) is not None and ("coat_weight" in parameters or "fuzz_weight" in parameters):
+    layers = [reading.number(source, name) for name in ("Coat Weight", "Sheen Weight")]
+    if shining(emission) is not None and not all(layer.is_value(0.0) for layer in layers):
         reading.note(node, "coat and sheen do not dim its emission")
-    bsdf = Leaf("openpbr", parameters, (), transmits, bend_of(reading, source))
     alpha = reading.number(source, "Alpha", default=1.0, low=0.0, high=1.0)
     if alpha.is_value(1.0):
         return Closure(bsdf, shining(emission))
     return Closure(Mask(alpha, bsdf), shining(emission) and shining(multiplied(reading, emission, alpha, node)))
+
+
+def _parameters(reading, source, transmits, metalness):
+    """Of the part that transmits, or of the opaque one."""
+    node = source.node
+    colour = reading.colour(source, "Base Color", high=1.0)
+    parameters = {"specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}
+    _add_specular(reading, source, parameters, transmits)
+    if transmits:
+        parameters |= {"transmission_weight": 1.0, "transmission_color": colour}
+    else:
+        parameters |= {"base_color": colour, "base_metalness": metalness}
+        _add(parameters, "base_diffuse_roughness", reading.number(source, "Diffuse Roughness", low=0.0, high=1.0))
+        _add_anisotropy(reading, source, parameters)
+        subsurface = reading.number(source, "Subsurface Weight", low=0.0, high=1.0)
+        if not subsurface.is_value(0.0):
+            parameters |= {"subsurface_weight": subsurface, **subsurface_parameters(
+                reading, source, node.subsurface_method, colour, "Subsurface Scale", "Subsurface Radius",
+                "Subsurface Anisotropy")}
+    _add_coat(reading, source, parameters, transmits)
+    _add_sheen(reading, source, parameters)
+    _add_film(reading, source, parameters)
+    return parameters
 
 
 def _add(parameters, name, field, neutral=0.0):
@@ -59,7 +75,7 @@ def _add(parameters, name, field, neutral=0.0):
         parameters[name] = field
 
 
-def _add_specular(reading, source, parameters, transmission):
+def _add_specular(reading, source, parameters, transmits):
     """The level is a factor of the reflectance along the normal, 0.5 being 1; the tint fades to white at grazing angles."""
     node = source.node
     ior = fixed(reading, reading.number(source, "IOR", default=1.5, low=1e-5), node, "IOR")
@@ -69,16 +85,14 @@ def _add_specular(reading, source, parameters, transmission):
     level = reading.number(source, "Specular IOR Level", default=0.5, low=0.0)
     tint = reading.colour(source, "Specular Tint", default=1.0)
     along_normal = _reflectance(ior)
-    if not level.is_constant:
+    if not level.is_constant and not transmits:
         parameters["specular_weight"] = combine(lambda data: (2 * data).clip(0, 1), level)
         if (level.data > 0.5).any():
             reading.note(node, "a 'Specular IOR Level' that varies is 0.5 at most")
-    elif not transmission.is_value(1.0):
+    elif not transmits:
         along_normal = min(along_normal * 2 * level.number, 1.0)
-        if not transmission.is_value(0.0) and level.number != 0.5:
-            reading.note(node, "'Specular IOR Level' also changes how it refracts")
     most = float(tint.data.max()) if tint.attribute is None else 1.0
-    if most > 1:  # more than white is another index
+    if most > 1 and not transmits:  # more than white is another index
         tint = product(tint, constant(1 / most))
         along_normal = min(along_normal * most, 1.0)
     parameters["specular_ior"] = ior if along_normal == _reflectance(ior) else _index(along_normal)
