@@ -10,13 +10,16 @@ from .fields import Field, constant
 class Leaf:
     """One BSDF plugin. parameters: Field, bool, int or str by name. colours: the parameters that multiply all of it.
 
-    transmits: whether it has two sides of its own. bend: a Bend, or None.
+    transmits: whether it has two sides of its own. bend: a Bend, or None. remade: function(factor) -> Leaf, the same with
+    `reflectance`, a Field, times the factor; where no parameter multiplies all of it.
     """
     plugin: str
     parameters: dict
     colours: tuple = ()
     transmits: bool = False
     bend: object = None
+    reflectance: Field | None = None
+    remade: object = None
 
 
 @dataclass(frozen=True)

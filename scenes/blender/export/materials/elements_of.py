@@ -56,11 +56,20 @@ def _leaf_element(leaf: Leaf, context):
         outer = plugin("bsdf", leaf.bend.plugin)
         if leaf.bend.plugin == "bumpmap":
             add_value(outer, "float", "scale", leaf.bend.scale)
-        add_value(outer, "boolean", "use_shadowing_function", False)
+        # Cycles lets bumps shade each other where light is reflected diffusely only.
+        add_value(outer, "boolean", "use_shadowing_function", _is_mostly_diffuse(leaf))
         add_texture(outer, None, leaf.bend.texture, context, raw=True)
         outer.append(element)
         element = outer
     return element
+
+
+def _is_mostly_diffuse(leaf):
+    if leaf.plugin == "openpbr":
+        metalness = leaf.parameters.get("base_metalness", 0.0)
+        metalness = metalness if isinstance(metalness, float) else float(metalness.data.mean())
+        return metalness < 0.5 and not leaf.transmits
+    return leaf.plugin in {"diffuse", "difftrans"}
 
 
 def emission_element(field, context):

@@ -94,8 +94,10 @@ def _constant_metal(reading, source, colour, bend):
         schlick = data + (1 - data) * 0.46266435  # at the cosine 1 / 7
         return numpy.maximum(1 - 6 * (1 - data) / (17.6514166 * schlick), 0)
 
-    return Leaf("openpbr", {"base_color": colour, "base_metalness": 1.0, "specular_color": combine(tint, colour),
-                            "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}, bend=bend)
+    parameters = {"base_color": colour, "base_metalness": 1.0, "specular_color": combine(tint, colour),
+                  "specular_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)}
+    return Leaf("openpbr", parameters, bend=bend, reflectance=colour, remade=lambda factor: _constant_metal(
+        reading, source, product(colour, constant(factor)), bend))
 
 
 @shades("ShaderNodeBsdfMetallic")

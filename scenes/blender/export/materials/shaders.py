@@ -116,7 +116,7 @@ def _most(bsdf):
     if isinstance(bsdf, Blend):
         return max(_most(bsdf.first), _most(bsdf.second))
     if not isinstance(bsdf, Leaf) or not bsdf.colours:
-        return 1.0
+        return float(bsdf.reflectance.data.max()) if isinstance(bsdf, Leaf) and bsdf.remade is not None else 1.0
     return max(1.0 if bsdf.parameters[name].attribute is not None else float(bsdf.parameters[name].data.max())
                for name in bsdf.colours)
 
@@ -128,6 +128,8 @@ def _scaled(bsdf, factor):
     if isinstance(bsdf, Leaf) and bsdf.colours and all(bsdf.parameters[name].attribute is None for name in bsdf.colours):
         colours = {name: product(bsdf.parameters[name], constant(factor)) for name in bsdf.colours}
         return replace(bsdf, parameters={**bsdf.parameters, **colours})
+    if isinstance(bsdf, Leaf) and bsdf.remade is not None:
+        return bsdf.remade(factor)
     return Blend(constant(1 - factor), bsdf, BLACK) if factor < 1 else bsdf
 
 
