@@ -212,6 +212,7 @@ class PENUMBRA_OT_send_to_farm(_FarmOperator, bpy.types.Operator):
         frames = list(range(scene.frame_start, scene.frame_end + 1, scene.frame_step)) if self.animation else [frame]
         if frames[0] < 0:
             raise ProgramError(f"A farm renders no frame below 0, and the shot begins at {frames[0]}.")
+        refresh(scene)  # whether the farm answers, before minutes of exporting
         layers = [layer for layer in scene.view_layers if layer.use]
         manager = context.window_manager
         manager.progress_begin(0, len(frames) * len(layers))
