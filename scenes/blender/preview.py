@@ -51,13 +51,14 @@ class View:
         settings = {"film.width": width, "film.height": height, "film.crop_offset_x": 0, "film.crop_offset_y": 0,
                     "film.crop_width": width, "film.crop_height": height, "camera.shutter": 0}
         if projection[3, 3] == 0:
-            # Clip coordinates are P00 x / -z - P02: the axis of view, x = 0, is at -P02 of -1 to 1.
+            # Clip coordinates are P00 x / -z - P02: the axis of view, x = 0, is at -P02 of -1 to 1. Offsets of the
+            # principal point count to the left and up.
             settings |= {
                 "camera.projection": "perspective",
                 "camera.fov_axis": "x", "camera.fov": math.degrees(2 * math.atan(1 / projection[0, 0])),
                 "camera.pixel_aspect": projection[0, 0] / projection[1, 1] * width / height,
-                "camera.principal_point_offset_x": -0.5 * projection[0, 2],
-                "camera.principal_point_offset_y": 0.5 * projection[1, 2],
+                "camera.principal_point_offset_x": 0.5 * projection[0, 2],
+                "camera.principal_point_offset_y": -0.5 * projection[1, 2],
             }
         else:
             centre = (-projection[0, 3] / projection[0, 0], -projection[1, 3] / projection[1, 1], 0)
