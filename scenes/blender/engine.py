@@ -20,9 +20,10 @@ from .program import Process, ProgramError
 from .properties import settings_of
 from .tile_stream import TileStream
 
-GRACE = 0.8  # seconds in which a stopped renderer may write its files
+GRACE = 0.6  # seconds in which a stopped renderer may write its files
 POLL_INTERVAL = 0.05  # seconds between looks at Esc
-SHOW_INTERVAL = 0.25  # seconds between updates of the picture
+SHOW_INTERVAL = 0.25  # seconds between updates of the picture, longer where it is large:
+SHOW_SHARE = 8  # so many times the time that an update takes
 PREVIEW_SAMPLES = 16  # of the small pictures of materials
 
 
@@ -55,7 +56,7 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
     def context_of(self, depsgraph, folder, texture_size):
         """The export's context. That of the frame before knows what stays, if Blender has kept its evaluation, too."""
         context = self.contexts.get(depsgraph.view_layer.name)
-        if context is None or context.depsgraph != depsgraph or context.texture_size != texture_size:
+        if context is None or (context.folder, context.depsgraph, context.texture_size) != (folder, depsgraph, texture_size):
             context = Context(folder, depsgraph, texture_size,
                               frame_set=lambda frame, subframe: self.frame_set(frame, subframe=subframe))
             self.contexts[depsgraph.view_layer.name] = context
@@ -108,14 +109,23 @@ def disk_error_text(error):
     return f"The scene cannot be handed to the renderer: {error}."
 
 
+_shared = None  # the folder of the render that is under way
+
+
 def shared_folder():
     """Where frames of a shot are exported: its files by content are shared until the render ends."""
-    return pathlib.Path(bpy.app.tempdir or tempfile.gettempdir()) / "penumbra"
+    global _shared
+    if _shared is None:
+        _shared = pathlib.Path(tempfile.mkdtemp(dir=bpy.app.tempdir or None, prefix="penumbra."))
+    return _shared
 
 
 def clear_shared_folder(*_):
     """Handler at the end of a render."""
-    shutil.rmtree(shared_folder(), ignore_errors=True)
+    global _shared
+    if _shared is not None:
+        shutil.rmtree(_shared, ignore_errors=True)
+    _shared = None
 
 
 def forget_warnings(*_):
@@ -155,10 +165,9 @@ class LayerRender:
         """Exports, renders, and hands the picture to Blender."""
         engine = self.engine
         engine.update_stats("", "Exporting the scene")
-        folder = shared_folder()
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix="render.") as own:
-            context = self.engine.context_of(self.depsgraph, folder, self.settings.texture_size)
+        shared = bpy.app.tempdir or None if engine.is_preview else shared_folder()
+        with tempfile.TemporaryDirectory(dir=shared, prefix="render.") as own:
+            context = engine.context_of(self.depsgraph, own if engine.is_preview else shared, self.settings.texture_size)
             scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
             try:
                 self.tell(context.report)
@@ -214,21 +223,22 @@ class LayerRender:
 
     def watch(self, process, stream, result):
         """Until the renderer ends, or the user stops it."""
-        began = shown_at = time.monotonic()
+        began = show_at = time.monotonic()
         shown = 0
         while not process.wait(POLL_INTERVAL):
             if self.is_stopped():
                 process.stop(GRACE)
                 return
             now = time.monotonic()
-            if now - shown_at < SHOW_INTERVAL:
+            if now < show_at:
                 continue
-            shown_at = now
             self.show_progress(process.progress, now - began)
             if stream.version != shown:
                 shown = stream.version
                 self.show_tiles(stream, result)
                 self.engine.update_result(result)
+            spent = time.monotonic() - now
+            show_at = now + max(SHOW_INTERVAL, SHOW_SHARE * spent)
 
     def show_progress(self, progress, seconds):
         """On Blender's bar and over the picture."""
@@ -251,18 +261,10 @@ class LayerRender:
         self.engine.update_progress(share)
 
     def show_tiles(self, stream, result):
-        """Copies what has arrived into the result. Returns whether there is anything."""
-        image = stream.image()
-        if image is None:
-            return False
-        left, upper, right, lower = self.crop
-        rgb = image[upper:lower, left:right]
-        pixels = np.ones((*rgb.shape[:2], 4), np.float32)
-        pixels[..., :3] = rgb
-        if self.scene.render.film_transparent:  # alpha arrives at the end
-            pixels[..., 3] = rgb.any(axis=-1)
-        fill(result.layers[0].passes["Combined"], pixels)
-        return True
+        """Copies what has arrived into the result."""
+        pixels = stream.image(self.crop)  # alpha arrives at the end
+        if pixels is not None:
+            fill(result.layers[0].passes["Combined"], pixels)
 
     def take(self, process, stream, result, image):
         """Fills the passes from the file, or from the tiles where there is none. Error: the renderer has failed."""

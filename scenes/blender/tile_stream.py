@@ -25,9 +25,8 @@ class TileStream:
         self._server = socket.create_server(("127.0.0.1", 0))
         self._server.settimeout(ACCEPT_INTERVAL)
         self._lock = threading.Lock()
-        self._image = None
+        self._image = None  # (height, width, 4): alpha is 1 where tiles have arrived, else 0
         self._version = 0
-        self._known = None  # (height, width): where tiles have arrived
         self._ends = threading.Event()
         self._has_all = threading.Event()
         self.problem = None  # why the stream has ended early; the render goes on
@@ -45,26 +44,23 @@ class TileStream:
         with self._lock:
             return self._version
 
-    def image(self):
-        """A copy, (height, width, 3) floats; black where no tile has arrived. None before the image is known."""
-        with self._lock:
-            return None if self._image is None else self._image.copy()
-
-    def image_over(self, background):
-        """The image as (height, width, 4), opaque; where no tile has arrived the background (rows, columns, 4), scaled to
-        its size, or nothing. None before the image is known."""
+    def image(self, crop=None):
+        """A copy of the pixels (left, upper, right, lower), or of all: (height, width, 4), opaque, and nothing where no
+        tile has arrived. None before the image is known."""
         with self._lock:
             if self._image is None:
                 return None
-            height, width = self._known.shape
-            image = np.zeros((height, width, 4), np.float32)
-            if background is not None:
-                rows = np.arange(height) * background.shape[0] // height
-                columns = np.arange(width) * background.shape[1] // width
-                image[:] = background[rows[:, None], columns]
-            image[self._known, :3] = self._image[self._known]
-            image[self._known, 3] = 1
+            left, upper, right, lower = crop or (0, 0, self._image.shape[1], self._image.shape[0])
+            return self._image[upper:lower, left:right].copy()
+
+    def image_over(self, background):
+        """The image; where no tile has arrived the background (rows, columns, 4), scaled to its size."""
+        image = self.image()
+        if image is None or background is None:
             return image
+        rows = np.arange(image.shape[0]) * background.shape[0] // image.shape[0]
+        columns = np.arange(image.shape[1]) * background.shape[1] // image.shape[1]
+        return np.where(image[..., 3:] > 0, image, background[rows[:, None], columns])
 
     def drain(self, seconds=2.0):
         """Waits until all has arrived that a renderer has sent which has ended."""
@@ -129,8 +125,7 @@ class TileStream:
             if width <= 0 or height <= 0:
                 raise ValueError(f"an image of {width} x {height} pixels")
             with self._lock:
-                self._image = np.zeros((height, width, 3), np.float32)
-                self._known = np.zeros((height, width), bool)
+                self._image = np.zeros((height, width, 4), np.float32)
         elif operation == UPDATE_IMAGE:
             channels = reader.texts()
             x, y, width, height = (reader.number("i") for _ in range(4))
@@ -151,7 +146,7 @@ class TileStream:
                 if name in CHANNELS:
                     channel = values[offset:offset + stride * (count - 1) + 1:stride]
                     self._image[y:y + height, x:x + width, CHANNELS.index(name)] = channel.reshape(height, width)
-            self._known[y:y + height, x:x + width] = True
+            self._image[y:y + height, x:x + width, 3] = 1
             self._version += 1
 
 

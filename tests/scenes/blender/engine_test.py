@@ -137,12 +137,13 @@ class Pictures(EngineTest):
         self.cube.keyframe_insert("location", frame=1)
         self.cube.location.x = 1
         self.cube.keyframe_insert("location", frame=2)
-        written = []
+        written, folders = [], set()
         real = engine.export_scene
 
         def export(*arguments):
             path = real(*arguments)
-            written.append({file.name for file in engine.shared_folder().rglob("*.ply")})
+            folders.add(path.parent)
+            written.append({file.name for file in path.parent.rglob("*.ply")})
             return path
         scene.render.image_settings.file_format = "PNG"
         scene.render.filepath = str(self.folder / "shot.")
@@ -152,7 +153,8 @@ class Pictures(EngineTest):
         self.assertNotEqual(*frames)
         self.assertEqual(len(written), 2)
         self.assertEqual(written[0], written[1], "a moved object's mesh is the same file")
-        self.assertFalse(engine.shared_folder().exists(), "nothing is left behind")
+        self.assertEqual(len(folders), 1)
+        self.assertFalse(folders.pop().exists(), "nothing is left behind")
 
     def test_seeds_change_noise_and_can_follow_frames(self):
         first = self.combined(self.render())
@@ -221,6 +223,17 @@ class Ends(EngineTest):
                 unittest.mock.patch.object(program, "USUAL_FOLDERS", []), \
                 unittest.mock.patch.object(program, "ANCESTORS", -1):
             self.fails("Install Penumbra, and choose the program in the preferences")
+
+    def test_an_animation_ends_at_its_first_failure(self):
+        self.scene.frame_start, self.scene.frame_end = 1, 3
+        self.scene.render.filepath = str(self.folder / "shot.")
+        began = []
+        real = engine.LayerRender.run
+        with unittest.mock.patch.object(engine.LayerRender, "run", lambda render: (began.append(1), real(render))), \
+                unittest.mock.patch.dict(os.environ, PENUMBRA=str(self.folder / "none")):
+            with self.assertRaisesRegex(RuntimeError, "There is no program"):
+                bpy.ops.render.render(animation=True)
+        self.assertEqual(len(began), 1)
 
     def test_a_program_that_is_another(self):
         other = self.folder / "penumbra"
