@@ -51,12 +51,13 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
             self.fail(disk_error_text(error))
         except Exception as error:  # Blender would print it, and take the render for done
             traceback.print_exc()
-            self.fail(f"The scene cannot be rendered: {error!r}. The console tells where this happened; please report it.")
+            self.fail(f"The scene cannot be rendered: {error!r}. The console tells where this happened.")
 
     def context_of(self, depsgraph, folder, texture_size):
         """The export's context. That of the frame before knows what stays, if Blender has kept its evaluation, too."""
         context = self.contexts.get(depsgraph.view_layer.name)
-        if context is None or (context.folder, context.depsgraph, context.texture_size) != (folder, depsgraph, texture_size):
+        known = (context.folder, context.depsgraph, context.texture_size) if context is not None else None
+        if known != (folder, depsgraph, texture_size):
             context = Context(folder, depsgraph, texture_size,
                               frame_set=lambda frame, subframe: self.frame_set(frame, subframe=subframe))
             self.contexts[depsgraph.view_layer.name] = context
@@ -64,8 +65,7 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         return context
 
     def fail(self, text):
-        """An error in Blender's report, and over the picture. It ends an animation, and `blender -b` with exit code 1."""
-        self.error_set(text)
+        """An error in Blender's report. It ends an animation."""
         self.report({"ERROR"}, text)
 
     def warn(self, text):
@@ -104,8 +104,8 @@ _told = set()  # warnings since the last render began
 def disk_error_text(error):
     """What an error of the file system means, and what to do."""
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-        return (f"The disk of Blender's temporary files is full ({error.filename or bpy.app.tempdir}). Free some space, "
-                "or choose another folder: Edit > Preferences > File Paths > Temporary Files.")
+        return (f"The disk of Blender's temporary files is full ({error.filename or bpy.app.tempdir}). Free some "
+                "space, or choose another folder: Edit > Preferences > File Paths > Temporary Files.")
     return f"The scene cannot be handed to the renderer: {error}."
 
 
@@ -167,7 +167,8 @@ class LayerRender:
         engine.update_stats("", "Exporting the scene")
         shared = bpy.app.tempdir or None if engine.is_preview else shared_folder()
         with tempfile.TemporaryDirectory(dir=shared, prefix="render.") as own:
-            context = engine.context_of(self.depsgraph, own if engine.is_preview else shared, self.settings.texture_size)
+            folder = pathlib.Path(own) if engine.is_preview else shared
+            context = engine.context_of(self.depsgraph, folder, self.settings.texture_size)
             scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
             try:
                 self.tell(context.report)

@@ -39,8 +39,8 @@ def frames_text(frames):
 
 
 def send_shot(scene, view_layer, frames, name, progress=None):
-    """Exports these frames of a view layer to a temporary folder, and submits them. Returns the number of the group, and
-    the export's Report. Errors: ProgramError, and OSError of the folder."""
+    """Exports these frames of a view layer to a temporary folder, and submits them. Returns the number of the group,
+    and the export's Report. Errors: ProgramError, and OSError of the folder."""
     settings = settings_of(scene)
     with tempfile.TemporaryDirectory(dir=bpy.app.tempdir or None, prefix="penumbra.shot.") as folder:
         paths, report = export_shot(folder, scene, frames, view_layer.name, texture_size=settings.texture_size,

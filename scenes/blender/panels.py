@@ -20,8 +20,8 @@ class PenumbraPreferences(bpy.types.AddonPreferences):
 
     bl_idname = __package__
 
-    program: StringProperty(name="Program", description="The program penumbra. Empty: the environment's PENUMBRA, or the "
-                            "one in PATH", subtype="FILE_PATH")
+    program: StringProperty(name="Program", description="The program penumbra. Empty: the environment's PENUMBRA, or "
+                            "the one in PATH", subtype="FILE_PATH")
 
     def draw(self, context):
         self.layout.prop(self, "program")
@@ -216,7 +216,8 @@ CLASSES = [
     PenumbraPreferences, PENUMBRA_OT_check_program, PENUMBRA_RENDER_PT_sampling, PENUMBRA_RENDER_PT_sampling_viewport,
     PENUMBRA_RENDER_PT_sampling_render, PENUMBRA_RENDER_PT_denoise, PENUMBRA_RENDER_PT_sampling_advanced,
     PENUMBRA_RENDER_PT_light_paths, PENUMBRA_RENDER_PT_film, PENUMBRA_RENDER_PT_motion_blur,
-    PENUMBRA_RENDER_PT_performance, PENUMBRA_UL_shots, PENUMBRA_RENDER_PT_farm, PENUMBRA_VIEWLAYER_PT_passes, PENUMBRA_VIEWLAYER_PT_cryptomatte,
+    PENUMBRA_RENDER_PT_performance, PENUMBRA_UL_shots, PENUMBRA_RENDER_PT_farm, PENUMBRA_VIEWLAYER_PT_passes,
+    PENUMBRA_VIEWLAYER_PT_cryptomatte,
 ]
 
 

@@ -48,8 +48,7 @@ def _uv(image):
 
 
 def _vector(image):
-    """Penumbra counts rows downwards, and points from a surface to where it is in the next frame; Blender's vectors point
-    to it from there."""
+    """Penumbra counts rows downwards, and both pairs point from the pixel; Blender's second pair points to it."""
     motion = image.stack(["motion.X", "motion.Y", "motion.Z", "motion.W"])
     return None if motion is None else motion * np.float32([1, -1, -1, 1])
 

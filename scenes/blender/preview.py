@@ -162,7 +162,7 @@ class Viewport:
     # --- What follows from it
 
     def look(self, view):
-        """The viewport sees this. A coarse picture of a view before is finished first, so that moving shows something."""
+        """The viewport sees this. A coarse picture of a view before is finished first: moving shows something."""
         if view != self._view:
             self._view = view
             self._is_stale = True

@@ -1,4 +1,4 @@
-"""Receiving tiles: what tev's protocol says arrives, what it does not say is refused, and `penumbra` sends the former."""
+"""Receiving tiles: what tev's protocol says arrives, what it does not say is refused; `penumbra` sends the former."""
 
 import socket
 import struct
@@ -92,7 +92,8 @@ class FromPenumbra(EngineTest):
         stream.drain()
         self.assertGreater(stream.version, 3)
         file = read_exr(self.folder / "image.exr").stack("RGB")
-        numpy.testing.assert_allclose(stream.image()[..., :3], file, rtol=1e-6, err_msg="tiles are the same means as floats")
+        numpy.testing.assert_allclose(stream.image()[..., :3], file, rtol=1e-6,
+                                      err_msg="tiles are the same means")
 
 
 if __name__ == "__main__":
