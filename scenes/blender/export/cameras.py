@@ -135,8 +135,8 @@ def export_camera(context, scene, camera_object, place):
         add_value(sensor, "float", "near_clip", camera.clip_start)
         add_value(sensor, "float", "far_clip", camera.clip_end)
         if size.shift_x or size.shift_y:
-            add_value(sensor, "float", "principal_point_offset_x", -size.shift_x)
-            add_value(sensor, "float", "principal_point_offset_y", size.shift_y)
+            add_value(sensor, "float", "principal_point_offset_x", size.shift_x)
+            add_value(sensor, "float", "principal_point_offset_y", -size.shift_y)
     if place.shutter.is_open:
         add_value(sensor, "float", "shutter_open", place.shutter.seconds[0])
         add_value(sensor, "float", "shutter_close", place.shutter.seconds[-1])

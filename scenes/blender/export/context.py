@@ -45,27 +45,31 @@ class Context:
         self.frame_set = frame_set
 
     def go_to(self, frame):
-        """Takes the depsgraph to a time in frames, and notes what changes."""
+        """Takes the depsgraph to a time in frames. Returns the names of objects whose geometry changes."""
         whole = int(frame // 1)
         if self.frame_set is not None:
             self.frame_set(whole, frame - whole)
         else:
             self.depsgraph.scene.original.frame_set(whole, subframe=frame - whole)
-        self.note_updates()
+        return self.note_updates()
 
     def note_updates(self):
-        """Forgets the geometry and materials that Blender has changed since the last time."""
-        changed, kinds = set(), set()
+        """Forgets the geometry and materials that Blender has changed since the last time. Returns the names of objects with
+        other geometry."""
+        changed, kinds, objects = set(), set(), set()
         for update in self.depsgraph.updates:
             original = update.id.original
             kinds.add(original.id_type)
             if update.is_updated_geometry or original.id_type not in _WITHOUT_EFFECT | {"OBJECT"}:
                 changed.add(original.session_uid)
+            if update.is_updated_geometry and original.id_type == "OBJECT" and original.type not in {"LIGHT", "CAMERA"}:
+                objects.add(original.name)
         if kinds & _OF_MATERIALS and not kinds & {"MATERIAL", "WORLD", "LIGHT"}:
             self.geometry.clear()
         for identity, known in list(self.geometry.items()):
             if changed & known.made_of:
                 del self.geometry[identity]
+        return objects
 
     def file(self, subfolder, suffix, key, write):
         """The path, relative to the folder, of the file whose content `key` (bytes) determines. `write(path)` makes it

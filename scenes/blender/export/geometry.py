@@ -8,6 +8,7 @@ from .elements import add_value, plugin
 from .materials import export_material
 from .meshes import colours_of_corners, read_mesh, uvs_of_corners, write_part
 from .surfaces import Part
+from .volumes import volume_parts
 
 
 @dataclasses.dataclass(eq=False)
@@ -50,6 +51,8 @@ def geometry_of(context, obj):
 def _parts(context, obj, materials):
     if obj.type == "CURVES":
         return curve_parts(context, obj, materials)
+    if obj.type == "VOLUME":
+        return volume_parts(context, obj, materials)
     if obj.type == "MESH":
         return _mesh_parts(context, obj, obj.data, materials) + strand_parts(context, obj, materials)
     mesh = obj.to_mesh()

@@ -10,9 +10,10 @@ from .geometry import geometry_of
 from .lights import export_light
 from .motion import Place, Shutter
 from .surfaces import Surfaces
+from .volumes import placed_medium
 from .world import export_world
 
-_SHOWN = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES"}
+_SHOWN = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "VOLUME"}
 _NOTHING = {"CAMERA", "EMPTY", "LIGHT_PROBE", "ARMATURE", "LATTICE", "SPEAKER"}
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
@@ -31,7 +32,10 @@ def _places_at_keys(context, shutter):
     """{key of an instance: [matrix at each key]}, and the camera's matrices. None where the instance was not there."""
     matrices, camera = {}, []
     for index, frame in enumerate(shutter.frames):
-        context.go_to(frame)
+        deformed = context.go_to(frame)
+        if index > 0:
+            for name in sorted(deformed):
+                context.report.add("its deformation while the shutter is open is not exported", name)
         for instance in context.depsgraph.object_instances:
             known = matrices.setdefault(_instance_key(instance), [None] * len(shutter.frames))
             known[index] = instance.matrix_world.copy()
@@ -85,18 +89,23 @@ class _SceneWriter:
     def _shapes(self, geometry, place):
         """The <shape> elements of the parts; without a place they are in their own space."""
         for part in geometry.parts:
-            shape = copy.deepcopy(part.shape)
-            if place is not None:
+            shape, surface = copy.deepcopy(part.shape), part.surface
+            if part.within is not None:
+                surface = copy.copy(surface)
+                surface.interior = placed_medium(self.context, surface.interior, place, part.name)
+                place.then(lambda matrix, within=part.within: matrix @ within).add_to(shape)
+            elif place is not None:
                 place.add_to(shape)
-            self.surfaces.add_to(shape, part.surface, part.name)
+            self.surfaces.add_to(shape, surface, part.name)
             yield shape
 
     def shapes(self):
         """Shapes of what is shown once; groups and instances of what is shown several times."""
         shapes = []
         for geometry, places in self.placed.items():
-            if len(places) == 1:
-                shapes += self._shapes(geometry, places[0])
+            if len(places) == 1 or any(part.within is not None for part in geometry.parts):
+                for place in places:
+                    shapes += self._shapes(geometry, place)
                 continue
             group = plugin("shape", "shapegroup", f"group {len(shapes)}")
             group.extend(self._shapes(geometry, None))

@@ -140,6 +140,6 @@ def export_world(context, world):
               if not getattr(visibility, ray, True)]
     if hidden:
         context.report.add(f"the world is invisible to {', '.join(hidden)} rays, but exported as visible", world.name)
-    if not world.use_nodes or world.node_tree is None:
+    if world.node_tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):  # Blender 5 always has nodes
         return _constant(list(world.color))
     return _background(context, world)

@@ -47,7 +47,8 @@ def empty_scene(width=32, height=24, spp=64):
         setattr(cycles, f"{kind}_bounces", 64)
     cycles.pixel_filter_type = "BOX"
     world = bpy.data.worlds.new("World")
-    world.use_nodes = True
+    if bpy.app.version < (5, 0):
+        world.use_nodes = True
     scene.world = world
     set_world(scene, (0, 0, 0))
     return scene

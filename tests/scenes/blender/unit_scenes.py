@@ -24,7 +24,8 @@ def unit_scene(make):
 def diffuse(colour=(0.8, 0.8, 0.8)):
     """A material of one Diffuse BSDF."""
     material = bpy.data.materials.new("diffuse")
-    material.use_nodes = True
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
@@ -37,7 +38,8 @@ def diffuse(colour=(0.8, 0.8, 0.8)):
 def emission(colour=(1, 1, 1), strength=1.0):
     """A material that only emits."""
     material = bpy.data.materials.new("emission")
-    material.use_nodes = True
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     shader = tree.nodes.new("ShaderNodeEmission")
@@ -410,7 +412,7 @@ def world_colour(scene):
 
 def environment(scene, folder):
     """An image of the sphere whose colours tell all directions apart, and its nodes."""
-    width, height = 32, 16
+    width, height = 128, 64
     image = bpy.data.images.new("sphere", width, height, float_buffer=True)
     pixels = numpy.ones((height, width, 4), "f")
     pixels[..., 0] = (numpy.arange(width) / width)[None]
