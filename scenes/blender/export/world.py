@@ -17,6 +17,7 @@ from .node_text import tree_text
 _TURN = mathutils.Matrix(((0, 0, 1, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 _BAKED_WIDTH = 2048  # pixels: the sun is three of them wide
 _BAKED_SAMPLES = 16
+_BAKING = 2  # another number for another way, so that old files are not taken for new ones
 _LARGEST_WIDTH = 8192
 _LINEAR = {"Linear Rec.709", "Linear", "Non-Color"}
 
@@ -97,7 +98,7 @@ def _baked(context, world, width):
             if done.returncode != 0 or not path.exists():
                 raise RuntimeError(f'the world "{original.name}" could not be baked:\n{done.stdout[-2000:]}')
 
-    key = repr((tree_text(world.node_tree), width, _BAKED_SAMPLES, bpy.app.version[:2]))
+    key = repr((tree_text(world.node_tree), width, _BAKED_SAMPLES, _BAKING, bpy.app.version[:2]))
     return context.file("worlds", ".exr", key.encode(), write)
 
 

@@ -86,22 +86,28 @@ def cycles_image(scene, seed=0):
         return read_rgb(scene.render.filepath)
 
 
-def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
-    """The current frame by penumbra: (height, width, 3) and the export's Report.
-
-    settings: {key: value} of --set. folder: of the exported files, which are kept; without it they are removed.
-    """
-    with tempfile.TemporaryDirectory() as temporary:
-        paths, report = export_shot(folder or temporary, scene, [scene.frame_current])
-        image = os.path.join(temporary, "penumbra.exr")
-        command = [program(), "render", str(paths[0]), "--quiet", "--threads", "2", "--spp", str(spp), "--seed",
-                   str(seed), "-o", image]
+def rendered(path, spp=64, seed=0, settings=None):
+    """The picture of a scene file by penumbra: (height, width, 3). settings: {key: value} of --set."""
+    with tempfile.TemporaryDirectory() as folder:
+        image = os.path.join(folder, "penumbra.exr")
+        command = [program(), "render", str(path), "--quiet", "--threads", "2", "--spp", str(spp), "--seed", str(seed), "-o",
+                   image]
         for key, value in {"film.compression": "none", **(settings or {})}.items():
             command += ["--set", f"{key}={value}"]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}\n{done.stdout}")
-        return read_rgb(image), report
+        return read_rgb(image)
+
+
+def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
+    """The current frame by penumbra, see rendered, and the export's Report.
+
+    folder: of the exported files, which are kept; without it they are removed.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        paths, report = export_shot(folder or temporary, scene, [scene.frame_current])
+        return rendered(paths[0], spp, seed, settings), report
 
 
 @dataclasses.dataclass
@@ -131,9 +137,8 @@ def _mean(images):
 def compare(scene, spp=64, cycles_spp=None, batches=4, settings=None):
     """Renders the current frame with both programs, with spp samples in all of several seeds."""
     scene.cycles.samples = max(1, (cycles_spp or spp) // batches)
-    ours, theirs, report = [], [], None
-    for seed in range(batches):
-        theirs.append(cycles_image(scene, seed))
-        image, report = penumbra_image(scene, max(1, spp // batches), seed, settings=settings)
-        ours.append(image)
+    theirs = [cycles_image(scene, seed) for seed in range(batches)]
+    with tempfile.TemporaryDirectory() as folder:
+        paths, report = export_shot(folder, scene, [scene.frame_current])
+        ours = [rendered(paths[0], max(1, spp // batches), seed, settings) for seed in range(batches)]
     return Comparison(_mean(theirs), _mean(ours), report)

@@ -154,7 +154,7 @@ def colour_attribute(scene):
 def collection_instances(scene):
     """Also mirrored, stretched and nested."""
     inner = bpy.data.collections.new("inner")
-    bpy.ops.mesh.primitive_cone_add(vertices=5, radius1=0.5, depth=1, location=(0.3, 0, 0.2))
+    bpy.ops.mesh.primitive_cone_add(vertices=12, radius1=0.5, depth=1, location=(0.3, 0, 0.2))
     obj = active(diffuse((0.8, 0.4, 0.2)))
     bpy.ops.object.shade_smooth()
     scene.collection.objects.unlink(obj)
@@ -252,6 +252,49 @@ def hair_curves(scene):
     scene.collection.objects.link(bpy.data.objects.new("hair", data))
     sunny(scene)
     add_camera(scene, (0, -5, 0.5), (0, 0, 0), 30)
+
+
+def particle_system(obj, kind, count):
+    obj.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    system = obj.particle_systems[-1]
+    system.seed = 3
+    settings = system.settings
+    settings.type, settings.count, settings.emit_from = kind, count, "FACE"
+    return settings
+
+
+@unit_scene
+def particle_instances(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=10, ring_count=8, location=(0, 0, -9))
+    ball = active(diffuse((0.8, 0.3, 0.2)))
+    settings = particle_system(floor(3), "EMITTER", 30)
+    settings.frame_start, settings.frame_end, settings.physics_type = 0, 0, "NO"
+    settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", ball, 0.15
+    scene.frame_set(2)
+    sunny(scene)
+    add_camera(scene, (0, -3, 4), (0, 0, 0), 42)
+
+
+@unit_scene
+def particle_hair(scene):
+    """Straight strands: their silhouettes do not depend on how splines are drawn."""
+    if hasattr(scene, "cycles_curves"):
+        scene.cycles_curves.shape = "THICK"
+    settings = particle_system(floor(3), "HAIR", 20)
+    settings.hair_length, settings.root_radius, settings.tip_radius = 0.8, 1.0, 0.4
+    settings.radius_scale, settings.use_close_tip = 0.2, False
+    sunny(scene)
+    add_camera(scene, (0, -3, 4), (0, 0, 0.3), 42)
+
+
+@unit_scene
+def unit_scale(scene):
+    """Scenes in centimetres have the same light and the same lens."""
+    scene.unit_settings.system, scene.unit_settings.scale_length = "METRIC", 0.01
+    floor()
+    camera = add_camera(scene, (0, -4, 4), (0, 0, 0), 40).data
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 3, 0.2
+    add_light(scene, "POINT", (0.5, 0, 1.5), energy=100, shadow_soft_size=0)
 
 
 # Cameras
