@@ -44,6 +44,11 @@ class Context:
         self.geometry = {}  # what scene.py knows of geometry, by identity; it stays until something changes it
         self.frame_set = frame_set
 
+    def camera_now(self):
+        """The evaluated camera, or None."""
+        camera = self.camera or self.depsgraph.scene.camera
+        return camera.original.evaluated_get(self.depsgraph) if camera is not None else None
+
     def go_to(self, frame):
         """Takes the depsgraph to a time in frames. Returns the names of objects whose geometry changes."""
         whole = int(frame // 1)

@@ -8,7 +8,7 @@ import math
 
 import mathutils
 
-from .cameras import without_scale
+from .cameras import may_see, without_scale
 from .elements import Element, add_value, plugin
 
 # Lamps shine along their -z axis, emitters along z.
@@ -58,8 +58,21 @@ def _shining_shape(kind, radiance, place, light_object):
     return shape
 
 
-def _point(light, power, place, light_object):
+def _is_seen(context, light_object, place, radius):
+    """Whether the camera may see a lamp, which Cycles hides from it. Shapes cannot be hidden."""
+    camera = context.camera_now()
+    return not light_object.visible_camera and camera is not None and may_see(
+        context.depsgraph.scene, camera, place.now.translation, radius)
+
+
+def _point(context, light, power, place, light_object):
     radius = light.shadow_soft_size
+    if radius > 0 and _is_seen(context, light_object, place, radius):
+        context.report.add("the camera may see the lamp's ball; it is exported as a point, with hard shadows",
+                           light_object.name)
+        if not getattr(light, "normalize", True):
+            power = _scaled(power, math.pi * radius ** 2)
+        radius = 0
     normalized = getattr(light, "normalize", True)
     if radius > 0:
         radiance = _scaled(power, 1 / (4 * math.pi ** 2 * radius ** 2) if normalized else 1 / math.pi)
@@ -110,6 +123,11 @@ def _area(context, light, power, place, light_object):
     if not area > 0:
         context.report.add("an area lamp without area is not exported", light_object.name)
         return None
+    toward = place.now.to_3x3() @ mathutils.Vector((0, 0, -1))
+    camera = context.camera_now()
+    if camera is not None and toward.dot(camera.matrix_world.translation - place.now.translation) > 0 and _is_seen(
+            context, light_object, place, max(width * axes[0].length, height * axes[1].length) / 2):
+        context.report.add("the camera may see the lamp's surface", light_object.name)
     if light.spread < math.pi - 1e-4:
         context.report.add("the spread of an area lamp is exported as 180°", light_object.name)
     normalized = getattr(light, "normalize", True)
@@ -139,7 +157,7 @@ def export_light(context, light_object, place):
     if linking is not None and (linking.receiver_collection or linking.blocker_collection):
         context.report.add("light linking is not exported; the lamp lights all", name)
     if light.type == "POINT":
-        made = _point(light, power, place, light_object)
+        made = _point(context, light, power, place, light_object)
     elif light.type == "SPOT":
         made = _spot(context, light, power, place, name)
     elif light.type == "SUN":

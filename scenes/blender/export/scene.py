@@ -39,14 +39,8 @@ def _places_at_keys(context, shutter):
         for instance in context.depsgraph.object_instances:
             known = matrices.setdefault(_instance_key(instance), [None] * len(shutter.frames))
             known[index] = instance.matrix_world.copy()
-        camera.append(_camera(context).matrix_world.copy())
+        camera.append(context.camera_now().matrix_world.copy())
     return matrices, camera
-
-
-def _camera(context):
-    """The evaluated camera, or None."""
-    camera = context.camera or context.depsgraph.scene.camera
-    return camera.original.evaluated_get(context.depsgraph) if camera is not None else None
 
 
 class _SceneWriter:
@@ -137,12 +131,12 @@ def export_scene(context, scene, name="scene"):
     shutter = Shutter(scene)
     keyed, camera_keys = {}, None
     context.note_updates()
-    camera = _camera(context)
+    camera = context.camera_now()
     if shutter.is_open and camera is not None:
         now = scene.frame_current
         keyed, camera_keys = _places_at_keys(context, shutter)
         context.go_to(now)
-        camera = _camera(context)
+        camera = context.camera_now()
     writer = _SceneWriter(context, shutter)
     writer.walk(keyed)
     shapes = writer.shapes()

@@ -390,6 +390,14 @@ def point_with_radius(scene):
 
 
 @unit_scene
+def lamp_in_view(scene):
+    """The camera does not see it."""
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "POINT", (0.3, 0, 1), energy=50, shadow_soft_size=0.1, use_soft_falloff=False)
+
+
+@unit_scene
 def spot(scene):
     floor()
     add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
