@@ -22,7 +22,7 @@ _AROUND, _SUN, _MORE = 12, 100, 256
 
 
 def scene_of(blend, name, frame, width):
-    """A scene that shows the world as the Environment Texture node shows images: the middle is the direction x, the top z."""
+    """A scene that shows the world as the Environment Texture node shows images: x is in the middle, z at the top."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(blend) as (_, loaded):
         loaded.worlds = [name]
@@ -43,7 +43,8 @@ def scene_of(blend, name, frame, width):
     cycles.sample_clamp_direct = 0
     cycles.pixel_filter_type = "BOX"
     settings = render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth, settings.exr_codec = "OPEN_EXR", "RGB", "32", "NONE"
+    settings.file_format, settings.color_mode = "OPEN_EXR", "RGB"
+    settings.color_depth, settings.exr_codec = "32", "NONE"
     return scene
 
 

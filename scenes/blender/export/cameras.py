@@ -159,7 +159,8 @@ def may_see(scene, camera_object, point, radius):
     x, y, z = without_scale(camera_object.matrix_world).inverted() @ point
     if -z + radius < camera.clip_start:
         return False
-    half_width = 0.5 * size.width / size.fitted * (camera.ortho_scale if camera.type == "ORTHO" else size.sensor / camera.lens)
+    extent = camera.ortho_scale if camera.type == "ORTHO" else size.sensor / camera.lens
+    half_width = 0.5 * size.width / size.fitted * extent
     depth = 1.0 if camera.type == "ORTHO" else max(-z + radius, camera.clip_start)
     half_height = half_width * size.height * size.pixel_aspect / size.width
     # The widest cross-section of the view that the ball reaches, and the ball itself.

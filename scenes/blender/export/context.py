@@ -59,8 +59,8 @@ class Context:
         return self.note_updates()
 
     def note_updates(self):
-        """Forgets the geometry and materials that Blender has changed since the last time. Returns the names of objects with
-        other geometry."""
+        """Forgets the geometry and materials that Blender has changed since the last time. Returns the names of objects
+        with other geometry."""
         changed, kinds, objects = set(), set(), set()
         for update in self.depsgraph.updates:
             original = update.id.original

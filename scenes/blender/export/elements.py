@@ -36,10 +36,15 @@ def add_value(parent, kind, name, value):
     ElementTree.SubElement(parent, kind, {"name": name, "value": text})
 
 
+def matrix_text(matrix):
+    """The numbers of a 4 × 4 matrix of floats, by rows."""
+    return " ".join([repr(x) for row in matrix for x in row])
+
+
 def add_matrix(parent, matrix, name="to_world"):
     """Adds <transform> with the 4 × 4 matrix, given as rows."""
     transform = ElementTree.SubElement(parent, "transform", {"name": name})
-    ElementTree.SubElement(transform, "matrix", {"value": " ".join(number(x) for row in matrix for x in row)})
+    ElementTree.SubElement(transform, "matrix", {"value": matrix_text(matrix)})
 
 
 def add_reference(parent, identifier, name=None):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes OpenEXR images of 32-bit floats (https://openexr.com/en/latest/OpenEXRFileLayout.html). Blender's own images are of
+"""Writes OpenEXR images of 32-bit floats (https://openexr.com/en/latest/OpenEXRFileLayout.html). Blender's images save
 16 bits, in which a sun is too bright."""
 
 import struct

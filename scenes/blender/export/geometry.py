@@ -13,7 +13,7 @@ from .volumes import volume_parts
 
 @dataclasses.dataclass(eq=False)
 class Geometry:
-    """parts: list of Part. made_of: session_uids of the data-blocks that it is made of. It lasts as long as they stay."""
+    """parts: list of Part. made_of: session_uids of the data-blocks that it is made of; it lasts until one changes."""
     parts: list
     made_of: set
 

@@ -3,7 +3,7 @@
 
 from xml.etree import ElementTree
 
-from .elements import add_matrix, number
+from .elements import add_matrix, matrix_text, number
 
 _KEYS = 3  # times at which Cycles looks, too, unless an object asks for more
 
@@ -43,7 +43,7 @@ class Place:
 
     @property
     def moves(self):
-        return any(matrix != self.matrices[0] for matrix in self.matrices[1:])
+        return len(self.matrices) > 1 and any(matrix != self.matrices[0] for matrix in self.matrices[1:])
 
     def add_to(self, parent):
         """Adds the element's to_world."""
@@ -53,4 +53,4 @@ class Place:
         animation = ElementTree.SubElement(parent, "animation", {"name": "to_world"})
         for time, matrix in zip(self.shutter.seconds, self.matrices):
             transform = ElementTree.SubElement(animation, "transform", {"time": number(time)})
-            ElementTree.SubElement(transform, "matrix", {"value": " ".join(number(x) for row in matrix for x in row)})
+            ElementTree.SubElement(transform, "matrix", {"value": matrix_text(matrix)})

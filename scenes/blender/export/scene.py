@@ -52,6 +52,7 @@ class _SceneWriter:
         self.surfaces = Surfaces()
         self.placed = {}  # geometry by identity, and its Places, in the order of the depsgraph
         self.lights = []
+        self.looked_at = set()  # names of objects
 
     def walk(self, keyed):
         """Collects what the depsgraph shows. keyed: see _places_at_keys."""
@@ -73,6 +74,9 @@ class _SceneWriter:
                 self.context.report.add(f"objects of type {obj.type} are not exported", obj.name)
 
     def _report(self, obj):
+        if obj.name_full in self.looked_at:
+            return
+        self.looked_at.add(obj.name_full)
         report = self.context.report
         if obj.is_holdout or obj.is_shadow_catcher:
             report.add("a holdout or shadow catcher is exported as any other object", obj.name)

@@ -9,8 +9,8 @@ from .elements import add_reference
 
 @dataclasses.dataclass
 class Part:
-    """What shows one material. shape: <shape> without a place and a material. name: of the material. within: for a volume,
-    the matrix from the shape's own space to that of the object, where the grid of its medium is."""
+    """What shows one material. shape: <shape> without a place and a material. name: of the material. within: for a
+    volume, the matrix from the shape's own space to that of the object, where the grid of its medium is."""
     shape: object
     surface: object
     name: str

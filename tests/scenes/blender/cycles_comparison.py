@@ -90,8 +90,8 @@ def rendered(path, spp=64, seed=0, settings=None):
     """The picture of a scene file by penumbra: (height, width, 3). settings: {key: value} of --set."""
     with tempfile.TemporaryDirectory() as folder:
         image = os.path.join(folder, "penumbra.exr")
-        command = [program(), "render", str(path), "--quiet", "--threads", "2", "--spp", str(spp), "--seed", str(seed), "-o",
-                   image]
+        command = [program(), "render", str(path), "--quiet", "--threads", "2", "--spp", str(spp), "--seed", str(seed),
+                   "-o", image]
         for key, value in {"film.compression": "none", **(settings or {})}.items():
             command += ["--set", f"{key}={value}"]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)

@@ -3,6 +3,7 @@
 import pathlib
 import tempfile
 import time
+import types
 import unittest
 
 import bpy
@@ -30,6 +31,15 @@ class Splines(unittest.TestCase):
         numpy.testing.assert_allclose(control[0, :, 0], [-3, 0, 3, 6])
 
 
+class Strands(unittest.TestCase):
+    def test_radii(self):
+        settings = types.SimpleNamespace(shape=0.0, root_radius=1.0, tip_radius=0.2, radius_scale=0.1,
+                                         use_close_tip=False)
+        numpy.testing.assert_allclose(curves.strand_radii(settings, 5), [0.05, 0.04, 0.03, 0.02, 0.01])
+        settings.use_close_tip, settings.shape = True, 0.5  # (1 - t)²
+        numpy.testing.assert_allclose(curves.strand_radii(settings, 3), [0.05, 0.02, 0])
+
+
 class Vertices(unittest.TestCase):
     def test_become_several_only_where_corners_differ(self):
         corners = numpy.array([0, 1, 2, 2, 1, 3, 3, 3])
@@ -52,7 +62,8 @@ class Vertices(unittest.TestCase):
 
 class PlyFiles(unittest.TestCase):
     def test_names_have_no_spaces(self):
-        header = ply.ply_bytes(numpy.zeros((3, 3)), numpy.array([[0, 1, 2]]), colours={"my paint": numpy.zeros((3, 3))})[0]
+        corners = numpy.zeros((3, 3))
+        header = ply.ply_bytes(corners, numpy.array([[0, 1, 2]]), colours={"my paint": corners})[0]
         self.assertIn(b"property float my_paint_r\n", header)
 
     def test_flat_meshes_share_vertices(self):

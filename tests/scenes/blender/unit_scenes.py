@@ -154,7 +154,7 @@ def colour_attribute(scene):
 def collection_instances(scene):
     """Also mirrored, stretched and nested."""
     inner = bpy.data.collections.new("inner")
-    bpy.ops.mesh.primitive_cone_add(vertices=12, radius1=0.5, depth=1, location=(0.3, 0, 0.2))
+    bpy.ops.mesh.primitive_torus_add(major_radius=0.4, minor_radius=0.2, location=(0.3, 0, 0.2), rotation=(0.7, 0.5, 0))
     obj = active(diffuse((0.8, 0.4, 0.2)))
     bpy.ops.object.shade_smooth()
     scene.collection.objects.unlink(obj)
@@ -277,11 +277,12 @@ def particle_instances(scene):
 
 @unit_scene
 def particle_hair(scene):
-    """Straight strands: their silhouettes do not depend on how splines are drawn."""
+    """Straight strands: their silhouettes do not depend on how splines are drawn. They do not taper, of which Cycles'
+    normals know nothing."""
     if hasattr(scene, "cycles_curves"):
         scene.cycles_curves.shape = "THICK"
     settings = particle_system(floor(3), "HAIR", 20)
-    settings.hair_length, settings.root_radius, settings.tip_radius = 0.8, 1.0, 0.4
+    settings.hair_length, settings.root_radius, settings.tip_radius = 0.8, 1.0, 1.0
     settings.radius_scale, settings.use_close_tip = 0.2, False
     sunny(scene)
     add_camera(scene, (0, -3, 4), (0, 0, 0.3), 42)
@@ -480,8 +481,8 @@ def environment(scene, folder):
     texture.interpolation = "Linear"
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")
     background.inputs["Strength"].default_value = 2.5
-    for source, target in ((place.outputs["Generated"], mapping.inputs["Vector"]), (mapping.outputs[0], texture.inputs[0]),
-                           (texture.outputs[0], background.inputs["Color"])):
+    for source, target in ((place.outputs["Generated"], mapping.inputs["Vector"]),
+                           (mapping.outputs[0], texture.inputs[0]), (texture.outputs[0], background.inputs["Color"])):
         tree.links.new(source, target)
     mapping.inputs["Rotation"].default_value = (0.3, -0.2, 1.1)
     return mapping

@@ -9,8 +9,8 @@ from cycles_comparison import compare, empty_scene, program
 from unit_scenes import UNIT_SCENES
 
 MEANS_AGREE = 0.01  # relative, beyond four standard errors
-# Mean absolute difference of pixels over the mean, beyond that of noise. A picture that is shifted by a pixel or mirrored has
-# 0.1 or more in these scenes.
+# Mean absolute difference of pixels over the mean, beyond that of noise. A picture that is shifted by a pixel or
+# mirrored has 0.1 or more in these scenes.
 PICTURES_AGREE = 0.03
 
 
@@ -30,7 +30,8 @@ def _test_of(name):
         ratio = ours.image.mean() / scale
         difference = numpy.abs(ours.image - theirs.image).mean() / scale
         noise = (ours.pixel_error + theirs.pixel_error) / scale
-        print(f"{name}: mean / Cycles' = {ratio:.4f}, difference {difference:.4f}, of noise {noise:.4f}", *found.report.lines)
+        print(f"{name}: mean / Cycles' = {ratio:.4f}, difference {difference:.4f}, of noise {noise:.4f}",
+              *found.report.lines)
         errors = 4 * numpy.hypot(ours.error, theirs.error)
         self.assertTrue((numpy.abs(ours.image.mean(axis=(0, 1)) - mean) <= MEANS_AGREE * mean + errors).all(),
                         f"{ours.image.mean(axis=(0, 1))} instead of {mean}, with errors of {errors}")
