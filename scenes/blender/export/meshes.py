@@ -100,7 +100,9 @@ def write_part(context, arrays, triangles, uvs=None, colours=None):
     colours = colours or {}
     tables = [table for table in [arrays.normals, uvs, *colours.values()] if table is not None]
     corners = triangles.reshape(-1)
-    loops = numpy.unique(corners) if len(corners) != len(arrays.corners) else numpy.arange(len(arrays.corners))
+    is_used = numpy.zeros(len(arrays.corners), bool)
+    is_used[corners] = True
+    loops = numpy.flatnonzero(is_used)
     values = numpy.column_stack([table[loops] for table in tables]) if tables else numpy.empty((len(loops), 0))
     vertex, chosen = split_vertices(arrays.corners[loops], values)
     place = numpy.empty(len(arrays.corners), numpy.int64)

@@ -278,14 +278,14 @@ def particle_instances(scene):
 @unit_scene
 def particle_hair(scene):
     """Straight strands: their silhouettes do not depend on how splines are drawn. They do not taper, of which Cycles'
-    normals know nothing."""
+    normals know nothing, and no end is in view, since Cycles never shows the inside of a tube."""
     if hasattr(scene, "cycles_curves"):
         scene.cycles_curves.shape = "THICK"
     settings = particle_system(floor(3), "HAIR", 20)
     settings.hair_length, settings.root_radius, settings.tip_radius = 0.8, 1.0, 1.0
     settings.radius_scale, settings.use_close_tip = 0.2, False
     sunny(scene)
-    add_camera(scene, (0, -3, 4), (0, 0, 0.3), 42)
+    add_camera(scene, (0, -6, 0.3), (0, 0, 0.3), 30)
 
 
 @unit_scene
