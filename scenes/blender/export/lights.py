@@ -59,15 +59,15 @@ def _shining_shape(kind, radiance, place, light_object):
 
 
 def _is_seen(context, light_object, place, radius):
-    """Whether the camera may see a lamp, which Cycles hides from it. Shapes cannot be hidden."""
+    """Whether the camera may see a lamp, which Cycles hides from it. Single shapes cannot be hidden."""
     camera = context.camera_now()
     return not light_object.visible_camera and camera is not None and may_see(
         context.depsgraph.scene, camera, place.now.translation, radius)
 
 
-def _point(context, light, power, place, light_object):
+def _point(context, light, power, place, light_object, hides_lights):
     radius = light.shadow_soft_size
-    if radius > 0 and _is_seen(context, light_object, place, radius):
+    if radius > 0 and not hides_lights and _is_seen(context, light_object, place, radius):
         context.report.add("the camera may see the lamp's ball; it is exported as a point, with hard shadows",
                            light_object.name)
         if not getattr(light, "normalize", True):
@@ -115,7 +115,7 @@ def _sun(context, light, power, place, name):
     return emitter
 
 
-def _area(context, light, power, place, light_object):
+def _area(context, light, power, place, light_object, hides_lights):
     width, height = light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     is_round = light.shape in {"DISK", "ELLIPSE"}
     axes = place.now.to_3x3().col
@@ -125,7 +125,7 @@ def _area(context, light, power, place, light_object):
         return None
     toward = place.now.to_3x3() @ mathutils.Vector((0, 0, -1))
     camera = context.camera_now()
-    if camera is not None and toward.dot(camera.matrix_world.translation - place.now.translation) > 0 and _is_seen(
+    if not hides_lights and camera is not None and toward.dot(camera.matrix_world.translation - place.now.translation) > 0 and _is_seen(
             context, light_object, place, max(width * axes[0].length, height * axes[1].length) / 2):
         context.report.add("the camera may see the lamp's surface", light_object.name)
     if light.spread < math.pi - 1e-4:
@@ -137,8 +137,8 @@ def _area(context, light, power, place, light_object):
                           light_object)
 
 
-def export_light(context, light_object, place):
-    """The elements of an evaluated light object in a Place, a list."""
+def export_light(context, light_object, place, hides_lights=False):
+    """The elements of an evaluated light object in a Place, a list. hides_lights: the camera sees no light at all."""
     light, name = light_object.data, light_object.name
     if getattr(light.cycles, "is_portal", False):
         return []  # it only guides the samples of the world
@@ -157,11 +157,11 @@ def export_light(context, light_object, place):
     if linking is not None and (linking.receiver_collection or linking.blocker_collection):
         context.report.add("light linking is not exported; the lamp lights all", name)
     if light.type == "POINT":
-        made = _point(context, light, power, place, light_object)
+        made = _point(context, light, power, place, light_object, hides_lights)
     elif light.type == "SPOT":
         made = _spot(context, light, power, place, name)
     elif light.type == "SUN":
         made = _sun(context, light, power, place, name)
     else:
-        made = _area(context, light, power, place, light_object)
+        made = _area(context, light, power, place, light_object, hides_lights)
     return [made] if made is not None else []

@@ -390,12 +390,23 @@ def point_with_radius(scene):
     add_light(scene, "POINT", (0.5, 0, 3.5), energy=100, shadow_soft_size=0.4, use_soft_falloff=False).scale = (2, 2, 2)
 
 
-@unit_scene
-def lamp_in_view(scene):
-    """The camera does not see it."""
+def lamps_in_view(scene):
+    """The camera does not see them."""
     floor()
     add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
     add_light(scene, "POINT", (0.3, 0, 1), energy=50, shadow_soft_size=0.1, use_soft_falloff=False)
+
+
+@unit_scene
+def point_in_view(scene):
+    lamps_in_view(scene)
+    set_world(scene, (0.1, 0.1, 0.1))
+
+
+@unit_scene
+def area_in_view(scene):
+    lamps_in_view(scene)
+    add_light(scene, "AREA", (-0.8, 1, 0.8), (0, -4, 2), energy=30, shape="SQUARE", size=0.5)
 
 
 @unit_scene
