@@ -223,8 +223,12 @@ CLASSES = [
 
 def adopted_panels():
     """Blender's panels that Penumbra shows too."""
-    return [panel for panel in bpy.types.Panel.__subclasses__() if panel.__name__ in ADOPTED
-            or "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()) and panel.__name__ not in NOT_ADOPTED]
+    def is_meant(panel):
+        is_of_all = "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
+        return panel.__name__ in ADOPTED or (
+            is_of_all and panel.__name__ not in NOT_ADOPTED and not panel.__module__.endswith("freestyle"))
+
+    return [panel for panel in bpy.types.Panel.__subclasses__() if is_meant(panel)]
 
 
 def register():
