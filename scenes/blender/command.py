@@ -20,11 +20,6 @@ def worker_options(settings):
     return options + (["--threads", str(settings.threads)] if settings.threads else [])
 
 
-def film_options():
-    """How the EXR is stored, so that exr.py reads it."""
-    return ["--set", "film.compression=zip"]
-
-
 def farm_options(settings):
     """The farm that the settings name; otherwise the environment does."""
     options = ["--to", settings.farm_address] if settings.farm_address else []

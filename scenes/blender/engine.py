@@ -13,13 +13,14 @@ import bpy
 import numpy as np
 
 from . import exr, passes, preview
-from .command import film_options, sampling_options, worker_options
+from .command import sampling_options, worker_options
 from .export.context import Context, Report
 from .export.scene import export_scene
 from .program import Process, ProgramError
 from .properties import settings_of
 from .tile_stream import TileStream
 
+FILM = ["--set", "film.compression=none"]  # as fast as can be, since the file is read at once, by exr.py
 GRACE = 0.6  # seconds in which a stopped renderer may write its files
 POLL_INTERVAL = 0.05  # seconds between looks at Esc
 SHOW_INTERVAL = 0.25  # seconds between updates of the picture, longer where it is large:
@@ -198,7 +199,7 @@ class LayerRender:
         return [
             "render", scene_file, "-o", image, "--quiet", "--progress", "json", "--tev", stream.address, "--crop",
             ",".join(map(str, self.crop)), "--checkpoint-interval", "0", *sampling_options(self.settings, samples),
-            *worker_options(self.settings), *film_options(), *passes.options_for(self.passes),
+            *worker_options(self.settings), *FILM, *passes.options_for(self.passes),
         ]
 
     def render(self, scene_file, image):

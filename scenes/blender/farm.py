@@ -13,7 +13,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from . import passes
-from .command import farm_options, film_options, sampling_options
+from .command import farm_options, sampling_options
 from .engine import disk_error_text
 from .export.shot import export_shot
 from .program import ProgramError, run
@@ -61,7 +61,7 @@ def shot_options(scene, view_layer):
         options[options.index("--seed") + 1] = str(scene.penumbra.seed)
         options += ["--seed-per-frame", "frame"]
     chosen = passes.passes_of(view_layer, settings.denoise != "off")
-    return options + film_options() + passes.options_for(chosen)
+    return options + passes.options_for(chosen)
 
 
 def shots_of(status, submitter):

@@ -15,7 +15,7 @@ import bpy
 import mathutils
 import numpy as np
 
-from .command import film_options, worker_options
+from .command import worker_options
 from .export.context import Context, Report
 from .export.scene import export_scene
 from .program import Process, ProgramError
@@ -134,7 +134,7 @@ class Viewport:
         for line in self._context.report.lines:
             self._engine.report({"INFO"}, f"Penumbra: {line}")
         self._samples = settings.preview_samples
-        self._options = ["--seed", str(settings.seed), *worker_options(settings), *film_options()]
+        self._options = ["--seed", str(settings.seed), *worker_options(settings)]
         self._is_stale = True
         if self._stage is not None and not self._stage.is_coarse:
             self._replace(None)
