@@ -19,8 +19,8 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scenes"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
+from blender import exr  # noqa: E402
 from blender.export.shot import export_shot  # noqa: E402
-from exr_image import read_rgb  # noqa: E402
 
 
 def program():
@@ -83,7 +83,7 @@ def cycles_image(scene, seed=0):
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = os.path.join(folder, "cycles.exr")
         bpy.ops.render.render(write_still=True)
-        return read_rgb(scene.render.filepath)
+        return exr.read(scene.render.filepath).stack("RGB")
 
 
 def rendered(path, spp=64, seed=0, settings=None):
@@ -97,7 +97,7 @@ def rendered(path, spp=64, seed=0, settings=None):
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}\n{done.stdout}")
-        return read_rgb(image)
+        return exr.read(image).stack("RGB")
 
 
 def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
