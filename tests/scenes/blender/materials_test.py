@@ -16,7 +16,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from blender.export.context import Context  # noqa: E402
 from blender.export.materials import bake, export_material, maths  # noqa: E402
 from blender.export.materials.dependencies import Dependencies  # noqa: E402
-from blender.export.materials.fields import NotFolded  # noqa: E402
 from blender.export.materials.nodes import Input  # noqa: E402
 from blender.export.materials.reading import Reading  # noqa: E402
 from material_scenes import add_node, add_shape, link, material  # noqa: E402
@@ -27,7 +26,8 @@ ROUNDING = 2e-4  # of values about 1 in Cycles' single precision, with its table
 
 def random_image(seed, low=0.0, high=1.0):
     """A float image without filtering: some texels have equal channels, 0 or 1."""
-    values = numpy.random.default_rng(seed).uniform(low, high, (SIZE, SIZE, 4)).astype(numpy.float32)
+    # Cycles keeps images as half numbers.
+    values = numpy.random.default_rng(seed).uniform(low, high, (SIZE, SIZE, 4)).astype(numpy.float16).astype(numpy.float32)
     values[0, :4, :3] = numpy.array([0, 1, 0.5, 0.25])[:, None]
     values[..., 3] = 1
     image = bpy.data.images.new(f"random {seed}", SIZE, SIZE, float_buffer=True, is_data=True)

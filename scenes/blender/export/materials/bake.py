@@ -14,7 +14,7 @@ import weakref
 import bpy
 import numpy
 
-from .dependencies import fingerprint
+from .dependencies import fingerprint, is_painted, pixels_of
 from .fields import Field, Placement, constant
 
 
@@ -132,10 +132,16 @@ class Bakes:
             material = self.material.original
             blend = os.path.join(folder, "material.blend")
             bpy.data.libraries.write(blend, {material}, path_remap="ABSOLUTE", fake_user=True)
+            images = {getattr(node, "image", None) for node, _ in dependencies.nodes} - {None}
+            painted = {}
+            for image in filter(is_painted, images):
+                painted[image.name] = os.path.join(folder, f"image {len(painted)}.npy")
+                numpy.save(painted[image.name], pixels_of(image))
             for sign in (1.0, -1.0) if signed else (1.0,):
                 yield {"blend": blend, "material": material.name, "groups": [group.name for group in at.groups],
                        "node": at.node.name, "socket": at.socket.identifier, "kind": kind, "sign": sign,
                        "is_number": at.socket.type == "VALUE", "width": size, "height": size, "frame": frame,
+                       "painted": painted,
                        **place(folder)}
 
         parts = self._array(key, jobs)

@@ -4,7 +4,7 @@
 It reads jobs from stdin, a JSON object on each line, and answers each with a line of JSON after MARK: {} or {"error": …}.
 Started by bake.py. Jobs name a file with a material (`blend`, `material`), the input whose value is baked (`groups`: names
 of group nodes, `node`, `socket`), the arrays of a mesh (`mesh`) or a rectangle of texture coordinates (`bounds`), `width`,
-`height` and where the values go (`to`); `unwrap` alone makes texture coordinates for a mesh.
+`height`, images whose pixels are in no file (`painted`: {name: path}) and where the values go (`to`); `unwrap` alone makes texture coordinates for a mesh.
 """
 
 import json
@@ -145,6 +145,9 @@ def bake(job):
     with bpy.data.libraries.load(job["blend"]) as (_, to):
         to.materials = [job["material"]]
     material = to.materials[0]
+    for name, path in job["painted"].items():
+        bpy.data.images[name].pixels.foreach_set(numpy.load(path))
+        bpy.data.images[name].update()
     if "mesh" in job:
         obj = make_mesh(numpy.load(job["mesh"]))
         target = obj.data.uv_layers.new(name=TARGET, do_init=False)

@@ -4,6 +4,7 @@
 import hashlib
 
 import bpy
+import numpy
 
 from .coordinates import render_uv_map
 from .nodes import Input, source_of
@@ -74,16 +75,19 @@ def fingerprint(at, dependencies):
     """Bytes that are the same where the nodes that an input depends on are."""
     digest = hashlib.sha256()
     digest.update(repr((bpy.app.version, at.socket.identifier, at.socket.type, at.node.name,
-                        [group.name for group in at.groups])).encode())
+                        [group.name for group in at.groups], _links(at.socket))).encode())
     for node, groups in dependencies.nodes:
         digest.update(repr([group.name for group in groups]).encode())
         digest.update(repr(_content(node, 0)).encode())
         for socket in [*node.inputs, *(group for each in groups for group in each.inputs)]:
-            links = [(link.from_node.name, link.from_socket.identifier, link.is_muted) for link in socket.links]
-            digest.update(repr((socket.identifier, links, _plain(getattr(socket, "default_value", None)))).encode())
+            digest.update(repr((socket.identifier, _links(socket), _plain(getattr(socket, "default_value", None)))).encode())
         for socket in node.outputs:
             digest.update(repr(_plain(getattr(socket, "default_value", None))).encode())
     return digest.digest()
+
+
+def _links(socket):
+    return [(link.from_node.name, link.from_socket.identifier, link.is_muted) for link in socket.links]
 
 
 _SKIPPED = {"rna_type", "location", "location_absolute", "width", "height", "select", "inputs", "outputs",
@@ -126,11 +130,23 @@ def _content(thing, depth):
     return result
 
 
+def is_painted(image):
+    """Whether its pixels are neither in a file nor computed again when one opens."""
+    return image.source == "GENERATED" and image.is_dirty and not image.packed_files
+
+
+def pixels_of(image):
+    """All channels of all pixels, from the lowest row up."""
+    values = numpy.empty(len(image.pixels), numpy.float32)
+    image.pixels.foreach_get(values)
+    return values
+
+
 def _image_content(image):
     from .images import file_of
 
-    packed = [hashlib.sha256(each.data).hexdigest() for each in image.packed_files]
+    packed = [hashlib.sha256(each.packed_file.data).hexdigest() for each in image.packed_files]
     stamps = [] if packed else [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in file_of(image)]
-    painted = hashlib.sha256(memoryview(image.pixels[:].__repr__().encode())).hexdigest() if image.is_dirty else None
+    painted = hashlib.sha256(pixels_of(image).tobytes()).hexdigest() if is_painted(image) else None
     return (image.name_full, packed, stamps, painted, image.colorspace_settings.name, image.alpha_mode, image.source,
             [tile.number for tile in image.tiles], list(image.generated_color), image.generated_type)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy
 
-# Luminance of linear Rec. 709, by which Blender makes a number of a colour.
-LUMINANCE = numpy.array([0.2126729, 0.7151522, 0.0721750])
+# Luminance of linear Rec. 709 (BT.709's primaries, D65 at 0.3127, 0.3290), by which Blender makes a number of a colour.
+LUMINANCE = numpy.array([0.21263901, 0.71516868, 0.07219232])
 
 
 class NotFolded(Exception):

@@ -124,9 +124,12 @@ class Reading:
             return None
 
     def uvs(self):
-        """(loops of the mesh, 2): coordinates of the images, where over_mesh."""
+        """(loops of the mesh, 2): coordinates of the images, where over_mesh. None if there are no images."""
         uvs = numpy.zeros((self.bakes.mesh.loop_count, 2), numpy.float32)
-        uvs[self.bakes.mesh.loops] = self.bakes.uvs()
+        try:
+            uvs[self.bakes.mesh.loops] = self.bakes.uvs()
+        except BakeError:
+            return None  # no image could be baked either, and the report says so
         return uvs
 
     def _faces(self):
