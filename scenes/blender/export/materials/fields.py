@@ -4,10 +4,13 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import bpy
 import numpy
 
-# Luminance of linear Rec. 709 (BT.709's primaries, D65 at 0.3127, 0.3290), by which Blender makes a number of a colour.
-LUMINANCE = numpy.array([0.21263901, 0.71516868, 0.07219232])
+# Luminance of linear Rec. 709, by which Blender makes a number of a colour: with D65 at (0.3127, 0.3290), or as rounded
+# in IEC 61966-2-1.
+LUMINANCE = numpy.array([0.21263901, 0.71516868, 0.07219232] if bpy.app.version >= (5, 0, 0) else
+                        [0.2126729, 0.7151522, 0.0721750])
 
 
 class NotFolded(Exception):
