@@ -2,9 +2,9 @@
 """Options of `penumbra render` and `penumbra submit` for a scene's settings."""
 
 
-def sampling_options(settings, samples=None):
+def sampling_options(settings):
     """What the picture depends on, and its denoising."""
-    options = ["--spp", str(samples or settings.samples), "--seed", str(settings.seed)]
+    options = ["--spp", str(settings.samples), "--seed", str(settings.seed)]
     if settings.time_budget > 0:
         options += ["--time-budget", f"{settings.time_budget:g}"]
     if settings.target_error > 0:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: exports each view layer, runs `penumbra`, and shows and keeps what it makes."""
 
+import dataclasses
 import errno
 import json
 import pathlib
@@ -66,8 +67,11 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         return context
 
     def fail(self, text):
-        """An error in Blender's report. It ends an animation."""
-        self.report({"ERROR"}, text)
+        """An error in Blender's report. It ends an animation; so the picture of a material reports none."""
+        if self.is_preview:
+            print(f"Penumbra: {text}")
+        else:
+            self.report({"ERROR"}, text)
 
     def warn(self, text):
         """A warning that Blender shows once until the next render begins."""
@@ -159,16 +163,18 @@ class LayerRender:
         left, bottom, right, top = self.window
         self.crop = (left, height - top, right, height - bottom)  # rows count downwards in files
         self.film = (width, height)
-        self.is_denoised = self.settings.denoise != "off" and not engine.is_preview
-        self.passes = [] if engine.is_preview else passes.passes_of(self.layer, self.is_denoised)
+        if self.is_preview:
+            self.settings = dataclasses.replace(self.settings, samples=PREVIEW_SAMPLES, denoise="off")
+        is_denoised = self.settings.denoise != "off"
+        self.passes = [] if self.is_preview else passes.passes_of(self.layer, is_denoised)
 
     def run(self):
         """Exports, renders, and hands the picture to Blender."""
         engine = self.engine
         engine.update_stats("", "Exporting the scene")
-        shared = bpy.app.tempdir or None if engine.is_preview else shared_folder()
+        shared = bpy.app.tempdir or None if self.is_preview else shared_folder()
         with tempfile.TemporaryDirectory(dir=shared, prefix="render.") as own:
-            folder = pathlib.Path(own) if engine.is_preview else shared
+            folder = pathlib.Path(own) if self.is_preview else shared
             context = engine.context_of(self.depsgraph, folder, self.settings.texture_size)
             scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
             try:
@@ -178,13 +184,18 @@ class LayerRender:
             finally:
                 scene_file.unlink(missing_ok=True)
 
+    @property
+    def is_preview(self):
+        """Whether it is a small picture of a material, in its own small scene."""
+        return self.engine.is_preview
+
     def is_stopped(self):
         """Whether the user has pressed Esc."""
         return self.engine.test_break()
 
     def tell(self, report):
         """Warns of what the picture will lack."""
-        if self.engine.is_preview:
+        if self.is_preview:
             return
         for line in report.lines:
             self.engine.warn(f"Penumbra: {line}")
@@ -195,10 +206,9 @@ class LayerRender:
 
     def arguments(self, scene_file, image, stream):
         """Of `penumbra`."""
-        samples = PREVIEW_SAMPLES if self.engine.is_preview else None
         return [
             "render", scene_file, "-o", image, "--quiet", "--progress", "json", "--tev", stream.address, "--crop",
-            ",".join(map(str, self.crop)), "--checkpoint-interval", "0", *sampling_options(self.settings, samples),
+            ",".join(map(str, self.crop)), "--checkpoint-interval", "0", *sampling_options(self.settings),
             *worker_options(self.settings), *FILM, *passes.options_for(self.passes),
         ]
 

@@ -133,6 +133,15 @@ class Pictures(EngineTest):
         self.assertTrue(is_same(noisy[..., :3], images[0].stack("RGB")))
         self.assertFalse(is_same(noisy, self.combined(picture)))
 
+    def test_pictures_of_materials_are_small_renders(self):
+        self.scene.penumbra.denoise = "nfor"
+        patch, images = read_images()
+        with patch, unittest.mock.patch.object(engine.LayerRender, "is_preview", True):
+            picture = self.render()
+        self.assertEqual(len(images), 1)
+        self.assertEqual(images[0].channels["samples.Y"].max(), engine.PREVIEW_SAMPLES)
+        self.assertTrue(is_same(self.combined(picture)[..., :3], images[0].stack("RGB")))
+
     def test_an_animation_has_other_frames_and_shares_what_stays(self):
         scene = self.scene
         scene.frame_start, scene.frame_end = 1, 2

@@ -41,9 +41,8 @@ class Preview(EngineTest):
         self.viewport = preview.Viewport(self.engine)
         self.addCleanup(self.viewport.close)
 
-    def context(self):
+    def context(self, depsgraph):
         """As of a viewport that looks through the camera."""
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         camera = self.scene.camera
         region_3d = types.SimpleNamespace(view_matrix=camera.matrix_world.normalized().inverted(),
                                           window_matrix=camera.calc_matrix_camera(depsgraph, x=WIDTH, y=HEIGHT))
@@ -51,12 +50,23 @@ class Preview(EngineTest):
                                      scene=self.scene)
 
     def update(self):
-        bpy.context.view_layer.update()
-        self.viewport.update(self.context(), bpy.context.evaluated_depsgraph_get())
+        """Blender tells what has changed while it tells that something has; so this is done by a handler."""
+        updated = []
+
+        def take(_, depsgraph):
+            updated.append(True)
+            self.viewport.update(self.context(depsgraph), depsgraph)
+        self.scene.camera.update_tag()
+        bpy.app.handlers.depsgraph_update_post.append(take)
+        try:
+            bpy.context.view_layer.update()
+        finally:
+            bpy.app.handlers.depsgraph_update_post.remove(take)
+        self.assertEqual(updated, [True])
 
     def look(self):
-        bpy.context.view_layer.update()
-        self.viewport.look(preview.View.of(self.context().region, self.context().region_data))
+        context = self.context(bpy.context.evaluated_depsgraph_get())
+        self.viewport.look(preview.View.of(context.region, context.region_data))
 
     def finish(self):
         """The pictures that show until nothing more comes; the last one is done."""
