@@ -36,25 +36,26 @@ def _identity(obj, materials):
     return ("object", original.session_uid, uids)
 
 
-def geometry_of(context, obj):
-    """The Geometry of an evaluated object."""
+def geometry_of(context, obj, has_surface=True, has_strands=True):
+    """The Geometry of an evaluated object: its surface or what it is else, and the hair of its particle systems."""
     materials = _materials(context, obj)
-    identity = _identity(obj, materials)
+    identity = (*_identity(obj, materials), has_surface, has_strands)
     known = context.geometry.get(identity)
     if known is None:
         made_of = {block.session_uid for block in [obj.original, obj.original.data, *materials] if block is not None}
-        known = Geometry(_parts(context, obj, materials), made_of)
+        known = Geometry(_parts(context, obj, materials, has_surface, has_strands), made_of)
         context.geometry[identity] = known
     return known
 
 
-def _parts(context, obj, materials):
+def _parts(context, obj, materials, has_surface, has_strands):
     if obj.type == "CURVES":
         return curve_parts(context, obj, materials)
     if obj.type == "VOLUME":
         return volume_parts(context, obj, materials)
     if obj.type == "MESH":
-        return _mesh_parts(context, obj, obj.data, materials) + strand_parts(context, obj, materials)
+        surface = _mesh_parts(context, obj, obj.data, materials) if has_surface else []
+        return surface + (strand_parts(context, obj, materials) if has_strands else [])
     mesh = obj.to_mesh()
     parts = _mesh_parts(context, obj, mesh, materials) if mesh is not None else []
     obj.to_mesh_clear()

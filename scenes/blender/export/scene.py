@@ -25,7 +25,9 @@ def _instance_key(instance):
 
 
 def _is_shown(context, instance):
-    return instance.show_self and not (context.depsgraph.mode == "VIEWPORT" and instance.object.original.hide_render)
+    if context.depsgraph.mode == "VIEWPORT" and instance.object.original.hide_render:
+        return False
+    return instance.show_self or (instance.show_particles and instance.object.type == "MESH")
 
 
 def _places_at_keys(context, shutter):
@@ -67,7 +69,7 @@ class _SceneWriter:
                 self.lamps.append((obj.original.evaluated_get(self.context.depsgraph), place))
             elif obj.type in _SHOWN:
                 self._report(obj)
-                geometry = geometry_of(self.context, obj)
+                geometry = geometry_of(self.context, obj, instance.show_self, instance.show_particles)
                 if geometry.parts:
                     self.placed.setdefault(geometry, []).append(place)
             else:

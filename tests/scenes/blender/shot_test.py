@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import bpy
 
 from cycles_comparison import add_camera, empty_scene
-from unit_scenes import add_light, diffuse, keyed
+from unit_scenes import add_light, diffuse, keyed, particle_system
 
 from blender.export import geometry
 from blender.export.shot import export_shot
@@ -98,6 +98,13 @@ class Shots(unittest.TestCase):
         bpy.data.objects["Sphere.002"].hide_viewport = True
         root = ElementTree.parse(self.export([1])[0][0]).getroot()
         self.assertEqual(len(root.findall("shape")), STILL + 1 - 2)
+
+    def test_hair_of_a_hidden_emitter_is_shown(self):
+        particle_system(self.moving, "HAIR", 5)
+        self.moving.show_instancer_for_render = False
+        root = ElementTree.parse(self.export([1])[0][0]).getroot()
+        kinds = [shape.get("type") for shape in root.findall("shape")]
+        self.assertEqual((kinds.count("ply"), kinds.count("bsplinecurve")), (STILL, 1))
 
     def test_what_is_left_out_is_named(self):
         bpy.data.objects["Sphere"].is_holdout = True
