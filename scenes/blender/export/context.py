@@ -31,7 +31,7 @@ class Context:
 
     folder: where scenes are written. Files beside them are named by their content, so frames share what stays the same.
     depsgraph: of the frame that is exported. frame_set(frame, subframe) takes it to another time, for motion blur: that
-    of a RenderEngine, or of the scene if there is none. texture_size: pixels on a side of a baked texture. camera: the
+    of a RenderEngine; viewports have none. texture_size: pixels on a side of a baked texture. camera: the
     object to see by, or that of the scene.
     """
 
@@ -52,10 +52,7 @@ class Context:
     def go_to(self, frame):
         """Takes the depsgraph to a time in frames. Returns the names of objects whose geometry changes."""
         whole = int(frame // 1)
-        if self.frame_set is not None:
-            self.frame_set(whole, frame - whole)
-        else:
-            self.depsgraph.scene.original.frame_set(whole, subframe=frame - whole)
+        self.frame_set(whole, frame - whole)
         return self.note_updates()
 
     def note_updates(self):

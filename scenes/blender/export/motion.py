@@ -11,10 +11,10 @@ _KEYS = 3  # times at which Cycles looks, too, unless an object asks for more
 class Shutter:
     """frames: the times of keys in frames, ascending; one if nothing moves. seconds: the same in seconds."""
 
-    def __init__(self, scene, keys=_KEYS):
+    def __init__(self, scene, may_open=True, keys=_KEYS):
         render = scene.render
         frame = scene.frame_current
-        self.is_open = render.use_motion_blur and render.motion_blur_shutter > 0
+        self.is_open = may_open and render.use_motion_blur and render.motion_blur_shutter > 0
         rate = render.fps / render.fps_base
         if not self.is_open:
             self.frames = [float(frame)]

@@ -143,9 +143,9 @@ def _integrator(scene, has_media, hides_lights):
 def export_scene(context, scene, name="scene"):
     """Writes NAME.xml in the context's folder: the scene as its depsgraph has it. Returns the path.
 
-    With motion blur the depsgraph is taken through the time of the shutter, and back.
+    With motion blur the depsgraph is taken through the time of the shutter, and back, if the context can do so.
     """
-    shutter = Shutter(scene)
+    shutter = Shutter(scene, context.frame_set is not None)
     keyed, camera_keys = {}, None
     context.note_updates()
     camera = context.camera_now()
