@@ -174,6 +174,7 @@ struct SceneDescription : RenderSettings {
   std::shared_ptr<const SceneMotion> motion;
   double time = 0.0;                               ///< in seconds
   double frame_duration = 1.0 / kFramesPerSecond;  ///< from one frame to the next, in seconds
+  std::optional<double> fps = {};                  ///< frames per second that the file names
   bool uses_variables = false;                     ///< it depends on one of ReadOptions::variables
   std::vector<std::string>
       warnings;  ///< what the reader repaired or replaced, each with its location in the file

@@ -38,6 +38,7 @@ struct Format {
   std::function<bool(const std::filesystem::path&)> is_one = {};
   bool has_dialects = false;
   bool has_clips = false;
+  bool is_exported = false;  ///< by another program; `read` is empty
 
   [[nodiscard]] bool may_be(const std::filesystem::path& file) const { return !is_one || is_one(file); }
 };
@@ -50,7 +51,8 @@ std::span<const Format> formats() {
       {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
       {"glTF 2.0", ".gltf", '{', gltf::read_scene, {}, false, true},
       {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene, {}, false, true},
-      {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene}};
+      {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene},
+      {"Blender", ".blend", 'B', {}, {}, false, false, true}};
   return table;
 }
 
@@ -147,12 +149,54 @@ Expected<void> check_warnings(SceneDescription& scene, const ReadOptions& option
       fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene.warnings, "\n"), scene.source));
 }
 
+/// Reads what another program makes of the file. Messages name places in that as in a folder of the file's
+/// name.
+Expected<SceneDescription> read_exported(const std::filesystem::path& file, const ReadOptions& options) {
+  if (!options.export_scene || options.confine_to)
+    return fail(
+        fmt::format("{}: Blender has to export such files, which does not happen here", file.string()));
+  const auto exported = options.export_scene(file);
+  if (!exported) return fail(fmt::format("{}: {}", file.string(), exported.error().message));
+  const std::string folder = exported->file.parent_path().string();
+  const auto in_file = [&](std::string text) {
+    for (std::size_t at = text.find(folder); at != text.npos;
+         at = text.find(folder, at + file.string().size()))
+      text.replace(at, folder.size(), file.string());
+    return text;
+  };
+  ReadOptions of_export = options;
+  of_export.strict = false;
+  of_export.export_options.clear();
+  // The frame has been chosen already.
+  of_export.time.reset();
+  of_export.variables.clear();
+  if (!of_export.fps) of_export.fps = exported->fps;
+  auto scene = read_scene(exported->file, of_export);
+  if (!scene) return fail(in_file(scene.error().message));
+  for (std::string& warning : scene->warnings) warning = in_file(std::move(warning));
+  std::vector<std::string> warnings;
+  for (const std::string& what : exported->left_out)
+    warnings.push_back(fmt::format("{}: warning: {}", file.string(), what));
+  scene->warnings.insert(scene->warnings.begin(), warnings.begin(), warnings.end());
+  std::erase_if(scene->files, [&](const auto& each) { return each.string().starts_with(folder); });
+  scene->files.insert(scene->files.begin(), file);
+  scene->source = file.string();
+  scene->fps = exported->fps;
+  scene->uses_variables = options.time.has_value();
+  return scene;
+}
+
 }  // namespace
 
 std::vector<std::string> scene_formats() {
   std::vector<std::string> names;
   for (const Format& each : formats()) names.push_back(fmt::format("{} ({})", each.name, each.extension));
   return names;
+}
+
+bool is_exported_scene(const std::filesystem::path& file) {
+  const Format* format = format_of(file);
+  return format != nullptr && format->is_exported;
 }
 
 Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options) {
@@ -177,9 +221,18 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   if (!options.clip.empty() && !format->has_clips)
     return fail(fmt::format("{}: --clip {} is of glTF files; this one is {}", file.string(), options.clip,
                             format->name));
+  if (!options.export_options.empty() && !format->is_exported)
+    return fail(fmt::format("{}: {} is of Blender's files; this one is {}", file.string(),
+                            options.export_options, format->name));
+  if (format->is_exported) {
+    auto scene = read_exported(file, options);
+    if (scene)
+      if (auto checked = check_warnings(*scene, options); !checked) return std::unexpected(checked.error());
+    return scene;
+  }
   auto scene = format->read(file, options);
   if (!scene) return scene;
-  scene->frame_duration = options.frame_duration;
+  scene->frame_duration = 1.0 / options.fps.value_or(kFramesPerSecond);
   auto done = show_at(*scene, options.time);
   if (done) done = apply_all(*scene, options);
   if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));

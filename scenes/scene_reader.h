@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,13 @@
 #include "scenes/scene_description.h"
 
 namespace penumbra {
+
+/// A scene that another program has exported to a format that is read here.
+struct ExportedScene {
+  std::filesystem::path file;         ///< in a folder of its own
+  std::vector<std::string> left_out;  ///< what it lacks
+  std::optional<double> fps = {};     ///< frames per second
+};
 
 struct ReadOptions {
   /// -D name=value: the value of `$name`. It overrides the file's <default>. A variable that the scene does
@@ -30,9 +38,13 @@ struct ReadOptions {
   /// Seconds, for a scene that moves. Nothing: the time that the scene's format has for a still, with a
   /// warning unless the file's shutter is open for a time.
   std::optional<double> time = {};
-  double frame_duration = 1.0 / kFramesPerSecond;  ///< from one frame to the next, in seconds
+  std::optional<double> fps = {};  ///< frames per second; nothing: the file's, else kFramesPerSecond
   /// For formats with several animations in a file: the name of the one that is shown. Empty: the first.
   std::string clip = {};
+  /// Exports a file of Blender's, at the frame that is asked for. Empty: such files are errors.
+  std::function<Expected<ExportedScene>(const std::filesystem::path&)> export_scene = {};
+  /// The options of such files alone that are given, as words of the command line. Empty: none.
+  std::string export_options = {};
   /// For untrusted scenes: every file must lie inside this folder after following symbolic links.
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };
@@ -47,6 +59,9 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
 
 /// Takes a scene that was read with these options to another time; see set_time.
 Expected<void> set_time(SceneDescription& scene, double time, const ReadOptions& options);
+
+/// Whether another program has to export the file, see ReadOptions::export_scene.
+bool is_exported_scene(const std::filesystem::path& file);
 
 /// Checks that the file exists and may be read, as read_scene would.
 Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options);

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 #include "scheduler/run/progress.h"
 #include "scheduler/run/render_preparation.h"
 

@@ -6,10 +6,10 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/one_render.h"
-#include "scheduler/cli/stop_signal.h"
 #include "scheduler/estimate/estimate_text.h"
 #include "scheduler/estimate/render_estimate.h"
 #include "scheduler/files/program_path.h"
+#include "scheduler/files/stop_signal.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/pixel_text.h"
 #include "scheduler/run/option_hints.h"
@@ -61,7 +61,8 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
                 const std::atomic<bool>& stop) {
   const bool show = !options.quiet && !options.pixel;
   OneRender one(options, command_line, stop, show);
-  if (const auto ran = one.run([&] { return prepare(options, show); }); !ran) return ran.error();
+  if (const auto ran = one.run([&] { return prepare(options, show); }); !ran)
+    return stop ? kIncomplete : ran.error();
   PreparedRender& prepared = one.prepared();
   if (!one.outcome()) return print_error(nothing_to_write(true)), kIncomplete;
   const Expected<RenderOutcome>& outcome = *one.outcome();
@@ -124,6 +125,7 @@ void add_render_command(CommandLine& app, const std::vector<std::string>& comman
       "  penumbra render scene.xml -o out/a.exr --spp 4096   continues where it was interrupted\n"
       "  penumbra render rooms/*/scene.xml -o 'out/{folder}.exr'\n"
       "  penumbra render jobs.toml                           every render that the file describes\n"
+      "  penumbra render shot.blend --frames 1-250           exported by Blender\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"
       "  penumbra render scene.xml --pixel 200,100 --spp 64");

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "kernels/host/process.h"
+#include "scheduler/files/run_program.h"
 
 namespace penumbra {
 namespace {
@@ -24,13 +25,6 @@ namespace {
 constexpr std::chrono::milliseconds kPollInterval{1};
 constexpr std::chrono::milliseconds kTimeToDie{5000};
 constexpr std::chrono::milliseconds kTimeToExecute{100};  // usually one or two milliseconds
-
-std::string describe(int status) {
-  if (WIFSIGNALED(status)) {
-    return fmt::format("killed by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
-  }
-  return fmt::format("exit code {}", WEXITSTATUS(status));
-}
 
 /// The environment of a child: these variables, and those of this process with other names. Ends with a null
 /// pointer.
@@ -134,7 +128,7 @@ std::vector<ChildExit> ChildProcesses::reap() {
       error_pipes_.erase(pipe);
     }
     if (got == pid)  // otherwise other code in this process has reaped it
-      ended.push_back({pid, why.empty() ? describe(status) : why,
+      ended.push_back({pid, why.empty() ? describe_exit(status) : why,
                        WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt,
                        WIFSIGNALED(status) ? WTERMSIG(status) : 0});
     return true;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,7 +23,9 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNotStarted = 127;
 
 /// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
-[[noreturn]] void become(char* const* words, int output, const char* folder, bool errors_too) {
+[[noreturn]] void become(char* const* words, pid_t parent, int output, const char* folder, bool errors_too) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kNotStarted);
   restore_default_signals();
   if (*folder != 0 && chdir(folder) != 0) _exit(kNotStarted);
   const int nothing = open("/dev/null", O_RDONLY);
@@ -33,34 +36,48 @@ constexpr int kNotStarted = 127;
   _exit(kNotStarted);
 }
 
-/// Reads until the other end is closed. False if the deadline passes first.
-bool read_all(int descriptor, Clock::time_point deadline, std::string& text) {
+/// Until when a program may run.
+struct Patience {
+  Clock::time_point deadline;
+  const std::atomic<bool>* stop;
+
+  [[nodiscard]] bool is_stopped() const { return stop != nullptr && *stop; }
+  [[nodiscard]] bool is_over() const { return is_stopped() || Clock::now() >= deadline; }
+};
+
+/// Reads until the other end is closed. False if patience ends first.
+bool read_all(int descriptor, const Patience& patience, std::string& text) {
+  constexpr std::chrono::milliseconds kBetweenLooks{50};
   char part[4096];
   for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     pollfd entry{.fd = descriptor, .events = POLLIN, .revents = 0};
-    if (left.count() <= 0) return false;
-    if (poll(&entry, 1, int(left.count())) <= 0) continue;
+    if (patience.is_over()) return false;
+    if (poll(&entry, 1, int(kBetweenLooks.count())) <= 0) continue;
     const ssize_t got = read(descriptor, part, sizeof part);
     if (got == 0 || (got < 0 && errno != EINTR)) return true;
     if (got > 0) text.append(part, std::size_t(got));
   }
 }
 
-/// The exit status of a child, which may close its output before it ends. Nothing if the deadline passes
-/// first.
-std::optional<int> wait_for(pid_t child, Clock::time_point deadline) {
+/// The exit status of a child, which may close its output before it ends. Nothing if patience ends first.
+std::optional<int> wait_for(pid_t child, const Patience& patience) {
   constexpr std::chrono::milliseconds kWaitInterval{2};
   for (;;) {
     int status = 0;
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
-    if ((ended < 0 && errno != EINTR) || Clock::now() > deadline) return std::nullopt;
+    if ((ended < 0 && errno != EINTR) || patience.is_over()) return std::nullopt;
     std::this_thread::sleep_for(kWaitInterval);
   }
 }
 
 }  // namespace
+
+std::string describe_exit(int status) {
+  return WIFSIGNALED(status)
+             ? fmt::format("killed by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
+             : fmt::format("exit code {}", WEXITSTATUS(status));
+}
 
 Expected<ProgramEnd> run_program(std::string program, std::vector<std::string> arguments,
                                  const ProgramOptions& options) {
@@ -70,23 +87,27 @@ Expected<ProgramEnd> run_program(std::string program, std::vector<std::string> a
   int output[2];
   if (pipe2(output, O_CLOEXEC) != 0)
     return fail(fmt::format("cannot start {}: {}", program, std::strerror(errno)));
-  const auto deadline = Clock::now() + options.limit;
+  const Patience patience{Clock::now() + options.limit, options.stop};
+  const pid_t parent = getpid();
   const pid_t child = fork();
   const int fork_error = errno;
-  if (child == 0) become(words.data(), output[1], options.folder.c_str(), options.errors_too);
+  if (child == 0) become(words.data(), parent, output[1], options.folder.c_str(), options.errors_too);
   close(output[1]);
   ProgramEnd end;
-  const bool read = child > 0 && read_all(output[0], deadline, end.output);
+  const bool read = child > 0 && read_all(output[0], patience, end.output);
   close(output[0]);
   if (child < 0) return fail(fmt::format("cannot start {}: {}", program, std::strerror(fork_error)));
-  const std::optional<int> status = read ? wait_for(child, deadline) : std::nullopt;
+  const std::optional<int> status = read ? wait_for(child, patience) : std::nullopt;
   if (!status) {
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
-    return fail(fmt::format("{} did not end within {} s", program, options.limit.count()));
+    return fail(patience.is_stopped()
+                    ? fmt::format("{} was stopped", program)
+                    : fmt::format("{} did not end within {} s", program, options.limit.count()));
   }
   if (WIFEXITED(*status) && WEXITSTATUS(*status) == kNotStarted && end.output.empty())
     return fail(fmt::format("cannot start {}", program));
+  end.how = describe_exit(*status);
   end.succeeded = WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
   return end;
 }

@@ -1,4 +1,4 @@
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 
 #include <csignal>
 
@@ -16,6 +16,8 @@ void on_signal(int number) {
 }
 
 }  // namespace
+
+const std::atomic<bool>& stop_signal() { return stop_requested; }
 
 const std::atomic<bool>& install_stop_signal() {
   struct sigaction action {};

@@ -11,4 +11,7 @@ namespace penumbra {
 /// number of times; under nohup it is ignored.
 const std::atomic<bool>& install_stop_signal();
 
+/// The same flag, which stays unset where nothing has installed it.
+const std::atomic<bool>& stop_signal();
+
 }  // namespace penumbra

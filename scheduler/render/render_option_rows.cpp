@@ -102,6 +102,17 @@ void add_scene_rows(std::vector<RenderOption>& all) {
   input.add("--dialect", "NAME", AT(scene.dialect), {one_of({"nori", "nori-eth"})},
             "Of Nori scenes: nori-eth is that of ETH Zurich's course, whose camera is mirrored (default: "
             "told from the file; `penumbra info` shows it)");
+  input.effect = kPixels;
+  input.add("--blender-scene,--scene", "NAME", AT(scene.blender_scene), {},
+            "Scene of a .blend file (default: the one that is open in it)");
+  input.add("--camera", "NAME", AT(scene.camera), {}, "Camera of a .blend file (default: the scene's)");
+  input.add("--view-layer", "NAME", AT(scene.view_layer), {},
+            "View layer of a .blend file (default: the scene's first)");
+  input
+      .add("--blender", "PROGRAM", AT(scene.blender), {},
+           "Blender 4.2 or newer, or a Python that has bpy, to export .blend files (default: "
+           "PENUMBRA_BLENDER, `blender` in PATH, PENUMBRA_BLENDER_PYTHON)")
+      .effect = kNone;
   add_frame_rows(all);
   OptionRows sampling{all, group::kSampling, kScene, kFiles};
   sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {choice_of("integrator.type")},

@@ -19,6 +19,8 @@ struct SceneOptions {
   std::vector<std::string> defines = {};   ///< name=value
   std::vector<std::string> settings = {};  ///< key=value
   std::optional<double> scale = {};        ///< of the film, after `settings`; see film_scale.h; not 1
+  std::string blender = {};                ///< program that exports .blend files
+  std::string blender_scene = {}, camera = {}, view_layer = {};  ///< of .blend files; empty: the file's
   bool lenient = false;
   bool strict = false;
   std::string dialect = {};                    ///< empty: determined from the scene file

@@ -17,6 +17,7 @@
 #include "scenes/scene_reader.h"
 #include "scenes/setting_rows.h"
 #include "scenes/settings.h"
+#include "scheduler/blender/blender_shots.h"
 #include "scheduler/render/film_scale.h"
 #include "scheduler/render/frames.h"
 #include "scheduler/render/render_option.h"
@@ -88,7 +89,11 @@ Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   read.strict = options.strict;
   read.dialect = options.dialect;
   read.clip = options.clip;
-  read.frame_duration = 1.0 / frames_per_second(options);
+  read.fps = options.fps;
+  read.export_scene = [&options](const std::filesystem::path&) { return blender_shots().scene_of(options); };
+  for (const char* name : {"blender-scene", "camera", "view-layer"})
+    for (const std::string& value : given_values(*find_render_option(name), {.scene = options}))
+      if (read.export_options.empty()) read.export_options = fmt::format("--{} {}", name, value);
   if (options.frame) {
     read.time = frame_seconds(options);
     read.variables = {{"frame", fmt::to_string(*options.frame)}, {"time", fmt::to_string(*read.time)}};

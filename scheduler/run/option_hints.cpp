@@ -73,7 +73,7 @@ std::string command_hint(const std::string& word) {
   const std::filesystem::path file = word;
   std::error_code ignored;
   const std::string extension = extension_of(file);
-  constexpr std::string_view kScenes[] = {".xml", ".pbrt", ".gltf", ".glb", ".toml"};
+  constexpr std::string_view kScenes[] = {".xml", ".pbrt", ".gltf", ".glb", ".toml", ".blend"};
   const bool is_scene = std::ranges::find(kScenes, extension) != std::end(kScenes);
   const bool is_image = is_image_name(file);
   if (!is_scene && !is_image && !std::filesystem::is_regular_file(file, ignored)) return {};

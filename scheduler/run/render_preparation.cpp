@@ -67,7 +67,8 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   static_cast<RenderSettings&>(record) = scene.description;
   static_cast<RenderRequest&>(record) = options;
   record.scene_hash = scene.description.contents_hash;
-  if (record.scene.frame) record.scene.fps = frames_per_second(options.scene);
+  if (record.scene.frame && !record.scene.fps)
+    record.scene.fps = scene.description.fps.value_or(kFramesPerSecond);
   record.film = film;
   record.plan = plan_of(options, scene.description.integrator);
   if (record.plan.stop_after == record.sampler.spp) record.plan.stop_after.reset();

@@ -7,6 +7,7 @@
 #include "scenes/instances.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/settings.h"
+#include "scheduler/blender/blender_shots.h"
 
 namespace penumbra {
 namespace {
@@ -89,6 +90,7 @@ SharedScenes::SharedScenes(const std::vector<const SceneOptions*>& renders, std:
     ++scenes_[key_of(*each)].renders_to_come;
     if (each->frame) ++shots_[shot_of(*each)].renders_to_come;
   }
+  blender_shots().expect(renders);
 }
 
 void SharedScenes::keep(const SceneOptions& options, Shot& shot, ReadScene scene) {

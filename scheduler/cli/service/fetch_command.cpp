@@ -11,7 +11,7 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/status_text.h"
 #include "worker/cli/help_text.h"

@@ -9,7 +9,7 @@
 #include "scheduler/cli/service/chosen_jobs.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/terminal_screen.h"
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 #include "scheduler/service/status_text.h"
 #include "worker/cli/help_text.h"
 

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "kernels/host/text.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/submitted_render.h"
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 #include "scheduler/render/option_checks.h"
 #include "scheduler/run/option_hints.h"
 #include "scheduler/run/render_preparation.h"
@@ -74,6 +75,7 @@ class Submitter {
   SharedScenes scenes_;
   std::optional<SubmittedGroup> group_;
   std::map<std::size_t, JobId> jobs_;  // of the plan's members
+  std::set<std::string> told_warnings_;
 };
 
 Expected<void> Submitter::submit(std::size_t index) {
@@ -88,7 +90,8 @@ Expected<void> Submitter::submit(std::size_t index) {
   }
   const auto prepared = prepare_render(member.options, &scenes_);
   if (!prepared) return std::unexpected(prepared.error());
-  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  for (const std::string& warning : prepared->scene.description.warnings)
+    if (told_warnings_.insert(warning).second) print_warning(warning);
   Submission submission = submission_of(*prepared, member, command_line_);
   submission.group = group_;
   submission.after = std::move(after);

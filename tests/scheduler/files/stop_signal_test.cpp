@@ -1,4 +1,4 @@
-#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/stop_signal.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
