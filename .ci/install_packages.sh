@@ -8,7 +8,7 @@
 #        opencl   an OpenCL device for any CPU (PoCL), for --backend opencl
 #        plots    the plots of penumbra report
 #        tests    what the tests need beside those: a screen in memory; NumPy, OpenImageIO and pytest for Python (6 MB to
-#                 fetch, 30 MB installed)
+#                 fetch, 30 MB installed); libraries of Blender's module bpy
 #        browser  Chromium, in which the tests look at pages
 #        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
 #        checks   formatter, sanitizers' runtime and symbolizer
@@ -32,7 +32,7 @@ declare -A lists=(
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"
   [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri
-    python3-numpy python3-openimageio python3-pytest"
+    python3-numpy python3-openimageio python3-pytest python3-venv libegl1 libgl1 libsm6 libxi6 libxkbcommon0"
   [browser]="chromium"
   [slurm]="slurm-wlm munge"
   [checks]="clang-format libclang-rt-19-dev llvm-19"

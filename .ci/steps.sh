@@ -90,5 +90,15 @@ build_and_test() {
   ctest --test-dir "build/$preset/$folder" --output-on-failure --parallel "$(nproc)" "$@"
 }
 
+# check_blender VERSION [CTEST ARGUMENT...]: the tests of the extension for Blender, by bpy of that series.
+check_blender() {
+  local python status=0
+  python=$(bash .ci/install_blender.sh "$1") || status=$?
+  if ((status == 77)); then return 0; fi
+  ((status == 0)) || return 1
+  shift
+  PENUMBRA_BLENDER_PYTHON=$python build_and_test release tests/scenes/blender -L blender "$@"
+}
+
 # build_and_run PRESET TEST FILTER: some tests of one executable.
 build_and_run() { build "$1" "$2" && "build/$1/$2" --gtest_brief=1 --gtest_filter="$3"; }
