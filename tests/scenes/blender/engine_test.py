@@ -15,7 +15,7 @@ import numpy
 
 import blender
 from blender import engine, exr, passes, program
-from blender.properties import settings_of
+from blender.properties import Settings, settings_of
 from engine_scene import HEIGHT, WIDTH, EngineTest, is_same, pass_of
 
 STOPS_WITHIN = 1.0  # seconds from Esc to the end of the render, as users are promised
@@ -174,6 +174,22 @@ class Pictures(EngineTest):
         self.scene.frame_current = 7
         self.assertEqual(settings_of(self.scene).seed, 7)
         self.assertFalse(is_same(first, self.combined(self.render())))
+
+
+class Progress(EngineTest):
+
+    def test_it_has_the_time_left(self):
+        told = unittest.mock.Mock()
+        render = object.__new__(engine.LayerRender)
+        render.engine, render.settings = told, Settings()
+        line = {"samples_done": 30, "samples_total": 120, "seconds_left": 3675.4, "relative_error": 0.0123, "workers": 2}
+        render.show_progress(line, 5)
+        told.update_stats.assert_called_with("", "Remaining 01:01:15 | 25 % | Error 1.2 %")
+        told.update_progress.assert_called_with(0.25)
+        render.settings = Settings(time_budget=10)
+        render.show_progress({**line, "seconds_left": None, "relative_error": None}, 5)
+        told.update_stats.assert_called_with("", "Remaining 00:00:05 | 50 %")
+        told.update_progress.assert_called_with(0.5)
 
 
 class Ends(EngineTest):
