@@ -61,6 +61,8 @@ class Reading:
             field = self._placed(at, self.values.fold(at), signed)
         except NotFolded as reason:
             field = self._baked(at, reason, default, signed)
+        if at.socket.type == "RGBA" and high == 1.0 and float(field.data.max()) > 1 + 1e-4:
+            self.note(at.node, f"'{at.socket.name}' is more than 1 and counts as 1")
         return clamped(field, low, high)
 
     def _placed(self, at, field, signed):
