@@ -94,7 +94,7 @@ Expected<std::unique_ptr<AnalyticPass>> AnalyticPass::create(const DeviceScene& 
   auto tables = make_analytic_tables(scene);
   if (!tables) return std::unexpected(tables.error());
   pass->tables_ = std::move(*tables);
-  const bool glossy = (scene.header.families & (1u << FAMILY_PHONG)) != 0;
+  const bool glossy = (scene.header.families & ONLY(PHONG)) != 0;
   auto triangles = link_shaders("triangles.vert", "triangles.frag");
   auto quadrics = link_shaders("quadrics.vert", "quadrics.frag");
   const bool lobes = (scene.header.features & FEATURE_LTC) != 0;

@@ -722,8 +722,8 @@ enum {
 // All scene data that is not in a table.
 #define SCENE_HEADER_FIELDS(F)                                                                      \
   F(ulong, features)     /* FEATURE_* bits */                                                       \
-  F(uint, families)      /* bits 1 << FAMILY_* of its materials */                                  \
-  F(uint, textured)      /* bits 1 << TEXTURED_* of the fields that are textured in a material */   \
+  F(ulong, families)     /* bits 1 << FAMILY_* of its materials */                                  \
+  F(ulong, textured)     /* bits 1 << TEXTURED_* of the fields that are textured in a material */   \
   F(uint, texture_kinds) /* bits 1 << TEXTURE_* of its textures */                                  \
   F(int, intersector)    /* INTERSECTOR_* */                                                        \
   F(Camera, camera)                                                                                 \

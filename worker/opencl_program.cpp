@@ -79,7 +79,7 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
   std::string options = fmt::format(
-      "-cl-std=CL1.2 -w -DFEATURES={}ul -DFAMILIES={}u -DLIGHT_KINDS_MASK={}u -DTEXTURE_KINDS_MASK={}u "
+      "-cl-std=CL1.2 -w -DFEATURES={}ul -DFAMILIES={}ul -DLIGHT_KINDS_MASK={}u -DTEXTURE_KINDS_MASK={}u "
       "-DLANES={} "
       "-DVECTOR_WIDTH={}",
       needs.features, needs.families, needs.light_kinds, needs.texture_kinds, lanes, width);

@@ -8,7 +8,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if LANES > 1
-  #define MAX_FAMILIES 32
+  #define MAX_FAMILIES 64
 
 /// The family of each hit: that of the primitive's front, or of its back if the front is black, since the
 /// side is not known yet. FAMILY_BLACK for rays that hit nothing.

@@ -82,9 +82,9 @@ TEXTURED_FIELDS(TEXTURE_LANES, )
 #undef TEXTURE_LANES
 
 /// A mask of the families of LANES closures.
-FN uint families_among(const PRIVATE Closures* closures) {
-  uint families = 0u;
-  for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
+FN ulong families_among(const PRIVATE Closures* closures) {
+  ulong families = 0u;
+  for (int j = 0; j < LANES; j++) families |= (ulong)1 << closures->family[j];
   return families & compiled_families();
 }
 
@@ -98,9 +98,9 @@ STAGE void offset_hair_lanes(const PRIVATE float* RESTRICT v, PRIVATE float* RES
 /// that no material of the scene uses are unchanged.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
-  const uint of_scene = NEEDED(FAMILIES, scene->header.families) & compiled_families();
+  const ulong of_scene = NEEDED(FAMILIES, scene->header.families) & compiled_families();
   resolve_family_lanes(scene, surfaces->material, closures);
-  const uint families = families_among(closures);
+  const ulong families = families_among(closures);
 #define RESOLVE_IF_USED(a, type, name)                                               \
   if ((COMPILED_FAMILIES & USERS_##name) != 0u && (of_scene & USERS_##name) != 0u) { \
     if ((families & USERS_##name) != 0u)                                             \
@@ -189,7 +189,7 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
 }
 
 /// Evaluates closures of these `families` for the unit directions `wi`, a lane vec3.
-CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, ulong families, const PRIVATE Closures* closures,
                           const PRIVATE Surfaces* surfaces, const PRIVATE float* wi,
                           PRIVATE BsdfValues* values) {
   bool first = true;
@@ -204,7 +204,7 @@ CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVA
 }
 
 /// Samples directions by the closures, in world space. `uv` has LANES numbers u, then LANES numbers v.
-CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, ulong families, const PRIVATE Closures* closures,
                             const PRIVATE Surfaces* surfaces, const PRIVATE float* uv,
                             const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
   bool first = true;
@@ -234,7 +234,7 @@ BRANCHING_FAMILIES(LOBE_PROBABILITY)
 #undef LOBE_PROBABILITY
 
 /// The probabilities of the first lobes of closures of BRANCHING_FAMILIES; 1 for others.
-FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
+FN void lobe_probabilities(ulong families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                            PRIVATE float* probabilities) {
   for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
 #define PROBABILITY_IF_THERE(name, NAME)                 \

@@ -29,7 +29,7 @@ STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
 }
 
 /// Computes the control lobes of closures of `families`; others have none.
-FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+FN void find_controls(const PRIVATE Scene* scene, ulong families, const PRIVATE Closures* closures,
                       const PRIVATE Surfaces* surfaces, PRIVATE ControlLanes* controls) {
   clear_controls(controls);
 #define CONTROL_IF_THERE(name, NAME)                     \

@@ -90,7 +90,7 @@ FN vec3 control_value(ControlLobes c, vec3 wo, vec3 wi) {
 
 /// Whether samples of polygon lights at such a closure may use the lobes as control variate. Families that
 /// transmit have none, since their lights are sampled differently.
-FN bool has_ltc_form(Closure c) { return ((ltc_families() >> c.family) & 1u) != 0u; }
+FN bool has_ltc_form(Closure c) { return is_among(c, ltc_families()); }
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -173,10 +173,10 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 
 // The families that use each field. A field that no family in the scene uses is not read and keeps its value
 // of black_closure. Families of tests may use all fields.
-#define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
-#define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
+#define FAMILY_BIT(name, NAME, number, properties, text) | ((ulong)1 << (number))
+#define EXTRA_FAMILIES ((ulong)0 EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
-#define ONLY(NAME) (1u << FAMILY_##NAME)
+#define ONLY(NAME) ((ulong)1 << FAMILY_##NAME)
 #define ROUGH_CONDUCTORS (ONLY(ROUGHCONDUCTOR_GGX) | ONLY(ROUGHCONDUCTOR_BECKMANN))
 #define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
 #define DISPERSING (ONLY(DIELECTRIC) | ROUGH_DIELECTRICS | OPENPBRS_LAYERED)
@@ -248,29 +248,35 @@ FN Closure black_closure(void) {
 #undef ZERO_FIELD
 
 // Masks of families. A kernel is compiled for the families in FAMILIES, which the build defines.
-#define EVERY_FAMILY (0u BSDF_FAMILIES(FAMILY_BIT))
+#define EVERY_FAMILY ((ulong)0 BSDF_FAMILIES(FAMILY_BIT))
 #ifndef FAMILIES
   #define FAMILIES EVERY_FAMILY
 #endif
 // A copy of the mask, since it must not be expanded within the expansion of BSDF_FAMILIES.
-enum { COMPILED_FAMILIES = FAMILIES };
+ENUM_OF_ULONG{COMPILED_FAMILIES = FAMILIES};
 // HAS_FAMILY is a compile-time constant: compilers drop the code behind `if (HAS_FAMILY(PHONG))` where it is
 // false.
 #define HAS_FAMILY(NAME) ((COMPILED_FAMILIES & ONLY(NAME)) != 0u)
 
-FN uint compiled_families(void) { return FAMILIES; }
+FN ulong compiled_families(void) { return FAMILIES; }
 
-#define FAMILY_WITH(name, NAME, number, properties, text) | (((properties)&wanted) != 0 ? 1u << (number) : 0u)
+#define FAMILY_WITH(name, NAME, number, properties, text) \
+  | (((properties)&wanted) != 0 ? (ulong)1 << (number) : (ulong)0)
 /// The families with any of the wanted properties.
-FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
+FN ulong families_with(int wanted) { return (ulong)0 BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
-#define BRANCHING_FAMILY(name, NAME) | (1u << FAMILY_##NAME)
-FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMILY)) & compiled_families(); }
+#define BRANCHING_FAMILY(name, NAME) | ONLY(NAME)
+FN ulong branching_families(void) {
+  return ((ulong)0 BRANCHING_FAMILIES(BRANCHING_FAMILY)) & compiled_families();
+}
 #undef BRANCHING_FAMILY
 
-/// Whether the closure is of one of the families.
-FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
+/// Whether the closure is of one of the families. Words of 32 bits keep lanes as wide as others.
+FN bool is_among(Closure c, ulong families) {
+  const uint word = c.family < 32 ? (uint)families : (uint)(families >> 32);
+  return ((word >> (c.family & 31)) & 1u) != 0u;
+}
 
 /// Whether light from behind is transmitted. Some closures of the principled families do not transmit; solid
 /// ones of OpenPBR scatter below the surface what these call diffuse transmission.
@@ -304,13 +310,13 @@ FN bool is_anisotropic(Closure c) {
   X(disney, DISNEY)                                   \
   X(openpbr, OPENPBR)                                 \
   EXTRA_LTC_FAMILIES(X)
-#define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
-FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
+#define LTC_FAMILY_BIT(name, NAME) | ONLY(NAME)
+FN ulong ltc_families(void) { return (ulong)0 LTC_FAMILIES(LTC_FAMILY_BIT); }
 
 /// Approximate albedo, from the closure's colours.
 FN vec3 closure_albedo(Closure c) {
   // The boundary of a coat reflects this much along the normal.
-  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE) | OPENPBRS) >> c.family) & 1u) != 0u;
+  const bool coated = is_among(c, PLASTICS | ONLY(MICROFACET_DIFFUSE) | OPENPBRS);
   const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
   return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
 }

@@ -8,7 +8,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x53424e50;  // "PNBS"
-constexpr std::uint32_t kVersion = 14;
+constexpr std::uint32_t kVersion = 15;
 
 struct Preamble {
   std::uint32_t magic = kMagic;

@@ -7,12 +7,12 @@
 
 namespace penumbra {
 
-constexpr std::uint32_t kEveryFamily = EVERY_FAMILY;
+constexpr std::uint64_t kEveryFamily = EVERY_FAMILY;
 
 /// Bit masks.
 struct KernelNeeds {
   std::uint64_t features = FEATURE_ALL;             ///< FEATURE_*
-  std::uint32_t families = kEveryFamily;            ///< 1 << FAMILY_*
+  std::uint64_t families = kEveryFamily;            ///< 1 << FAMILY_*
   std::uint32_t light_kinds = ALL_LIGHT_KINDS;      ///< 1 << LIGHT_*
   std::uint32_t texture_kinds = ALL_TEXTURE_KINDS;  ///< 1 << TEXTURE_*
 };

@@ -22,8 +22,8 @@ class RecordCheck {
   }
   static bool in(int value, int low, int high) { return value >= low && value <= high; }
   /// Whether the mask has the bit with that number.
-  static bool holds(std::uint32_t mask, int number) {
-    return in(number, 0, 31) && (mask >> number & 1u) != 0;
+  static bool holds(std::uint64_t mask, int number) {
+    return in(number, 0, 63) && (mask >> number & 1u) != 0;
   }
   [[nodiscard]] bool has(std::uint64_t feature) const { return (h_.features & feature) != 0; }
 

@@ -113,7 +113,7 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
   const float emitter_samples = (float)h->integrator.emitter_samples,
               bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
-  const uint by_themselves = families_with_own_directions(h);
+  const ulong by_themselves = families_with_own_directions(h);
   const bool disperses = NEEDS(scene, DISPERSION);  // then paths have a throughput, see disperse
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {

@@ -14,8 +14,8 @@ FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
 
 /// The BSDF families that are always sampled by themselves, because directions of the hemisphere would miss
 /// some of their light.
-FN uint families_with_own_directions(const PRIVATE SceneHeader* h) {
-  return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
+FN ulong families_with_own_directions(const PRIVATE SceneHeader* h) {
+  return h->integrator.bsdf_sampling == DIRECTION_BSDF ? ~(ulong)0
                                                        : families_with(DELTA | SOME_DELTA | TRANSMITS);
 }
 
@@ -46,7 +46,7 @@ STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
 }
 
 /// Replaces the samples by the `chosen` hemisphere samples where the closure is in none of these families.
-STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themselves,
+STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, ulong by_themselves,
                        const PRIVATE BsdfSamples* RESTRICT chosen, PRIVATE BsdfSamples* RESTRICT samples) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -58,7 +58,7 @@ STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themse
 
 /// Samples directions about the hemisphere, and evaluates closures of these families for them, as BSDF
 /// samples.
-FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVATE StepLanes* step,
+FN void choose_directions(const PRIVATE Scene* scene, ulong families, const PRIVATE StepLanes* step,
                           PRIVATE BsdfSamples* samples) {
   const PRIVATE SceneHeader* h = &scene->header;
   float wi[3 * LANES];
@@ -70,7 +70,7 @@ FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVA
 
 /// Samples directions by the BSDFs or about the hemisphere, whichever the scene wants.
 FN void sample_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
-  const uint by_themselves = families_with_own_directions(&scene->header);
+  const ulong by_themselves = families_with_own_directions(&scene->header);
   sample_bsdfs(scene, step->families & by_themselves, &step->closures, &step->surfaces,
                step->u + DIM_BSDF_U * LANES, step->u + DIM_LOBE_CHOICE * LANES, &step->samples);
   if ((step->families & ~by_themselves) != 0u) {

@@ -26,9 +26,10 @@ STAGE void note_inner(const PRIVATE Scene* scene, const PRIVATE PathState* paths
 }
 
 /// The families of the closures that are not inside a material.
-FN uint lit_families(const PRIVATE StepLanes* step) {
-  uint families = 0u;
-  for (int j = 0; j < LANES; j++) families |= step->within[j] != 0 ? 0u : 1u << step->closures.family[j];
+FN ulong lit_families(const PRIVATE StepLanes* step) {
+  ulong families = 0u;
+  for (int j = 0; j < LANES; j++)
+    families |= step->within[j] != 0 ? 0u : (ulong)1 << step->closures.family[j];
   return families & step->families;
 }
 

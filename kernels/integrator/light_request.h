@@ -273,7 +273,7 @@ FN void project_at_surfaces(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
   }
   project_found(scene, &parts, surfaces, closures, found);
 }
-FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
+FN void project_from_surfaces(const PRIVATE Scene* scene, ulong families, const PRIVATE Surfaces* surfaces,
                               const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
   ControlLanes controls;
   if (NEEDS_LTC(scene)) find_controls(scene, families, closures, surfaces, &controls);

@@ -68,7 +68,7 @@ FN bool any_scatters(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
 }
 
 /// Whether light samples may count at closures of these families: not if all are delta.
-FN bool takes_light_samples(uint families) { return (families & ~families_with(DELTA)) != 0u; }
+FN bool takes_light_samples(ulong families) { return (families & ~families_with(DELTA)) != 0u; }
 
 STAGE void request_no_light(const PRIVATE PathState* paths, int i) {
   LANE_LOOP

@@ -21,7 +21,7 @@ typedef struct {
   float u[STEP_DIMENSIONS * LANES];  ///< random numbers, DIM_* of lane j at DIM_* * LANES + j
   Surfaces surfaces;                 ///< where they scatter
   Closures closures;                 ///< their BSDFs at those surfaces
-  uint families;                     ///< of the closures
+  ulong families;                    ///< of the closures
   FoundLights found;                 ///< the lights that their last rays hit
   Emissions emissions;               ///< the emission of those lights
   LightSamplings samplings;

@@ -78,7 +78,7 @@ FN void request_whitted_lights(const PRIVATE Scene* scene, bool scatters, bool f
 STAGE void balance_values(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const uint by_themselves = families_with_own_directions(h);
+  const ulong by_themselves = families_with_own_directions(h);
   const int kind = h->integrator.bsdf_sampling;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -103,7 +103,7 @@ STAGE void find_branching(const PRIVATE Scene* scene, const PRIVATE PathState* p
                           const PRIVATE StepLanes* RESTRICT step, PRIVATE Branching* RESTRICT branching) {
   const PRIVATE SceneHeader* h = &scene->header;
   const int max_depth = h->integrator.max_depth, branch_depth = h->integrator.branch_depth;
-  const uint deltas = families_with(DELTA), with_two = branching_families();
+  const ulong deltas = families_with(DELTA), with_two = branching_families();
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Closure c = load_closure(&step->closures, j);
@@ -135,7 +135,7 @@ STAGE void weigh_branches(const PRIVATE Scene* scene, const PRIVATE PathState* p
                           const PRIVATE Branching* RESTRICT branching,
                           const PRIVATE float* RESTRICT probabilities, PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const uint deltas = families_with(DELTA);
+  const ulong deltas = families_with(DELTA);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const bool delta = is_among(load_closure(&step->closures, j), deltas);

@@ -117,7 +117,7 @@ FN uint beam_photons(const PRIVATE PhotonTable* table, const PRIVATE PhotonBeam*
 typedef struct {
   const PRIVATE Surfaces* surfaces;  ///< scattering points of the lanes' media
   const PRIVATE Closures* closures;
-  uint families;
+  ulong families;
   PRIVATE PhotonPairs* pairs;
   PRIVATE float* sums;
 } BeamSums;

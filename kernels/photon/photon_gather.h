@@ -28,7 +28,7 @@ FN void start_pairs(PRIVATE PhotonPairs* pairs) {
 }
 
 /// Adds the light of the pairs to `sums`, a lane vec3.
-FN void finish_pairs(const PRIVATE Scene* scene, uint families, PRIVATE PhotonPairs* pairs,
+FN void finish_pairs(const PRIVATE Scene* scene, ulong families, PRIVATE PhotonPairs* pairs,
                      PRIVATE float* sums) {
   BsdfValues values;
   if (pairs->count == 0) return;
@@ -54,7 +54,7 @@ FN void finish_pairs(const PRIVATE Scene* scene, uint families, PRIVATE PhotonPa
   pairs->count = 0;
 }
 
-FN void add_pair(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
+FN void add_pair(const PRIVATE Scene* scene, ulong families, const PRIVATE Surfaces* surfaces,
                  const PRIVATE Closures* closures, int j, vec3 wi, vec3 power, PRIVATE PhotonPairs* pairs,
                  PRIVATE float* sums) {
   const int q = pairs->count++;
@@ -85,7 +85,7 @@ FN int most_photon_edges(const PRIVATE SceneHeader* h, const PRIVATE PathState* 
 /// Adds to `sums`, a lane vec3, the radiance that photons scatter towards wo; in media over the scattering
 /// coefficient, which is part of the path's weight.
 STAGE void gather_photons(const PRIVATE Scene* scene, const PRIVATE PhotonRequest* request,
-                          const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures, uint families,
+                          const PRIVATE Surfaces* surfaces, const PRIVATE Closures* closures, ulong families,
                           PRIVATE float* sums) {
   const PhotonTable table = photon_table(scene->photons, request->map);
   float found[3 * LANES], weights[LANES];

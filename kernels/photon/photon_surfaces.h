@@ -12,7 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 /// Whether the closure has a diffuse part, or is a phase function. Of hair, which is thinner than photons lie
 /// apart, paths find all light.
 FN bool has_diffuse_part(Closure c) {
-  const uint diffuse = USERS_diffuse & ~ONLY(HAIR);
+  const ulong diffuse = USERS_diffuse & ~ONLY(HAIR);
   const bool metal = is_among(c, USERS_metallic) & (c.metallic >= 1.0f);
   const bool glass = is_among(c, USERS_spec_trans) & (c.spec_trans >= 1.0f);
   const float through = is_among(c, ONLY(DIFFTRANS)) ? max_component(c.transmitted) : 0.0f;

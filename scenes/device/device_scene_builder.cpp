@@ -200,7 +200,7 @@ class SceneBuilder {
       if (m.passing_leaves > MOST_PASSING_LEAVES)
         return fail(
             fmt::format("{}: rays may pass more than {} BSDFs within it", bsdf.name, MOST_PASSING_LEAVES));
-      if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= 1u << m.family;
+      if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= std::uint64_t{1} << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
       if (m.bend != BEND_NONE) {
         need(FEATURE_BENT);
@@ -217,12 +217,12 @@ class SceneBuilder {
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (!media_->empty()) {
       if (Expected<void> done = media_->fill(center_, records_); !done) return done;
-      h_.families |= 1u << FAMILY_PHASE;
+      h_.families |= ONLY(PHASE);
       h_.camera_medium = media_->record_of(scene_.camera_medium);
       need(FEATURE_MEDIA | FEATURE_NESTED);
       if (media_->has_interiors()) need(FEATURE_INTERIORS);
       for (const Medium& m : records_.media)
-        if (m.exit >= 0) h_.families |= 1u << records_.materials[std::size_t(m.exit)].family;
+        if (m.exit >= 0) h_.families |= std::uint64_t{1} << records_.materials[std::size_t(m.exit)].family;
       if (std::ranges::any_of(records_.media, [](const Medium& m) { return max_component(m.emission) > 0; }))
         need(FEATURE_EMITTING_MEDIA);
     }

@@ -159,7 +159,7 @@ void set_estimator(const IntegratorSettings& integrator, const LightBuilder& lig
   } else if (variate->alpha) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
     h.adjustable.alpha = *variate->alpha;
-  } else if ((h.families & ~(1u << FAMILY_DIFFUSE)) == 0u && h.integrator.light_choice == CHOICE_ANALYTIC &&
+  } else if ((h.families & ~ONLY(DIFFUSE)) == 0u && h.integrator.light_choice == CHOICE_ANALYTIC &&
              lights.constant_if_projected()) {
     use_samples_alone(h);
   } else {

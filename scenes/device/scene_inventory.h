@@ -22,7 +22,8 @@ struct NamedBit {
 #define LIST_FEATURE(name, description) {FEATURE_##name, #name, description},
 inline constexpr NamedBit kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
 #undef LIST_FEATURE
-#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},
+#define LIST_FAMILY(name, NAME, number, properties, description) \
+  {std::uint64_t{1} << (number), "BSDF_" #NAME, description},
 inline constexpr NamedBit kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
 #undef LIST_FAMILY
 

@@ -77,7 +77,8 @@ Scene SceneTables::scene() {
     if (q.kind == QUADRIC_CYLINDER) s.header.features |= FEATURE_CYLINDERS;
   if (!vertex_uvs.empty()) s.header.features |= FEATURE_UV;
   for (const Light& light : lights) s.header.light_kinds |= 1u << light.kind;
-  for (const Material& material : materials) s.header.families |= (1u << material.family) & EVERY_FAMILY;
+  for (const Material& material : materials)
+    s.header.families |= (ulong{1} << material.family) & EVERY_FAMILY;
   return s;
 }
 

@@ -229,7 +229,7 @@ TEST_F(MitsubaMedia, TablesOfNestedMedia) {
   const SceneHeader& h = d.header;
   EXPECT_EQ(h.features & (FEATURE_MEDIA | FEATURE_NESTED | FEATURE_TRANSMISSION),
             FEATURE_MEDIA | FEATURE_NESTED);
-  EXPECT_NE(h.families & 1u << FAMILY_PHASE, 0u);
+  EXPECT_NE(h.families & ONLY(PHASE), 0u);
   EXPECT_NE(h.features & FEATURE_MIXED_FAMILIES, 0u);
   EXPECT_EQ(h.camera_medium, 1);
   const auto media = table<Medium>(d, h.tables.media);

@@ -86,10 +86,10 @@ TEST(Families, AreThoseOfTheMaterials) {
     for (Bsdf& bsdf : scene.bsdfs) bsdf.model = model;
     return build(scene).header.families;
   };
-  EXPECT_EQ(families(DiffuseBsdf{}), 1u << FAMILY_DIFFUSE);
-  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), 1u << FAMILY_DIFFUSE);
-  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), 1u << FAMILY_PHONG);
-  EXPECT_EQ(build(everything()).header.families, 1u << FAMILY_DIFFUSE | 1u << FAMILY_PHONG);
+  EXPECT_EQ(families(DiffuseBsdf{}), ONLY(DIFFUSE));
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), ONLY(DIFFUSE));
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), ONLY(PHONG));
+  EXPECT_EQ(build(everything()).header.families, ONLY(DIFFUSE) | ONLY(PHONG));
 }
 
 TEST(Features, AllAreThoseOfTheList) {

@@ -207,9 +207,9 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
   expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = LIGHT_KIND_COUNT; }),
                  "a light of unknown kind");
   for (const int family : {FAMILY_DIFFUSE, FAMILY_PHONG})
-    expect_refused(with_header([&](SceneHeader& c) { c.families &= ~(1u << family); }),
+    expect_refused(with_header([&](SceneHeader& c) { c.families &= ~(std::uint64_t{1} << family); }),
                    "a material of a family of BSDFs that the header does not name");
-  for (const int family : {-1, FAMILY_PHONG + 1, 31, 32, INT_MAX})
+  for (const int family : {-1, FAMILY_PHONG + 1, 31, 32, 63, 64, INT_MAX})
     expect_refused(
         with_record<Material>(scene, h.tables.materials, 1, [&](Material& m) { m.family = family; }),
         "a material of a family of BSDFs that the header does not name");

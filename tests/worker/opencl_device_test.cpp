@@ -193,7 +193,7 @@ TEST_F(OpenClDevices, KeysChangeWithAllThatAProgramDependsOn) {
   EXPECT_EQ(key, kernel_cache_key(info, source));
   EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, {FEATURE_PATH}, 1)));
   EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, {FEATURE_DIRECT}, 16)));
-  for (const KernelNeeds& needs : {KernelNeeds{.features = FEATURE_PATH, .families = 1u << FAMILY_DIFFUSE},
+  for (const KernelNeeds& needs : {KernelNeeds{.features = FEATURE_PATH, .families = ONLY(DIFFUSE)},
                                    KernelNeeds{.features = FEATURE_PATH, .light_kinds = 1u << LIGHT_POINT}})
     EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, needs, 16)));
   OpenClSource changed = source;

@@ -60,7 +60,7 @@ TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
   SceneTables tables = all_materials();
   const Scene scene = tables.scene();
   RandomNumbers random(17);
-  std::set<uint> seen;
+  std::set<ulong> seen;
   for (int k = 0; k < 5000; ++k) {
     // Often of few materials, so that some groups of lanes lack a family.
     const int count = int(tables.materials.size()), start = k / 2 % count;
@@ -69,10 +69,10 @@ TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
         random_surfaces(random, start, start + 1 + int(random.below(std::uint64_t(most))));
     Closures closures;
     resolve_closures(&scene, &surfaces, &closures);
-    uint expected = 0;
+    ulong expected = 0;
     for (int j = 0; j < LANES; ++j)
-      expected |= 1u << tables.materials[std::size_t(surfaces.material[j])].family;
-    const uint families = families_among(&closures);
+      expected |= ulong{1} << tables.materials[std::size_t(surfaces.material[j])].family;
+    const ulong families = families_among(&closures);
     ASSERT_EQ(families, expected & EVERY_FAMILY);
     seen.insert(families);
 
@@ -103,11 +103,11 @@ TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
       ASSERT_TRUE(same(sample.weight, sample_alone.weight));
     }
   }
-  uint all = 0;
-  for (const Material& m : tables.materials) all |= 1u << m.family;
-  EXPECT_EQ(all, EVERY_FAMILY | 1u);
-  for (const uint families : {0u, 1u << FAMILY_DIFFUSE, 1u << FAMILY_ROUGHDIELECTRIC_BECKMANN,
-                              1u << FAMILY_PHONG, 1u << FAMILY_MICROFACET_DIFFUSE})
+  ulong all = 0;
+  for (const Material& m : tables.materials) all |= ulong{1} << m.family;
+  EXPECT_EQ(all, EVERY_FAMILY | ulong{1});
+  for (const ulong families :
+       {ulong{0}, ONLY(DIFFUSE), ONLY(ROUGHDIELECTRIC_BECKMANN), ONLY(PHONG), ONLY(MICROFACET_DIFFUSE)})
     EXPECT_TRUE(seen.contains(families)) << families;
 }
 

@@ -35,7 +35,7 @@ void put_extra_families(DeviceScene& scene, std::span<const ExtraFamily> extra_f
     if (each.exponent >= 0) m.exponent = each.exponent;
   }
   scene.header.families = 0;
-  for (int i = 1; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
+  for (int i = 1; i < span.count; ++i) scene.header.families |= std::uint64_t{1} << materials[i].family;
   // What the builder does for families that the renderer has.
   std::uint64_t& features = scene.header.features;
   features &= ~std::uint64_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
