@@ -25,6 +25,7 @@
 #include "scenes/bsdfs/disney.h"
 #include "scenes/bsdfs/hair.h"
 #include "scenes/bsdfs/lajolla.h"
+#include "scenes/bsdfs/measured.h"
 #include "scenes/bsdfs/metalrough.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/nested.h"
@@ -38,11 +39,12 @@
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                               ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
-                               PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
-                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, OpenPbrBsdf, NullBsdf,
-                               MaskBsdf, BlendBsdf, RoughDiffuseBsdf, DiffuseTransmitterBsdf, HairBsdf>;
+using BsdfModel =
+    std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, PolarizedPlasticBsdf,
+                 WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf,
+                 DisneyBsdf, OpenPbrBsdf, NullBsdf, MaskBsdf, BlendBsdf, RoughDiffuseBsdf,
+                 DiffuseTransmitterBsdf, HairBsdf, MeasuredBsdf>;
 
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters =

@@ -21,6 +21,7 @@ constexpr std::uint64_t kMaxSceneFileBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMaxMeshFileBytes = std::uint64_t{4} << 30;
 constexpr std::uint64_t kMaxImageFileBytes = std::uint64_t{4} << 30;
 constexpr std::uint64_t kMaxVolumeFileBytes = std::uint64_t{4} << 30;
+constexpr std::uint64_t kMaxMeasuredFileBytes = std::uint64_t{1} << 30;
 
 class FileAccess {
  public:

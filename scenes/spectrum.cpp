@@ -160,8 +160,12 @@ glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples) {
 }
 
 glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples) {
+  return glm::max(unclamped_index_to_rgb(samples), 0.0);
+}
+
+glm::dvec3 unclamped_index_to_rgb(std::span<const SpectrumSample> samples) {
   static const glm::dvec3 white = integrate(kFlat, true);
-  return glm::max(integrate(samples, true) / white, 0.0);
+  return integrate(samples, true) / white;
 }
 
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples) {

@@ -23,6 +23,9 @@ glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples);
 /// but values above 1 are not clamped.
 glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples);
 
+/// The same, before the gamut is clamped: linear in the values.
+glm::dvec3 unclamped_index_to_rgb(std::span<const SpectrumSample> samples);
+
 /// Converts a tabulated emission. It is scaled so that a constant spectrum of 1 has luminance 1.
 /// Interpolation and gamut clamping are those of reflectance_to_rgb.
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples);

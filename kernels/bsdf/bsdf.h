@@ -7,6 +7,7 @@
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/hair.h"
+#include "kernels/bsdf/measured.h"
 #include "kernels/bsdf/microfacet_diffuse.h"
 #include "kernels/bsdf/openpbr.h"
 #include "kernels/bsdf/phase.h"

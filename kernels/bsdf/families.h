@@ -46,7 +46,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(openpbr, OPENPBR, 24, SEVERAL_LOBES, "OpenPBR's base")                                               \
   X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")                           \
   X(openpbr_layered, OPENPBR_LAYERED, 26, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "OpenPBR's surface")  \
-  X(openpbr_film, OPENPBR_FILM, 27, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "... with a thin film")
+  X(openpbr_film, OPENPBR_FILM, 27, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "... with a thin film")     \
+  X(measured, MEASURED, 32, ANISOTROPIC, "measured BRDF")
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST
@@ -129,6 +130,16 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define FILM_CURVE (3 * (FILM_KNOTS + 1))
 #define FILM_REFLECTANCES ((1 + FILM_METALS) * FILM_CURVE)
 
+// Tables of measured BRDFs, see measured.h.
+#define MEASURED_HEADER 12  // numbers
+#define MEASURED_NODES 128  // azimuths, or polar angles, of wo at most: 2^7, see measured.h
+#define MEASURED_SIDE 512   // knots along one side of a grid at most: 2^9
+// Symmetries. An anisotropic one has azimuths of the whole circle, or of [-pi, 0] or [-pi, -pi / 2].
+#define MEASURED_ISOTROPIC 0
+#define MEASURED_WHOLE 1
+#define MEASURED_HALF 2
+#define MEASURED_QUARTER 4
+
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
 #define PRINCIPLED_INSIDE 1  // variant: wo is inside
@@ -194,7 +205,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_variant                                                                               \
   USERS(PLASTICS | ONLY(WARD) | ONLY(ROUGHDIFFUSE) | ONLY(PRINCIPLED_TRANSMITTING) | ONLY(DISNEY) | \
         OPENPBRS | ONLY(HAIR))
-#define USERS_curve USERS(ROUGH_PLASTICS | OPENPBRS)
+#define USERS_curve USERS(ROUGH_PLASTICS | OPENPBRS | ONLY(MEASURED))
 #define USERS_curve_rows USERS(ROUGH_PLASTICS | OPENPBRS)
 #define USERS_film_rows USERS(ONLY(OPENPBR_FILM))
 #define USERS_film USERS(ONLY(OPENPBR_FILM))
@@ -210,7 +221,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_diffuse                                                                                     \
   USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
         OPENPBRS | ONLY(HAIR))
-#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | OPENPBRS)
+#define USERS_specular \
+  USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS | OPENPBRS | ONLY(MEASURED))
 #define USERS_transmitted USERS(DIELECTRICS | ONLY(DIFFTRANS) | OPENPBRS_LAYERED | ONLY(HAIR))
 #define USERS_eta USERS(CONDUCTORS | OPENPBRS_LAYERED)
 #define USERS_k USERS(CONDUCTORS | OPENPBRS_LAYERED)
@@ -222,7 +234,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD) | ONLY(HAIR))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS | OPENPBRS)
-#define USERS_anisotropic USERS(DISNEYS | OPENPBRS_LAYERED)
+#define USERS_anisotropic USERS(DISNEYS | OPENPBRS_LAYERED | ONLY(MEASURED))
 #define USERS_metallic USERS(METALS_AND_BASES | OPENPBRS)
 #define USERS_spec_trans \
   USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY) | OPENPBRS_LAYERED)

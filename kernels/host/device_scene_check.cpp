@@ -11,6 +11,7 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/hierarchy_check.h"
 #include "kernels/host/kernel_needs.h"
+#include "kernels/host/measured_check.h"
 #include "kernels/host/media_check.h"
 #include "kernels/host/record_check.h"
 #include "kernels/intersect/bvh_limits.h"
@@ -157,7 +158,8 @@ class Checker : public RecordCheck {
     // Kernels read the curves, and the lobes of phase functions, for lanes that have other materials, too.
     const bool curves = h_.tables.curves.count > 0;
     for (const Material& m : table<Material>(scene_, h_.tables.materials)) {
-      const bool uses = holds(USERS_curve & ~EXTRA_FAMILIES, m.family);
+      const bool measured = m.family == FAMILY_MEASURED;
+      const bool uses = holds(USERS_curve & ~EXTRA_FAMILIES, m.family) && !measured;
       const bool film = m.family == FAMILY_OPENPBR_FILM;
       require(in(m.film_rows, film ? 1 : 0, film ? FILM_ROWS : 0) &&
                   (!film || (m.curve_rows > 0 && m.curve_rows % OPENPBR_SETS == 0)),
@@ -165,11 +167,16 @@ class Checker : public RecordCheck {
       const std::int64_t film_size =
           std::int64_t(m.film_rows) *
           (FILM_REFLECTANCES + 3 * CURVE_STRIDE * std::int64_t(m.curve_rows / OPENPBR_SETS));
-      require((!curves && !uses) ||
+      require((!curves && !uses && !measured) ||
                   (in(m.curve_rows, uses ? 1 : 0, OPENPBR_SETS * CURVE_ROWS) && m.curve >= 0 &&
                    std::int64_t(m.curve) + std::max(m.curve_rows, 1) * CURVE_STRIDE + film_size <=
                        h_.tables.curves.count),
               "a material names a curve that is not there");
+      if (!measured || !problem_.empty()) continue;
+      const auto numbers = table<float>(scene_, h_.tables.curves).subspan(std::size_t(m.curve));
+      const std::int64_t size = measured_table_size(numbers);
+      require(size > 0 && size <= std::int64_t(numbers.size()),
+              "a measured BRDF's table does not match its size");
     }
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
 #define CHECK_INDEX(name, record, member, target, least, what) \

@@ -1,8 +1,10 @@
 #include "scenes/bsdfs/material_tables.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "kernels/host/parallel.h"
+#include "scenes/bsdfs/measured_table.h"
 
 namespace penumbra {
 int MaterialTables::boundary(RoughBoundary boundary, int rows) {
@@ -22,6 +24,12 @@ int MaterialTables::facets(const FacetCurves& curves) {
   if (!added) return at->second;
   missing_facets_.emplace_back(curves, curves_.size());
   curves_.resize(curves_.size() + curves.size());
+  return at->second;
+}
+
+int MaterialTables::measured(const std::shared_ptr<const MeasuredBrdf>& brdf) {
+  const auto [at, added] = measured_.try_emplace(brdf, int(curves_.size()));
+  if (added) std::ranges::copy(measured_table(*brdf), std::back_inserter(curves_));
   return at->second;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "scenes/bsdfs/facet_albedo.h"
 #include "scenes/bsdfs/rough_boundary.h"
+#include "scenes/measured_file.h"
 
 namespace penumbra {
 
@@ -26,6 +28,9 @@ class MaterialTables {
   /// The index at which the curves of an OpenPBR surface begin. Equal ones are stored once.
   int facets(const FacetCurves& curves);
 
+  /// The index at which the table of a measured BRDF begins. Equal pointers are stored once.
+  int measured(const std::shared_ptr<const MeasuredBrdf>& brdf);
+
   /// Computes the curves, on all cores. Call it after the last boundary.
   void compute();
 
@@ -39,6 +44,7 @@ class MaterialTables {
   std::vector<float>& curves_;
   std::map<std::pair<RoughBoundary, int>, int> boundaries_;
   std::map<FacetCurves, int> facets_;
+  std::map<std::shared_ptr<const MeasuredBrdf>, int> measured_;
   std::vector<std::pair<RoughBoundary, std::size_t>> missing_;  ///< curves that are not computed, and where
   std::vector<std::pair<FacetCurves, std::size_t>> missing_facets_;  ///< likewise
 };

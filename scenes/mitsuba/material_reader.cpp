@@ -59,12 +59,10 @@ constexpr UnreadBsdf kUnreadBsdfs[] = {
      "its diffuse part is not dimmed by the reflection above it; a 'roughplastic' of the same parameters is "
      "nearest"},
     {"disneytransmission", "lajolla has left it out; 'disneyglass' took its place"},
-    {"measured",
-     "there are no tables of measurements; a 'roughconductor' or a 'principled' with the colour and the "
-     "roughness of the material is nearest"},
     {"measured_polarized",
-     "there are no tables of measurements, and light has no polarisation; a 'roughconductor' or a "
-     "'principled' with the colour and the roughness of the material is nearest"}};
+     "light has no polarisation; a 'measured' of the same material, a 'roughconductor' or a 'principled' "
+     "with "
+     "its colour and roughness is nearest"}};
 
 }  // namespace
 
@@ -83,6 +81,7 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
       {"mixturebsdf", &MaterialReader::read_mixture},
       {MetalRoughParameters::kPlugin, &MaterialReader::read_metal_rough},
       {StandardSurfaceParameters::kPlugin, &MaterialReader::read_standard_surface},
+      {MeasuredBsdf::kPlugin, &MaterialReader::read_measured},
       {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
       {"circular", &MaterialReader::read_polarizer},
       {"retarder", &MaterialReader::read_polarizer},
@@ -220,6 +219,24 @@ SurfaceMaterial MaterialReader::read_standard_surface(PluginReader& plugin) {
   MaskBsdf mask;
   mask.opacity = surface.opacity;
   return masked(name_of(plugin.object()), mask, whole);
+}
+
+SurfaceMaterial MaterialReader::read_measured(PluginReader& plugin) {
+  MeasuredBsdf model;
+  plugin.read_parameters(model);
+  if (!plugin.has("filename")) {
+    plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
+    return {};
+  }
+  const auto path = context_.files->find(model.filename, context_.folders(plugin.object()));
+  auto brdf = path ? measured_.read(*context_.files, *path) : std::unexpected(path.error());
+  if (!brdf) {
+    plugin.wrong("filename", brdf.error().message);
+    return {};
+  }
+  model.filename = path->string();
+  model.brdf = std::move(*brdf);
+  return surface_of(name_of(plugin.object()), std::move(model));
 }
 
 SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scenes/material_tree.h"
+#include "scenes/measured_file.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/scene_description.h"
 
@@ -39,6 +40,7 @@ class MaterialReader {
   SurfaceMaterial read_mixture(PluginReader& plugin);
   SurfaceMaterial read_metal_rough(PluginReader& plugin);
   SurfaceMaterial read_standard_surface(PluginReader& plugin);
+  SurfaceMaterial read_measured(PluginReader& plugin);
   SurfaceMaterial read_polarizer(PluginReader& plugin);
   SurfaceMaterial read_coating(PluginReader& plugin);
   template <typename Parameters>
@@ -56,6 +58,7 @@ class MaterialReader {
   std::map<const Object*, SurfaceMaterial> materials_;
   std::map<const Object*, SurfaceMaterial> of_tubes_, of_curves_;
   MaterialInstaller installer_;
+  MeasuredFiles measured_;
   std::set<const Object*> reading_;
 };
 

@@ -408,15 +408,18 @@ class SceneWriter {
         texture.model);
   }
 
+  /// A path relative to the scene file.
+  [[nodiscard]] std::string relative(const fs::path& name) const {
+    std::error_code ignored;
+    const auto canonical = [&](const fs::path& path) {
+      return fs::weakly_canonical(fs::absolute(path), ignored);
+    };
+    return canonical(name).lexically_proximate(canonical(file_).parent_path()).string();
+  }
+
   /// The path of the image's file relative to the scene file. A computed image is written to a new file.
   std::string image_file(const Bitmap& image) {
-    if (image.contents == nullptr) {
-      std::error_code ignored;
-      const auto canonical = [&](const fs::path& path) {
-        return fs::weakly_canonical(fs::absolute(path), ignored);
-      };
-      return canonical(image.name).lexically_proximate(canonical(file_).parent_path()).string();
-    }
+    if (image.contents == nullptr) return relative(image.name);
     const auto [at, added] =
         images_.try_emplace(*image.contents, fmt::format("{}-{}{}", file_.stem().string(), images_.size(),
                                                          fs::path(image.name).extension().string()));
@@ -562,8 +565,9 @@ class SceneWriter {
     const bool bends = bent && bsdf->bend.kind != BendKind::kNone;
     if (bends) open_bend(bsdf->bend, attributes);
     std::visit(
-        [&](const auto& model) {
-          using Model = std::remove_cvref_t<decltype(model)>;
+        [&](auto model) {
+          using Model = decltype(model);
+          if constexpr (std::is_same_v<Model, MeasuredBsdf>) model.filename = relative(model.filename);
           xml_.open("bsdf", Model::kPlugin, bends ? "" : attributes);
           put_parameters(xml_, model);
           xml_.close();

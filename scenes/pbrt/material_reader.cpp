@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kernels/bsdf/fresnel.h"
@@ -112,6 +113,7 @@ std::shared_ptr<const SurfaceMaterial> MaterialReader::read(const std::string& t
                                         {"diffusetransmission", &MaterialReader::diffuse_transmission},
                                         {"subsurface", &MaterialReader::subsurface},
                                         {"hair", &MaterialReader::hair},
+                                        {"measured", &MaterialReader::measured},
                                         {"mix", &MaterialReader::mix}};
   if (type == "interface" || type.empty() || type == "none")
     return std::make_shared<SurfaceMaterial>(both_sides("interface", NullBsdf{}));
@@ -570,6 +572,26 @@ SurfaceMaterial MaterialReader::hair(Parameters& parameters, SourceLocation loca
   }
   parameters.accept({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
   return surface_of("hair", model);
+}
+
+SurfaceMaterial MaterialReader::measured(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  MeasuredBsdf model;
+  model.filename = parameters.text("filename", "", report);
+  if (model.filename.empty()) {
+    report.error(location, "a measured material needs a \"string filename\"");
+    return {};
+  }
+  const std::array<std::filesystem::path, 1> folders = {context_.folder};
+  const auto path = context_.files.find(model.filename, folders);
+  auto brdf = path ? measured_.read(context_.files, *path) : std::unexpected(path.error());
+  if (!brdf) {
+    report.error(parameters.location("filename", location), brdf.error().message);
+    return {};
+  }
+  model.filename = path->string();
+  model.brdf = std::move(*brdf);
+  return both_sides("measured", std::move(model));
 }
 
 /// `amount` is the weight of the second material.

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "scenes/measured_file.h"
 #include "scenes/pbrt/texture_reader.h"
 
 namespace penumbra::pbrt {
@@ -57,6 +58,7 @@ class MaterialReader {
   SurfaceMaterial textured_subsurface(Parameters& parameters, SourceLocation location,
                                       const TexturedColour& colour, const glm::vec3& radius, float g);
   SurfaceMaterial hair(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial measured(Parameters& parameters, SourceLocation location);
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
   ConductorSurface conductor_surface(Parameters& parameters, const std::string& prefix,
                                      SourceLocation location);
@@ -77,6 +79,7 @@ class MaterialReader {
   TextureReader& textures_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::map<std::string, int> named_;
+  MeasuredFiles measured_;
   /// Textures of reflectances under a coating by the texture, the index and the depth at which light ends.
   std::map<std::tuple<int, double, std::int64_t>, std::optional<int>> cut_;
 };

@@ -10,6 +10,7 @@
 #include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
+#include "tests/support/measured_writer.h"
 
 namespace penumbra {
 namespace {
@@ -116,6 +117,16 @@ void whitted_through_glass(SceneDescription& scene) {
 void photons_through_glass(SceneDescription& scene) {
   whitted_through_glass(scene);
   progressive_photons(scene);
+}
+
+/// Walls of several measured materials among others.
+void measured(SceneDescription& scene) {
+  const MeasuredFormula formulas[] = {isotropic_formula(), anisotropic_formula(), strange_formula()};
+  for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const auto brdf = read_measured_file("formula", measured_fields(formulas[i % 4]).file());
+    scene.bsdfs[i].model = MeasuredBsdf{"formula", std::make_shared<const MeasuredBrdf>(brdf.value())};
+  }
 }
 
 void ambient_occlusion(SceneDescription& scene) {
@@ -389,6 +400,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"SmokePhotons", "smoke/smoke.xml", false, progressive_photons},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
       {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
+      {"CornellMeasured", "cornell/cornell.xml", false, measured},
       {"CornellLens", "cornell/cornell.xml", false, through_a_lens},
       {"CornellLensControlVariate", "cornell/cornell.xml", false, through_a_lens_with_control_variate},
       {"VeachMisParallel", "veach-mis/veach-mis.xml", false, in_parallel},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/differential/scene_parts.h"
+#include "tests/support/measured_writer.h"
 
 namespace penumbra::differential {
 namespace {
@@ -91,6 +92,16 @@ SceneText principled(std::string_view name, std::string_view type,
   for (const auto& [parameter, value] : numbers) bsdf += real(parameter, value);
   scene.both(placed("sphere", "<scale value=\"0.8\"/>", plugin("bsdf", type, bsdf)) + floor_at(-1) + kSky +
              ceiling_area_light());
+  return scene;
+}
+
+/// A ball of a measured material, whose tangents are the sphere's.
+SceneText measured(std::string_view name, const MeasuredFormula& formula) {
+  SceneText scene = begin(name, path(6));
+  scene.meshes.push_back({"metal.bsdf", measured_fields(formula).file()});
+  scene.both(placed("sphere", "<scale value=\"0.8\"/><rotate x=\"1\" angle=\"70\"/>",
+                    plugin("bsdf", "measured", text("filename", "metal.bsdf"))) +
+             floor_at(-1) + kSky + ceiling_area_light());
   return scene;
 }
 
@@ -226,6 +237,9 @@ std::vector<SceneText> material_scenes() {
   scenes.push_back(principled(
       "principled-glass", "principled",
       {{"spec_trans", 0.8}, {"metallic", 0.1}, {"roughness", 0.6}, {"eta", 1.4}, {"anisotropic", 0.5}}));
+  scenes.push_back(measured("measured", isotropic_formula()));
+  scenes.push_back(measured("measured-anisotropic", anisotropic_formula()));
+  scenes.push_back(measured("measured-strange", strange_formula()));
   scenes.push_back(principled(
       "principledthin", "principledthin",
       {{"spec_trans", 0.5}, {"diff_trans", 0.8}, {"roughness", 0.6}, {"sheen", 0.5}, {"spec_tint", 0.5}}));

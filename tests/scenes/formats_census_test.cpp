@@ -6,6 +6,7 @@
 
 #include "tests/scenes/census/census.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/support/measured_writer.h"
 
 namespace penumbra {
 namespace {
@@ -16,6 +17,7 @@ class FormatsCensus : public SceneText {
     write("image.pfm", census::grey_image());
     write("sky.pfm", census::grey_image(2, 2));
     write("metal.spd", "400 1.5\n700 1\n");
+    write("metal.bsdf", measured_fields(strange_formula()).file());
     write(
         "mesh.ply",
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

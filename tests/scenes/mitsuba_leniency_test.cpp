@@ -54,8 +54,9 @@ TEST_F(MitsubaPlugins, BsdfsThatAreNotReadSayWhatIsNearest) {
   const auto message = [&](const char* type) {
     return error(scene(in("shape", "sphere", in("bsdf", type, "<string name='filename' value='a.bsdf'/>"))));
   };
-  EXPECT_THAT(message("measured"), AllOf(HasSubstr("bsdf type 'measured' is not one that Penumbra reads"),
-                                         HasSubstr("'roughconductor' or a 'principled'")));
+  EXPECT_THAT(message("measured_polarized"),
+              AllOf(HasSubstr("bsdf type 'measured_polarized' is not one that Penumbra reads"),
+                    HasSubstr("'roughconductor' or a 'principled'")));
   EXPECT_THAT(message("torrance"), AllOf(HasSubstr("bsdf type 'torrance' is not one that Penumbra reads"),
                                          HasSubstr("a 'roughplastic' of the same parameters")));
 }

@@ -722,7 +722,7 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
               HasSubstr("an index 3, where there are 3 points"));
   EXPECT_THAT(wrong("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1]"), HasSubstr("3 for each"));
   EXPECT_THAT(wrong("Scale 0 1 1\nShape \"sphere\""), HasSubstr("flattens it"));
-  EXPECT_THAT(wrong("Material \"measured\""), HasSubstr("not one that Penumbra reads"));
+  EXPECT_THAT(wrong("Material \"velvet\""), HasSubstr("not one that Penumbra reads"));
   EXPECT_THAT(wrong("MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
                     "MakeNamedMaterial \"m\" \"string type\" \"diffuse\""),
               HasSubstr("the material 'm' is there twice"));
@@ -738,7 +738,7 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
 
 TEST_F(PbrtText, LeniencyStandsIn) {
   const SceneDescription scene =
-      good_pbrt(std::string("Material \"measured\"\n") + kTriangle +
+      good_pbrt(std::string("Material \"velvet\"\n") + kTriangle +
                     "Shape \"heightfield\"\nMakeNamedMedium \"m\" \"string type\" \"fire\"\n",
                 "Camera \"perspective\"", {.lenient = true});
   ASSERT_EQ(scene.shapes.size(), 1u);

@@ -5,6 +5,7 @@
 
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/material_tables.h"
+#include "scenes/bsdfs/measured.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/openpbr.h"
 #include "scenes/bsdfs/phong.h"
@@ -14,6 +15,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/same_value.h"
 #include "tests/kernels/scene_tables.h"
+#include "tests/support/measured_writer.h"
 
 namespace penumbra {
 namespace {
@@ -31,6 +33,9 @@ SceneTables all_materials() {
       material_of(OpenPbrBsdf{.specular_roughness = 0.4f, .coat_weight = 0.5f}, shared));
   tables.materials.push_back(
       material_of(OpenPbrBsdf{.specular_roughness = 0.4f, .film_weight = 0.5f}, shared));
+  const auto brdf = read_measured_file("anisotropic", measured_fields(anisotropic_formula()).file());
+  tables.materials.push_back(
+      material_of(MeasuredBsdf{"anisotropic", std::make_shared<const MeasuredBrdf>(brdf.value())}, shared));
   shared.compute();
   tables.materials.push_back(material_of(PlasticBsdf{}));
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));
@@ -106,8 +111,8 @@ TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
   ulong all = 0;
   for (const Material& m : tables.materials) all |= ulong{1} << m.family;
   EXPECT_EQ(all, EVERY_FAMILY | ulong{1});
-  for (const ulong families :
-       {ulong{0}, ONLY(DIFFUSE), ONLY(ROUGHDIELECTRIC_BECKMANN), ONLY(PHONG), ONLY(MICROFACET_DIFFUSE)})
+  for (const ulong families : {ulong{0}, ONLY(DIFFUSE), ONLY(ROUGHDIELECTRIC_BECKMANN), ONLY(PHONG),
+                               ONLY(MICROFACET_DIFFUSE), ONLY(MEASURED)})
     EXPECT_TRUE(seen.contains(families)) << families;
 }
 

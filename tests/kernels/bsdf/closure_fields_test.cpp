@@ -45,6 +45,7 @@ Closure some_closure(int family, RandomNumbers& numbers) {
   c.first_lobe = 0;
   c.film_rows = family == FAMILY_OPENPBR_FILM ? kFilmRows : 0;
   if (family == FAMILY_OPENPBR_FILM && numbers.below(2) == 0) --c.film_rows;
+  if (family == FAMILY_MEASURED) c.anisotropic = float(numbers.below(2));
   if (family == FAMILY_OPENPBR)
     c.variant = c.variant * OPENPBR_WEIGHT_TINTS + some(2, numbers) * OPENPBR_TINT_FADES;
   if (family == FAMILY_HAIR)
@@ -81,6 +82,8 @@ SceneTables tables_of_all_families() {
   constexpr int kFilms = kFilmRows * (FILM_REFLECTANCES + 3 * CURVE_STRIDE * CURVE_ROWS / OPENPBR_SETS);
   for (int i = 0; i < CURVE_ROWS * CURVE_STRIDE + kFilms; ++i)
     tables.curves.push_back(0.3f + 1e-5f * float(i));
+  // The header of a measured BRDF, with two knots along each side of its grids and each angle.
+  std::fill_n(tables.curves.begin(), MEASURED_HEADER, 2.0f);
   tables.phase_lobes.assign(PHASE_LOBES, PhaseLobe{PHASE_HG, 0.5f, 1.0f / PHASE_LOBES});
   tables.ltc_cells = ltc_table();
   return tables;

@@ -124,7 +124,8 @@ class PbrtWriter {
       else
         put("string", fmt::format("\"{}\"", item.type == "plymesh" || item.type == "loopsubdiv" ? "mesh.ply"
                                             : directive == "LightSource"                        ? "sky.pfm"
-                                                                         : "image.pfm"));
+                                            : item.type == "measured"                           ? "metal.bsdf"
+                                                                      : "image.pfm"));
     }
     return text;
   }
