@@ -145,7 +145,7 @@ const glm::dvec3 kViewers[] = {at_angles(0, 0), at_angles(0.4, 0.3), at_angles(0
                                at_angles(1.3, -1.0), at_angles(1.5, -2.8)};
 
 TEST(MeasuredBsdf, DensityIsThatOfSamples) {
-  constexpr int kRows = 8, kColumns = 16, kSamples = 50'000, kSide = 512;
+  constexpr int kRows = 8, kColumns = 16, kSamples = 20'000, kSide = 256;
   RandomNumbers random(3);
   const double significance =
       statistics::sidak_significance(0.01, 2 * std::size(kViewers) * kFormulas.size());
@@ -204,34 +204,34 @@ TEST(MeasuredBsdf, AllSamplesAreAboveWhereAllFacetsAreSeenFromTheNormal) {
 }
 
 TEST(MeasuredBsdf, WhiteOnesReflectNoMoreThanArrives) {
+  constexpr double kQuadrature = 2e-3;  // of midpoints
   for (const double alpha_v : {0.2, 0.5, 1.0})
     for (const double alpha_u : {alpha_v, 0.7}) {
       const Surface surface(white_formula(alpha_u, alpha_v));
-      // What single reflections of such facets lose is more than what bilinear colours add: these are below
-      // chords of what goes down to grazing angles, but for 1%.
       for (const glm::dvec3& viewer : kViewers) {
         double whole = 0;
         for_half_vectors(viewer, 256, [&](const glm::dvec3& wi, double area) {
           whole += channel(surface.eval(to_float(viewer), to_float(wi)).f_cos, 0) * area;
         });
-        EXPECT_LE(whole, 1.01) << alpha_u << ' ' << alpha_v << ' ' << viewer.z;
+        EXPECT_LE(whole, 1 + kQuadrature) << alpha_u << ' ' << alpha_v << ' ' << viewer.z;
       }
     }
 }
 
-/// The largest difference from the formula at directions of whose wo the file has a slice, and of which the
-/// half vector is within the middle of the lobe. All grids have steps of 1 / `parts`.
+/// The largest difference from the formula at directions of whose wo the file has a slice. Half vectors are
+/// in the middle of the lobe: at the pole, places in the square of colours go with the root of its sides, and
+/// in the last cell are colours from below the horizon. All grids have steps of 1 / `parts`.
 double largest_error(MeasuredFormula formula, int parts) {
   formula.vndf = formula.luminance = formula.facets = parts + 1;
-  formula.theta = evenly(0, 1.2, 4), formula.phi = {-2.0};  // which means nothing
+  formula.theta = evenly(0, 0.6, 3), formula.phi = {-2.0};  // which means nothing
   const Surface surface(formula);
   RandomNumbers random(5);
   double most = 0;
   for (int k = 0; k < 3000; ++k) {
-    const glm::dvec3 wo = at_angles(formula.theta[random.below(4)], random.between(-kPi, kPi));
-    const glm::dvec3 m = half_vector_at(random.between(0.2, 0.7), random.uniform());
+    const glm::dvec3 wo = at_angles(formula.theta[random.below(3)], random.between(-kPi, kPi));
+    const glm::dvec3 m = half_vector_at(random.between(0.45, 0.7), random.uniform());
     const glm::dvec3 wi = 2 * glm::dot(wo, m) * m - wo;
-    if (wi.z < 0.2) continue;
+    if (wi.z < 0.3) continue;
     const double expected = formula.f_cos(wo, wi, 0);
     most = std::max(most, std::abs(channel(surface.eval(to_float(wo), to_float(wi)).f_cos, 0) - expected));
   }
