@@ -9,9 +9,10 @@
 // the material is isotropic, phi is relative to wo.
 //
 // `specular` is the albedo, over which the colours of the table are. `anisotropic` is 0 where the frame has
-// any axis. At `curve` begin, in this order: MEASURED_HEADER numbers, of which the last three are 0; the
-// azimuths and the polar angles of wo; the grids of `ndf` and `sigma`; for each azimuth and polar angle the
-// grid of `vndf`, its sums along each row, and those of rows; the same of `luminance`; and the colours.
+// any axis. At `curve` begin, in this order: MEASURED_HEADER numbers (those of azimuths and polar angles, the
+// columns and rows of `ndf`, `sigma`, `vndf` and `luminance`, `by_facets`, and the symmetry); the azimuths
+// and the polar angles of wo; the grids of `ndf` and `sigma`; for each azimuth and polar angle the grid of
+// `vndf`, its sums along each row, and those of rows; the same of `luminance`; and the colours.
 #ifndef PENUMBRA_MEASURED_H
 #define PENUMBRA_MEASURED_H
 #include "kernels/bsdf/families.h"
