@@ -66,17 +66,10 @@ struct MetalRoughParameters {
     surface.coat_roughness = clearcoat_roughness;
     surface.coat_ior = 1.5f;
     surface.coat_darkening = 0.0f;
+    surface.coat_roughens = false;
     if (!surface.coated() || transmits) return surface;
     const float weight = clearcoat.texture == kNoTexture ? clearcoat.value : 1.0f;
     surface.specular_ior /= 1.0f - weight + weight / surface.coat_ior;
-    if (roughness.texture != kNoTexture || clearcoat_roughness.texture != kNoTexture) return surface;
-    // The base's roughness that looks like this one through the coat, or the least.
-    float low = 0.0f, high = roughness.value;
-    for (int i = 0; i < 30; ++i) {
-      const float middle = 0.5f * (low + high);
-      surface.specular_roughness.value = middle;
-      (surface.effective_roughness().value < roughness.value ? low : high) = middle;
-    }
     return surface;
   }
 };

@@ -34,6 +34,7 @@ struct OpenPbrBsdf {
   TexturedNumber specular_weight{1.0f};
   TexturedColour specular_color{glm::vec3(1.0f)};
   bool specular_color_fades = false;
+  bool coat_roughens = true;
   TexturedNumber specular_roughness{0.3f}, specular_anisotropy{};
   float specular_ior = 1.5f;  ///< inside over outside
   TexturedNumber transmission_weight{};
@@ -121,6 +122,8 @@ struct OpenPbrBsdf {
     row("coat_ior", &O::coat_ior, kIndex, "refractive index of the coat");
     row("coat_darkening", &O::coat_darkening, NumberWithin{},
         "how much of the light between coat and base is taken into account");
+    row("coat_roughens", &O::coat_roughens, TrueOrFalse{},
+        "whether the coat's roughness makes the base look rougher; false, as in glTF: it does not");
     row("fuzz_weight", &O::fuzz_weight, NumberWithin{}, "how much of the surface has fuzz");
     row("fuzz_color", &O::fuzz_color, ColourWithin{}, "of the fuzz");
     row("fuzz_roughness", &O::fuzz_roughness, NumberWithin{}, "of the fuzz");
@@ -211,7 +214,8 @@ struct OpenPbrBsdf {
 
   /// The roughness of the base as it is seen through the coat, where neither has a texture (OpenPBR, coat).
   [[nodiscard]] TexturedNumber effective_roughness() const {
-    if (!coated() || specular_roughness.texture != kNoTexture || coat_roughness.texture != kNoTexture)
+    if (!coat_roughens || !coated() || specular_roughness.texture != kNoTexture ||
+        coat_roughness.texture != kNoTexture)
       return specular_roughness;
     const float base = specular_roughness.value, coat = coat_roughness.value;
     const float both = std::pow(std::min(1.0f, std::pow(base, 4.0f) + 2.0f * std::pow(coat, 4.0f)), 0.25f);

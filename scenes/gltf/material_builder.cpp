@@ -302,10 +302,6 @@ void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::si
         along_and_across(std::lerp(0.25, 1.0, strength * strength), 0.25).anisotropy;
     return;
   }
-  if (surface.coated())
-    report_.warn_counted(
-        place(index, "extensions"),
-        "KHR_materials_anisotropy: below a clear coat highlights are longer than they should be");
   const double across = std::pow(double(surface.specular_roughness.value), 2);
   const OpenPbrRoughness both = along_and_across(std::lerp(across, 1.0, strength * strength), across);
   surface.specular_roughness.value = both.roughness;
