@@ -146,7 +146,7 @@ STAGE bool find_equiangular_segments(const PRIVATE Scene* scene, const PRIVATE P
           equiangular_segment(origin, direction, length, load3(&centre->place), centre->size);
       const vec3 shares = equiangular_shares(segment, length, load3(&medium->extinction));
       const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
-      const bool lit = !is_grid(medium) & (medium->interior == 0);
+      const bool lit = !is_grid(medium) & (medium->interior == 0) & !only_absorbs(load3(&medium->albedo));
       any |= (under_way & lit & (max_component(shares) > 0.0f)) ? 1 : 0;
       store_equiangular(segments, j, segment);
     }
@@ -168,7 +168,7 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const float left = get_depth_left(&fields, i + j), length = lengths[j];
       const int hero = get_hero(&fields, i + j);
       const float sigma = channel_of(extinction, hero);
-      const bool lit = !is_grid(medium) & (medium->interior == 0);
+      const bool lit = !is_grid(medium) & (medium->interior == 0) & !only_absorbs(albedo);
       const bool scatters =
           (get_ray_tmax(&fields, i + j) > 0.0f) & lit & (sigma > 0.0f) & (left < sigma * length);
       const EquiangularSegment segment = load_equiangular(segments, j);
@@ -238,7 +238,7 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
       GLOBAL const Medium* medium = scene->media + index;
       const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
       const int leaf = get_material(&fields, i + j), phase = medium->material;
-      const float sigma = channel_of(extinction, get_hero(&fields, i + j));
+      const float sigma = only_absorbs(albedo) ? 0.0f : channel_of(extinction, get_hero(&fields, i + j));
       const bool is_decided = decided[j] != 0;
       const float reach = is_decided ? reaches[j] : left / max_f(sigma, 1e-30f);
       const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f) & !is_decided;
@@ -282,13 +282,15 @@ STAGE void apply_inner_albedo(const PRIVATE Scene* scene, const PRIVATE PathStat
     }
 }
 
-/// Initialises the media of shadow rays: nothing attenuates them yet.
+/// Initialises the media of shadow rays: nothing attenuates them yet. `shadow_densities` are the densities
+/// with which the channels of a path would have passed: those of media that only absorb are 1.
 STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
         set_shadow_passes(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
+        set_shadow_densities(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
         set_way(&fields, j, 0.0f);
         set_crossed(&fields, j, 0);
       }
@@ -307,6 +309,11 @@ FN vec3 passes_homogeneous(const PRIVATE Scene* scene, MediumStack media, float 
   return exp3(scale(load3(&medium->extinction), is_grid(medium) ? 0.0f : -length));
 }
 
+/// Whether paths pass through the medium with density 1.
+FN bool passes_surely(const PRIVATE Scene* scene, MediumStack media) {
+  return only_absorbs(load3(&scene->media[innermost(media)].albedo));
+}
+
 /// Multiplies `shadow_passes` of LANES shadow rays by the transmittance of heterogeneous media, over
 /// `lengths` from `ways` on. Rays of length 0 are skipped.
 FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -319,6 +326,8 @@ FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
     const vec3 passes = track_passing(scene, medium, start, direction, lengths[j],
                                       ray_state(paths, i + j, ways[j], 0xa54ff53au));
     set_shadow_passes(paths, i + j, mul(get_shadow_passes(paths, i + j), passes));
+    if (!only_absorbs(load3(&medium->albedo)))
+      set_shadow_densities(paths, i + j, mul(get_shadow_densities(paths, i + j), passes));
   }
 }
 
@@ -333,8 +342,11 @@ STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState*
             (get_shadow_tmax(&fields, i + j) > 0.0f) & (get_shadow_transmittance(&fields, i + j) >= 1.0f);
         ways[j] = 0.0f;
         lengths[j] = seen ? shadow_length(&fields, i + j) : 0.0f;
-        const vec3 passes = passes_homogeneous(scene, get_shadow_media(&fields, i + j), lengths[j]);
+        const MediumStack media = get_shadow_media(&fields, i + j);
+        const vec3 passes = passes_homogeneous(scene, media, lengths[j]);
+        const bool dims = seen & !passes_surely(scene, media);
         set_shadow_passes(&fields, i + j, select3(seen, passes, get_shadow_passes(&fields, i + j)));
+        set_shadow_densities(&fields, i + j, select3(dims, passes, get_shadow_densities(&fields, i + j)));
       }
     if (has_grids(scene)) dim_in_grids(scene, paths, i, ways, lengths);
   }
@@ -354,7 +366,9 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const float length = s.primitive >= 0 ? to : max_f(whole < NO_LIMIT ? whole - way : NO_LIMIT, 0.0f);
       lengths[j] = length;
       const vec3 passes = passes_homogeneous(scene, media, under_way ? length : 0.0f);
+      const vec3 before = get_shadow_densities(&fields, i + j);
       set_shadow_passes(&fields, i + j, mul(get_shadow_passes(&fields, i + j), passes));
+      set_shadow_densities(&fields, i + j, select3(passes_surely(scene, media), before, mul(before, passes)));
     }
   if (!has_grids(scene)) return;
   float ways[LANES], under_way[LANES];
@@ -381,7 +395,7 @@ STAGE void end_in_glows(const PRIVATE PathState* paths, int count) {
 
 /// Combines, for shadow rays, the transmittance of media and the MIS weight against direction sampling. A
 /// path that sampled the light's direction would have reached the light with a density proportional to the
-/// mean transmittance of its channels. Panes are part of neither density.
+/// mean of its channels' `shadow_densities`. Panes are part of neither density.
 STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const int heuristic = scene->header.integrator.heuristic;
   const PathState fields = *paths;
@@ -389,7 +403,8 @@ STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
         const vec3 passes = get_shadow_passes(&fields, j);
-        const float found = get_shadow_balance(&fields, j) * mean3(mul(get_channels(&fields, j), passes));
+        const vec3 densities = mul(get_channels(&fields, j), get_shadow_densities(&fields, j));
+        const float found = get_shadow_balance(&fields, j) * mean3(densities);
         set_shadow_passes(&fields, j, scale(passes, mis_weight(heuristic, 1.0f, found)));
       }
   }

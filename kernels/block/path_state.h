@@ -98,6 +98,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, shadow_high, FEATURE_MEDIA, NEVER)                                                                           \
   X(int, shadow_glow, FEATURE_EMITTING_MEDIA, NEVER)    /* the medium to a point of which it leads, or -1 */          \
   X(vec3, shadow_passes, FEATURE_MEDIA | TINTS, NEVER)  /* transmittance of media; then also the tint */              \
+  X(vec3, shadow_densities, FEATURE_MEDIA, NEVER)       /* with which paths would pass those media */                 \
   X(vec3, shadow_tint, TINTS, NEVER)                    /* tint by glass */                                           \
   X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* its pdf by direction sampling over that by lights */       \
   /* interiors of materials: see interiors.h */                                                                       \

@@ -14,8 +14,6 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #define EMISSION_POINTS 8.0f  // at most MOST_PIECE_DEPTH, so that rays are not divided into pieces
-// Rays of which less is left go on by chance.
-#define LEAST_SURE_PASSING 0.125f
 
 FN bool emits_light(GLOBAL const Medium* medium) { return max_component(load3(&medium->emission)) > 0.0f; }
 

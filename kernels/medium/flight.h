@@ -5,7 +5,7 @@
 // over the mean of those densities: the balance heuristic over channels (Veach and Guibas 1995; Miller,
 // Georgiev and Jarosz 2019). No weight of a channel exceeds three times its albedo, and if all channels are
 // equal this is plain sampling. Weights are ratios throughout, so nothing underflows before the light that it
-// belongs to.
+// belongs to. Media that only absorb sample no distances: paths pass, dimmed by exp(-sigma_a L).
 #ifndef PENUMBRA_FLIGHT_H
 #define PENUMBRA_FLIGHT_H
 #include "kernels/math/math.h"
@@ -52,15 +52,20 @@ FN FlightWeight select_flight_weight(bool condition, FlightWeight yes, FlightWei
   return w;
 }
 
-/// A flight of `length` through a homogeneous medium. `scatters`: whether the path scatters at its end.
+/// Whether a medium of that albedo only absorbs.
+FN bool only_absorbs(vec3 albedo) { return !(max_component(albedo) > 0.0f); }
+
+/// A flight of `length` through a homogeneous medium. `scatters`: whether the path scatters at its end; not
+/// if the medium only absorbs.
 FN FlightWeight weigh_homogeneous(FlightWeight before, vec3 extinction, vec3 albedo, float length,
                                   bool scatters) {
-  const float least = min_f(min_f(extinction.x, extinction.y), extinction.z);
+  const bool absorbs = only_absorbs(albedo);
+  const float least = absorbs ? 0.0f : min_f(min_f(extinction.x, extinction.y), extinction.z);
   const vec3 more = sub(extinction, make_vec3(least, least, least));
   const vec3 passes = exp3(scale(more, -length));
   const vec3 collides = mul(extinction, passes);
-  FlightWeight after = weigh_flight(before, select3(scatters, mul(albedo, collides), passes),
-                                    select3(scatters, collides, passes));
+  const vec3 densities = select3(absorbs, make_vec3(1.0f, 1.0f, 1.0f), select3(scatters, collides, passes));
+  FlightWeight after = weigh_flight(before, select3(scatters, mul(albedo, collides), passes), densities);
   after.density *= exp_f(-least * length);
   return after;
 }

@@ -12,6 +12,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Lower transmittance counts as 0. Products of shares do not reach 0, but stop at the smallest float.
 #define LEAST_PASSING 1e-37f
+// Rays of which less is left go on by chance.
+#define LEAST_SURE_PASSING 0.125f
 // After so many null collisions a ray ends. Its sample becomes non-finite, so that it is counted.
 #define MOST_NULL_COLLISIONS 67108864
 
@@ -39,26 +41,41 @@ typedef struct {
   float reach;  ///< distance from the start to where it scatters; negative: it does not
 } TrackedFlight;
 
-/// A flight of at most `length` from the origin through a heterogeneous medium. Channel `hero` samples it.
+/// A flight of at most `length` from the origin through a heterogeneous medium. Channel `hero` samples it. In
+/// a medium that only absorbs, all collisions are null, as in track_passing.
 FN TrackedFlight track_flight(const PRIVATE Scene* scene, GLOBAL const Medium* medium, vec3 origin,
                               vec3 direction, float length, int hero, FlightWeight weight, float left,
                               uint random) {
   GLOBAL const Volume* v = scene->volumes + medium->density;
   const vec3 extinction = load3(&medium->extinction);
   const float strongest = max_component(extinction);
+  const bool absorbs = only_absorbs(load3(&medium->albedo));
+  vec3 kept = make_vec3(1.0f, 1.0f, 1.0f);
   VolumeWalk walk = start_walk(v, origin, direction, length, left, random);
   TrackedFlight flight;
   flight.weight = weight;
   flight.reach = -1.0f;
   for (int k = 0; next_collision(scene, v, strongest, &walk); k++) {
     const vec3 share = real_share(scene, v, extinction, &walk), other = one_minus3(share);
-    const bool real = next_number(&walk) < channel_of(share, hero);
+    const bool real = !absorbs && next_number(&walk) < channel_of(share, hero);
     if (real) {
       flight.weight = weigh_flight(flight.weight, mul(load3(&medium->albedo), share), share);
       flight.reach = walk.t;
       break;
     }
-    flight.weight = weigh_flight(flight.weight, other, other);
+    flight.weight = weigh_flight(flight.weight, other, select3(absorbs, make_vec3(1.0f, 1.0f, 1.0f), other));
+    if (absorbs) {
+      kept = mul(kept, other);
+      const bool by_chance = max_component(kept) < LEAST_SURE_PASSING;
+      const float factor = !by_chance ? 1.0f : next_number(&walk) < 0.5f ? 2.0f : 0.0f;
+      kept = scale(kept, factor);
+      flight.weight.throughput = scale(flight.weight.throughput, factor);
+      if (!(max_component(kept) > LEAST_PASSING)) {
+        flight.weight.throughput = make_vec3(0.0f, 0.0f, 0.0f);
+        flight.reach = walk.t;  // the path ends there
+        break;
+      }
+    }
     const float u = next_number(&walk);
     walk.left = flight_depth(u, next_number(&walk));
     if (k >= MOST_NULL_COLLISIONS) {

@@ -168,6 +168,7 @@ FN bool has_beam(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
 /// not worth a beam for each path.
 FN float beam_probability(GLOBAL const Medium* medium, float length) {
   const vec3 extinction = load3(&medium->extinction);
+  if (only_absorbs(load3(&medium->albedo))) return 0.0f;
   return min_f(BEAMS_PER_SCATTERING * -expm1_f(-max_component(extinction) * length), 1.0f);
 }
 

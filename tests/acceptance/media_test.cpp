@@ -28,6 +28,23 @@ TEST(Media, ASlabLetsThroughWhatBeerSays) {
   }
 }
 
+// Paths pass what only absorbs: a slab, and one within it, dim all samples alike.
+TEST(Media, ThatOnlyAbsorbCauseNoNoise) {
+  SceneDescription scene = narrow_view(256);
+  const glm::vec3 outer(0.3f, 1, 8), inner(2, 0, 0.1f);
+  bound(scene, box({-1, -1, 1}, {1, 1, 3}, add_null(scene)), add_medium(scene, medium(outer, glm::vec3(0))));
+  bound(scene, sphere({0, 0, 2}, 0.5, add_null(scene)), add_medium(scene, medium(inner, glm::vec3(0))));
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  for (int k = 0; k < 3; ++k) {
+    // The inner one is in the place of the outer one.
+    const double truth = std::exp(-double(outer[k]) - double(inner[k]));
+    const statistics::Sample sample = pixel_sample(film, 0, 0, k);
+    EXPECT_NEAR(sample.mean() / truth, 1, 1e-4) << k;  // lengths are off by 1e-5 of some 10 free paths
+    EXPECT_LT(sample.standard_error() / truth, 1e-5) << k;
+  }
+}
+
 /// What a point light gives to a wall that one sample sees, before anything is between.
 double lit_wall(const std::vector<std::pair<Shape, ParticipatingMedium>>& between, int channel) {
   SceneDescription scene = narrow_view(1);
@@ -194,6 +211,24 @@ SceneDescription foggy_room(double scale, const IntegratorSettings& integrator) 
 TEST(Media, EveryTechniqueFindsTheSame) {
   expect_alike(foggy_room(1, volpath(DirectSampling::kMis)),
                foggy_room(1, volpath(DirectSampling::kBsdfOnly)));
+}
+
+/// Balls and smoke below the lamp that absorb, in fog that scatters. `albedo`: what they scatter.
+SceneDescription dim_room(DirectSampling sampling, float albedo) {
+  SceneDescription scene = foggy_room(1, volpath(sampling));
+  scene.media[1].albedo = glm::vec3(albedo);
+  ParticipatingMedium smoke = medium({3, 1.5f, 1}, glm::vec3(albedo));
+  smoke.density = grid({5, 2, 4}, 1, [](int x, int y, int z, int) { return 0.4f * float((x + y + z) % 4); });
+  const glm::dvec3 low(-0.7, 1, -0.7), high(0.7, 1.4, 0.7);
+  smoke.density->to_world = unit_cube_to(low, high);
+  bound(scene, box(low, high, add_null(scene)), add_medium(scene, smoke));
+  return scene;
+}
+
+TEST(Media, ThatOnlyAbsorbLookTheSameByEveryTechnique) {
+  expect_alike(dim_room(DirectSampling::kMis, 0), dim_room(DirectSampling::kBsdfOnly, 0));
+  // So little scattering that it is not seen: distances are sampled.
+  expect_alike(dim_room(DirectSampling::kMis, 0), dim_room(DirectSampling::kMis, 1e-30f));
 }
 
 // A power of two scales every number exactly.

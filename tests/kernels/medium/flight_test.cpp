@@ -59,6 +59,23 @@ TEST(FlightWeight, GivesEveryChannelItsTransmittanceAndItsScattering) {
   }
 }
 
+TEST(FlightWeight, OfWhatOnlyAbsorbsIsTheTransmittanceForEveryHero) {
+  const vec3 extinction = make_vec3(0.2f, 0, 7);
+  FlightWeight before = start();
+  before.channels = make_vec3(0.5f, 1, 1.5f);
+  before.throughput = make_vec3(3, 2, 1);
+  for (const float length : {1e-3f, 0.3f, 9.0f, 1e3f}) {
+    const FlightWeight after = weigh_homogeneous(before, extinction, make_vec3(0, 0, 0), length, false);
+    for (int k = 0; k < 3; ++k) {
+      const double truth = channel(before.throughput, k) * std::exp(-channel(extinction, k) * double(length));
+      EXPECT_NEAR(channel(after.throughput, k), truth,
+                  1e-6 * (1 + channel(extinction, k) * length) * truth + 1e-37);
+      EXPECT_FLOAT_EQ(float(channel(after.channels, k)), float(channel(before.channels, k)));
+    }
+    EXPECT_FLOAT_EQ(after.density, before.density);
+  }
+}
+
 TEST(FlightWeight, NothingUnderflowsThatIsAlike) {
   const vec3 albedo = make_vec3(1, 0.9f, 0.1f);
   for (const float sigma : {1e-8f, 1.0f, 1e8f})
