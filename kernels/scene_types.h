@@ -393,14 +393,14 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, cutoff)        /* spot: no light beyond it; in the same measure */                         \
   F(float, inverse_width) /* 1 / (cutoff - beam_width), or 0 if they are equal */
 
-// A medium whose emission varies in space, as a light: see light/medium_light.h.
+// A medium that emits, as a light: see light/medium_light.h.
 #define GLOW_FIELDS(F)                                                                       \
   F(vec3, cell_x) /* the axes of a cell of its volume, in the scene */                       \
   F(vec3, cell_y)                                                                            \
   F(vec3, cell_z)                                                                            \
   F(float, by_area)   /* the volume of such a cell over the light's area */                  \
   F(int, medium)      /* index of the medium */                                              \
-  F(int, volume)      /* index of the volume that varies its emission */                     \
+  F(int, volume)      /* index of the volume that varies its emission, or is around it */    \
   F(int, side)        /* of a block, in cells; at the upper ends of the volume it is less */ \
   F(int, first_block) /* in the table of blocks */                                           \
   F(int, blocks)

@@ -16,8 +16,9 @@ FN bool takes_emission(const PRIVATE Scene* scene, const PRIVATE PathState* path
 }
 
 /// Adds the emission of media in which it is the same everywhere, from the rays' last boundaries over
-/// `lengths`.
+/// `lengths`, where nothing is weighed against it.
 STAGE void add_even_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                             const PRIVATE EmissionBalance* RESTRICT balances,
                              const PRIVATE float* RESTRICT lengths) {
   const PathState fields = *paths;
   LANE_LOOP
@@ -27,7 +28,8 @@ STAGE void add_even_emission(const PRIVATE Scene* scene, const PRIVATE PathState
       const vec3 collected = even_emission(extinction, emission, lengths[j]);
       const vec3 before = get_radiance(&fields, i + j);
       const vec3 after = add(before, mul(get_throughput(&fields, i + j), collected));
-      const bool takes = takes_emission(scene, &fields, i + j) & emits_evenly(medium);
+      const bool takes =
+          takes_emission(scene, &fields, i + j) & emits_evenly(medium) & (balances[j].light == 0.0f);
       set_radiance(&fields, i + j, select3(takes, after, before));
     }
 }
@@ -60,19 +62,22 @@ FN void balance_emission(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 /// The same for all media. Throughputs are those at the last boundaries.
 FN void add_media_emission(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE float* lengths) {
-  add_even_emission(scene, paths, i, lengths);
-  if (!has_grids(scene)) return;
   EmissionBalance balances[LANES];
   for (int j = 0; j < LANES; j++) balances[j] = no_balance();
   if (NEEDS_GLOWS(scene)) balance_emission(scene, paths, i, balances);
+  add_even_emission(scene, paths, i, balances, lengths);
+  if (!has_grids(scene)) return;
   for (int j = 0; j < LANES; j++) {  // no lane loop: the number of points differs
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
-    if (emits_evenly(medium) || !takes_emission(scene, paths, i + j)) continue;
+    const bool even = emits_evenly(medium);
+    if ((even && balances[j].light == 0.0f) || !takes_emission(scene, paths, i + j)) continue;
     const float way = get_way(paths, i + j);
     const vec3 direction = get_ray_direction(paths, i + j),
                start = add_scaled(get_kept_origin(paths, i + j), way, direction);
-    const vec3 collected = track_emission(scene, medium, start, direction, lengths[j], balances[j],
-                                          ray_state(paths, i + j, way, 0x6a09e667u));
+    const uint random = ray_state(paths, i + j, way, 0x6a09e667u);
+    const vec3 collected =
+        even ? weighed_even_emission(medium, lengths[j], balances[j], random)
+             : track_emission(scene, medium, start, direction, lengths[j], balances[j], random);
     set_radiance(paths, i + j, add(get_radiance(paths, i + j), mul(get_throughput(paths, i + j), collected)));
   }
 }

@@ -98,7 +98,9 @@ class MediaChecker : public RecordCheck {
     const auto blocks = table<GlowBlock>(scene_, t.glow_blocks);
     for (const Glow& g : table<Glow>(scene_, t.glows)) {
       const Medium& medium = table<Medium>(scene_, t.media)[std::size_t(g.medium)];
-      require(g.volume == (medium.emission_grid >= 0 ? medium.emission_grid : medium.density),
+      const int volume = medium.emission_grid >= 0 || medium.emission_by_density == 0 ? medium.emission_grid
+                                                                                      : medium.density;
+      require(volume < 0 || g.volume == volume,
               "a light of a medium names a volume by which that does not emit");
       require(is_finite3(g.cell_x) && is_finite3(g.cell_y) && is_finite3(g.cell_z) && g.by_area >= 0 &&
                   std::isfinite(g.by_area),

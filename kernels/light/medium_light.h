@@ -1,9 +1,10 @@
-// Media whose emission varies in space, as lights: each samples a point of its grid, in proportion to the
-// power that blocks of cells emit. Rays find the same light on their way through the medium
-// (kernels/medium/emission.h). Both estimate the light that leaves a point y towards a receiver x, and their
-// weights add up to 1 for each pair of points: a balance of the density of the direction at x and of
-// r^2 / area, where r is their distance and `area` about the medium's section. So the inverse square law is
-// bounded in samples of points, and what rays find far away has little weight.
+// Media that emit, as lights: each samples a point of its grid, in proportion to the power that blocks of
+// cells emit. Emission that is the same everywhere has a grid around the medium's shapes. Rays find the same
+// light on their way through the medium (kernels/medium/emission.h). Both estimate the light that leaves a
+// point y towards a receiver x, and their weights add up to 1 for each pair of points: a balance of the
+// density of the direction at x and of r^2 / area, where r is their distance and `area` about the medium's
+// section. So the inverse square law is bounded in samples of points, and what rays find far away has little
+// weight.
 #ifndef PENUMBRA_MEDIUM_LIGHT_H
 #define PENUMBRA_MEDIUM_LIGHT_H
 #include "kernels/light/delta_lights.h"

@@ -2,10 +2,12 @@
 // emission (radiance per scene unit). It does not depend on where the path scatters, so it is added for each
 // whole flight up to the next surface, and causes the path's next event no noise.
 //
-// Without grids the integral has a closed form. Else it is estimated at points of two kinds, with weights by
-// the balance heuristic (Veach and Guibas 1995): EMISSION_POINTS points, evenly spaced in the integral of the
-// emission's majorants along the ray, which find a small flame in a large grid; and the tentative collisions
-// of ratio tracking, which find what is in front in a dense medium.
+// Without grids the integral has a closed form; where it is weighed against samples of a light, it is
+// estimated at EVEN_POINTS points, half of them by the weights and half by the transmittance. With grids it
+// is estimated at points of two kinds, with weights by the balance heuristic (Veach and Guibas 1995):
+// EMISSION_POINTS points, evenly spaced in the integral of the emission's majorants along the ray, which find
+// a small flame in a large grid; and the tentative collisions of ratio tracking, which find what is in front
+// in a dense medium.
 #ifndef PENUMBRA_MEDIUM_EMISSION_H
 #define PENUMBRA_MEDIUM_EMISSION_H
 #include "kernels/light/mis.h"
@@ -140,6 +142,40 @@ FN EmissionBalance no_balance(void) {
 /// The weight of what a ray finds at the distance `t` from the origin.
 FN float emission_weight(EmissionBalance balance, float t) {
   return mis_weight(balance.heuristic, balance.direction, balance.light * sqr(balance.way + t));
+}
+
+#define EVEN_POINTS 4
+
+/// What a ray collects over `length` from the origin in a medium with the same emission everywhere, times the
+/// weights: an unbiased estimate.
+FN vec3 weighed_even_emission(GLOBAL const Medium* medium, float length, EmissionBalance balance,
+                              uint random) {
+  const vec3 extinction = load3(&medium->extinction);
+  const float strongest = max_component(extinction), depth = strongest * length;
+  // The balance heuristic's weight is 1 / (1 + x^2) at x = root (way + t). It is sampled by its integral,
+  // whose values are angles.
+  const float root = SQRT(balance.light / balance.direction), start = root * balance.way;
+  const float reach = root * length, around = 1.0f + start * start;
+  const float angle = atan2_f(reach, around + start * reach);
+  const bool weighs = angle > 1e-12f, dims = depth > 1e-4f;
+  const float opaque = -expm1_f(-min_f(depth, 80.0f));
+  vec3 sum = make_vec3(0.0f, 0.0f, 0.0f);
+  for (int k = 0; k < EVEN_POINTS; k++) {
+    random = hash_uint(random + 0x9e3779b9u);
+    const float u = ((float)(k >> 1) + unit_float(random)) * (2.0f / (float)EVEN_POINTS);
+    float sine, cosine;
+    sincos_2pi(u * angle * (0.5f / PI_F), &sine, &cosine);
+    const float by_weight = sine * around / max_f(root * (cosine - start * sine), 1e-30f);
+    const float by_passing = dims ? -log1p_f(-u * opaque) / strongest : u * length;
+    const bool by_weights = weighs & ((k & 1) != 0);
+    const float t = min_f(by_weights ? by_weight : by_passing, length);
+    const float pdf_of_weight = root / (max_f(angle, 1e-12f) * (1.0f + sqr(start + root * t)));
+    const float pdf_of_passing = dims ? strongest * exp_f(-strongest * t) / opaque : 1.0f / length;
+    const float pdf = weighs ? 0.5f * (pdf_of_weight + pdf_of_passing) : pdf_of_passing;
+    sum = add_scaled(sum, emission_weight(balance, t) / (pdf * (float)EVEN_POINTS),
+                     exp3(scale(extinction, -t)));
+  }
+  return mul(sum, load3(&medium->emission));
 }
 
 /// What a ray collects over `length` from the origin in a medium whose emission varies, times the weights: an

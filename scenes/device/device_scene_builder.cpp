@@ -677,7 +677,7 @@ class SceneBuilder {
         if (is_sky(emitter)) h_.environment = light;
       }
     if (samples_media())
-      for (const MediumLight& made : medium_lights(h_.camera_medium, records_))
+      for (const MediumLight& made : medium_lights(h_.camera_medium, medium_boxes(), records_))
         records_.media[std::size_t(made.medium)].light = lights_.add(made.light);
     lights_.finish();
     records_.lights = lights_.lights();
@@ -689,6 +689,23 @@ class SceneBuilder {
       each_shape(scene_, [&](const Shape& shape) {
         if (mark_flat_glass(shape, records_.materials)) need(FEATURE_FLAT_GLASS);
       });
+  }
+
+  /// The boxes of shapes that contain media. None where shapes move.
+  [[nodiscard]] MediumBoxes medium_boxes() const {
+    MediumBoxes boxes;
+    if (motion_) return boxes;
+    const auto add = [&](const Shape& shape, const glm::dmat4& to_world) {
+      if (shape.interior == kNoMedium) return;
+      SceneBounds box = bounds_of(bounds_of(std::span(&shape, 1)), to_world);
+      box.low -= center_;
+      box.high -= center_;
+      boxes[media_->record_of(shape.interior)].push_back(box);
+    };
+    for (const Shape& shape : scene_.shapes) add(shape, glm::dmat4(1.0));
+    for (const PlacedGroup& placed : placed_)
+      for (const Shape& shape : scene_.groups[std::size_t(placed.group)].shapes) add(shape, placed.to_world);
+    return boxes;
   }
 
   /// Whether media are lights: with paths whose light and direction samples are balanced.

@@ -16,6 +16,8 @@ namespace {
 // Each block's least share of the samples is worth many steps of the random numbers.
 constexpr std::size_t kMostBlocks = 1 << 15;
 constexpr double kEvenShare = 0.05;
+// Of a grid around several boxes, along each axis.
+constexpr int kBoxCells = 16;
 // What the largest number near a block adds to the mean of its own cells: interpolation reaches into blocks
 // whose cells are 0.
 constexpr double kNearShare = 0.1;
@@ -98,10 +100,44 @@ std::vector<CellBlock> blocks_of(const Volume& v, const GridCells& cells, std::s
   return blocks;
 }
 
-/// The medium's light; nothing if its grid is black.
-std::optional<EmitterLight> light_of(int index, SceneRecords& records) {
+/// A grid around those boxes, in which the cells that meet one of them are 1. Returns its index, or -1 if the
+/// boxes are flat.
+int volume_around(std::span<const SceneBounds> boxes, SceneRecords& records) {
+  SceneBounds all;
+  for (const SceneBounds& box : boxes) all.include(box);
+  // The coordinates round to single precision.
+  const glm::dvec3 margin(1e-6 * glm::length(glm::max(glm::abs(all.low), glm::abs(all.high))));
+  all.low -= margin;
+  all.high += margin;
+  const int side = boxes.size() == 1 ? 1 : kBoxCells;
+  const glm::dvec3 cell = (all.high - all.low) / double(side);
+  if (!(cell.x > 0 && cell.y > 0 && cell.z > 0)) return -1;
+  Volume v{};
+  v.corner = to_vec3(all.low);
+  v.row_x = make_vec3(float(1 / cell.x), 0, 0);
+  v.row_y = make_vec3(0, float(1 / cell.y), 0);
+  v.row_z = make_vec3(0, 0, float(1 / cell.z));
+  v.nx = v.ny = v.nz = side;
+  v.channels = v.nearest = 1;
+  v.first_value = int(records.volume_values.size());
+  v.first_majorant = int(records.majorants.size());
+  GridCells::each({0, 0, 0}, glm::ivec3(side), [&](const glm::ivec3& at) {
+    const glm::dvec3 low = all.low + cell * glm::dvec3(at) - margin, high = low + cell + 2.0 * margin;
+    const bool meets = std::ranges::any_of(boxes, [&](const SceneBounds& box) {
+      return glm::all(glm::lessThanEqual(box.low, high)) && glm::all(glm::lessThanEqual(low, box.high));
+    });
+    records.volume_values.push_back(meets ? 1.0f : 0.0f);
+  });
+  const int coarse = majorant_cells(side);
+  records.majorants.insert(records.majorants.end(),
+                           std::size_t(coarse) * std::size_t(coarse) * std::size_t(coarse), 1.0f);
+  records.volumes.push_back(v);
+  return int(records.volumes.size()) - 1;
+}
+
+/// The medium's light by that volume; nothing if that is black.
+std::optional<EmitterLight> light_of(int index, int volume, SceneRecords& records) {
   const Medium& medium = records.media[std::size_t(index)];
-  const int volume = medium.emission_grid >= 0 ? medium.emission_grid : medium.density;
   const Volume& v = records.volumes[std::size_t(volume)];
   const GridCells cells(v, records.volume_values);
   std::vector<CellBlock> blocks;
@@ -179,7 +215,7 @@ std::optional<EmitterLight> light_of(int index, SceneRecords& records) {
 
 }  // namespace
 
-std::vector<MediumLight> medium_lights(int camera_medium, SceneRecords& records) {
+std::vector<MediumLight> medium_lights(int camera_medium, const MediumBoxes& boxes, SceneRecords& records) {
   std::set<int> present{camera_medium};
   for (const Boundary& boundary : records.boundaries) {
     present.insert(boundary.interior);
@@ -189,9 +225,15 @@ std::vector<MediumLight> medium_lights(int camera_medium, SceneRecords& records)
   for (const int index : present) {
     if (index <= 0) continue;
     const Medium& medium = records.media[std::size_t(index)];
-    const bool varies = medium.emission_grid >= 0 || medium.emission_by_density != 0;
-    if (!varies || !(max_component(medium.emission) > 0)) continue;
-    if (std::optional<EmitterLight> light = light_of(index, records)) lights.push_back({index, *light});
+    if (!(max_component(medium.emission) > 0)) continue;
+    int volume =
+        medium.emission_grid >= 0 || medium.emission_by_density == 0 ? medium.emission_grid : medium.density;
+    // A camera within may be where no box is.
+    if (volume < 0 && boxes.contains(index) && index != camera_medium)
+      volume = volume_around(boxes.at(index), records);
+    if (volume < 0) continue;
+    if (std::optional<EmitterLight> light = light_of(index, volume, records))
+      lights.push_back({index, *light});
   }
   return lights;
 }

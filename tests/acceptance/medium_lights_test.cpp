@@ -84,6 +84,67 @@ TEST(MediumLights, CauseMuchLessNoiseThanDirectionsAlone) {
   EXPECT_LT(10 * variance(DirectSampling::kMis), variance(DirectSampling::kBsdfOnly));
 }
 
+/// A box that shines evenly, in the way that its light goes to a wall.
+struct EvenFlame {
+  ParticipatingMedium medium;
+  glm::dvec3 low{1.9, -0.1, 3.9}, high{2.1, 0.1, 4.1};
+
+  explicit EvenFlame(float extinction) {
+    medium = media::medium(glm::vec3(extinction, 0.5f * extinction, 0), glm::vec3(0));
+    medium.emission = glm::vec3(100, 40, 10);
+  }
+  /// The irradiance of a wall at (0, 0, 6) that faces -z, by midpoints in double, over the emission.
+  [[nodiscard]] double irradiance(double extinction) const {
+    constexpr int kPoints = 80;
+    const double step = (high.x - low.x) / kPoints;
+    const glm::dvec3 wall(0, 0, 6);
+    double sum = 0;
+    for (int i = 0; i < kPoints; ++i)
+      for (int j = 0; j < kPoints; ++j)
+        for (int k = 0; k < kPoints; ++k) {
+          const glm::dvec3 at = low + step * (glm::dvec3(i, j, k) + 0.5), to = wall - at;
+          const double r = glm::length(to);
+          double within = r;
+          for (int axis = 0; axis < 3; ++axis)
+            within =
+                std::min(within, std::abs(((to[axis] > 0 ? high : low)[axis] - at[axis]) / to[axis]) * r);
+          sum += to.z / (r * r * r) * std::exp(-extinction * within);
+        }
+    return sum * std::pow(step, 3);
+  }
+  [[nodiscard]] SceneDescription scene(const IntegratorSettings& integrator, std::uint32_t spp) const {
+    SceneDescription scene = narrow_view(spp, integrator);
+    scene.shapes.push_back(
+        parallelogram({-4, -4, 6}, {0, 8, 0}, {8, 0, 0}, add_diffuse(scene, float(kReflectance))));
+    bound(scene, box(low, high, add_null(scene)), add_medium(scene, medium));
+    return scene;
+  }
+};
+
+TEST(MediumLights, OfEvenEmissionLightAWallAsQuadratureSays) {
+  for (const float extinction : {0.0f, 2.0f, 50.0f})
+    for (const MisHeuristic heuristic : {MisHeuristic::kBalance, MisHeuristic::kPower}) {
+      SCOPED_TRACE(::testing::Message() << extinction << " " << int(heuristic));
+      const EvenFlame flame(extinction);
+      glm::dvec3 radiance;
+      for (int k = 0; k < 3; ++k)
+        radiance[k] = flame.irradiance(double(flame.medium.extinction[k])) * kReflectance / std::numbers::pi *
+                      double(flame.medium.emission[k]);
+      const VolpathIntegrator integrator{.max_depth = 2, .heuristic = heuristic};
+      // Midpoints are off by less than 1e-3 where the box is 10 free paths deep.
+      expect_colour(flame.scene({.method = integrator}, 20'000), radiance, 1e-3);
+    }
+}
+
+TEST(MediumLights, OfEvenEmissionCauseMuchLessNoiseThanDirectionsAlone) {
+  const EvenFlame flame(2);
+  const auto variance = [&](DirectSampling sampling) {
+    const FilmAccumulator film = render_or_throw(flame.scene(volpath(sampling, 2), 20'000), big_passes());
+    return std::pow(pixel_sample(film, 0, 0, 0).standard_error(), 2);
+  };
+  EXPECT_LT(10 * variance(DirectSampling::kMis), variance(DirectSampling::kBsdfOnly));
+}
+
 /// A room with a flame. `change` may add to it.
 SceneDescription room(const IntegratorSettings& integrator,
                       const std::function<void(SceneDescription&, ParticipatingMedium&)>& change) {
@@ -153,6 +214,27 @@ TEST(MediumLights, EndWhereTheirMediumDoes) {
     Shape ball = sphere({-0.1, -0.2, 0.35}, 0.12, add_null(scene));
     ball.exterior = own;
     bound(scene, ball, add_medium(scene, medium(1, 0.5f)));
+  });
+}
+
+TEST(MediumLights, OfEvenEmissionMayHaveSeveralShapes) {
+  expect_same_light([](SceneDescription& scene, ParticipatingMedium& flame) {
+    flame.emission_grid.reset();
+    flame.emission = glm::vec3(2, 1, 0.3f);
+    const int own = add_medium(scene, flame), nothing = add_null(scene);
+    bound(scene, box({-0.7, -0.9, -0.5}, {0.1, -0.5, 0}, nothing), own);
+    bound(scene, sphere({0.9, 0.5, 0.5}, 0.3, nothing), own);
+    Shape ball = sphere({-0.3, -0.7, -0.2}, 0.15, nothing);
+    ball.exterior = own;
+    bound(scene, ball, add_medium(scene, medium(1, 0.5f)));
+    ShapeGroup group;
+    group.name = "group";
+    group.shapes.push_back(sphere({0, 0, 0}, 0.5, nothing));
+    group.shapes.back().interior = own;
+    scene.groups.push_back(group);
+    scene.instances.push_back({.name = "placed",
+                               .group = 0,
+                               .to_world = translation(glm::dvec3(-1.2, 0.6, 1)) * scaling(glm::dvec3(0.5))});
   });
 }
 
