@@ -1,8 +1,8 @@
 // A diffuse base under a rough dielectric boundary (Mitsuba 3's roughplastic): F D G / (4 cos cos) of
 // isotropic microfacets with roughness alpha_u, one family for each distribution, plus the base of plastic.h.
-// The boundary's transmittance is a curve over the cosine; after its knots follows the boundary's reflectance
-// for diffuse light from inside. There is one curve for one roughness, or rows of curves.
-// scenes/bsdfs/rough_boundary.h computes them.
+// The transmittance of boundary and coating is a curve over the cosine; after its knots follows the
+// boundary's reflectance for diffuse light from inside. There is one curve for one roughness, or rows of
+// curves. scenes/bsdfs/rough_boundary.h computes them.
 #ifndef PENUMBRA_ROUGHPLASTIC_H
 #define PENUMBRA_ROUGHPLASTIC_H
 #include "kernels/bsdf/microfacet.h"

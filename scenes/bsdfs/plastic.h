@@ -31,11 +31,13 @@ void boundary_rows(const Row& row) {
   row("ext_ior", &Plastic::ext_ior, RefractiveIndex{}, "refractive index above it");
 }
 
-/// The row of plastics that may be nonlinear.
+/// The rows of plastics in which light goes to and fro.
 template <typename Plastic, typename Row>
-void nonlinear_row(const Row& row) {
+void coating_rows(const Row& row) {
   row("nonlinear", &Plastic::nonlinear, TrueOrFalse{},
       "the base's colour deepens each time that light is reflected back to it");
+  row("optical_depth", &Plastic::optical_depth, NumberWithin{LowEnd::kClosed, 0.0f, 1e6f},
+      "of the coating along its normal: what it absorbs");
 }
 
 /// The rows of plastics with a rough boundary.
@@ -57,11 +59,12 @@ struct PlasticBsdf {
   float int_ior = 1.49f;
   float ext_ior = 1.000277f;
   bool nonlinear = false;
+  float optical_depth = 0.0f;
 
   template <typename Row>
   static void parameters(const Row& row) {
     boundary_rows<PlasticBsdf>(row);
-    nonlinear_row<PlasticBsdf>(row);
+    coating_rows<PlasticBsdf>(row);
   }
   void complete(Findings& findings) const { check_boundary(int_ior, ext_ior, findings); }
 };
@@ -72,7 +75,8 @@ inline Material material_of(const PlasticBsdf& plastic) {
   PENUMBRA_SET_FIELD(m, specular, plastic.specular);
   m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
   m.ior = plastic.int_ior / plastic.ext_ior;
-  m.internal = float(smooth_internal_reflectance(double(m.ior)));
+  m.diffuse_rate = plastic.optical_depth;
+  m.internal = float(smooth_internal_reflectance(double(m.ior), double(plastic.optical_depth)));
   return m;
 }
 
@@ -87,11 +91,12 @@ struct RoughPlasticBsdf {
   int distribution = DISTRIBUTION_BECKMANN;
   TexturedNumber alpha{0.1f};
   bool sample_visible = true;  ///< accepted; visible normals are always sampled
+  float optical_depth = 0.0f;
 
   template <typename Row>
   static void parameters(const Row& row) {
     boundary_rows<RoughPlasticBsdf>(row);
-    nonlinear_row<RoughPlasticBsdf>(row);
+    coating_rows<RoughPlasticBsdf>(row);
     microfacet_rows<RoughPlasticBsdf>(row);
   }
   void complete(Findings& findings) const {
@@ -138,8 +143,9 @@ inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tab
   PENUMBRA_SET_FIELD(m, alpha_u, plastic.alpha);
   m.alpha_u = m.alpha_v = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
   m.curve_rows = plastic.alpha.texture == kNoTexture ? 1 : CURVE_ROWS;
-  m.curve =
-      tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior), smooth_base}, m.curve_rows);
+  m.curve = tables.boundary(
+      {plastic.distribution, double(m.alpha_u), double(m.ior), smooth_base, double(plastic.optical_depth)},
+      m.curve_rows);
   return m;
 }
 

@@ -163,7 +163,7 @@ std::array<double, CURVE_KNOTS> RoughBoundary::transmittance() const {
     const double cosine = glm::dot(wo, m);
     const SmoothRefraction r = smooth_refraction(cosine, ior);
     const glm::dvec3 wi = (cosine / ior - r.cosine) * m - wo / ior;
-    return wi.z < 0 ? (1 - r.reflected) * masking(*this, wi, m) : 0;
+    return wi.z < 0 ? (1 - r.reflected) * masking(*this, wi, m) * std::exp(optical_depth / wi.z) : 0;
   };
   std::array<double, CURVE_KNOTS> curve{};
   if (smooth_base) {
@@ -182,13 +182,32 @@ double RoughBoundary::internal_reflectance() const {
   const auto back = [&](const glm::dvec3& wo, const glm::dvec3& m) {
     const double cosine = glm::dot(wo, m);
     const glm::dvec3 wi = 2 * cosine * m - wo;
-    return wi.z > 0 ? smooth_refraction(cosine, beneath.ior).reflected * masking(beneath, wi, m) : 0;
+    if (!(wi.z > 0)) return 0.0;
+    return smooth_refraction(cosine, beneath.ior).reflected * masking(beneath, wi, m) *
+           std::exp(-optical_depth * (1 / wo.z + 1 / wi.z));
   };
   // 2 int R(mu) mu dmu as the mean over all knots including both ends, as in Mitsuba 3.
   double sum = 0;
   for (int i = 0; i < CURVE_KNOTS; ++i)
     sum += 2 * knot_cosine(i) * mean_over_normals(beneath, knot_cosine(i), back);
   return sum / CURVE_KNOTS;
+}
+
+double smooth_internal_reflectance(double ior, double optical_depth) {
+  if (!(optical_depth > 0)) return smooth_internal_reflectance(ior);
+  // Beyond the critical angle all is reflected.
+  static const Rule rule(64);
+  const double critical = ior > 1 ? std::sqrt(1 - 1 / (ior * ior)) : 0;
+  double sum = 0;
+  for (const auto [low, high] : {std::pair(0.0, critical), std::pair(critical, 1.0)})
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+      // Squared, so that the square root at the critical angle is smooth.
+      const double cosine = low + (high - low) * rule.nodes[i] * rule.nodes[i];
+      const double reflected = smooth_refraction(cosine, 1 / ior).reflected;
+      sum += (high - low) * 2 * rule.nodes[i] * rule.weights[i] * 2 * cosine * reflected *
+             std::exp(-2 * optical_depth / cosine);
+    }
+  return sum;
 }
 
 }  // namespace penumbra

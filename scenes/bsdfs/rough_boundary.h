@@ -30,15 +30,17 @@ struct RoughBoundary {
   double ior = 1.5;                          ///< relative refractive index, below over above
   /// Light passes the boundary as if it were smooth, and nothing is reflected beneath it.
   bool smooth_base = false;
+  /// Along its normal, of the coating beneath it, which absorbs exp(-optical_depth / cosine) of each way.
+  double optical_depth = 0;
 
   friend auto operator<=>(const RoughBoundary&, const RoughBoundary&) = default;
 
   /// The transmitted fraction of light that arrives from above, at the cosines i / (CURVE_KNOTS - 1), of
-  /// which the first is replaced by 1e-6. Only single scattering is counted: light that meets a second
-  /// microfacet is lost, as in all models with Smith's shadowing.
+  /// which the first is replaced by 1e-6: beneath the coating. Only single scattering is counted: light that
+  /// meets a second microfacet is lost, as in all models with Smith's shadowing.
   [[nodiscard]] std::array<double, CURVE_KNOTS> transmittance() const;
 
-  /// The fraction of diffuse light from below that the boundary reflects back. With a smooth base it is the
+  /// The fraction of diffuse light from below the coating that gets back there. With a smooth base it is the
   /// value for which the sum over all interreflections cancels the factor 1 / ior^2 of radiance that leaves
   /// the denser medium.
   [[nodiscard]] double internal_reflectance() const;
@@ -52,6 +54,10 @@ inline double smooth_internal_reflectance(double ior) {
   if (beneath < 1) return 0.6681 + beneath * (0.7099 - 1.4399 * beneath) + 0.0636 / beneath;
   return 0.919317 + ior * (-3.4793 + ior * (6.75335 + ior * (-7.80989 + ior * (4.98554 + ior * -1.36881))));
 }
+
+/// The same for diffuse light from below a coating of that optical depth along its normal, which gets back
+/// there. Without a coating it is the fit.
+double smooth_internal_reflectance(double ior, double optical_depth);
 
 /// The largest ratio of the refractive indices of a plastic's boundary. Beyond it the fit approaches 1 and
 /// the model breaks down.

@@ -48,8 +48,8 @@ constexpr PluginParameterName kParameters[] = {
     {"direct", "hidden_emitters"}, {"direct", "trace_shadows"}, {"hair", "offset"},
     {"hair", "reflectance"},       {"mitchell", "b"},           {"mitchell", "c"},
     {"path", "hidden_emitters"},   {"path", "only_bounces"},    {"path", "only_technique"},
-    {"roughconductor", "ext_eta"}, {"roughdielectric", "abbe"}, {"spot", "falloff"},
-    {"volpath", "hidden_emitters"}};
+    {"plastic", "optical_depth"}, {"roughconductor", "ext_eta"}, {"roughdielectric", "abbe"},
+    {"roughplastic", "optical_depth"}, {"spot", "falloff"}, {"volpath", "hidden_emitters"}};
 constexpr std::string_view kOfCameras[] = {
     "blades",        "blade_rotation", "distortion_k1",  "distortion_k2", "magnify_red",
     "magnify_green", "magnify_blue",   "refocus_red",    "refocus_green", "refocus_blue",
