@@ -35,8 +35,8 @@ void set_metal(ConductorSurface& surface, const char* name) {
 /// that reflects as much as one of `reflectance` in pbrt. There, light meets one of the two surfaces `depth`
 /// times at most, the lower one first: of the series sum (reflectance f)^i, where the coating reflects f of
 /// the light from below, the first (depth + 1) / 2 terms are left.
-double cut_interreflection(double reflectance, double ior, int depth) {
-  const double f = smooth_internal_reflectance(ior), ratio = reflectance * f;
+double cut_interreflection(double reflectance, double f, int depth) {
+  const double ratio = reflectance * f;
   const double cut = reflectance * (1.0 - std::pow(ratio, (depth + 1) / 2)) / (1.0 - ratio);
   return cut / (1.0 + f * cut);
 }
@@ -221,10 +221,25 @@ SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation
   return metal_of(surface, roughness(parameters, "", location));
 }
 
+double MaterialReader::coating_depth(Parameters& parameters, SourceLocation location) {
+  const TexturedColour albedo =
+      textures_.colour(parameters, "albedo", ColourOf::kReflectance, glm::vec3(0.0f));
+  const TexturedNumber thickness = textures_.number(parameters, "thickness", 0.01, 0.0, 1e6);
+  if (albedo.is_lit())
+    context_.report.warn_counted(location, "the medium of a coating scatters nothing and absorbs the rest");
+  if (thickness.texture != kNoTexture)
+    context_.report.warn_counted(location, "the thickness of a coating has no texture; it is 0.01");
+  const float scattered =
+      albedo.texture == kNoTexture ? glm::dot(albedo.value, glm::vec3(1.0f / 3.0f)) : 0.5f;
+  return (thickness.texture == kNoTexture ? double(thickness.value) : 0.01) *
+         std::max(1.0 - double(scattered), 0.0);
+}
+
 /// An OpenPBR coat over a metal of the same reflectance along the normal and at the cosine 1 / 7.
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples"});
+  parameters.accept({"g", "maxdepth", "nsamples"});
+  const double optical_depth = coating_depth(parameters, location);
   const double eta = std::clamp(index(parameters, "interface.eta", location), 1.0 / kMostIndexRatio,
                                 double(kMostIndexRatio));
   const Roughness rough = roughness(parameters, "interface.", location);
@@ -234,11 +249,12 @@ SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceL
     report.warn_counted(location, "a coatedconductor whose coating has an index below 1 is read without it");
   if (eta <= 1.0) return metal_of(metal, below);
   report.warn_counted(location,
-                      "coatedconductor is approximated by an openpbr: a coating that scatters nothing over a "
-                      "metal with two reflectances");
+                      "coatedconductor is approximated by an openpbr: a coating over a metal with two "
+                      "reflectances");
   OpenPbrBsdf surface;
   surface.coat_weight = 1.0f;
   surface.coat_ior = float(eta);
+  surface.coat_color = glm::vec3(float(std::exp(-2.0 * optical_depth)));
   surface.base_metalness = 1.0f;
   for (int c = 0; c < 3; ++c) {
     const double n = double(metal.eta.value[c]) / eta, k = double(metal.k.value[c]) / eta;
@@ -316,13 +332,8 @@ double MaterialReader::index(Parameters& parameters, std::string_view name, Sour
 
 SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  const TexturedColour given =
-      textures_.colour(parameters, "albedo", ColourOf::kReflectance, glm::vec3(0.0f));
-  report.warn_counted(
-      location, given.is_lit() ? "coateddiffuse is approximated by a plastic, whose coating scatters nothing"
-                               : "coateddiffuse is approximated by a plastic: diffuse under a boundary "
-                                 "without thickness");
-  parameters.accept({"thickness", "g", "nsamples", "twosided"});
+  const double optical_depth = coating_depth(parameters, location);
+  parameters.accept({"g", "nsamples", "twosided"});
   TexturedColour colour =
       textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
   const std::int64_t depth = parameters.integer("maxdepth", 10, report);
@@ -331,14 +342,24 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
   const Parameter* eta = parameters.find("eta");
   const double ior = eta != nullptr && eta->numbers.size() == 1 ? eta->numbers[0] : 1.5;
   if (depth >= 1 && ior >= 1.0 && ior <= double(kMostIndexRatio)) {
+    const Roughness rough = roughness(parameters, "", location);
+    const double reflected =
+        rough.smooth() || rough.u.texture != kNoTexture || rough.v.texture != kNoTexture || ior == 1.0
+            ? smooth_internal_reflectance(ior, optical_depth)
+            : RoughBoundary{.distribution = DISTRIBUTION_GGX,
+                            .alpha = std::max(std::sqrt(double(rough.u.value) * double(rough.v.value)),
+                                              double(LEAST_ALPHA)),
+                            .ior = ior,
+                            .optical_depth = optical_depth}
+                  .internal_reflectance();
     const auto cut = [&](glm::dvec3 reflectance) {
       for (int c = 0; c < 3; ++c)
-        reflectance[c] = cut_interreflection(std::clamp(reflectance[c], 0.0, 1.0), ior, int(depth));
+        reflectance[c] = cut_interreflection(std::clamp(reflectance[c], 0.0, 1.0), reflected, int(depth));
       return reflectance;
     };
     if (colour.texture == kNoTexture)
       colour.value = glm::vec3(cut(glm::dvec3(colour.value)));
-    else if (const auto [known, is_new] = cut_.try_emplace({colour.texture, ior, depth});
+    else if (const auto [known, is_new] = cut_.try_emplace({colour.texture, reflected, depth});
              is_new ? (known->second = textures_.of_texels(colour.texture, cut)) : known->second)
       colour.texture = *known->second;
     else
@@ -346,13 +367,14 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
                           "under a coateddiffuse whose reflectance is a texture that is no image, light "
                           "goes to and fro for ever");
   }
-  return plastic_with(parameters, colour, 1.5, "coateddiffuse", location);
+  return plastic_with(parameters, colour, optical_depth, location);
 }
 
 SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const TexturedColour& colour,
-                                             double fallback, const char* name, SourceLocation location) {
+                                             double optical_depth, SourceLocation location) {
+  constexpr const char* name = "coateddiffuse";
   ReaderReport& report = context_.report;
-  const double given = index(parameters, "eta", location, fallback);
+  const double given = index(parameters, "eta", location, 1.5);
   const Roughness rough = roughness(parameters, "", location);
   // Without a boundary only the base remains.
   if (given == 1.0) {
@@ -367,6 +389,7 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
         fmt::format("the boundary of a {} has an index up to {}, not {}", name, kMostIndexRatio, given));
   if (rough.smooth()) {
     PlasticBsdf model;
+    model.optical_depth = float(optical_depth);
     model.diffuse = colour;
     model.int_ior = eta;
     model.ext_ior = 1.0f;
@@ -374,6 +397,7 @@ SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const Textu
     return both_sides(name, model);
   }
   RoughPlasticBsdf model;
+  model.optical_depth = float(optical_depth);
   model.diffuse = colour;
   model.int_ior = eta;
   model.ext_ior = 1.0f;

@@ -62,8 +62,10 @@ class MaterialReader {
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
   ConductorSurface conductor_surface(Parameters& parameters, const std::string& prefix,
                                      SourceLocation location);
-  SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double fallback,
-                               const char* name, SourceLocation location);
+  SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double optical_depth,
+                               SourceLocation location);
+  /// The optical depth of a coating along its normal, without what it scatters.
+  double coating_depth(Parameters& parameters, SourceLocation location);
   /// The refractive index at the Fraunhofer line d. `abbe`: where to put the Abbe number of a glass that
   /// disperses light; null: the surface has one index at all wavelengths.
   double index(Parameters& parameters, std::string_view name, SourceLocation location, double fallback = 1.5,
@@ -80,7 +82,8 @@ class MaterialReader {
   std::vector<std::unique_ptr<Entry>> entries_;
   std::map<std::string, int> named_;
   MeasuredFiles measured_;
-  /// Textures of reflectances under a coating by the texture, the index and the depth at which light ends.
+  /// Textures of reflectances under a coating by the texture, what the coating reflects of light from below
+  /// and the depth at which light ends.
   std::map<std::tuple<int, double, std::int64_t>, std::optional<int>> cut_;
 };
 

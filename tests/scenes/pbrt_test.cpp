@@ -214,23 +214,23 @@ TEST_F(PbrtText, BlackBodiesHaveLuminance1) {
 }
 
 TEST_F(PbrtText, Materials) {
-  const SceneDescription scene =
-      good_pbrt(std::string("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]\n") + kTriangle +
-                "Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" "
-                "\"float roughness\" 0.25\n" +
-                kTriangle + "Material \"conductor\" \"rgb reflectance\" [.5 .5 .5] \"float roughness\" 0\n" +
-                kTriangle + "Material \"dielectric\" \"float eta\" 1.4\n" + kTriangle +
-                "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" \"float uroughness\" 0.2 \"float "
-                "vroughness\" 0.3 "
-                "\"bool remaproughness\" false\n" +
-                kTriangle + "Material \"coateddiffuse\" \"rgb reflectance\" [.4 .4 .4]\n" + kTriangle +
-                "Material \"coateddiffuse\" \"float roughness\" 0.04\n" + kTriangle +
-                "Material \"interface\"\n" + kTriangle +
-                "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"b\" \"string "
-                "type\" \"conductor\"\n" +
-                "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" + kTriangle +
-                "NamedMaterial \"a\"\n" +
-                "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float alpha\" 0.5\n");
+  const SceneDescription scene = good_pbrt(
+      std::string("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]\n") + kTriangle +
+      "Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" "
+      "\"float roughness\" 0.25\n" +
+      kTriangle + "Material \"conductor\" \"rgb reflectance\" [.5 .5 .5] \"float roughness\" 0\n" +
+      kTriangle + "Material \"dielectric\" \"float eta\" 1.4\n" + kTriangle +
+      "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" \"float uroughness\" 0.2 \"float "
+      "vroughness\" 0.3 "
+      "\"bool remaproughness\" false\n" +
+      kTriangle + "Material \"coateddiffuse\" \"rgb reflectance\" [.4 .4 .4] \"float thickness\" 0\n" +
+      kTriangle + "Material \"coateddiffuse\" \"float roughness\" 0.04\n" + kTriangle +
+      "Material \"interface\"\n" + kTriangle +
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"b\" \"string "
+      "type\" \"conductor\"\n" +
+      "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" + kTriangle +
+      "NamedMaterial \"a\"\n" +
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float alpha\" 0.5\n");
   ASSERT_EQ(scene.shapes.size(), 10u);
   EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.value, glm::vec3(0.1f, 0.2f, 0.3f));
   const auto& silver = std::get<RoughConductorBsdf>(front(scene, 1));
@@ -261,7 +261,33 @@ TEST_F(PbrtText, Materials) {
   EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(
       scene.bsdfs.at(std::size_t(std::get<BlendBsdf>(front(scene, 8)).second)).model));
   EXPECT_EQ(std::get<MaskBsdf>(front(scene, 9)).opacity.value, 0.5f);
-  EXPECT_THAT(warnings(scene), HasSubstr("coateddiffuse is approximated by a plastic"));
+}
+
+/// The series by which `maxdepth` ends light between the surfaces of a coateddiffuse, with a coating that
+/// reflects `inside` of the light from below. Over the light that enters, that which reaches the coating.
+double cut_series(double reflectance, double inside, int terms) {
+  double sum = 0;
+  for (int i = 0; i < terms; ++i) sum += reflectance * std::pow(reflectance * inside, i);
+  return sum;
+}
+
+/// pbrt's light is dimmed on each way between the surfaces, also without a medium.
+TEST_F(PbrtText, CoatingsAbsorbByTheirThickness) {
+  const SceneDescription scene =
+      good_pbrt("Material \"coateddiffuse\" \"rgb reflectance\" [.8 .8 .8]\n" + std::string(kTriangle) +
+                "Material \"coateddiffuse\" \"float thickness\" 0.3 \"float roughness\" 0.04 \"rgb albedo\" "
+                "[.5 .5 .5]\n" +
+                kTriangle + "Material \"coatedconductor\" \"float thickness\" 0.2\n" + kTriangle);
+  const auto& smooth = std::get<PlasticBsdf>(front(scene, 0));
+  EXPECT_EQ(smooth.optical_depth, 0.01f);
+  // 2 int mu R(mu) exp(-0.02 / mu) of a boundary of index 1.5 seen from below, by 2000 Gauss points on either
+  // side of the critical angle.
+  constexpr double kInside = 0.56736456;
+  const double base = double(smooth.diffuse.value.x);
+  EXPECT_NEAR(base / (1 - kInside * base), cut_series(0.8, kInside, 5), 1e-5);
+  EXPECT_FLOAT_EQ(std::get<RoughPlasticBsdf>(front(scene, 1)).optical_depth, 0.15f) << "half is scattered";
+  EXPECT_FLOAT_EQ(std::get<OpenPbrBsdf>(front(scene, 2)).coat_color.value.x, std::exp(-0.4f));
+  EXPECT_THAT(warnings(scene), HasSubstr("the medium of a coating scatters nothing"));
 }
 
 /// With the metal's reflectances below a coating of index 1.5.
@@ -449,20 +475,13 @@ TEST_F(PbrtText, TexturesMadeOfImages) {
   EXPECT_TRUE(near(texels(metal.alpha_u.texture), {std::sqrt(0.8), 0})) << "alpha is the square root";
 }
 
-/// The series by which `maxdepth` ends light between the surfaces of a coateddiffuse, with a coating that
-/// reflects `inside` of the light from below. Over the light that enters, that which reaches the coating.
-double cut_series(double reflectance, double inside, int terms) {
-  double sum = 0;
-  for (int i = 0; i < terms; ++i) sum += reflectance * std::pow(reflectance * inside, i);
-  return sum;
-}
-
 TEST_F(PbrtText, TexelsUnderACoatingAreCutAsConstantsAre) {
   write("t.png", png_file(1, 2, 1, std::vector<std::uint8_t>{230, 51}));
   const SceneDescription scene = good_pbrt(
       "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" \"string encoding\" \"linear\"\n"
       "Texture \"c\" \"spectrum\" \"checkerboard\"\n"
-      "Material \"coateddiffuse\" \"texture reflectance\" \"t\" \"integer maxdepth\" 3\n" +
+      "Material \"coateddiffuse\" \"texture reflectance\" \"t\" \"integer maxdepth\" 3 \"float thickness\" "
+      "0\n" +
       std::string(kTriangle) +
       "Material \"coateddiffuse\" \"texture reflectance\" \"c\" \"float roughness\" 0\n" + kTriangle);
   const auto& model = std::get<BitmapTexture>(
