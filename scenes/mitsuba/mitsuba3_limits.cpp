@@ -41,15 +41,30 @@ constexpr std::pair<std::string_view, std::string_view> kPlugins[] = {{"bsdf", "
 struct PluginParameterName {
   std::string_view type, name;
 };
-constexpr PluginParameterName kParameters[] = {
-    {"area", "sampling"},          {"area", "two_sided"},       {"bitmap", "channel"},
-    {"bitmap", "gamma"},           {"bitmap", "wrap_mode_u"},   {"bitmap", "wrap_mode_v"},
-    {"bsplinecurve", "form"},      {"conductor", "ext_eta"},    {"dielectric", "abbe"},
-    {"direct", "hidden_emitters"}, {"direct", "trace_shadows"}, {"hair", "offset"},
-    {"hair", "reflectance"},       {"mitchell", "b"},           {"mitchell", "c"},
-    {"path", "hidden_emitters"},   {"path", "only_bounces"},    {"path", "only_technique"},
-    {"plastic", "optical_depth"}, {"roughconductor", "ext_eta"}, {"roughdielectric", "abbe"},
-    {"roughplastic", "optical_depth"}, {"spot", "falloff"}, {"volpath", "hidden_emitters"}};
+constexpr PluginParameterName kParameters[] = {{"area", "sampling"},
+                                               {"area", "two_sided"},
+                                               {"bitmap", "channel"},
+                                               {"bitmap", "gamma"},
+                                               {"bitmap", "wrap_mode_u"},
+                                               {"bitmap", "wrap_mode_v"},
+                                               {"bsplinecurve", "form"},
+                                               {"conductor", "ext_eta"},
+                                               {"dielectric", "abbe"},
+                                               {"direct", "hidden_emitters"},
+                                               {"direct", "trace_shadows"},
+                                               {"hair", "offset"},
+                                               {"hair", "reflectance"},
+                                               {"mitchell", "b"},
+                                               {"mitchell", "c"},
+                                               {"path", "hidden_emitters"},
+                                               {"path", "only_bounces"},
+                                               {"path", "only_technique"},
+                                               {"plastic", "optical_depth"},
+                                               {"roughconductor", "ext_eta"},
+                                               {"roughdielectric", "abbe"},
+                                               {"roughplastic", "optical_depth"},
+                                               {"spot", "falloff"},
+                                               {"volpath", "hidden_emitters"}};
 constexpr std::string_view kOfCameras[] = {
     "blades",        "blade_rotation", "distortion_k1",  "distortion_k2", "magnify_red",
     "magnify_green", "magnify_blue",   "refocus_red",    "refocus_green", "refocus_blue",
