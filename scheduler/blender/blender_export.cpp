@@ -62,7 +62,10 @@ void BlenderExport::run(const BlenderShot& shot) {
   for (const auto& [option, value] : {std::pair("scene", shot.scene), std::pair("camera", shot.camera),
                                       std::pair("view-layer", shot.layer)})
     if (!value.empty()) words.push_back(fmt::format("--{}={}", option, value));
-  const auto end = run_program(blender->path.string(), blender->arguments(*script, std::move(words)),
+  // Blender's own temporary files go with the folder, also where it is killed.
+  std::vector<std::string> all = blender->arguments(*script, std::move(words));
+  all.insert(all.begin(), {"TMPDIR=" + folder_.string(), blender->path.string()});
+  const auto end = run_program("/usr/bin/env", std::move(all),
                                {.errors_too = true, .limit = kForEver, .stop = &is_unwanted_});
   if (!end)
     ended_ = std::unexpected(end.error());

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <iterator>
+#include <optional>
 
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
@@ -189,7 +190,9 @@ void reduce(LoadedScene& scene) { reduce(scene, scene.description); }
 
 void reduce(LoadedScene& scene, const SceneDescription& description) {
   scene.center = scene_center(description);
+  const std::optional<double> fps = description.fps;  // `description` may be the scene's own
   scene.description = polygon_lights_of(description);
+  scene.description.fps = fps;
   scene.description.motion.reset();
   add_device_warnings(scene);
 }
