@@ -8,13 +8,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <system_error>
 #include <utility>
 
 #include "kernels/bsdf/families.h"
+#include "scenes/angles.h"
 #include "scenes/spectrum.h"
 #include "scenes/tensor_file.h"
 
@@ -33,9 +33,10 @@ class MeasuredReader {
 
   MeasuredBrdf read() {
     MeasuredBrdf brdf;
-    constexpr float kPi = std::numbers::pi_v<float>, kRound = 1e-3f;
-    brdf.theta = angles("theta_i", -kRound, kPi / 2 + kRound);
-    brdf.phi = angles("phi_i", -2 * kPi - kRound, 2 * kPi + kRound);
+    constexpr auto kHalfTurn = float(kPi);
+    constexpr float kRound = 1e-3f;
+    brdf.theta = angles("theta_i", -kRound, kHalfTurn / 2 + kRound);
+    brdf.phi = angles("phi_i", -2 * kHalfTurn - kRound, 2 * kHalfTurn + kRound);
     const TensorShape directions{brdf.phi.size(), brdf.theta.size()};
     brdf.ndf = grids("ndf", {});
     brdf.sigma = grids("sigma", {});

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <numeric>
 #include <span>
 
 #include "kernels/bsdf/families.h"
+#include "scenes/angles.h"
 
 namespace penumbra {
 namespace {
 
 using Grids = MeasuredBrdf::Grids;
-constexpr double kPi = std::numbers::pi;
 
 /// A density over the unit square, bilinear between knots, and its sums, in cells of area 1.
 struct Warp {
