@@ -21,12 +21,12 @@ SceneDescription read(const std::string& name, const ReadOptions& options = {}) 
   return *scene;
 }
 
-struct Triangle {
+struct TrianglePlane {
   glm::dvec3 center, normal;
 };
 
-std::vector<Triangle> triangles_of(const Shape& shape) {
-  std::vector<Triangle> result;
+std::vector<TrianglePlane> triangles_of(const Shape& shape) {
+  std::vector<TrianglePlane> result;
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     for (const glm::uvec3& t : mesh->triangles) {
       const glm::dvec3 &a = mesh->positions[t.x], &b = mesh->positions[t.y], &c = mesh->positions[t.z];
@@ -55,9 +55,9 @@ void expect_rooms_face_inwards(const SceneDescription& scene, glm::dvec3 middle)
     if (block) {
       center = glm::dvec3(0.0);
       const auto triangles = triangles_of(shape);
-      for (const Triangle& t : triangles) center += t.center / double(triangles.size());
+      for (const TrianglePlane& t : triangles) center += t.center / double(triangles.size());
     }
-    for (const Triangle& t : triangles_of(shape)) {
+    for (const TrianglePlane& t : triangles_of(shape)) {
       EXPECT_EQ(glm::dot(t.normal, center - t.center) > 0.0, !block) << shape.name;
     }
   }
@@ -93,7 +93,7 @@ TEST(SampleScenes, VeachMis) {
       const auto& bsdf = scene.bsdfs.at(std::size_t(shape.front_bsdf));
       EXPECT_TRUE(std::holds_alternative<PhongBsdf>(bsdf.model));
       // The camera and the lights' middle are mirror images about the plate's normal.
-      const Triangle a = triangles_of(shape)[0], b = triangles_of(shape)[1];
+      const TrianglePlane a = triangles_of(shape)[0], b = triangles_of(shape)[1];
       const glm::dvec3 middle = 0.5 * (a.center + b.center);
       const glm::dvec3 in = glm::normalize(glm::dvec3(0, 1.2, -1) - middle);
       const glm::dvec3 out = glm::normalize(glm::dvec3(0, 2.5, 15) - middle);
@@ -119,7 +119,7 @@ TEST(SampleScenes, Furnace) {
   const SceneDescription scene =
       read("furnace/furnace.xml", {.defines = {{"albedo", "0.8"}, {"integrator", "direct"}}});
   ASSERT_THAT(scene.shapes, SizeIs(1));
-  for (const Triangle& t : triangles_of(scene.shapes[0])) {
+  for (const TrianglePlane& t : triangles_of(scene.shapes[0])) {
     EXPECT_NEAR(glm::dot(t.normal, -t.center), 0.5, 1e-12);
   }
   EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(0).model).reflectance, glm::vec3(0.8f));
@@ -156,7 +156,7 @@ TEST(SampleScenes, PolygonLights) {
     EXPECT_EQ(light.positions, std::get<Mesh>(same.shapes.at(1).geometry).positions);
     // The vertices have six digits.
     EXPECT_NEAR(lambert_radiance(light, 0.5), exact[i - 1], 1e-6);
-    const Triangle triangle = triangles_of(scene.shapes[1])[0];
+    const TrianglePlane triangle = triangles_of(scene.shapes[1])[0];
     EXPECT_GT(glm::dot(triangle.normal, -triangle.center), 0.0) << "it shines away from the origin";
     EXPECT_EQ(triangles_of(scene.shapes[0])[0].normal, glm::dvec3(0, 1, 0));
     EXPECT_EQ(scene.camera.fov, 1e-6);
