@@ -97,6 +97,11 @@ bool BlenderExport::promises(std::optional<int> frame) const {
   return frame ? std::ranges::find(frames_, *frame) != frames_.end() : frames_.empty();
 }
 
+bool BlenderExport::ended_at(std::optional<int> frame) {
+  const auto first = std::ranges::find_if(frames_, [this](int each) { return !has(each); });
+  return frame && first != frames_.end() && *first == *frame;
+}
+
 bool BlenderExport::has(std::optional<int> frame) {
   read_results();
   return frame ? scenes_.contains(*frame) : frames_.empty() && !scenes_.empty();

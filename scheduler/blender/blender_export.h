@@ -40,6 +40,8 @@ class BlenderExport {
   bool has(std::optional<int> frame);
   /// Whether it is among those that were asked for.
   [[nodiscard]] bool promises(std::optional<int> frame) const;
+  /// Whether it is the first that was asked for and is not there.
+  bool ended_at(std::optional<int> frame);
   /// Whether Blender has ended.
   [[nodiscard]] bool is_over() const { return is_over_; }
   /// How many frames are there, as far as has been looked.

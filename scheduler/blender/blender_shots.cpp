@@ -75,9 +75,17 @@ Expected<ExportedScene> BlenderShots::scene_of(const SceneOptions& options) {
   for (BlenderExport& each : shot.exports)
     if (each.has(*frame)) return each.frame(*frame);
   BlenderExport* run = shot.exports.empty() ? nullptr : &shot.exports.back();
-  // Where Blender ended before its first frame, it would again. Where it ended at a frame, it exports the
-  // others.
-  const bool is_needed = run == nullptr || (run->is_over() ? run->exported() > 0 : !run->promises(*frame));
+  const auto answer = [&] {
+    auto scene = run->frame(*frame);
+    if (!scene && *frame) shot.failed.insert(**frame);
+    return scene;
+  };
+  const bool is_told = *frame && shot.failed.contains(**frame);
+  if (run != nullptr && run->is_over() && run->ended_at(*frame) && !is_told) return answer();
+  // Where Blender has never exported a frame, it would not now.
+  const bool has_exported =
+      std::ranges::any_of(shot.exports, [](const auto& each) { return each.exported() > 0; });
+  const bool is_needed = run == nullptr || (run->is_over() ? has_exported : !run->promises(*frame));
   if (is_needed) {
     std::vector<int> frames;
     if (*frame) frames.push_back(**frame);
@@ -86,7 +94,7 @@ Expected<ExportedScene> BlenderShots::scene_of(const SceneOptions& options) {
     const int number = int(shot.exports.size());
     run = &shot.exports.emplace_back(shot_of(options), std::move(frames), shot.folder, number);
   }
-  return run->frame(*frame);
+  return answer();
 }
 
 BlenderShots& blender_shots() {

@@ -25,8 +25,8 @@ class BlenderShots {
   void expect(const std::vector<const SceneOptions*>& renders);
 
   /// The exported scene of the options' frame. Thread-safe; one call waits for another. Errors: no Blender;
-  /// a frame that is not whole or negative; Blender failed or was stopped. Where it ended early, the next
-  /// call exports the other frames.
+  /// a frame that is not whole or negative; Blender failed or was stopped. Where it ended at a frame, calls
+  /// for others export them, and another call for that frame tries again.
   Expected<ExportedScene> scene_of(const SceneOptions& options);
 
  private:
@@ -34,6 +34,7 @@ class BlenderShots {
     std::filesystem::path folder = {};
     std::set<int> expected = {};    // frames
     std::vector<int> to_come = {};  // those of them that nobody has asked for yet
+    std::set<int> failed = {};      // those of which an error has been told
     std::list<BlenderExport> exports = {};
   };
 

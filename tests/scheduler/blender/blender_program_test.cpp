@@ -68,9 +68,12 @@ TEST_F(BlenderProgramTest, MayBeAPythonWhereTheOneInPathIsTooOld) {
 }
 
 TEST_F(BlenderProgramTest, SaysWhatIsMissingOrWrong) {
+  const TemporaryFolder empty;
+  setenv("PATH", empty.path().c_str(), 1);  // the system may have a Blender
   EXPECT_THAT(error_of(),
               AllOf(HasSubstr("--blender, PENUMBRA_BLENDER and PENUMBRA_BLENDER_PYTHON name no program"),
                     HasSubstr("no 'blender' is in PATH"), HasSubstr("Blender 4.2 or newer would do")));
+  setenv("PATH", "/bin:/usr/bin", 1);
   EXPECT_THAT(error_of("/none"), AllOf(HasSubstr("--blender: "), HasSubstr("/none")));
   EXPECT_THAT(error_of("no-such-blender"), HasSubstr("no-such-blender"));
   const std::pair<const char*, const char*> versions[] = {{"Blender 4.1.9", "too old"},
