@@ -47,5 +47,11 @@
 #define REGISTER_ARRAY __attribute__((aligned(32)))
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
 #define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
+// For a loop over lanes that stays one.
+#ifdef __clang__
+  #define PLAIN_LOOP PENUMBRA_PRAGMA(clang loop vectorize(disable) unroll(disable))
+#else
+  #define PLAIN_LOOP
+#endif
 
 #endif

@@ -141,44 +141,51 @@ FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
   return add_scaled(add_scaled(scale(axis, v.x), v.y, cross3(n, axis)), v.z, n);
 }
 
-#define EVAL_FAMILY(name, NAME, number, properties, text)                                                 \
-  STAGE void eval_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures,   \
-                                 const PRIVATE Surfaces* RESTRICT surfaces,                               \
-                                 const PRIVATE float* RESTRICT wi, bool first,                            \
-                                 PRIVATE BsdfValues* RESTRICT values) {                                   \
-    LANE_LOOP                                                                                             \
-      for (int j = 0; j < LANES; j++) {                                                                   \
-        const Closure c = load_closure(closures, j);                                                      \
-        const Surface s = load_surface(surfaces, j);                                                      \
-        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                     \
-        const vec3 axis = family_axis(properties, c, s);                                                  \
-        const BsdfValue value = name##_eval(scene, c, to_family_frame(properties, s.shading, axis, s.wo), \
-                                            to_family_frame(properties, s.shading, axis, direction));     \
-        const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));   \
-        store_bsdf_value(values, j, select_bsdf_value(c.family == (number), value, before));              \
-      }                                                                                                   \
+#define EVAL_FAMILY(LOOP, name, number, properties)                                                     \
+  STAGE void eval_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures, \
+                                 const PRIVATE Surfaces* RESTRICT surfaces,                             \
+                                 const PRIVATE float* RESTRICT wi, bool first,                          \
+                                 PRIVATE BsdfValues* RESTRICT values) {                                 \
+    LOOP for (int j = 0; j < LANES; j++) {                                                              \
+      const Closure c = load_closure(closures, j);                                                      \
+      const Surface s = load_surface(surfaces, j);                                                      \
+      const vec3 direction = LOAD_LANE_vec3(wi, j);                                                     \
+      const vec3 axis = family_axis(properties, c, s);                                                  \
+      const BsdfValue value = name##_eval(scene, c, to_family_frame(properties, s.shading, axis, s.wo), \
+                                          to_family_frame(properties, s.shading, axis, direction));     \
+      const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));   \
+      store_bsdf_value(values, j, select_bsdf_value(c.family == (number), value, before));              \
+    }                                                                                                   \
   }
-#define SAMPLE_FAMILY(name, NAME, number, properties, text)                                                  \
-  STAGE void sample_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures,    \
-                                   const PRIVATE Surfaces* RESTRICT surfaces,                                \
-                                   const PRIVATE float* RESTRICT uv, const PRIVATE float* RESTRICT choice,   \
-                                   bool first, PRIVATE BsdfSamples* RESTRICT samples) {                      \
-    LANE_LOOP                                                                                                \
-      for (int j = 0; j < LANES; j++) {                                                                      \
-        const Closure c = load_closure(closures, j);                                                         \
-        const Surface s = load_surface(surfaces, j);                                                         \
-        const vec3 axis = family_axis(properties, c, s);                                                     \
-        const vec3 wo = to_family_frame(properties, s.shading, axis, s.wo);                                  \
-        BsdfSample next = name##_sample(scene, c, wo, uv[j], uv[LANES + j], choice[j]);                      \
-        next.wi = from_family_frame(properties, s.shading, axis, next.wi);                                   \
-        const BsdfSample before = select_bsdf_sample(first, no_bsdf_sample(), load_bsdf_sample(samples, j)); \
-        store_bsdf_sample(samples, j, select_bsdf_sample(c.family == (number), next, before));               \
-      }                                                                                                      \
+#define SAMPLE_FAMILY(LOOP, name, number, properties)                                                      \
+  STAGE void sample_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures,  \
+                                   const PRIVATE Surfaces* RESTRICT surfaces,                              \
+                                   const PRIVATE float* RESTRICT uv, const PRIVATE float* RESTRICT choice, \
+                                   bool first, PRIVATE BsdfSamples* RESTRICT samples) {                    \
+    LOOP for (int j = 0; j < LANES; j++) {                                                                 \
+      const Closure c = load_closure(closures, j);                                                         \
+      const Surface s = load_surface(surfaces, j);                                                         \
+      const vec3 axis = family_axis(properties, c, s);                                                     \
+      const vec3 wo = to_family_frame(properties, s.shading, axis, s.wo);                                  \
+      BsdfSample next = name##_sample(scene, c, wo, uv[j], uv[LANES + j], choice[j]);                      \
+      next.wi = from_family_frame(properties, s.shading, axis, next.wi);                                   \
+      const BsdfSample before = select_bsdf_sample(first, no_bsdf_sample(), load_bsdf_sample(samples, j)); \
+      store_bsdf_sample(samples, j, select_bsdf_sample(c.family == (number), next, before));               \
+    }                                                                                                      \
   }
-BSDF_FAMILIES(EVAL_FAMILY)
-BSDF_FAMILIES(SAMPLE_FAMILY)
+#define IN_LANES(name, NAME, number, properties, text) \
+  EVAL_FAMILY(LANE_LOOP, name, number, properties)     \
+  SAMPLE_FAMILY(LANE_LOOP, name, number, properties)
+#define BY_CALLS(name, NAME, number, properties, text) \
+  EVAL_FAMILY(PLAIN_LOOP, name, number, properties)    \
+  SAMPLE_FAMILY(PLAIN_LOOP, name, number, properties)
+LANE_BSDF_FAMILIES(IN_LANES)
+EXTRA_BSDF_FAMILIES(IN_LANES)
+CALLED_BSDF_FAMILIES(BY_CALLS)
 #undef EVAL_FAMILY
 #undef SAMPLE_FAMILY
+#undef IN_LANES
+#undef BY_CALLS
 
 STAGE void clear_bsdf_values(PRIVATE BsdfValues* RESTRICT values) {
   LANE_LOOP

@@ -17,7 +17,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, NAME, number, properties, description for users): kernels/bsdf/`name`.h defines `name`_eval and
 // `name`_sample.
-#define OWN_BSDF_FAMILIES(X)                                                                             \
+#define LANE_BSDF_FAMILIES(X)                                                                            \
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
   X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                                  \
@@ -46,8 +46,12 @@ PENUMBRA_NAMESPACE_BEGIN
   X(openpbr, OPENPBR, 24, SEVERAL_LOBES, "OpenPBR's base")                                               \
   X(hair, HAIR, 25, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "fibres of hair")                           \
   X(openpbr_layered, OPENPBR_LAYERED, 26, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "OpenPBR's surface")  \
-  X(openpbr_film, OPENPBR_FILM, 27, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "... with a thin film")     \
-  X(measured, MEASURED, 32, ANISOTROPIC, "measured BRDF")
+  X(openpbr_film, OPENPBR_FILM, 27, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "... with a thin film")
+
+// Those whose functions are called lane by lane: their code is too long to stand side by side for all lanes.
+#define CALLED_BSDF_FAMILIES(X) X(measured, MEASURED, 32, ANISOTROPIC, "measured BRDF")
+
+#define OWN_BSDF_FAMILIES(X) LANE_BSDF_FAMILIES(X) CALLED_BSDF_FAMILIES(X)
 
 #ifdef EXTRA_BSDF_FAMILY_LIST  // for tests: see tests/support/extra_families
   #include EXTRA_BSDF_FAMILY_LIST

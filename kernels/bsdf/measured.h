@@ -49,30 +49,28 @@ FN MeasuredGrid measured_grid(int start, int columns, int rows) {
   return grid;
 }
 
-/// A count of the header. Lanes of other families get the least.
-FN int measured_count(const PRIVATE Scene* scene, Closure c, int at, int least) {
-  const bool there = c.family == FAMILY_MEASURED;
-  const int count = (int)scene->curves[there ? c.curve + at : 0];
-  return there ? max_i(count, least) : least;
+/// A count of the header.
+FN int measured_count(const PRIVATE Scene* scene, Closure c, int at) {
+  return (int)scene->curves[c.curve + at];
 }
 
 FN MeasuredTable measured_table(const PRIVATE Scene* scene, Closure c) {
   MeasuredTable t;
-  const int azimuths = measured_count(scene, c, 0, 1);
+  const int azimuths = measured_count(scene, c, 0);
   t.phis = c.anisotropic != 0.0f ? azimuths : 1;
-  t.thetas = measured_count(scene, c, 1, 1);
-  t.by_facets = measured_count(scene, c, 10, 0) != 0;
-  t.symmetry = measured_count(scene, c, 11, 0);
-  t.phi = (c.family == FAMILY_MEASURED ? c.curve : 0) + MEASURED_HEADER;
+  t.thetas = measured_count(scene, c, 1);
+  t.by_facets = measured_count(scene, c, 10) != 0;
+  t.symmetry = measured_count(scene, c, 11);
+  t.phi = c.curve + MEASURED_HEADER;
   t.theta = t.phi + azimuths;
-  t.ndf = measured_grid(t.theta + t.thetas, measured_count(scene, c, 2, 2), measured_count(scene, c, 3, 2));
-  t.sigma = measured_grid(t.ndf.start + t.ndf.columns * t.ndf.rows, measured_count(scene, c, 4, 2),
-                          measured_count(scene, c, 5, 2));
-  t.vndf = measured_grid(t.sigma.start + t.sigma.columns * t.sigma.rows, measured_count(scene, c, 6, 2),
-                         measured_count(scene, c, 7, 2));
+  t.ndf = measured_grid(t.theta + t.thetas, measured_count(scene, c, 2), measured_count(scene, c, 3));
+  t.sigma = measured_grid(t.ndf.start + t.ndf.columns * t.ndf.rows, measured_count(scene, c, 4),
+                          measured_count(scene, c, 5));
+  t.vndf = measured_grid(t.sigma.start + t.sigma.columns * t.sigma.rows, measured_count(scene, c, 6),
+                         measured_count(scene, c, 7));
   const int slices = azimuths * t.thetas;
-  t.luminance = measured_grid(t.vndf.start + slices * measured_slice(t.vndf), measured_count(scene, c, 8, 2),
-                              measured_count(scene, c, 9, 2));
+  t.luminance = measured_grid(t.vndf.start + slices * measured_slice(t.vndf), measured_count(scene, c, 8),
+                              measured_count(scene, c, 9));
   t.colours = measured_grid(t.luminance.start + slices * measured_slice(t.luminance), t.luminance.columns,
                             t.luminance.rows);
   return t;
@@ -87,7 +85,6 @@ typedef struct {
 /// Between angles that ascend.
 FN MeasuredNodes measured_nodes(const PRIVATE Scene* scene, int start, int count, float x) {
   int at = 0;
-  UNROLL
   for (int k = 0; k < MEASURED_NODE_STEPS; k++) {
     const int next = at + (1 << (MEASURED_NODE_STEPS - 1 - k));
     const bool below = (next <= count - 2) & (scene->curves[start + min_i(next, count - 1)] <= x);
@@ -243,7 +240,6 @@ FN MeasuredPoint measured_warp(const PRIVATE Scene* scene, MeasuredSlices s, Mea
                                float v) {
   const int sums = grid.rows * grid.columns;
   int row = 0, column = 0;
-  UNROLL
   for (int k = 0; k < MEASURED_STEPS; k++) {
     const int next = row + (1 << (MEASURED_STEPS - 1 - k));
     const bool below =
@@ -254,7 +250,6 @@ FN MeasuredPoint measured_warp(const PRIVATE Scene* scene, MeasuredSlices s, Mea
   const float first = measured_number(scene, s, end), second = measured_number(scene, s, end + grid.columns);
   const float y = measured_part(first, second, max_f(v - measured_number(scene, s, 2 * sums + row), 0.0f));
   const float target = u * mix_f(first, second, y);
-  UNROLL
   for (int k = 0; k < MEASURED_STEPS; k++) {
     const int next = column + (1 << (MEASURED_STEPS - 1 - k)), at = above + min_i(next, grid.columns - 1);
     const bool below =
@@ -276,8 +271,8 @@ FN MeasuredPoint measured_warp(const PRIVATE Scene* scene, MeasuredSlices s, Mea
   return p;
 }
 
-FN BsdfValue measured_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  const bool reflects = (wo.z > 0.0f) & (wi.z > 0.0f);
+CALLED_FN BsdfValue measured_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  if (c.family != FAMILY_MEASURED || wo.z <= 0.0f || wi.z <= 0.0f) return no_bsdf_value();
   const MeasuredTable t = measured_table(scene, c);
   const MeasuredIncidence i = measured_incidence(scene, t, wo);
   const vec3 sum = to_measured(i, add(wo, wi));
@@ -303,11 +298,12 @@ FN BsdfValue measured_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 
   BsdfValue value;
   value.f_cos = scale(mul(c.specular, colour), t.by_facets ? facets : 1.0f);
   value.pdf = p.density * luminance / solid_angle;
-  return select_bsdf_value(reflects, value, no_bsdf_value());
+  return value;
 }
 
-FN BsdfSample measured_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
-                              float choice) {
+CALLED_FN BsdfSample measured_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                     float choice) {
+  if (c.family != FAMILY_MEASURED) return no_bsdf_sample();
   const MeasuredTable t = measured_table(scene, c);
   const MeasuredIncidence i = measured_incidence(scene, t, wo);
   const MeasuredPoint p = measured_warp(
