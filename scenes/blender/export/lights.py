@@ -125,8 +125,10 @@ def _area(context, light, power, place, light_object, hides_lights):
         return None
     toward = place.now.to_3x3() @ mathutils.Vector((0, 0, -1))
     camera = context.camera_now()
-    if not hides_lights and camera is not None and toward.dot(camera.matrix_world.translation - place.now.translation) > 0 and _is_seen(
-            context, light_object, place, max(width * axes[0].length, height * axes[1].length) / 2):
+    radius = max(width * axes[0].length, height * axes[1].length) / 2
+    if (not hides_lights and camera is not None
+            and toward.dot(camera.matrix_world.translation - place.now.translation) > 0
+            and _is_seen(context, light_object, place, radius)):
         context.report.add("the camera may see the lamp's surface", light_object.name)
     if light.spread < math.pi - 1e-4:
         context.report.add("the spread of an area lamp is exported as 180°", light_object.name)

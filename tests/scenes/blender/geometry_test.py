@@ -80,9 +80,8 @@ class PlyFiles(unittest.TestCase):
 
 
 class LargeMeshes(unittest.TestCase):
-    MOST_SECONDS = 3.0  # of a core
 
-    def test_a_million_triangles_take_three_seconds(self):
+    def test_a_million_triangles(self):
         empty_scene()
         bpy.ops.mesh.primitive_grid_add(x_subdivisions=708, y_subdivisions=708)
         bpy.ops.object.shade_smooth()
@@ -93,9 +92,11 @@ class LargeMeshes(unittest.TestCase):
             arrays = meshes.read_mesh(mesh)
             meshes.write_part(Context(folder, depsgraph), arrays, arrays.triangles, meshes.uvs_of_corners(mesh, None))
             took = time.process_time() - began
+            path, = pathlib.Path(folder, "meshes").iterdir()
+            header = path.read_bytes()[:1000]
         print(f"{len(arrays.triangles)} triangles in {took:.2f} s of a core")
-        self.assertGreaterEqual(len(arrays.triangles), 1_000_000)
-        self.assertLess(took, self.MOST_SECONDS)
+        self.assertIn(b"element vertex %d\n" % 709**2, header, "corners are shared")
+        self.assertIn(b"element face %d\n" % (2 * 708**2), header)
 
 
 if __name__ == "__main__":

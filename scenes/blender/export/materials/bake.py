@@ -98,7 +98,8 @@ class Bakes:
 
     def constant(self, at, dependencies):
         """The value where it depends on nothing, as a Field."""
-        values = self._baked(at, dependencies, b"constant", lambda folder: {"bounds": [0, 0, 1, 1], "uv_map": None}, 1, signed=True)
+        values = self._baked(at, dependencies, b"constant", lambda folder: {"bounds": [0, 0, 1, 1], "uv_map": None}, 1,
+                             signed=True)
         return constant(values[0, 0])
 
     def over_uvs(self, at, dependencies, uv_map, signed=False):

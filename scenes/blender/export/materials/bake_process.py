@@ -4,7 +4,8 @@
 It reads jobs from stdin, a JSON object on each line, and answers each with a line of JSON after MARK: {} or {"error": …}.
 Started by bake.py. Jobs name a file with a material (`blend`, `material`), the input whose value is baked (`groups`: names
 of group nodes, `node`, `socket`), the arrays of a mesh (`mesh`) or a rectangle of texture coordinates (`bounds`), `width`,
-`height`, images whose pixels are in no file (`painted`: {name: path}) and where the values go (`to`); `unwrap` alone makes texture coordinates for a mesh.
+`height`, images whose pixels are in no file (`painted`: {name: path}) and where the values go (`to`); `unwrap` alone makes
+texture coordinates for a mesh.
 """
 
 import json
@@ -39,7 +40,8 @@ def make_mesh(arrays):
             attribute.uv.foreach_set("vector", arrays[key].ravel())
             continue
         attribute = mesh.attributes.new(name, kind, domain)
-        field = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}.get(kind, "value")
+        fields = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+        field = fields.get(kind, "value")
         attribute.data.foreach_set(field, arrays[key].ravel())
     if arrays["smooth"][0]:
         mesh.normals_split_custom_set(arrays["normals"].astype(float))

@@ -20,7 +20,8 @@ _FLOATS = {".exr", ".hdr"}
 
 def srgb_to_linear(values):
     """IEC 61966-2-1."""
-    return numpy.where(values < 0.04045, numpy.maximum(values, 0) / 12.92, ((numpy.maximum(values, 0) + 0.055) / 1.055) ** 2.4)
+    positive = numpy.maximum(values, 0)
+    return numpy.where(values < 0.04045, positive / 12.92, ((positive + 0.055) / 1.055) ** 2.4)
 
 
 @folds("ShaderNodeTexImage")

@@ -114,7 +114,8 @@ def metallic(reading, source):
         if along is across:
             parameters["specular_roughness"] = reading.number(source, "Roughness", low=0.0, high=1.0)
         else:
-            parameters |= as_openpbr(*(fixed(reading, alpha, node, "Roughness") for alpha in _sorted(reading, node, along, across)))
+            alphas = _sorted(reading, node, along, across)
+            parameters |= as_openpbr(*(fixed(reading, alpha, node, "Roughness") for alpha in alphas))
         return Closure(Leaf("openpbr", parameters, bend=bend))
     if node.distribution == "MULTI_GGX" and not _is_smooth(along):
         reading.note(node, "what its microfacets lose between each other stays lost")
