@@ -21,7 +21,10 @@ TEST_F(SceneReader, TellsFormatsByNameAndContent) {
   EXPECT_TRUE(read_scene(folder_ / "b", {}));
   write("c.blend", "BLENDER");
   EXPECT_THAT(read_scene(folder_ / "c.blend", {}).error().message,
-              HasSubstr("c.blend: not a scene in a format that Penumbra reads; it reads: Rainbow XML (.xml), "
+              HasSubstr("c.blend: Blender has to export such files"));
+  write("c.fbx", "Kaydara");
+  EXPECT_THAT(read_scene(folder_ / "c.fbx", {}).error().message,
+              HasSubstr("c.fbx: not a scene in a format that Penumbra reads; it reads: Rainbow XML (.xml), "
                         "Nori XML (.xml), Mitsuba XML (.xml), "));
 }
 
