@@ -108,7 +108,7 @@ class CommandLine(unittest.TestCase):
         bpy.context.scene.penumbra.samples = 3
         bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "shot.blend"))
         info = json.loads(self.penumbra("info", "shot.blend", "--json").stdout)
-        self.assertEqual(info["settings"]["sample_count"], "3")
+        self.assertEqual(info["settings"]["spp"], "3")
 
     def test_wrong_names_are_errors_with_the_nearest(self):
         for option, name, near in (("--camera", "Frnt", "'Front'"), ("--scene", "Emty", "'Empty'"),
