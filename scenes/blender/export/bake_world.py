@@ -14,7 +14,7 @@ import bpy
 import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from exr_writer import write_exr  # noqa: E402
+from exr_writer import exr_bytes  # noqa: E402
 
 # The brightest pixel and so many around it have more samples, if it is so much brighter than the mean: they are a sun,
 # whose edge crosses pixels.
@@ -77,7 +77,7 @@ def bake(blend, name, frame, width, samples, path):
         render.border_min_x, render.border_max_x = (left + 0.5) / width, (right + 0.5) / width
         render.border_min_y, render.border_max_y = (low + 0.5) / height, (high + 0.5) / height
         pixels[low:high, left:right] = rendered(scene, samples * _MORE)
-    write_exr(path, pixels[::-1])
+    pathlib.Path(path).write_bytes(exr_bytes(pixels[::-1]))
 
 
 if __name__ == "__main__":

@@ -4,11 +4,21 @@
 import hashlib
 import os
 import pathlib
+import sys
 
 # Blender tells of changes of these, but geometry and materials do not depend on them.
 _WITHOUT_EFFECT = {"SCENE", "COLLECTION", "ACTION", "CAMERA", "LIGHT", "WORLD", "ARMATURE", "LINESTYLE"}
 # Changes of these may change any material.
 _OF_MATERIALS = {"NODETREE", "IMAGE", "TEXTURE"}
+
+
+def own_blender(script):
+    """The command that runs a Python file in a Blender of its own, so that the user's stays as it is. Arguments of the
+    script follow after "--"."""
+    import bpy
+    blender = bpy.app.binary_path  # empty where Blender is a module of Python
+    return ([blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", str(script)]
+            if blender else [sys.executable, str(script)])
 
 
 class Report:

@@ -4,12 +4,12 @@
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 import bpy
 import mathutils
 
+from .context import own_blender
 from .elements import add_matrix, add_value, plugin
 from .node_text import tree_text
 
@@ -89,11 +89,8 @@ def _baked(context, world, width):
         with tempfile.TemporaryDirectory() as folder:
             blend = os.path.join(folder, "world.blend")
             bpy.data.libraries.write(blend, {original}, path_remap="ABSOLUTE", fake_user=True)
-            script = str(pathlib.Path(__file__).with_name("bake_world.py"))
-            blender = bpy.app.binary_path
-            command = [blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python", script] if blender \
-                else [sys.executable, script]
-            command += ["--", blend, original.name, str(frame), str(width), str(_BAKED_SAMPLES), str(path)]
+            command = [*own_blender(pathlib.Path(__file__).with_name("bake_world.py")),
+                       "--", blend, original.name, str(frame), str(width), str(_BAKED_SAMPLES), str(path)]
             done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
             if done.returncode != 0 or not path.exists():
                 raise RuntimeError(f'the world "{original.name}" could not be baked:\n{done.stdout[-2000:]}')

@@ -7,13 +7,13 @@ import json
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 import weakref
 
 import bpy
 import numpy
 
+from ..context import own_blender
 from .dependencies import fingerprint, is_painted, pixels_of
 from .fields import Field, Placement, constant
 
@@ -35,10 +35,7 @@ class Process:
     def run(self, job):
         """Does a job; see bake_process.py. Raises BakeError."""
         if self._process is None or self._process.poll() is not None:
-            script = str(pathlib.Path(__file__).with_name("bake_process.py"))
-            blender = bpy.app.binary_path
-            command = ([blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
-                       if blender else [sys.executable, script])
+            command = own_blender(pathlib.Path(__file__).with_name("bake_process.py"))
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                              stderr=subprocess.DEVNULL, text=True, encoding="utf-8")
         try:

@@ -37,7 +37,7 @@ def math(values, source):
     function = maths.MATH.get(node.operation)
     if function is None:
         raise NotFolded(node, f"operation {node.operation}")
-    fields = [values.fold(Input(socket, source.groups)) for socket in node.inputs[:3] if socket.enabled]
+    fields = _inputs(values, source)
     zeros = (0.0,) * (3 - len(fields))
     return combine(_clamped(lambda *data: function(*data, *zeros), node.use_clamp), *fields, node=node)
 
