@@ -4,7 +4,12 @@
 
 def sampling_options(settings):
     """What the picture depends on, and its denoising."""
-    options = ["--spp", str(settings.samples), "--seed", str(settings.seed)]
+    return ["--spp", str(settings.samples), "--seed", str(settings.seed), *options_beside_scene(settings)]
+
+
+def options_beside_scene(settings):
+    """Of these, what no scene file holds."""
+    options = []
     if settings.time_budget > 0:
         options += ["--time-budget", f"{settings.time_budget:g}"]
     if settings.target_error > 0:

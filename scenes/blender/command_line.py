@@ -128,6 +128,9 @@ def export(bpy, arguments, result):
                        f"{', '.join(map(repr, cameras)) or 'none'}")
     if arguments.view_layer is not None:
         one_of(scene.view_layers.keys(), arguments.view_layer, "view layer", owner)
+    beside = import_beside("command").options_beside_scene(properties.settings_of(scene))
+    if beside:
+        report.add(f"{owner} asks for {' '.join(beside)}, which only the command line can")
     if bpy.context.window is not None:
         bpy.context.window.scene = scene
     frames = arguments.frames or [scene.frame_current]

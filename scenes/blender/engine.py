@@ -15,7 +15,7 @@ import numpy as np
 
 from . import exr, passes, preview
 from .command import sampling_options, worker_options
-from .export.context import Context, Report
+from .export.context import Context, Report, Stopped
 from .export.scene import export_scene
 from .program import Process, ProgramError
 from .properties import settings_of
@@ -176,7 +176,12 @@ class LayerRender:
         with tempfile.TemporaryDirectory(dir=shared, prefix="render.") as own:
             folder = pathlib.Path(own) if self.is_preview else shared
             context = engine.context_of(self.depsgraph, folder, self.settings.texture_size)
-            scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
+            context.is_stopped = self.is_stopped
+            try:
+                scene_file = export_scene(context, self.scene, pathlib.Path(own).name)
+            except Stopped:
+                engine.end_result(self.begin())  # Blender crashes where there is no picture to write
+                return
             try:
                 self.tell(context.report)
                 if not self.is_stopped():
@@ -212,12 +217,17 @@ class LayerRender:
             *worker_options(self.settings), *FILM, *passes.options_for(self.passes),
         ]
 
+    def begin(self):
+        """The picture of this layer, which is empty."""
+        left, bottom, right, top = self.window
+        return self.engine.begin_result(0, 0, right - left, top - bottom, layer=self.layer.name)
+
     def render(self, scene_file, image):
         """Runs `penumbra`, showing tiles as they arrive."""
         left, bottom, right, top = self.window
         for entry in self.passes:
             self.engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self.layer.name)
-        result = self.engine.begin_result(0, 0, right - left, top - bottom, layer=self.layer.name)
+        result = self.begin()
         stream = TileStream()
         process = None
         try:

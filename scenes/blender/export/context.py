@@ -21,6 +21,10 @@ def own_blender(script):
             if blender else [sys.executable, str(script)])
 
 
+class Stopped(Exception):
+    """The user has stopped the export."""
+
+
 class Report:
     """What an export leaves out or approximates, by object, material and node. Repeated lines count once."""
 
@@ -53,6 +57,12 @@ class Context:
         self.camera = camera
         self.geometry = {}  # what scene.py knows of geometry, by identity; it stays until something changes it
         self.frame_set = frame_set
+        self.is_stopped = lambda: False  # whether the user has had enough
+
+    def go_on(self):
+        """Called now and then in an export. Error: Stopped."""
+        if self.is_stopped():
+            raise Stopped
 
     def camera_now(self):
         """The evaluated camera, or None."""

@@ -69,6 +69,7 @@ class _SceneWriter:
                 self.lamps.append((obj.original.evaluated_get(self.context.depsgraph), place))
             elif obj.type in _SHOWN:
                 self._report(obj)
+                self.context.go_on()
                 geometry = geometry_of(self.context, obj, instance.show_self, instance.show_particles)
                 if geometry.parts:
                     self.placed.setdefault(geometry, []).append(place)

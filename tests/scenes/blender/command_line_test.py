@@ -106,9 +106,13 @@ class CommandLine(unittest.TestCase):
         properties.register()
         self.addCleanup(properties.unregister)
         bpy.context.scene.penumbra.samples = 3
+        bpy.context.scene.penumbra.time_budget = 20
+        bpy.context.scene.penumbra.denoise = "nfor"
         bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "shot.blend"))
         info = json.loads(self.penumbra("info", "shot.blend", "--json").stdout)
         self.assertEqual(info["settings"]["spp"], "3")
+        self.assertIn("the scene 'Scene' asks for --time-budget 20 --denoise=nfor, which only the command line can",
+                      self.export()[-1]["report"])
 
     def test_wrong_names_are_errors_with_the_nearest(self):
         for option, name, near in (("--camera", "Frnt", "'Front'"), ("--scene", "Emty", "'Empty'"),

@@ -219,6 +219,18 @@ class Ends(EngineTest):
         self.assertLess(time.monotonic() - began, 2 + STOPS_WITHIN + 0.5)
         self.assertGreater(picture[..., :3].max(), 0, "its tiles are there")
 
+    def test_esc_ends_an_export(self):
+        looked = []
+
+        def is_stopped(_):
+            looked.append(time.monotonic())
+            return True
+        with unittest.mock.patch.object(engine.LayerRender, "is_stopped", is_stopped), \
+                unittest.mock.patch.object(engine, "Process") as process:
+            self.render()
+        self.assertEqual(len(looked), 1, "of the scene's objects none after the first is looked at")
+        process.assert_not_called()
+
     def test_a_time_budget_ends_a_render_without_an_error(self):
         self.scene.penumbra.samples = ENDLESS
         self.scene.penumbra.time_budget = 0.5
