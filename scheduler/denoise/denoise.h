@@ -48,6 +48,7 @@ struct NlMeansOptions {
   int search_radius = 10;  ///< r, at most MAX_SEARCH_RADIUS
   int patch_radius = 3;    ///< f, at most MAX_PATCH_RADIUS
   float strength = 0.45f;  ///< k
+  bool operator==(const NlMeansOptions&) const = default;
 };
 
 struct DenoisedImage {

@@ -1,37 +1,38 @@
 #include "scheduler/denoise/denoise_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "scenes/settings.h"
+#include "scheduler/denoise/guide.h"
+#include "scheduler/denoise/layers.h"
 #include "scheduler/denoise/oidn.h"
 
 namespace penumbra {
 namespace {
 
+Expected<DenoisedImage> oidn_with_error(const DenoiseInput& input) {
+  auto whole = oidn(input);
+  if (!whole || !input.has_halves()) return whole;
+  DenoiseInput half = input;
+  half.color = input.half_a;
+  const auto a = oidn(half);
+  if (!a) return a;
+  half.color = input.half_b;
+  const auto b = oidn(half);
+  if (!b) return b;
+  whole->residual_variance = quarter_of_squared_difference(a->color, b->color);
+  return whole;
+}
+
 Expected<DenoisedImage> denoise(const DenoiseInput& input, const DenoiseOptions& options) {
-  if (options.method == Denoise::kOidn) return oidn(input);
+  if (options.method == Denoise::kOidn) return options.estimates_error ? oidn_with_error(input) : oidn(input);
   auto device = make_denoise_device(options.device);
   if (!device) return std::unexpected(device.error());
   return options.method == Denoise::kNlMeans ? nl_means(**device, input, options.nl_means)
                                              : nfor(**device, input);
-}
-
-/// The image with more channels at the end, before those that are exact.
-Image with_channels(const Image& image, std::span<const std::string> names, const Planes& values) {
-  Image result = image;
-  const std::size_t before = image.channels.size() - image.exact_channels, more = names.size();
-  result.channels.insert(result.channels.begin() + std::ptrdiff_t(before), names.begin(), names.end());
-  result.values.clear();
-  result.values.reserve(image.pixels() * result.channels.size());
-  for (std::size_t i = 0; i < image.pixels(); ++i) {
-    const auto pixel = image.values.begin() + std::ptrdiff_t(i * image.channels.size());
-    result.values.insert(result.values.end(), pixel, pixel + std::ptrdiff_t(before));
-    for (std::size_t k = 0; k < more; ++k) result.values.push_back(values.plane(int(k))[i]);
-    result.values.insert(result.values.end(), pixel + std::ptrdiff_t(before),
-                         pixel + std::ptrdiff_t(image.channels.size()));
-  }
-  return result;
 }
 
 }  // namespace
@@ -42,12 +43,19 @@ std::string method_name(Denoise method) {
   return print_setting(settings, "film.denoise");
 }
 
+std::string denoiser_name(const DenoiseOptions& options) {
+  const std::string name = method_name(options.method);
+  if (options.method != Denoise::kNlMeans || options.nl_means == NlMeansOptions()) return name;
+  return fmt::format("{} search_radius={} patch_radius={} strength={}", name, options.nl_means.search_radius,
+                     options.nl_means.patch_radius, options.nl_means.strength);
+}
+
 Expected<void> check_denoiser(Denoise method) {
   return method == Denoise::kOidn ? check_oidn() : Expected<void>();
 }
 
 Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions& options) {
-  if (noisy.attribute("penumbra:denoised_by"))
+  if (noisy.attribute(kDenoisedBy))
     return fail("it is denoised already: denoise the image that it was made from");
   DenoiseOutcome outcome;
   auto scaled = denoise_input(noisy, &outcome.remarks);
@@ -65,11 +73,10 @@ Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions&
   Image& image = outcome.image;
   for (std::string& name : image.channels)
     if (name.starts_with("variance.")) name = "noisy_" + name;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < image.pixels(); ++i)
-      image.values[i * image.channels.size() + scaled->channels[c]] = denoised->color.plane(int(c))[i] * back;
+  for (float& value : denoised->color.values) value *= back;
+  set_channels(image, scaled->channels, denoised->color);
   std::erase_if(image.metadata, [](const auto& entry) { return describes_file(entry.first); });
-  image.metadata.emplace_back("penumbra:denoised_by", method_name(options.method));
+  image.metadata.emplace_back(kDenoisedBy, denoiser_name(options));
   return outcome;
 }
 

@@ -17,7 +17,13 @@ struct DenoiseOptions {
   Denoise method = Denoise::kNfor;  ///< not kOff or kLayers
   NlMeansOptions nl_means;
   DeviceOptions device;  ///< threads 0: all cores. Without effect for kOidn
+  /// Whether kOidn, which knows no error of its own, also denoises both halves of the samples to tell it.
+  bool estimates_error = false;
 };
+
+// Metadata.
+inline constexpr const char* kDenoisedBy = "penumbra:denoised_by";  ///< denoiser_name()
+inline constexpr const char* kFilmHash = "penumbra:film_hash";      ///< of the noisy image
 
 struct DenoiseOutcome {
   /// The image with denoised R, G, B. Its other layers are those of the noisy image, but its variance is now
@@ -29,6 +35,9 @@ struct DenoiseOutcome {
 
 /// The name of a method in film.denoise.
 std::string method_name(Denoise method);
+
+/// That name, with the options of the method where they are not the default.
+std::string denoiser_name(const DenoiseOptions& options);
 
 /// Whether the method can be used here. Error: kOidn without its library.
 Expected<void> check_denoiser(Denoise method);

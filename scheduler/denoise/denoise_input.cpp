@@ -12,31 +12,10 @@
 #include "scenes/names.h"
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/denoise/guide.h"
+#include "scheduler/denoise/layers.h"
 
 namespace penumbra {
 namespace {
-
-/// The channels of a layer: those whose name ends in "LAYER.C" for each of the letters, whatever case, and
-/// whatever stands before a dot. Empty: there is no such layer.
-std::vector<std::size_t> find_layer(const Image& image, std::initializer_list<std::string_view> layers,
-                                    std::initializer_list<std::string_view> letters) {
-  for (const std::string_view layer : layers)
-    for (const std::string_view of_channels : letters) {
-      std::vector<std::size_t> found;
-      for (const char letter : of_channels) {
-        const std::string ending = to_lower_case(fmt::format("{}.{}", layer, letter));
-        for (std::size_t k = 0; k < image.channels.size(); ++k) {
-          const std::string name = to_lower_case(image.channels[k]);
-          if (name == ending || name.ends_with("." + ending)) {
-            found.push_back(k);
-            break;
-          }
-        }
-      }
-      if (found.size() == of_channels.size()) return found;
-    }
-  return {};
-}
 
 // Beyond any use; their squares, and sums of those, do not overflow.
 constexpr float kMostRadiance = 1e15f, kMostNoise = 1e30f, kMostFeature = 1e3f;
