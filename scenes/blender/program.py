@@ -98,12 +98,18 @@ class Process:
     def __init__(self, arguments, folder=None):
         """Error: it cannot be started."""
         program = find_program()
+        # The program ends when Blender, which holds the other end, does, even if that crashes.
+        pipe, self._owner_pipe = os.pipe()
         try:
             self._process = subprocess.Popen(
                 [program, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE, text=True, errors="replace", start_new_session=True, cwd=folder)
+                stderr=subprocess.PIPE, text=True, errors="replace", start_new_session=True, cwd=folder,
+                pass_fds=[pipe], env={**os.environ, "PENUMBRA_OWNER_PIPE": str(pipe)})
         except OSError as error:
+            os.close(self._owner_pipe)
             raise ProgramError(f"{program} does not run: {error}.") from error
+        finally:
+            os.close(pipe)
         _running.add(self)
         self._lock = threading.Lock()
         self._progress = {}
@@ -160,6 +166,9 @@ class Process:
             pass
         self._process.wait()
         self._join()
+        if self._owner_pipe is not None:
+            os.close(self._owner_pipe)
+            self._owner_pipe = None
 
     def _join(self):
         for reader in self._readers:

@@ -13,6 +13,7 @@
 
 #include "kernels/host/atomic_file.h"
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/compare_shot.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/image/compare.h"
 #include "scheduler/image/image_files.h"
@@ -30,6 +31,7 @@ struct CompareCommandOptions {
   CompareOptions compare;
   std::string json;  ///< file name, or - for stdout
   std::string heatmap, map = "relmse";
+  std::string plot;  ///< of shots: name of the plot's files without extension
   std::optional<MapRange> range;
   bool logarithmic = false;
   std::vector<CompareLimit> limits;
@@ -261,8 +263,66 @@ ExitCode write_json(const std::string& file, const nlohmann::ordered_json& json)
   return kAllDone;
 }
 
+/// Frames of shots have a line each.
+ExitCode compare_frames(const CompareCommandOptions& options, const FrameFiles& images,
+                        const FrameFiles& reference) {
+  ExitCode code = kAllDone;
+  const auto check = [&](const std::string& image, const Comparison& comparison) {
+    const auto limits = check_limits(options, comparison);
+    if (!limits) {
+      print_error({fmt::format("{}: {}", image, limits.error().message)});
+      code = std::max(code, kBadInput);
+    } else if (!passes(options, comparison, *limits)) {
+      print_error({fmt::format("{} is not within the limits", image)});
+      code = std::max(code, kIncomplete);
+    }
+  };
+  const std::vector<FrameError> frames = compare_shots(images, reference, options.compare, check);
+  if (frames.empty())
+    return bad_input({fmt::format("there are no frames {} or {}", options.image, options.others.back())});
+  for (const FrameError& frame : frames)
+    if (!frame.error.empty()) {
+      print_error({fmt::format("frame {}: {}", frame.frame, frame.error)});
+      code = kBadInput;
+    }
+  if (options.json != "-") print_answer(shot_text(frames));
+  if (!options.plot.empty())
+    if (const auto drawn = plot_shot(frames, options.plot); !drawn) {
+      print_error(drawn.error());
+      code = std::max(code, kIncomplete);
+    }
+  if (options.json.empty()) return code;
+  nlohmann::ordered_json json = {{"image", options.image}, {"reference", options.others.back()}};
+  json.update(shot_json(frames));
+  return std::max(code, write_json(options.json, json));
+}
+
+/// The shots, if the names are of shots: they have a field for the frame, and no file has that very name.
+std::optional<std::pair<FrameFiles, FrameFiles>> shots_of(const CompareCommandOptions& options) {
+  if (options.others.size() != 1) return std::nullopt;
+  const auto files_of = [](const std::string& name) {
+    return std::filesystem::exists(name) ? std::nullopt : FrameFiles::of(name);
+  };
+  const auto images = files_of(options.image), reference = files_of(options.others.back());
+  if (!images || !reference) return std::nullopt;
+  return std::pair(*images, *reference);
+}
+
 /// Several images have a table each, and one list in JSON.
 ExitCode compare(CompareCommandOptions options) {
+  const auto shots = shots_of(options);
+  for (const auto& [name, is_given] : {std::pair("--heatmap", !options.heatmap.empty()),
+                                       {"--variance", !options.variance.empty()},
+                                       {"--reference-variance", !options.reference_variance.empty()},
+                                       {"--second-reference", !options.second_reference.empty()},
+                                       {"--ldr", options.display}})
+    if (shots && is_given) return bad_input({fmt::format("{} is of images, and these are shots", name)});
+  if (!shots && !options.plot.empty())
+    return bad_input({"--plot is of shots: two names with a field for the frame, such as a.####.exr"});
+  if (shots) {
+    if (const auto checked = check_files(options, {}); !checked) return bad_input(checked.error());
+    return compare_frames(options, shots->first, shots->second);
+  }
   std::vector<std::string> images = options.others;
   options.reference = images.back();
   images.back() = options.image;
@@ -363,6 +423,11 @@ void add_output_options(CommandLine& command, CompareCommandOptions& options) {
       ->default_str("-")
       ->type_name("FILE")
       ->group(kGroup);
+  command
+      .add_option("--plot", options.plot,
+                  "Of shots, plot the errors over the frames: NAME.svg, NAME.png, NAME.gp")
+      ->type_name("NAME")
+      ->group(kGroup);
   const auto heatmap = command
                            .add_option("--heatmap", options.heatmap,
                                        "Picture of the errors (.png with a colour bar below, .exr)")
@@ -458,6 +523,9 @@ void add_compare_command(CommandLine& app, Command& chosen) {
       "the whole image differ by more than noise at the significance. They agree if nothing does and a "
       "difference of 10% of the mean would be found. It is inconclusive without variances, with fewer than 4 "
       "samples per pixel, and for denoised images and photon mapping.\n\n"
+      "Of two shots ('a.####.exr') there is a line for each frame, with flicker: the squared error of the "
+      "change from the "
+      "frame before, along the layer motion of the reference, over the reference's square.\n\n"
       "Exit code: 0 compared, and within the limits; 1 a limit is exceeded, or with --z-test the images do "
       "not "
       "agree or it is inconclusive; 2 bad usage or bad input, with --z-test also no variances.\n\n"
@@ -466,6 +534,7 @@ void add_compare_command(CommandLine& app, Command& chosen) {
       "  penumbra compare cornell.exr reference.exr --json | jq .relmse\n"
       "  penumbra compare cornell.exr reference.exr --heatmap where.png --map flip\n"
       "  penumbra compare spp*.exr reference.exr\n"
+      "  penumbra compare 'a.####.exr' 'reference.####.exr' --plot errors\n"
       "  penumbra compare cornell.exr half1.exr --second-reference half2.exr\n"
       "  penumbra compare a.exr b.exr --z-test && echo the same up to noise\n"
       "  penumbra compare a.exr b.exr --fail-above relmse=1e-3 --fail-above max=0.5 && echo good enough");

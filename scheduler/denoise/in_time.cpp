@@ -4,15 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <tuple>
 
 #include "kernels/math/math.h"
 #include "scheduler/denoise/denoise_image.h"
 #include "scheduler/denoise/guide.h"
 #include "scheduler/denoise/layers.h"
+#include "scheduler/denoise/motion.h"
 
 namespace penumbra {
 namespace {
@@ -21,32 +22,26 @@ constexpr int kPatchRadius = 3;
 // The difference in standard deviations that still counts as noise. Remaining noise is correlated over some
 // pixels, so patches average it less than the noise of images, and more has to pass than in non-local means.
 constexpr double kStrength = 1;
-constexpr float kLeastAlbedo = 0.05f;     // light is divided by no less
-constexpr float kLeastNoise = 1e-3f;      // of light, relative: remaining noise is known no better
-constexpr float kMostWay = 1;             // pixels that a point may be off when it is followed there and back
-constexpr float kMostTurn = 0.9f;         // least cosine between normals of one point
-constexpr float kMostDepthChange = 0.1f;  // of depths of one point, relative
+constexpr float kLeastAlbedo = 0.05f;  // light is divided by no less
+constexpr float kLeastNoise = 1e-3f;   // of light, relative: remaining noise is known no better
 
 /// A denoised frame as planes.
 struct DenoisedFrame {
-  Planes light;  ///< 3: the frame's own radiance over albedo
-  Planes noise;  ///< 3: its remaining variance over squared albedo, the mean of patches
-  Planes albedo, motion, normal,
-      depth;  ///< albedo at least kLeastAlbedo; normal, depth 0 where there are none
+  Planes light;   ///< 3: the frame's own radiance over albedo
+  Planes noise;   ///< 3: its remaining variance over squared albedo, the mean of patches
+  Planes albedo;  ///< 3: at least kLeastAlbedo
+  SeenPoints points;
 };
 
 struct ChannelsInTime {
-  std::vector<std::size_t> color, error, motion, albedo, normal, depth;
+  std::vector<std::size_t> color, error, albedo;
 };
 
 ChannelsInTime channels_of(const Image& image) {
   const bool is_blended = image.channel("still.R").has_value();
   ChannelsInTime channels{.color = find_layer(image, {"still"}, {"RGB"}),
                           .error = find_layer(image, {is_blended ? "still_error" : "error"}, {"RGB"}),
-                          .motion = find_layer(image, {"motion"}, {"XYZW"}),
-                          .albedo = find_layer(image, {"albedo"}, {"RGB"}),
-                          .normal = find_layer(image, {"normal"}, {"XYZ"}),
-                          .depth = find_layer(image, {"depth"}, {"Z"})};
+                          .albedo = find_layer(image, {"albedo"}, {"RGB"})};
   if (const auto rgb = image.beauty_channels(); rgb && !is_blended)
     channels.color.assign(rgb->begin(), rgb->end());
   return channels;
@@ -54,15 +49,10 @@ ChannelsInTime channels_of(const Image& image) {
 
 DenoisedFrame frame_of(const Image& image) {
   const ChannelsInTime channels = channels_of(image);
-  const auto planes = [&](const std::vector<std::size_t>& layer, int count) {
-    return layer.empty() ? Planes(image.data.width, image.data.height, count) : planes_of(image, layer);
-  };
-  DenoisedFrame frame{.light = planes(channels.color, 3),
-                      .noise = planes(channels.error, 3),
-                      .albedo = planes(channels.albedo, 3),
-                      .motion = planes(channels.motion, 4),
-                      .normal = planes(channels.normal, 3),
-                      .depth = planes(channels.depth, 1)};
+  DenoisedFrame frame{.light = planes_of(image, channels.color),
+                      .noise = planes_of(image, channels.error),
+                      .albedo = planes_of_layer(image, channels.albedo, 3),
+                      .points = seen_points(image)};
   for (std::size_t i = 0; i < frame.light.values.size(); ++i) {
     float& albedo = frame.albedo.values[i];
     albedo = albedo > kLeastAlbedo ? albedo : channels.albedo.empty() ? 1 : kLeastAlbedo;
@@ -74,85 +64,6 @@ DenoisedFrame frame_of(const Image& image) {
     frame.noise.values[i] += sqr(kLeastNoise * frame.light.values[i]);
   return frame;
 }
-
-struct Position {
-  float x = 0, y = 0;
-};
-
-/// The pixel that holds a position; nothing outside of the image.
-std::optional<std::size_t> pixel_at(const Planes& image, Position at) {
-  // Also false for NaN.
-  if (!(at.x > -0.5f && at.y > -0.5f && at.x < float(image.width) - 0.5f &&
-        at.y < float(image.height) - 0.5f))
-    return std::nullopt;
-  return std::size_t(at.y + 0.5f) * std::size_t(image.width) + std::size_t(at.x + 0.5f);
-}
-
-/// Bilinear.
-float value_at(const Planes& image, int plane, Position at) {
-  const float x = std::clamp(at.x, 0.0f, float(image.width - 1)),
-              y = std::clamp(at.y, 0.0f, float(image.height - 1));
-  const auto left = std::size_t(x), upper = std::size_t(y), width = std::size_t(image.width);
-  const std::size_t right = std::min(left + 1, width - 1),
-                    lower = std::min(upper + 1, std::size_t(image.height) - 1);
-  const std::span<const float> values = image.plane(plane);
-  const float u = x - float(left), v = y - float(upper);
-  const float above = values[upper * width + left] * (1 - u) + values[upper * width + right] * u;
-  const float below = values[lower * width + left] * (1 - u) + values[lower * width + right] * u;
-  return above * (1 - v) + below * v;
-}
-
-/// Whether two pixels may show the same point.
-bool is_alike(const DenoisedFrame& a, std::size_t at_a, const DenoisedFrame& b, std::size_t at_b) {
-  float product = 0, square_a = 0, square_b = 0;
-  for (int c = 0; c < 3; ++c) {
-    const float na = a.normal.plane(c)[at_a], nb = b.normal.plane(c)[at_b];
-    product += na * nb;
-    square_a += na * na;
-    square_b += nb * nb;
-  }
-  const float depth_a = a.depth.plane(0)[at_a], depth_b = b.depth.plane(0)[at_b];
-  return product >= kMostTurn * std::sqrt(square_a * square_b) &&
-         std::abs(depth_a - depth_b) <= kMostDepthChange * std::max(depth_a, depth_b);
-}
-
-/// Where the points of all pixels are in the frames before, or after, one frame after the other.
-class Ways {
- public:
-  /// `out`: the plane of `motion` that leads on; `back`: the one that leads back.
-  Ways(const DenoisedFrame& first, int out, int back) : first_(first), out_(out), back_(back) {
-    for (int y = 0; y < first.light.height; ++y)
-      for (int x = 0; x < first.light.width; ++x) positions_.push_back(Position{float(x), float(y)});
-  }
-
-  /// Goes on from one frame to the next.
-  void follow(const DenoisedFrame& from, const DenoisedFrame& to) {
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-      if (!positions_[i]) continue;
-      const Position at = *positions_[i];
-      positions_[i].reset();
-      const std::optional<std::size_t> pixel = pixel_at(from.light, at);
-      const auto step = [&](const DenoisedFrame& frame, int plane, std::size_t of) {
-        return Position{frame.motion.plane(plane)[of], frame.motion.plane(plane + 1)[of]};
-      };
-      const Position way = step(from, out_, *pixel), reached{at.x + way.x, at.y + way.y};
-      const std::optional<std::size_t> other = pixel_at(to.light, reached);
-      if (!other) continue;
-      const Position back = step(to, back_, *other);
-      if (std::abs(way.x + back.x) <= kMostWay && std::abs(way.y + back.y) <= kMostWay &&
-          is_alike(first_, i, to, *other))
-        positions_[i] = reached;
-    }
-  }
-
-  /// Nothing: the point is not seen there.
-  [[nodiscard]] const std::vector<std::optional<Position>>& positions() const { return positions_; }
-
- private:
-  const DenoisedFrame& first_;
-  int out_, back_;
-  std::vector<std::optional<Position>> positions_;
-};
 
 /// Sums over the frames of each pixel.
 struct Sums {
@@ -166,7 +77,7 @@ float mean_noise(const Planes& noise, std::size_t i) {
 
 /// Adds what another frame shows of the same points.
 void add_frame(const DenoisedFrame& frame, const DenoisedFrame& other,
-               const std::vector<std::optional<Position>>& positions, Sums& sums) {
+               const std::vector<std::optional<PointPosition>>& positions, Sums& sums) {
   const int width = frame.light.width, height = frame.light.height;
   Planes light(width, height, 3), noise(width, height, 3), distances(width, height, 2);
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -224,7 +135,7 @@ void write_blend(const Sums& sums, const DenoisedFrame& frame, Image& image) {
 std::string lacks_for_time(const Image& denoised) {
   const ChannelsInTime channels = channels_of(denoised);
   if (channels.color.empty()) return "R, G, B";
-  if (channels.motion.empty()) return "motion.X/Y/Z/W (render with --layers motion)";
+  if (!has_motion(denoised)) return "motion.X/Y/Z/W (render with --layers motion)";
   if (channels.error.empty()) return "error.R/G/B (render with --denoise=layers)";
   return "";
 }
@@ -250,18 +161,17 @@ Expected<Image> blended_in_time(const Image& frame, const FramesBeside& beside) 
   const DenoisedFrame own = frame_of(frame);
   Sums sums{
       .light = own.light, .noise = own.noise, .weights = Planes(own.light.width, own.light.height, 1, 1.0f)};
-  constexpr int kBefore = 0, kAfter = 2;  // planes of `motion`
-  for (const auto& [images, out, back, side] :
-       {std::tuple(&beside.before, kBefore, kAfter, "before"), {&beside.after, kAfter, kBefore, "after"}}) {
-    Ways ways(own, out, back);
-    DenoisedFrame last = own;
+  for (const auto& [images, direction, side] : {std::tuple(&beside.before, TimeDirection::kBefore, "before"),
+                                                {&beside.after, TimeDirection::kAfter, "after"}}) {
+    PointTracker tracker(own.points, direction);
+    SeenPoints last = own.points;
     for (std::size_t k = 0; k < images->size(); ++k) {
       if (const auto checked = check(*(*images)[k]); !checked)
         return fail(fmt::format("{} {}: {}", k + 1, side, checked.error().message));
       DenoisedFrame next = frame_of(*(*images)[k]);
-      ways.follow(last, next);
-      add_frame(own, next, ways.positions(), sums);
-      last = std::move(next);
+      tracker.follow(last, next.points);
+      add_frame(own, next, tracker.positions(), sums);
+      last = std::move(next.points);
     }
   }
   Image result = frame;

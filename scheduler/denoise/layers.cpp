@@ -36,6 +36,10 @@ Planes planes_of(const Image& image, std::span<const std::size_t> channels) {
   return planes;
 }
 
+Planes planes_of_layer(const Image& image, std::span<const std::size_t> channels, int count) {
+  return channels.empty() ? Planes(image.data.width, image.data.height, count) : planes_of(image, channels);
+}
+
 Image with_channels(const Image& image, std::span<const std::string> names, const Planes& values) {
   Image result = image;
   const std::size_t before = image.channels.size() - image.exact_channels, more = names.size();

@@ -20,6 +20,9 @@ std::vector<std::size_t> find_layer(const Image& image, std::initializer_list<st
 /// The channels as planes, as they are.
 Planes planes_of(const Image& image, std::span<const std::size_t> channels);
 
+/// The same; zeros in `count` planes without channels.
+Planes planes_of_layer(const Image& image, std::span<const std::size_t> channels, int count);
+
 /// The image with more channels at the end, before those that are exact.
 Image with_channels(const Image& image, std::span<const std::string> names, const Planes& values);
 

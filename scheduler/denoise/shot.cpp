@@ -35,7 +35,9 @@ std::vector<std::size_t> ShotDenoiser::beside(std::size_t index, int direction) 
   std::vector<std::size_t> found;
   for (int k = 1; k <= time_radius_; ++k) {
     const std::size_t other = index + std::size_t(k * direction);  // wraps around before the first
-    if (other >= frames_.size() || frames_[other].number != frames_[index].number + k * direction) break;
+    if (other >= frames_.size() || frames_[other].number != frames_[index].number + k * direction ||
+        frames_[other].noisy.empty())
+      break;
     found.push_back(other);
   }
   return found;

@@ -15,7 +15,7 @@
 
 namespace penumbra {
 
-/// A frame's image, and the one that becomes of it.
+/// A frame's image, and the one that becomes of it. An image without a name is not there.
 struct ShotFrame {
   int number = 0;
   std::filesystem::path noisy, denoised;
@@ -44,6 +44,8 @@ class ShotDenoiser {
   /// 2 time_radius + 1 are in memory. It is a function of the images of the frame and those beside it,
   /// whatever came before.
   FrameOutcome denoise(std::size_t index);
+  /// From now on frame `index` is beside no other.
+  void leave_out(std::size_t index) { frames_[index].noisy.clear(); }
 
  private:
   /// A frame denoised by itself.

@@ -40,6 +40,7 @@ struct SceneOptions {
   bool frame_is_a_file = false;  ///< each frame is a file of its own, whose name has the frame
   std::string clip = {};         ///< see ReadOptions
   bool seed_by_frame = false;    ///< the frame is added to the seed
+  bool blends_frames = false;    ///< where images are denoised, the layer motion is asked for
 
   friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };

@@ -33,7 +33,7 @@ Expected<fs::path> find_gnuplot() {
     const fs::path program = fs::path(folder.empty() ? "." : folder) / "gnuplot";
     if (access(program.c_str(), X_OK) == 0) return fs::absolute(program);
   }
-  return fail("plots need gnuplot (Debian: apt-get install gnuplot-nox); --no-plots does without them");
+  return fail("plots need gnuplot (Debian: apt-get install gnuplot-nox)");
 }
 
 Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& folder, const std::string& name,

@@ -92,7 +92,7 @@ Expected<ReadOptions> read_options_of(const SceneOptions& options) {
   read.clip = options.clip;
   read.fps = options.fps;
   read.export_scene = [&options](const std::filesystem::path&) { return blender_shots().scene_of(options); };
-  for (const char* name : {"blender-scene", "camera", "view-layer"})
+  for (const char* name : {"scene", "camera", "view-layer"})
     for (const std::string& value : given_values(*find_render_option(name), {.scene = options}))
       if (read.export_options.empty()) read.export_options = fmt::format("--{} {}", name, value);
   if (options.frame) {
@@ -117,6 +117,11 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   if (!read) return std::unexpected(read.error());
   auto scene = read_scene(options.file, *read);
   if (scene) scene->sampler.seed += frame_in_seed(options);
+  if (scene && options.blends_frames && is_denoised(scene->film)) {
+    std::vector<AskedLayer>& layers = scene->film.layers;
+    if (std::ranges::find(layers, AskedLayer::kMotion) == layers.end()) layers.push_back(AskedLayer::kMotion);
+    std::ranges::sort(layers);
+  }
   if (scene && options.frame && !options.frame_is_a_file && scene->motion == nullptr &&
       !scene->uses_variables)
     scene->warnings.push_back(

@@ -141,6 +141,15 @@ void add_shot_options(CommandLine& command, RenderOptions& options) {
       ->excludes("--pixel")
       ->group(group::kFrames);
   command
+      .add_option(
+          "--time-radius", options.time_radius,
+          "With --denoise, frames before, and after, whose light a frame takes; 0: none. Adds the layer "
+          "motion. Noise of their own (--seed-per-frame frame) lets frames flicker less")
+      ->check(whole_number(0, kMostTimeRadius))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group(group::kFrames);
+  command
       .add_flag("--no-contact-sheet", options.no_sheet,
                 "Of frames, do not write NAME-contact.png with small pictures of them beside the images")
       ->group(group::kFrames);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scheduler/denoise/in_time.h"
 #include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/render/render_request.h"
 #include "worker/cli/command_line.h"
@@ -32,13 +33,14 @@ struct RenderOptions : RenderRequest {
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: no checkpoints
   bool writes_here = true;  ///< false: the files are written elsewhere, by a service, or not at all
   // For several scenes and frames.
-  std::string frames = {};     ///< see frames_of; empty: no shot
-  bool preview_order = false;  ///< frames come in preview_order
-  std::string video = {};      ///< file of the shot's video; empty: none
-  bool no_sheet = false;       ///< no contact sheet
-  bool force = false;          ///< render also what is already there and unchanged
-  std::string summary = {};    ///< file with the result of each render; empty: beside the images
-  std::string table = {};      ///< the same as CSV; empty: none
+  std::string frames = {};        ///< see frames_of; empty: no shot
+  bool preview_order = false;     ///< frames come in preview_order
+  std::string video = {};         ///< file of the shot's video; empty: none
+  int time_radius = kTimeRadius;  ///< of denoised frames, see ShotDenoiser
+  bool no_sheet = false;          ///< no contact sheet
+  bool force = false;             ///< render also what is already there and unchanged
+  std::string summary = {};       ///< file with the result of each render; empty: beside the images
+  std::string table = {};         ///< the same as CSV; empty: none
 };
 
 /// Adds the option of this name. Parsing stores its value in `request`, as that of all options here.

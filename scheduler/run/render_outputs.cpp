@@ -12,7 +12,6 @@
 #include "kernels/host/console.h"
 #include "kernels/host/process.h"
 #include "kernels/host/text.h"
-#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/record/camera_attributes.h"
@@ -53,11 +52,9 @@ void add_statistics(const nlohmann::ordered_json& statistics, const std::filesys
 
 namespace {
 
-/// Denoises the image on all cores and writes the result. Native code is everywhere, and has the same bits.
+/// Denoises the image on all cores and writes the result.
 Expected<void> write_denoised(const Image& image, const Film& film, const OutputFiles& files) {
-  const DenoiseOptions options{
-      .method = film.denoise, .nl_means = {}, .device = {.threads = 0, .isa = best_isa()}};
-  const auto denoised = denoise_image(image, options);
+  const auto denoised = denoise_image(image, denoise_options(film));
   if (!denoised) return fail("it cannot be denoised: " + denoised.error().message);
   OutputBatch batch;
   add_images(denoised->image, film, files.denoised_exr, files.denoised_png, batch);
@@ -91,6 +88,14 @@ std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples&
 }
 
 }  // namespace
+
+DenoiseOptions denoise_options(const Film& film) {
+  const bool has_motion = std::ranges::find(film.layers, AskedLayer::kMotion) != film.layers.end();
+  return {.method = film.denoise,
+          .nl_means = {},
+          .device = {.threads = 0, .isa = best_isa()},
+          .estimates_error = has_motion};  // for blending frames
+}
 
 bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job) {
   return outcome.complete && job.request.time_budget && !outcome.ended_by_tile &&

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image.h"
 #include "scheduler/run/render_preparation.h"
@@ -23,6 +24,9 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
 /// thread; the image must stay valid until then.
 void add_images(const Image& image, const Film& format, const std::optional<std::filesystem::path>& exr,
                 const std::optional<std::filesystem::path>& png, OutputBatch& batch);
+/// How images of this film are denoised: natively, on all cores. Native code is everywhere, and has the same
+/// bits.
+DenoiseOptions denoise_options(const Film& film);
 void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
                     OutputBatch& batch);
 

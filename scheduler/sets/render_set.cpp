@@ -21,7 +21,6 @@
 #include "kernels/host/console.h"
 #include "kernels/host/content_hash.h"
 #include "kernels/host/text.h"
-#include "scheduler/denoise/denoise_image.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/files/output_check.h"
 #include "scheduler/files/program_path.h"
@@ -34,6 +33,7 @@
 #include "scheduler/sets/failure_reasons.h"
 #include "scheduler/sets/set_plan.h"
 #include "scheduler/sets/set_summary.h"
+#include "scheduler/sets/shot_denoising.h"
 #include "scheduler/sets/shot_pictures.h"
 #include "scheduler/sets/shot_video.h"
 #include "scheduler/web/render_page.h"
@@ -106,7 +106,8 @@ class SceneSet final : public JobSource {
         stop_(stop),
         printer_(progress_style(options.progress, !options.quiet), terminal_columns()),
         ffmpeg_(std::move(ffmpeg)),
-        scenes_(scenes_of(plan_)) {
+        scenes_(scenes_of(plan_)),
+        denoising_(plan_, options.time_radius) {
     EarlierRenders finished = EarlierRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
       const std::vector<std::string> files = absolute_names(member.files);
@@ -165,6 +166,8 @@ class SceneSet final : public JobSource {
   void fail_member(std::size_t index, const Error& error);
   void write_images();
   void write(FinishedRender finished);
+  /// Blends the frames that are ready. Called from one thread at a time.
+  void blend_frames();
   void end(std::size_t index, SetState state, const std::string& error = {}, bool is_told = true);
   /// The same where the render does not get another try. The caller holds mutex_.
   void end_now(std::size_t index, SetState state, const std::string& error, bool is_told);
@@ -211,6 +214,9 @@ class SceneSet final : public JobSource {
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
+  ShotDenoising denoising_;
+  bool has_blended_all_ = true;
+  std::map<std::size_t, Film> films_;  // of each scene that was read; under mutex_
   std::map<std::size_t, double> fps_;  // of each scene that was read; used by the thread that reads them
   std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
@@ -285,6 +291,10 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
     if (told_warnings_.insert(warning).second) print_warning(warning);
   if (const auto kept = keep_inputs(prepared->scene.description.files); !kept) return kept;
   keys_[index] = key_of(*prepared, worker_);
+  {
+    const std::lock_guard lock(mutex_);
+    films_[index] = prepared->record.film;
+  }
   fps_[index] = prepared->record.scene.fps.value_or(kFramesPerSecond);
   prepared->job.priority = plan_.members[index].priority;
   if (!options_.force && entries_[index].key == keys_[index])
@@ -384,7 +394,18 @@ void SceneSet::write_images() {
     }
     --unwritten_count_;
     job_signal().notify();
+    blend_frames();
   }
+}
+
+void SceneSet::blend_frames() {
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < entries_.size(); ++i)
+      if (entries_[i].state != SetState::kWaiting)
+        denoising_.ended(i, is_rendered(entries_[i]) ? std::optional(films_.at(i)) : std::nullopt);
+  }
+  if (!stop_ && !denoising_.blend()) has_blended_all_ = false;
 }
 
 void SceneSet::write(FinishedRender finished) {
@@ -498,8 +519,9 @@ ExitCode SceneSet::run() {
       else
         end(i, SetState::kFailed, "no worker was left");
     }
+  blend_frames();
   std::vector<std::string> written;
-  ExitCode code = kAllDone;
+  ExitCode code = has_blended_all_ ? kAllDone : kIncomplete;
   const auto add_written = [&](const std::string& file, const Expected<void>& is_written) {
     if (is_written) return written.push_back(file);
     print_error(is_written.error());

@@ -168,6 +168,7 @@ class SetPlanner {
     auto options = options_of(axes, choice, options_);
     if (!options) return std::unexpected(options.error());
     options->scene.frame_is_a_file = frame_is_a_file;
+    options->scene.blends_frames = options->scene.frame.has_value() && options_.time_radius > 0;
     SetMember member{.options = std::move(*options), .priority = pattern.priority, .name = scene.string()};
     member.options.out = std::move(*out);
     for (std::size_t i = 1; i < axes.size(); ++i) {

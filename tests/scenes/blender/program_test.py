@@ -70,6 +70,23 @@ class Processes(unittest.TestCase):
                              env={**os.environ, "PENUMBRA": str(path)})
         self.assertTrue(program.wait_until(lambda: not is_alive(int(ran.stdout.split()[-1])), 5))
 
+    def test_a_blender_that_crashes_ends_it(self):
+        scene = pathlib.Path(__file__).resolve().parents[3] / "scenes/cornell-small/cornell-small.xml"
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        code = ("import time\nfrom blender import program\n"
+                f"process = program.Process(['render', {str(scene)!r}, '--spp', '1000000', '-o', 'a.exr'])\n"
+                "print(process._process.pid, flush=True)\ntime.sleep(60)")
+        crashing = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=folder.name,
+                                    env={**os.environ, "PENUMBRA": os.environ["PENUMBRA_PROGRAM"]})
+        self.addCleanup(crashing.stdout.close)
+        self.addCleanup(crashing.wait)
+        renderer = int(crashing.stdout.readline())
+        time.sleep(1)
+        self.assertTrue(is_alive(renderer))
+        crashing.kill()
+        self.assertTrue(program.wait_until(lambda: not is_alive(renderer), 20))
+
     def test_a_program_that_cannot_run(self):
         with self.assertRaisesRegex(program.ProgramError, "does not run"):
             folder = tempfile.TemporaryDirectory()

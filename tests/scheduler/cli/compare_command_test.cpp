@@ -10,6 +10,7 @@
 #include "kernels/host/atomic_file.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/image/tone_map.h"
+#include "tests/scheduler/cli/moving_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -366,6 +367,62 @@ TEST_F(CompareCommand, MistakesAreFoundBeforeTheWorkAndWriteNothing) {
     if (!name.starts_with(".")) visible.push_back(name);  // hidden: the output of the program under test
   }
   EXPECT_EQ(visible, before);
+}
+
+/// Three frames of a scene that moves, noisy and with less noise.
+class CompareShots : public CompareCommand {
+ protected:
+  void SetUp() override {
+    write_moving_scene(folder_ / "s.xml");
+    for (const auto& [name, spp] : {std::pair("a.####.exr", "4"), {"b.####.exr", "64"}}) {
+      const ProgramResult rendered =
+          run_penumbra(folder_.path(), {"render", "s.xml", "--frames", "1-3", "--spp", spp, "--layers",
+                                        "motion", "--seed-per-frame", "frame", "-o", name, "-q"});
+      ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+    }
+  }
+};
+
+TEST_F(CompareShots, HaveALineForEachFrame) {
+  const ProgramResult result = compare({"a.####.exr", "b.####.exr", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json all = json::parse(result.out);
+  ASSERT_EQ(all["frames"].size(), 3U);
+  const json single = json::parse(compare({"a.0002.exr", "b.0002.exr", "--json"}).out);
+  EXPECT_EQ(all["frames"][1]["relmse"], single["relmse"]);
+  EXPECT_EQ(all["frames"][1]["flip"], single["flip"]["mean"]);
+  EXPECT_TRUE(all["frames"][0]["flicker"].is_null());
+  EXPECT_GT(all["frames"][1]["flicker"], 0.0);
+  EXPECT_NEAR(all["mean"]["flicker"].get<double>(),
+              (all["frames"][1]["flicker"].get<double>() + all["frames"][2]["flicker"].get<double>()) / 2,
+              1e-9);
+  const ProgramResult text = compare({"a.####.exr", "b.####.exr"});
+  EXPECT_THAT(text.out, AllOf(HasSubstr("frame      relmse"), HasSubstr("\n    3 "), HasSubstr("\n mean ")));
+  EXPECT_EQ(compare({"b.####.exr", "b.####.exr", "--fail-above", "relmse=0"}).exit_code, 0);
+  const ProgramResult beyond = compare({"a.####.exr", "b.####.exr", "--fail-above", "relmse=0"});
+  EXPECT_EQ(beyond.exit_code, 1);
+  EXPECT_THAT(beyond.err, HasSubstr("a.0003.exr is not within the limits"));
+}
+
+TEST_F(CompareShots, SayWhatIsMissing) {
+  std::filesystem::remove(folder_ / "b.0002.exr");
+  const ProgramResult gap = compare({"a.####.exr", "b.####.exr"});
+  EXPECT_EQ(gap.exit_code, 2);
+  EXPECT_THAT(gap.err, AllOf(HasSubstr("frame 2"), HasSubstr("b.0002.exr")));
+  EXPECT_THAT(gap.out, HasSubstr("\n    3 ")) << "the others are compared";
+  EXPECT_THAT(compare({"a.####.exr", "none.####.exr"}).err, HasSubstr("none.0001.exr"));
+  EXPECT_THAT(compare({"no.####.exr", "none.####.exr"}).err, HasSubstr("there are no frames no.####.exr"));
+  EXPECT_THAT(compare({"a.####.exr", "b.####.exr", "--heatmap", "x.png"}).err,
+              HasSubstr("--heatmap is of images"));
+  EXPECT_THAT(compare({"a.0001.exr", "b.0001.exr", "--plot", "x"}).err, HasSubstr("--plot is of shots"));
+}
+
+TEST_F(CompareShots, HaveAPlot) {
+  const ProgramResult result = compare({"a.####.exr", "b.####.exr", "--plot", "plots/errors"});
+  if (result.err.find("plots need gnuplot") != std::string::npos) GTEST_SKIP() << result.err;
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(file_contents(folder_ / "plots/errors.svg"), HasSubstr("flicker"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "plots/errors.png"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Tests `penumbra denoise` and `penumbra render --denoise`.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,6 +76,115 @@ TEST_F(DenoiseCommand, LayersAloneAreForLater) {
   const ProgramResult result = penumbra({"denoise", "a.exr"});
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("wrote a-denoised.exr, a-denoised.png: nfor"), Not(HasSubstr("lacks"))));
+}
+
+/// Denoising of five frames whose noise differs.
+class DenoiseShot : public DenoiseCommand {
+ protected:
+  void SetUp() override {
+    DenoiseCommand::SetUp();
+    succeed({"render", "s.xml", "--frames", "1-5", "--spp", "8", "--denoise=layers", "--layers", "motion",
+             "--seed-per-frame", "frame", "-o", "a.####.exr", "-q"});
+  }
+  std::string attribute(const std::string& name, const char* key) { return metadata_text(image(name), key); }
+};
+
+TEST_F(DenoiseShot, FramesTakeLightFromThoseBeside) {
+  succeed({"denoise", "a.####.exr"});
+  EXPECT_TRUE(exists("a.0005-denoised.png"));
+  EXPECT_THAT(image("a.0003-denoised.exr").channels, AllOf(Contains("still.R"), Contains("still_error.B")));
+  const auto hash = [&](int frame) {
+    return attribute(fmt::format("a.000{}.exr", frame), "penumbra:film_hash");
+  };
+  EXPECT_EQ(attribute("a.0003-denoised.exr", "penumbra:frames_before"), hash(2) + " " + hash(1));
+  EXPECT_EQ(attribute("a.0003-denoised.exr", "penumbra:frames_after"), hash(4) + " " + hash(5));
+  EXPECT_EQ(attribute("a.0001-denoised.exr", "penumbra:frames_before"), "");
+  // One frame alone, and without those beside it.
+  succeed({"denoise", "a.####.exr", "--frames", "3", "-o", "b.####.exr"});
+  EXPECT_TRUE(contents("b.0003.exr") == contents("a.0003-denoised.exr"));
+  EXPECT_FALSE(exists("b.0002.exr"));
+  succeed({"denoise", "a.####.exr", "--time-radius", "0", "-o", "c.####.exr"});
+  succeed({"denoise", "a.0003.exr", "-o", "d.exr"});
+  EXPECT_TRUE(contents("c.0003.exr") == contents("d.exr"));
+  const Image still = image("d.exr"), blended = image("a.0003-denoised.exr");
+  EXPECT_EQ(blended.at(3, 2, *blended.channel("still.G")), still.at(3, 2, *still.channel("G")));
+}
+
+TEST_F(DenoiseShot, GoesOnWhereItWasStopped) {
+  succeed({"denoise", "a.####.exr"});
+  std::vector<std::string> whole;
+  for (int frame = 1; frame <= 5; ++frame)
+    whole.push_back(contents(fmt::format("a.000{}-denoised.exr", frame)));
+  // As after a kill, since files appear whole; 4 is of another denoiser.
+  fs::remove(folder_ / "a.0002-denoised.exr");
+  fs::remove(folder_ / "a.0005-denoised.exr");
+  succeed({"denoise", "a.####.exr", "--frames", "4", "--method", "nlmeans"});
+  const ProgramResult result = penumbra({"denoise", "a.####.exr"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("kept 2 frames"));
+  for (int frame = 1; frame <= 5; ++frame)
+    EXPECT_TRUE(contents(fmt::format("a.000{}-denoised.exr", frame)) == whole[std::size_t(frame - 1)])
+        << frame;
+  // A frame that is rendered anew changes those beside it.
+  succeed({"render", "s.xml", "--frames", "1", "--spp", "4", "--denoise=layers", "--layers", "motion", "-o",
+           "a.####.exr", "-q"});
+  EXPECT_THAT(penumbra({"denoise", "a.####.exr"}).out, HasSubstr("kept 2 frames"));
+}
+
+TEST_F(DenoiseShot, IsWhatARenderOfFramesDoes) {
+  const std::vector<std::string> render = {"render",           "s.xml", "--spp", "8",          "--denoise",
+                                           "--seed-per-frame", "frame", "-o",    "r.####.exr", "-q",
+                                           "--frames"};
+  const auto frames = [&](const char* list, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = render;
+    arguments.emplace_back(list);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  succeed(frames("1-5"));
+  succeed({"denoise", "a.####.exr"});
+  for (int frame = 1; frame <= 5; ++frame)
+    EXPECT_EQ(image(fmt::format("r.000{}-denoised.exr", frame)).values,
+              image(fmt::format("a.000{}-denoised.exr", frame)).values);
+  // Nothing changes in a set that is there; what a kill has left unblended is blended.
+  const std::string whole = contents("r.0003-denoised.exr");
+  succeed(frames("1-5"));
+  EXPECT_TRUE(contents("r.0003-denoised.exr") == whole);
+  succeed({"denoise", "r.0003.exr", "-o", "r.0003-denoised.exr"});
+  EXPECT_FALSE(contents("r.0003-denoised.exr") == whole);
+  succeed(frames("1-5", {"--order", "preview"}));
+  EXPECT_EQ(image("r.0003-denoised.exr").values, image("a.0003-denoised.exr").values);
+  // Each frame by itself.
+  succeed(frames("1-2", {"--time-radius", "0", "--force"}));
+  EXPECT_THAT(image("r.0001.exr").channels, Not(Contains("motion.X")));
+  EXPECT_THAT(image("r.0001-denoised.exr").channels, Not(Contains("still.R")));
+}
+
+TEST_F(DenoiseShot, WhatIsMissingIsLeftOutAndSaid) {
+  fs::remove(folder_ / "a.0004.exr");
+  write_text(folder_ / "a.0002.exr", "no image");
+  succeed({"render", "s.xml", "--frames", "6-7", "--spp", "4", "--denoise=layers", "-o", "a.####.exr", "-q"});
+  const ProgramResult result = penumbra({"denoise", "a.####.exr"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("a.0002.exr"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("a.0001.exr: without frame 2: a.0002.exr"),
+                    HasSubstr("a.0005.exr: without frame 6: it lacks motion.X/Y/Z/W"),
+                    HasSubstr("a.0006.exr: it is denoised by itself, since it lacks motion.X/Y/Z/W")));
+  EXPECT_EQ(attribute("a.0003-denoised.exr", "penumbra:frames_before"), "");
+  EXPECT_EQ(attribute("a.0003-denoised.exr", "penumbra:frames_after"), "");
+  EXPECT_FALSE(exists("a.0004-denoised.exr"));
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const ProgramResult failed = penumbra(arguments);
+    EXPECT_EQ(failed.exit_code, 2);
+    return failed.err;
+  };
+  EXPECT_THAT(error({"denoise", "b.####.exr"}), HasSubstr("b.####.exr: there is no such file"));
+  EXPECT_THAT(error({"denoise", "a.####.exr", "-o", "b.exr"}),
+              HasSubstr("no field for the frame, such as b.####.exr"));
+  EXPECT_THAT(error({"denoise", "a.####.exr", "-o", "a.####.exr"}), HasSubstr("a.0001.exr"));
+  EXPECT_THAT(error({"denoise", "a.0001.exr", "--frames", "1"}), HasSubstr("no field for the frame"));
+  EXPECT_THAT(error({"denoise", "a.####.exr", "--frames", "1-"}), HasSubstr("--frames"));
 }
 
 TEST_F(DenoiseCommand, AJobFileChoosesTheMethod) {

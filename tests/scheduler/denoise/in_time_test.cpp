@@ -4,48 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <random>
+
+#include "tests/scheduler/denoise/shot_frames.h"
 
 namespace penumbra {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kWidth = 64, kHeight = 48;
-const std::vector<std::string> kChannels = {"R",        "G",        "B",        "error.R",  "error.G",
-                                            "error.B",  "motion.X", "motion.Y", "motion.Z", "motion.W",
-                                            "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y",
-                                            "normal.Z", "depth.Z"};
-
-/// What a frame shows at a pixel: radiance, the same in all channels.
-using Truth = std::function<float(int x, int y)>;
-
-/// A denoised frame with remaining noise of standard deviation sigma. All points move right by `speed` pixels
-/// a frame.
-Image frame_of(const Truth& truth, float sigma, std::uint32_t seed, int speed = 0) {
-  Image image;
-  image.data = image.display = {0, 0, kWidth, kHeight};
-  image.channels = kChannels;
-  image.metadata = {{"penumbra:film_hash", std::to_string(seed)}};
-  std::mt19937 random(seed);
-  std::normal_distribution<float> noise(0, 1);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      for (int c = 0; c < 3; ++c) image.values.push_back(truth(x, y) + sigma * noise(random));
-      image.values.insert(image.values.end(), 3, sigma * sigma);
-      image.values.insert(image.values.end(), {float(-speed), 0, float(speed), 0, 1, 1, 1, 0, 0, 1, 5});
-    }
-  return image;
-}
-
 /// The mean square of all channels minus the truth.
 double mean_square_error(const Image& image, const Truth& truth) {
   double sum = 0;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
+  for (int y = 0; y < kFrameHeight; ++y)
+    for (int x = 0; x < kFrameWidth; ++x)
       for (std::size_t c = 0; c < 3; ++c) sum += std::pow(double(image.at(x, y, c)) - double(truth(x, y)), 2);
-  return sum / (3 * kWidth * kHeight);
+  return sum / (3 * kFrameWidth * kFrameHeight);
 }
 
 Image blended(const Image& frame, const FramesBeside& beside) {
@@ -55,7 +28,7 @@ Image blended(const Image& frame, const FramesBeside& beside) {
 }
 
 TEST(InTime, VarianceFallsAsTheNumberOfFrames) {
-  const Truth truth = [](int x, int) { return 1 + float(x) / kWidth; };
+  const Truth truth = [](int x, int) { return 1 + float(x) / kFrameWidth; };
   std::vector<Image> frames;
   for (std::uint32_t seed = 1; seed <= 5; ++seed) frames.push_back(frame_of(truth, 0.1f, seed));
   const std::vector<FramesBeside> beside = {
@@ -84,8 +57,8 @@ TEST(InTime, TranslationChangesNothing) {
   };
   const Image frame = at(0), before[] = {at(-1), at(-2)}, after[] = {at(1), at(2)};
   const Image result = blended(frame, {.before = {&before[0], &before[1]}, .after = {&after[0], &after[1]}});
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
+  for (int y = 0; y < kFrameHeight; ++y)
+    for (int x = 0; x < kFrameWidth; ++x)
       EXPECT_NEAR(result.at(x, y, 0), frame.at(x, y, 0), 1e-6f * frame.at(x, y, 0)) << x << ", " << y;
   EXPECT_EQ(metadata_text(result, kFramesBefore), "9 8");
   EXPECT_EQ(metadata_text(result, kFramesAfter), "11 12");
@@ -117,7 +90,7 @@ TEST(InTime, PointsThatAreHiddenAreNotMixedIn) {
     const Image result = blended(frame, {.before = {}, .after = {&stranger}});
     for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(result.at(30, 20, c), frame.at(30, 20, c));
   }
-  const Image gone = with_channel(frame, "motion.Z", kWidth);
+  const Image gone = with_channel(frame, "motion.Z", kFrameWidth);
   EXPECT_EQ(blended(gone, {.before = {}, .after = {&next}}).at(30, 20, 0), frame.at(30, 20, 0));
   EXPECT_NE(blended(frame, {.before = {}, .after = {&next}}).at(30, 20, 0), frame.at(30, 20, 0));
 }
@@ -126,9 +99,9 @@ TEST(InTime, TextureIsOfTheFrameItself) {
   // Albedo that moves over a surface under even light, as a projected picture.
   const auto textured = [](std::uint32_t seed, int shift) {
     Image image = frame_of([](int, int) { return 1.0f; }, 0.05f, seed);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
-        float* pixel = image.values.data() + std::size_t(y * kWidth + x) * image.channels.size();
+    for (int y = 0; y < kFrameHeight; ++y)
+      for (int x = 0; x < kFrameWidth; ++x) {
+        float* pixel = image.values.data() + std::size_t(y * kFrameWidth + x) * image.channels.size();
         const float albedo = (x + shift) % 4 < 2 ? 0.8f : 0.2f;
         for (std::size_t c = 0; c < 3; ++c) {
           pixel[c] *= albedo;
@@ -141,8 +114,8 @@ TEST(InTime, TextureIsOfTheFrameItself) {
   const Image frame = textured(1, 0), next = textured(2, 1);
   const Image result = blended(frame, {.before = {}, .after = {&next}});
   double before = 0, after = 0;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kFrameHeight; ++y)
+    for (int x = 0; x < kFrameWidth; ++x) {
       const double truth = x % 4 < 2 ? 0.8 : 0.2;
       before += std::pow(double(frame.at(x, y, 0)) - truth, 2);
       after += std::pow(double(result.at(x, y, 0)) - truth, 2);

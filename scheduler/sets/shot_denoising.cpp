@@ -1,0 +1,80 @@
+#include "scheduler/sets/shot_denoising.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "kernels/host/console.h"
+#include "scheduler/files/output_batch.h"
+#include "scheduler/run/render_outputs.h"
+
+namespace penumbra {
+
+ShotDenoising::ShotDenoising(const SetPlan& plan, int time_radius)
+    : time_radius_(time_radius), frames_(plan.members.size()) {
+  if (time_radius == 0) return;
+  for (const SetShot& shot : plan.shots) {
+    std::vector<std::size_t> members;
+    for (const auto& [number, member] : shot.frames) {
+      const OutputFiles& files = plan.members[member].files;
+      if (!files.exr || !files.denoised_exr) continue;
+      frames_[member] =
+          Frame{.shot = shots_.size(), .index = members.size(), .number = number, .files = files};
+      members.push_back(member);
+    }
+    if (!members.empty()) shots_.push_back(std::move(members));
+  }
+  denoisers_.resize(shots_.size());
+}
+
+void ShotDenoising::ended(std::size_t member, const std::optional<Film>& film) {
+  std::optional<Frame>& frame = frames_[member];
+  if (!frame) return;
+  frame->is_over = true;
+  frame->film = film;
+}
+
+bool ShotDenoising::is_ready(const Frame& frame) const {
+  if (!frame.film || frame.is_blended) return false;
+  for (const std::size_t other : shots_[frame.shot])
+    if (!frames_[other]->is_over && std::abs(frames_[other]->number - frame.number) <= time_radius_)
+      return false;
+  return true;
+}
+
+bool ShotDenoising::blend() {
+  bool good = true;
+  for (const auto& members : shots_)
+    for (const std::size_t member : members)
+      if (Frame& frame = *frames_[member]; is_ready(frame)) {
+        frame.is_blended = true;
+        good = blend(frame) && good;
+      }
+  return good;
+}
+
+bool ShotDenoising::blend(const Frame& frame) {
+  const std::vector<std::size_t>& members = shots_[frame.shot];
+  std::optional<ShotDenoiser>& denoiser = denoisers_[frame.shot];
+  if (!denoiser) {
+    std::vector<ShotFrame> frames;
+    for (const std::size_t member : members)
+      frames.push_back(
+          {frames_[member]->number, *frames_[member]->files.exr, *frames_[member]->files.denoised_exr});
+    denoiser.emplace(std::move(frames), denoise_options(*frame.film), time_radius_);
+  }
+  for (const std::size_t member : members)
+    if (frames_[member]->is_over && !frames_[member]->film) denoiser->leave_out(frames_[member]->index);
+  const FrameOutcome outcome = denoiser->denoise(frame.index);
+  for (const std::string& remark : outcome.remarks)
+    print_warning(fmt::format("{}: {}", frame.files.denoised_exr->string(), remark));
+  if (outcome.kind == FrameOutcome::Kind::kKept) return true;
+  if (outcome.kind == FrameOutcome::Kind::kFailed) return print_error({outcome.error}), false;
+  OutputBatch batch;
+  add_images(outcome.image, *frame.film, frame.files.denoised_exr, frame.files.denoised_png, batch);
+  const auto written = batch.finish();
+  if (!written) print_error(written.error());
+  return written.has_value();
+}
+
+}  // namespace penumbra

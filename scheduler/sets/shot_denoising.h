@@ -1,0 +1,42 @@
+// Blends the denoised frames of a set's shots, each as soon as those beside it are there.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "scenes/scene_description.h"
+#include "scheduler/denoise/shot.h"
+#include "scheduler/sets/set_plan.h"
+
+namespace penumbra {
+
+/// Of shots whose frames write an EXR and a denoised EXR. The frames beside one are those of the set that
+/// have an image.
+class ShotDenoising {
+ public:
+  ShotDenoising(const SetPlan& plan, int time_radius);
+
+  /// A member of the plan is over. `film`: of its image; nothing where there is none.
+  void ended(std::size_t member, const std::optional<Film>& film);
+  /// Blends the frames that are ready and writes them. Prints what goes wrong; returns whether nothing did.
+  bool blend();
+
+ private:
+  struct Frame {
+    std::size_t shot = 0, index = 0;  // in its shot
+    int number = 0;
+    OutputFiles files;
+    std::optional<Film> film = {};
+    bool is_over = false, is_blended = false;
+  };
+  [[nodiscard]] bool is_ready(const Frame& frame) const;
+  bool blend(const Frame& frame);
+
+  int time_radius_;
+  std::vector<std::optional<Frame>> frames_;            // of members
+  std::vector<std::vector<std::size_t>> shots_;         // their members, ascending
+  std::vector<std::optional<ShotDenoiser>> denoisers_;  // of shots
+};
+
+}  // namespace penumbra
