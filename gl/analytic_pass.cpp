@@ -212,7 +212,7 @@ void AnalyticPass::shade(float dx, float dy) {
   set_uniform(shade_, "triangle_count", scene_.tables.triangles.count);
   set_uniform(shade_, "polygon_count", scene_.tables.polygons.count);
   set_uniform(shade_, "environment", scene_.environment);
-  set_uniform(shade_, "hide_emitters", view_.integrator.hide_emitters != HIDE_NOTHING ? 1 : 0);
+  set_uniform(shade_, "hide_emitters", view_.integrator.hide_emitters > HIDE_NOTHING ? 1 : 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -116,7 +116,7 @@ Expected<BufferTexture> pack_control_lobes(const DeviceScene& scene) {
 Expected<BufferTexture> pack_lights(const DeviceScene& scene) {
   Packer p(1);
   for (const Light& light : table<Light>(scene, scene.header.tables.lights)) {
-    p.vector(light.radiance);
+    p.vector(light.unseen == UNSEEN_BY_CAMERA ? vec3{0.0f, 0.0f, 0.0f} : light.radiance);
     p.number(light.two_sided != 0 ? 1.0f : 0.0f);
   }
   return p.upload("the lights", GL_RGBA32F);

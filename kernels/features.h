@@ -55,7 +55,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PANORAMA, "panoramic cameras")                                      \
   X(EMITTING_MEDIA, "media that emit")                                  \
   X(CURVES, "curves")                                                   \
-  X(INTERIORS, "scattering below surfaces, and coloured glass")
+  X(INTERIORS, "scattering below surfaces, and coloured glass")         \
+  X(SPREAD, "flat lights that shine into a cone")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -50,9 +50,15 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ESTIMATOR_AUTO 2     // as ESTIMATOR_ALPHA, with alpha from other samples of the pixel
 
 // What the camera sees in place of an emitter: its light, a surface without emission, or what is behind it.
+// HIDE_MARKED: a surface without emission, of those that are UNSEEN_BY_CAMERA.
+#define HIDE_MARKED -1
 #define HIDE_NOTHING 0
 #define HIDE_LIGHT 1
 #define HIDE_LOOK_THROUGH 2
+
+// What does not find a light.
+#define UNSEEN_BY_RAYS 1    // rays do not meet it, so that only samples of the light find it
+#define UNSEEN_BY_CAMERA 2  // camera rays do not add its light
 
 // Photon maps of the path integrator.
 #define PHOTONS_NONE 0
@@ -331,24 +337,26 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, exterior) /* index of the medium before the front side; -1: the surrounding medium */ \
   F(int, shape)    /* index of the shape in the scene, for messages; -1: none is told */
 
-#define LIGHT_FIELDS(F)                                                                                   \
-  F(vec3, radiance) /* radiance; point, spot: radiant intensity; directional: irradiance */               \
-  F(vec3, p0) /* triangle vertex, rectangle corner, centre (cylinder: of its first end), or position */   \
-  F(vec3, p1) /* triangle vertex, next corner; disk: front normal; cylinder: axis; directional: direction \
-                 (unit) */                                                                                \
-  F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */               \
-  F(float, area)                                                                                          \
-  F(int, sampling)  /* EMITTER_* */                                                                       \
-  F(int, two_sided) /* 1: also emits from the back */                                                     \
-  F(int, unseen)    /* 1: rays do not meet it, so only samples of the light find it */                    \
-  F(int, polygon)   /* index of the polygon light that it is part of, or -1 */                            \
-  F(float, pmf)     /* probability of choosing this light */                                              \
-  F(int, start)     /* choice by power: the first of its LIGHT_PROBABILITY_STEPS */                       \
-  F(int, kind)      /* LIGHT_* */                                                                         \
-  F(int, texture)   /* index of the texture that scales its radiance, or -1 */                            \
-  F(int, grid)      /* start of its sampling distribution in the light grids, or -1 */                    \
-  F(int, grid_side)                                                                                       \
-  F(int, beam) /* index of the beam of a spot light or projector, or of the glow of a medium */
+#define LIGHT_FIELDS(F)                                                                                 \
+  F(vec3, radiance) /* radiance; point, spot: radiant intensity; directional: irradiance */             \
+  F(vec3, p0) /* triangle vertex, rectangle corner, centre (cylinder: of its first end), or position */ \
+  F(vec3, p1) /* triangle vertex, next corner; disk: front normal; cylinder: axis; directional, sun:    \
+                 direction (unit) */                                                                    \
+  F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */             \
+  F(float, area)                                                                                        \
+  F(int, sampling)  /* EMITTER_* */                                                                     \
+  F(int, two_sided) /* 1: also emits from the back */                                                   \
+  F(int, unseen)    /* UNSEEN_*, or 0 */                                                                \
+  F(int, polygon)   /* index of the polygon light that it is part of, or -1 */                          \
+  F(float, pmf)     /* probability of choosing this light */                                            \
+  F(int, start)     /* choice by power: the first of its LIGHT_PROBABILITY_STEPS */                     \
+  F(int, kind)      /* LIGHT_* */                                                                       \
+  F(int, texture)   /* index of the texture that scales its radiance, or -1 */                          \
+  F(int, grid)      /* start of its sampling distribution in the light grids, or -1 */                  \
+  F(int, grid_side)                                                                                     \
+  F(float, spread) /* flat lights: tangent of half the cone that they shine into; 0: of 180 degrees */  \
+  F(float, gain)   /* the factor with it, see light_spread.h */                                         \
+  F(int, beam)     /* index of the beam of a spot light or projector, or of the glow of a medium */
 
 // A node of the light hierarchy, see light_tree.h. Its lights are within the box. Their axes (normals)
 // deviate from the node's axis by at most the angle of cosine cos_o. Each emits within the angle of cosine
@@ -732,6 +740,8 @@ enum {
   F(IntegratorParameters, integrator)                                                               \
   F(Adjustable, adjustable)                                                                         \
   F(int, environment)       /* index of the environment light, or -1 */                             \
+  F(int, first_sun)         /* suns are among the lights from this one on: ... */                   \
+  F(int, sun_count)         /* ... as many lights; 0: there are no suns */                          \
   F(uint, light_kinds)      /* bits 1 << LIGHT_* of its lights */                                   \
   F(int, light_cut)         /* number of light hierarchy nodes without a parent */                  \
   F(int, light_tree_depth)  /* steps from there to the deepest leaf */                              \

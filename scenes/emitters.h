@@ -2,6 +2,8 @@
 // kernels.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
 #include <glm/glm.hpp>
@@ -33,6 +35,8 @@ struct AreaLightParameters {
   static constexpr const char* kText = "area light: the shape that holds it emits from its front";
   TexturedColour radiance{glm::vec3(1.0f)};
   bool two_sided = false;
+  bool seen_by_camera = true;
+  double spread = 180.0;  ///< degrees in [0.1, 180]
   EmitterSampling sampling = EmitterSampling::kAuto;
 
   template <typename Row>
@@ -40,6 +44,11 @@ struct AreaLightParameters {
     row("radiance", &AreaLightParameters::radiance, kEmission, "radiance");
     row("two_sided", &AreaLightParameters::two_sided, TrueOrFalse{},
         "whether it also emits from its back (not for spheres)");
+    row("seen_by_camera", &AreaLightParameters::seen_by_camera, TrueOrFalse{},
+        "whether camera rays add its light; else they see the BSDF alone, which `null` lets them pass");
+    row("spread", &AreaLightParameters::spread, AnyNumber{"number in [0.1, 180]"},
+        "angle of the cone about the normal that takes all of its power, as behind a grid of slats; of flat "
+        "shapes");
     row("sampling", &AreaLightParameters::sampling, emitter_samplings(), "density of points on it");
   }
 };
@@ -170,6 +179,7 @@ struct SpotLight {
   TexturedColour texture{glm::vec3(1.0f)};
   double cutoff_angle = 20.0;  ///< degrees from the axis, beyond which there is no light
   double beam_width = 15.0;    ///< degrees from the axis, up to which the intensity is full
+  double radius = 0.0;         ///< scene units, see kernels/light/round_spot_light.h
   SpotFalloff falloff = SpotFalloff::kLinear;
   glm::dmat4 to_world{1.0};
 
@@ -182,6 +192,8 @@ struct SpotLight {
         "beyond it there is no light, degrees from the axis");
     row("beam_width", &SpotLight::beam_width, AnyNumber{"number in [0, cutoff_angle]"},
         "within it intensity is constant, degrees from the axis; unless given 3/4 of the cutoff angle");
+    row("radius", &SpotLight::radius, AnyNumber{"number from 0 on"},
+        "of the sphere that shines; it softens shadows, and neither the camera nor mirrors show it");
     row("falloff", &SpotLight::falloff,
         OneOf<SpotFalloff>{{{"linear", SpotFalloff::kLinear},
                             {"smoothstep", SpotFalloff::kSmoothstep},
@@ -201,14 +213,17 @@ struct SpotLight {
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
-/// Parallel light from outside the scene. Its strength is the irradiance on a surface perpendicular to it.
+/// Light from outside the scene, parallel or from a disk. Its strength is the irradiance on a surface
+/// perpendicular to it.
 struct DirectionalLight {
   static constexpr const char* kPlugin = "directional";
-  static constexpr const char* kText = "directional light";
+  static constexpr const char* kText = "directional light, or a sun";
   static constexpr bool kIsSky = false;
   glm::vec3 irradiance{1.0f};
   glm::dvec3 direction{0.0, 0.0, 1.0};  ///< in which the light travels; any length above 0
-  glm::dmat4 to_world{1.0};  ///< alternative to a direction: the light travels along the transformed z axis
+  glm::dmat4 to_world{1.0};    ///< alternative to a direction: the light travels along the transformed z axis
+  double angle = 0.0;          ///< degrees in [0, 180], across the disk
+  bool seen_by_camera = true;  ///< only with an angle
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -216,9 +231,16 @@ struct DirectionalLight {
     row("direction", &DirectionalLight::direction, AnyPoint{}, "in which the light travels");
     row("to_world", &DirectionalLight::to_world, AnyTransform{},
         "instead of a direction: where it brings the z axis");
+    row("angle", &DirectionalLight::angle, AnyNumber{"number in [0, 180]"},
+        "across the disk that shines, degrees; rays that leave the scene see it. Below 0.01 the light is "
+        "parallel");
+    row("seen_by_camera", &DirectionalLight::seen_by_camera, TrueOrFalse{},
+        "whether camera rays see the disk");
   }
   template <typename Given>
   void complete(Findings& findings, const Given& given) {
+    if (!(angle >= 0.0 && angle <= 180.0))
+      findings.push_back({"angle", fmt::format("angle must be a number in [0, 180], not {}", angle)});
     if (given("direction") && given("to_world"))
       findings.push_back({"direction", "either direction or to_world, not both"});
     if (given("to_world")) direction = glm::dvec3(std::exchange(to_world, glm::dmat4(1.0))[2]);
@@ -228,14 +250,7 @@ struct DirectionalLight {
                           "the direction must have a length above 0, and one that is a number"});
   }
   [[nodiscard]] bool is_black() const { return irradiance == glm::vec3(0.0f); }
-  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
-    const double radius = std::max(place.scene_radius, 1e-15);
-    EmitterLight made = emitter_light(LIGHT_DIRECTIONAL, irradiance, std::numbers::pi * radius * radius);
-    made.light.p1 = to_vec3(glm::normalize(direction));
-    made.bounds =
-        LightBounds{.axis = glm::normalize(direction), .spread = 0, .intensity = made.power > 0 ? 1.0 : 0.0};
-    return made;
-  }
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
 };
 
 /// A projector: it projects an image that is in focus at every distance; see kernels/light/delta_lights.h.

@@ -74,6 +74,9 @@ struct Shape {
   /// Rays do not meet the emission, as where a mask with opacity 0 cuts the shape away: it lights other
   /// shapes, but neither the camera nor a mirror sees it.
   bool unseen_emission = false;
+  bool camera_sees_emission = true;  ///< false: camera rays add none, whatever they meet there
+  double emission_spread = 180.0;  ///< degrees, of the cone that a flat shape shines into, see light_spread.h
+  [[nodiscard]] bool has_spread() const { return emission_spread < 180.0; }
   /// How points on an emitter are sampled; kAuto: as the integrator chooses.
   EmitterSampling sampling = EmitterSampling::kAuto;
   bool flip_normals = false;  ///< swaps front and back

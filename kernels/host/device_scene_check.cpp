@@ -62,7 +62,7 @@ class Checker : public RecordCheck {
     require(in(h_.integrator.branch_depth, 0, MAX_BRANCH_DEPTH), "paths branch too often");
     require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
             "no rays that anything could block");
-    require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
+    require(in(h_.integrator.hide_emitters, HIDE_MARKED, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
     require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_TREE), "unknown choice of lights");
   }
 
@@ -179,6 +179,9 @@ class Checker : public RecordCheck {
               "a measured BRDF's table does not match its size");
     }
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
+    require(h_.sun_count == 0 || (in(h_.sun_count, 1, h_.tables.lights.count) &&
+                                  in(h_.first_sun, 0, h_.tables.lights.count - h_.sun_count)),
+            "the suns name no lights");
 #define CHECK_INDEX(name, record, member, target, least, what) \
   check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);
     SCENE_INDICES(CHECK_INDEX)
@@ -201,6 +204,10 @@ class Checker : public RecordCheck {
               "a light begins at no number that a sampler can give");
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
+      require(l.kind != LIGHT_SUN || h_.tables.lights.count == 0 || (l.area > 0.0f && l.area <= 2.0f),
+              "a sun without an angle");
+      require(!(l.spread > 0.0f) || h_.tables.lights.count == 0 || has(FEATURE_SPREAD),
+              "a light's spread without its feature bit");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
       check_light_texture(l);
@@ -577,8 +584,7 @@ class Checker : public RecordCheck {
   }
 
   void check_beam(const Light& l) {
-    const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
-    require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
+    require(!has_beam(l.kind) || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
     require(l.kind != LIGHT_MEDIUM || h_.tables.lights.count == 0 ||
                 (has(FEATURE_EMITTING_MEDIA) && in(l.beam, 0, h_.tables.glows.count - 1) && l.area > 0),

@@ -61,12 +61,13 @@ FN void use_first_surfaces(const PRIVATE Scene* scene, int k, bool is_last, cons
 /// Adds the emission that the last rays hit: camera rays if `first`, else direction samples with their MIS
 /// weights.
 STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
-                               const PRIVATE FoundLights* RESTRICT lights,
+                               PRIVATE FoundLights* RESTRICT lights,
                                const PRIVATE Emissions* RESTRICT emissions) {
   const PRIVATE SceneHeader* h = &scene->header;
+  if (first && h->integrator.hide_emitters == HIDE_MARKED) drop_hidden_lights(scene, paths, i, lights);
   const float emitter_samples = (float)h->integrator.emitter_samples;
   const float bsdf_samples = (float)h->integrator.bsdf_samples;
-  const float seen = h->integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float seen = h->integrator.hide_emitters > HIDE_NOTHING ? 0.0f : 1.0f;
   const int heuristic = h->integrator.heuristic;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -80,13 +81,11 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
-/// Adds the emission of surfaces that the rays of step k pass, in the lanes with `passes`. The surfaces are
-/// as seen from where the rays started.
-FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
-                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
-  FoundLights found;
+/// Adds the emission of lights that the rays of step k found beside those of the surfaces where they ended.
+/// `surfaces`: for fields that surfaces have.
+FN void add_found_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
+                           const PRIVATE Surfaces* surfaces, PRIVATE FoundLights* found) {
   Emissions emissions;
-  find_passed_lights(scene, surfaces, passes, &found);
   if ((NEEDS(scene, PROJECTED) || NEEDS_LIGHT_TREE(scene)) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
@@ -94,17 +93,35 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
     for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
     resolve_closures(scene, &left, &closures);
     if (NEEDS(scene, PROJECTED))
-      project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
+      project_from_surfaces(scene, families_among(&closures), &left, &closures, found);
     if (NEEDS_LIGHT_TREE(scene)) {
       LitPlaces places;
       LightScales scales;
       find_lit_places(&left, &closures, &places);
       find_light_scales(scene, &places, &scales);
-      find_tree_pmfs(scene, &places, &scales, &found);
+      find_tree_pmfs(scene, &places, &scales, found);
     }
   }
-  find_emissions(scene, &found, k > 0, &emissions);
-  add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
+  find_emissions(scene, found, k > 0, &emissions);
+  add_emissions_found(scene, k == 0, paths, i, found, &emissions);
+}
+
+/// The same of surfaces that rays pass, in the lanes with `passes`. The surfaces are as seen from where the
+/// rays started.
+FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
+                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  FoundLights found;
+  find_passed_lights(scene, surfaces, passes, &found);
+  add_found_directly(scene, paths, i, k, surfaces, &found);
+}
+
+/// The same of suns.
+FN void add_suns_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
+                          const PRIVATE Surfaces* surfaces) {
+  FoundLights found;
+  for (int light = scene->header.first_sun; light < end_of_suns(scene); light++)
+    if (is_sun(scene, light) && finds_sun(scene, light, surfaces, &found))
+      add_found_directly(scene, paths, i, k, surfaces, &found);
 }
 
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -172,6 +189,7 @@ CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* 
     bool finds = false;
     if (k == 0 || balances) {
       find_surfaces(scene, paths, i, &step.surfaces);
+      if (NEEDS_LIGHT(scene, SUN)) add_suns_directly(scene, paths, i, k, &step.surfaces);
       finds = any_finds_light(scene, &step.surfaces);
       if (finds) find_lights(scene, &step.surfaces, &step.found);
     }

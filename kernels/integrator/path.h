@@ -34,6 +34,7 @@ CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
     if (vertices == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
 
     // Emission that the rays hit, weighted against the light samples that could have found it.
+    if (NEEDS_LIGHT(scene, SUN)) add_suns_by_path(scene, paths, i, vertices, &step.surfaces);
     const bool finds = any_finds_light(scene, &step.surfaces);
     const bool emits = scatters & takes_light_samples(interiors ? lit_families(&step) : step.families);
     if (finds) find_lights(scene, &step.surfaces, &step.found);

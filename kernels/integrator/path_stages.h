@@ -131,13 +131,25 @@ STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathStat
     }
 }
 
+/// Drops emission that camera rays found and the camera does not see.
+STAGE void drop_hidden_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                              PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int light = found->light[j];
+      const bool hidden =
+          (get_depth(paths, i + j) == 0) & (scene->lights[light >= 0 ? light : 0].unseen == UNSEEN_BY_CAMERA);
+      found->light[j] = hidden ? -1 : light;
+    }
+}
+
 /// Adds the emission that the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                         const PRIVATE FoundLights* RESTRICT lights,
-                         const PRIVATE Emissions* RESTRICT emissions) {
+                         PRIVATE FoundLights* RESTRICT lights, const PRIVATE Emissions* RESTRICT emissions) {
+  if (scene->header.integrator.hide_emitters == HIDE_MARKED) drop_hidden_lights(scene, paths, i, lights);
   const int sampling = scene->header.integrator.direct_sampling,
             heuristic = scene->header.integrator.heuristic;
-  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float seen = scene->header.integrator.hide_emitters > HIDE_NOTHING ? 0.0f : 1.0f;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
@@ -162,21 +174,37 @@ STAGE void note_direct(const PRIVATE PathState* paths, int i) {
     for (int j = i; j < i + LANES; j++) set_direct(paths, j, get_radiance(paths, j));
 }
 
-/// Adds the emission of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The
-/// surfaces are as seen from where the rays started.
+/// Adds the emission of lights that rays of the `step`-th step found beside those of the surfaces where they
+/// ended. Light samples of the places that they left are not yet requested.
+FN void add_found_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                          PRIVATE FoundLights* found) {
+  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
+  Emissions emissions;
+  if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, found);
+  if (NEEDS_LIGHT_TREE(scene) && balances) find_previous_pmfs(scene, paths, i, found);
+  find_emissions(scene, found, balances & (step > 0), &emissions);
+  if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, found);
+  if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, found);
+  if (NEEDS_PHOTONS(scene)) drop_photon_emission(paths, i, found);
+  add_emissions(scene, paths, i, found, &emissions);
+}
+
+/// The same of surfaces that rays pass, in the lanes with `passes`. The surfaces are as seen from where the
+/// rays started.
 FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
-  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
   FoundLights found;
-  Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
-  if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
-  if (NEEDS_LIGHT_TREE(scene) && balances) find_previous_pmfs(scene, paths, i, &found);
-  find_emissions(scene, &found, balances & (step > 0), &emissions);
-  if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
-  if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
-  if (NEEDS_PHOTONS(scene)) drop_photon_emission(paths, i, &found);
-  add_emissions(scene, paths, i, &found, &emissions);
+  add_found_by_path(scene, paths, i, step, &found);
+}
+
+/// The same of suns.
+FN void add_suns_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                         const PRIVATE Surfaces* surfaces) {
+  FoundLights found;
+  for (int k = scene->header.first_sun; k < end_of_suns(scene); k++)
+    if (is_sun(scene, k) && finds_sun(scene, k, surfaces, &found))
+      add_found_by_path(scene, paths, i, step, &found);
 }
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,

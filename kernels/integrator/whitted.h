@@ -249,6 +249,7 @@ CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (steps == 0) record_first_hits(scene, &step.surfaces, &step.closures, paths, i, slots);
 
     // Emission that the rays hit, weighted against the light samples that could have found it.
+    if (NEEDS_LIGHT(scene, SUN)) add_suns_by_path(scene, paths, i, steps, &step.surfaces);
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_whitted_lights(scene, scatters, finds, &step, paths, i);

@@ -9,10 +9,13 @@
 #include "kernels/light/envmap_light.h"
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sample.h"
+#include "kernels/light/light_spread.h"
 #include "kernels/light/light_texture.h"
 #include "kernels/light/medium_light.h"
 #include "kernels/light/rectangle_light.h"
+#include "kernels/light/round_spot_light.h"
 #include "kernels/light/sphere_light.h"
+#include "kernels/light/sun_light.h"
 #include "kernels/light/triangle_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -169,7 +172,7 @@ LIGHT_KINDS(KIND_LANES)
 /// and any of lights that move.
 FN bool needs_places(const PRIVATE Scene* scene) {
   return lights_move(scene) ||
-         NEEDS_STRATEGIES(scene, FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES);
+         NEEDS_STRATEGIES(scene, FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES | FEATURE_SPREAD);
 }
 
 /// A mask of the kinds among LANES that the scene has; negative kinds are none.
@@ -246,6 +249,7 @@ CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces*
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, receivers->time, samples);
+  if (NEEDS(scene, SPREAD)) spread_light_samples(scene, &places.places, samples);
   if (HAS_LIGHT(MEDIUM) && (among >> LIGHT_MEDIUM & 1u) != 0u)
     colour_glow_samples(scene, chosen.light, chosen.kind, samplings, samples);
 }
@@ -276,6 +280,7 @@ CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLig
   if (moving && !compared)
     for (int j = 0; j < LANES; j++) emissions->pdf[j] = 0.0f;
   if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, &places.places, emissions);
+  if (NEEDS(scene, SPREAD) && among != 0u) spread_emissions(scene, found, emissions);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -73,6 +73,12 @@ FN LightSample emit_directional_light(const PRIVATE Scene* scene, int index, Lig
   return emit_from_infinity(scene, light.p1, light.radiance, s, t);
 }
 
+FN LightSample emit_sun_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
+                              float v, float s, float t, LightSampling sampling, ulong strategies) {
+  return emit_from_infinity(scene, negate(toward_sun(light, u, v)),
+                            scale(light.radiance, sun_solid_angle(light)), s, t);
+}
+
 #define EMIT_ENVIRONMENT(name)                                                                           \
   FN LightSample emit_##name##_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, \
                                      float u, float v, float s, float t, LightSampling sampling,         \
@@ -99,20 +105,39 @@ FN LightSample emit_point_light(const PRIVATE Scene* scene, int index, Light lig
                          scale(light.radiance, 4.0f * PI_F));
 }
 
-/// Uniform in the cone beyond which a spot light is dark.
-FN LightSample emit_spot_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
-                               float v, float s, float t, LightSampling sampling, ulong strategies) {
-  const Beam beam = beam_along(scene, index, axes);
+/// A direction uniform in the cone beyond which a spot light is dark, whose solid angle it sets.
+FN vec3 sample_beam_cone(Beam beam, float s, float t, PRIVATE float* solid_angle) {
   float half_sine, half_cosine, sine, cosine;
   sincos_2pi(min_f(beam.cutoff, PI_F) * (0.25f * INV_PI_F), &half_sine, &half_cosine);
   const float widest = beam.falloff == SPOT_LINEAR ? 2.0f * sqr(half_sine) : min_f(beam.cutoff, 2.0f);
   const float versine = s * widest, across = safe_sqrt(versine * (2.0f - versine));
   sincos_2pi(t, &sine, &cosine);
-  const vec3 direction =
-      add_scaled(add(scale(beam.x, across * cosine), scale(beam.y, across * sine)), 1.0f - versine, beam.z);
+  *solid_angle = 2.0f * PI_F * widest;
+  return add_scaled(add(scale(beam.x, across * cosine), scale(beam.y, across * sine)), 1.0f - versine,
+                    beam.z);
+}
+
+FN LightSample emit_spot_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes, float u,
+                               float v, float s, float t, LightSampling sampling, ulong strategies) {
+  const Beam beam = beam_along(scene, index, axes);
+  float solid_angle;
+  const vec3 direction = sample_beam_cone(beam, s, t, &solid_angle);
   const LightPoint at = beam_point(light, beam, negate(direction));
   const vec3 intensity = spot_intensity(light, beam, at, negate(direction));
-  return emit_from_point(light, at, direction, scale(intensity, 2.0f * PI_F * widest));
+  return emit_from_point(light, at, direction, scale(intensity, solid_angle));
+}
+
+/// From the half of the sphere that is seen from that direction, uniform over its section.
+FN LightSample emit_round_spot_light(const PRIVATE Scene* scene, int index, Light light, LightAxes axes,
+                                     float u, float v, float s, float t, LightSampling sampling,
+                                     ulong strategies) {
+  LightSample ray = emit_spot_light(scene, index, light, axes, u, v, s, t, sampling, strategies);
+  const float radius = light.p2.x, r = SQRT(u);
+  float sine, cosine;
+  sincos_2pi(v, &sine, &cosine);
+  const vec3 outward = from_frame(ray.toward, r * cosine, r * sine, safe_sqrt(1.0f - u));
+  ray.origin = add_scaled(ray.origin, radius, outward);
+  return ray;
 }
 
 /// Uniform over the image of a projector on a plane, of which its radiance is a share.
@@ -185,6 +210,7 @@ CALLED_FN void emit_rays(const PRIVATE Scene* scene, float time, const PRIVATE f
 #undef EMIT_KIND
   if (first) sample_no_lights(rays);
   if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, times, rays);
+  if (NEEDS(scene, SPREAD)) spread_light_samples(scene, &places.places, rays);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -23,7 +23,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
   X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
   X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")                   \
-  X(medium, MEDIUM, 11, 0, "grids of media that emit")
+  X(medium, MEDIUM, 11, 0, "grids of media that emit")                                                    \
+  X(sun, SUN, 12, 0, "suns: disks at infinity")                                                           \
+  X(round_spot, ROUND_SPOT, 13, FEATURE_LIGHT_TEXTURES, "spot lights with a radius")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light along one axis
@@ -59,13 +61,16 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 // A copy of the mask, since it must not be expanded within the expansion of LIGHT_KINDS.
 enum { COMPILED_LIGHT_KINDS = LIGHT_KINDS_MASK };
 #define HAS_LIGHT_OF(number) ((COMPILED_LIGHT_KINDS & (1u << (number))) != 0u)
-/// Whether light of that kind comes from a single point.
-FN bool is_point_of_light(int kind) {
-  return (kind == LIGHT_POINT) | (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
+/// Whether light of that kind is a beam, see delta_lights.h.
+FN bool has_beam(int kind) {
+  return (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR) | (kind == LIGHT_ROUND_SPOT);
 }
+/// Whether light of that kind comes from a single point, or from a small sphere about it.
+FN bool is_point_of_light(int kind) { return (kind == LIGHT_POINT) | has_beam(kind); }
 /// Whether light of that kind comes from infinity.
 FN bool is_infinite_light(int kind) {
-  return (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_ENVIRONMENT) | (kind == LIGHT_ENVMAP);
+  return (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_SUN) | (kind == LIGHT_ENVIRONMENT) |
+         (kind == LIGHT_ENVMAP);
 }
 #define HAS_LIGHT(NAME) (((LIGHT_KINDS_MASK) >> LIGHT_##NAME & 1u) != 0u)
 #define SCENE_LIGHT_KINDS(h) NEEDED(LIGHT_KINDS_MASK, (h)->light_kinds)

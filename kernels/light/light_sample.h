@@ -114,7 +114,7 @@ FN LightSample toward_light(Light light, LightReceiver r, SampledPoint point) {
   const float cosine_front = -dot3(s.wi, at.normal);
   const float cosine = light.two_sided ? FABS(cosine_front) : cosine_front;
   s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light.area);
-  s.delta = light.unseen != 0;
+  s.delta = light.unseen == UNSEEN_BY_RAYS;
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
   return at_place(s, at);
 }

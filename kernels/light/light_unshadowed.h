@@ -170,12 +170,13 @@ FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, dou
   const double mean = ((double)radiance.x + radiance.y + radiance.z) / 3.0;
   const double section = light->kind == LIGHT_SPHERE ? 0.25 * light->area : (double)light->area;
   const double pi = 3.14159265358979323846;
-  const bool of_point = is_point_of_light(light->kind), across = light->kind == LIGHT_DIRECTIONAL;
+  const bool of_point = is_point_of_light(light->kind), across = is_infinite_light(light->kind);
   const bool bounded = !of_point;
   const double solid = of_point ? 1.0 : section;
   const double seen = solid / (d2 > 0.0 ? d2 : 1.0);
   const double limited = ((bounded & (seen > pi)) | (d2 == 0.0)) ? pi : seen;
-  return mean * (is_sky ? pi : across ? 1.0 : limited);
+  const double of_sun = light->kind == LIGHT_SUN ? 2.0 * pi * section : 1.0;
+  return mean * (is_sky ? pi : across ? of_sun : limited);
 }
 
 /// Lights that lanes sample or have hit, and their places.

@@ -78,7 +78,8 @@ FN Light moved_light(const PRIVATE Scene* scene, int index, float time) {
   const bool moves = motion.steps > 0;
   vec3 p0 = STATE_BETWEEN(scene->light_states, p0), p1 = STATE_BETWEEN(scene->light_states, p1),
        p2 = STATE_BETWEEN(scene->light_states, p2);
-  const bool pointed = (kind == LIGHT_DISK) | (kind == LIGHT_CYLINDER) | (kind == LIGHT_DIRECTIONAL);
+  const bool pointed =
+      (kind == LIGHT_DISK) | (kind == LIGHT_CYLINDER) | (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_SUN);
   const bool turns = kind == LIGHT_ENVMAP;
   const LightAxes axes = unit_axes(p0, p2, p1);
   p0 = select3(turns, axes.x, p0);
@@ -100,13 +101,13 @@ FN Light light_at(const PRIVATE Scene* scene, int index, float time, ulong strat
 /// The beam of a spot light or projector; of other lights an arbitrary one.
 FN GLOBAL const Beam* beam_of(const PRIVATE Scene* scene, int index) {
   const int beam = scene->lights[index].beam;
-  const bool has_beam = (beam >= 0) & (beam < scene->header.tables.beams.count);
-  return scene->beams + (has_beam ? beam : 0);
+  const bool known = (beam >= 0) & (beam < scene->header.tables.beams.count);
+  return scene->beams + (known ? beam : 0);
 }
 
 /// The axes of light `index`, which is of that kind and does not move; arbitrary if it has none.
 FN LightAxes still_axes(const PRIVATE Scene* scene, int index, int kind) {
-  if ((kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR)) {
+  if (has_beam(kind)) {
     GLOBAL const Beam* beam = beam_of(scene, index);
     return make_light_axes(load3(&beam->x), load3(&beam->y), load3(&beam->z));
   }
@@ -116,10 +117,9 @@ FN LightAxes still_axes(const PRIVATE Scene* scene, int index, int kind) {
 
 /// The axes of light `index` at `time`; arbitrary if it has none.
 FN LightAxes light_axes_at(const PRIVATE Scene* scene, int index, float time, ulong strategies) {
-  const int kind = scene->lights[index].kind;
-  const bool has_beam = (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
-  LightAxes axes = select_light_axes(has_beam, still_axes(scene, index, LIGHT_SPOT),
-                                     still_axes(scene, index, LIGHT_SPHERE));
+  const bool beams = has_beam(scene->lights[index].kind);
+  LightAxes axes =
+      select_light_axes(beams, still_axes(scene, index, LIGHT_SPOT), still_axes(scene, index, LIGHT_SPHERE));
   if (BY(strategies, MOTION)) {
     const Motion motion = load_motion(scene->light_motions + index);
     Between b = between_states(motion, time);
@@ -134,8 +134,8 @@ FN LightAxes light_axes_at(const PRIVATE Scene* scene, int index, float time, ul
     const LightAxes of_quadric = make_light_axes(normalize3(STATE_BETWEEN(scene->quadric_states, x_axis)),
                                                  normalize3(STATE_BETWEEN(scene->quadric_states, y_axis)),
                                                  normalize3(STATE_BETWEEN(scene->quadric_states, normal)));
-    axes = select_light_axes(has_beam & (motion.steps > 0), of_beam,
-                             select_light_axes(!has_beam & turns, of_quadric, axes));
+    axes = select_light_axes(beams & (motion.steps > 0), of_beam,
+                             select_light_axes(!beams & turns, of_quadric, axes));
   }
   return axes;
 }
@@ -193,7 +193,8 @@ FN void place_lights(const PRIVATE Scene* scene, const PRIVATE int* lights, cons
 /// Whether the scene has lights whose samples need axes.
 FN bool needs_light_axes(const PRIVATE Scene* scene) {
   const bool round = NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, DISK) || NEEDS_LIGHT(scene, CYLINDER);
-  return (NEEDS(scene, UV) && round) || NEEDS_LIGHT(scene, SPOT) || NEEDS_LIGHT(scene, PROJECTOR);
+  return (NEEDS(scene, UV) && round) || NEEDS_LIGHT(scene, SPOT) || NEEDS_LIGHT(scene, PROJECTOR) ||
+         NEEDS_LIGHT(scene, ROUND_SPOT);
 }
 
 /// Their axes, if the scene needs them.

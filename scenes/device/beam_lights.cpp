@@ -65,7 +65,10 @@ void set_light_state(const Emitter& emitter, const std::function<vec3(const glm:
   if (const auto* point = std::get_if<PointLight>(&emitter)) state.p0 = local(point->position);
   if (const auto* sun = std::get_if<DirectionalLight>(&emitter))
     state.p1 = to_vec3(glm::normalize(sun->direction));
-  if (const auto* spot = std::get_if<SpotLight>(&emitter)) set_beam(spot->to_world);
+  if (const auto* spot = std::get_if<SpotLight>(&emitter)) {
+    set_beam(spot->to_world);
+    state.p2 = make_vec3(float(spot->radius), 1.0f, 0.0f);
+  }
   if (const auto* projector = std::get_if<ProjectorLight>(&emitter)) set_beam(projector->to_world);
   if (const auto* map = std::get_if<EnvironmentMapLight>(&emitter)) {
     const auto axis = [&](int i) { return to_vec3(glm::normalize(glm::dvec3(map->to_world[i]))); };
@@ -95,6 +98,14 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
                                                                   : linear);
   EmitterLight made = beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
   made.bounds = beam_bounds(made, to_world, cutoff, made.power / std::max(solid_angle, 1e-30));
+  if (radius > 0) {
+    made.light.kind = LIGHT_ROUND_SPOT;
+    made.light.sampling = EMITTER_SOLID_ANGLE;
+    made.light.p2 = make_vec3(float(radius), 1.0f, 0.0f);
+    made.light.area = float(4 * kPi * radius * radius);
+    made.bounds->low -= radius;
+    made.bounds->high += radius;
+  }
   return made;
 }
 

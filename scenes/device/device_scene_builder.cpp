@@ -61,7 +61,7 @@ std::uint64_t feature_of(AskedLayer layer) {
 bool sees_sky(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
   if (p.kind == INTEGRATOR_OCCLUSION) return p.background > 0;
-  return h.environment >= 0 && p.hide_emitters == HIDE_NOTHING;
+  return h.environment >= 0 && p.hide_emitters <= HIDE_NOTHING;
 }
 
 class SceneBuilder {
@@ -280,7 +280,8 @@ class SceneBuilder {
   template <typename Primitives>
   void hide_unseen(Primitives& primitives) const {
     for (auto& each : primitives)
-      if (each.light >= 0 && records_.lights[std::size_t(each.light)].unseen != 0) each.light = -1;
+      if (each.light >= 0 && records_.lights[std::size_t(each.light)].unseen == UNSEEN_BY_RAYS)
+        each.light = -1;
   }
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
@@ -666,6 +667,7 @@ class SceneBuilder {
 
   void add_other_lights() {
     h_.environment = -1;
+    h_.first_sun = h_.sun_count = 0;
     const bool balanced = finds_lights(scene_.integrator) && !has_photons(scene_.integrator);
     const auto at = [&](const glm::dvec3& p) { return local(p, [] { return "a light"; }); };
     // Add emitters kind by kind, so that their order in the file makes no difference.
@@ -675,6 +677,9 @@ class SceneBuilder {
         const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_, balanced});
         if (motion_) add_moving_emitter(std::size_t(&emitter - scene_.emitters.data()), light);
         if (is_sky(emitter)) h_.environment = light;
+        if (lights_.lights()[std::size_t(light)].kind != LIGHT_SUN) continue;
+        if (h_.sun_count == 0) h_.first_sun = light;
+        h_.sun_count = light + 1 - h_.first_sun;
       }
     if (samples_media())
       for (const MediumLight& made : medium_lights(h_.camera_medium, medium_boxes(), records_))
@@ -685,7 +690,7 @@ class SceneBuilder {
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
-    if (h_.environment >= 0 && passes_flat_glass())
+    if ((h_.environment >= 0 || h_.sun_count > 0) && passes_flat_glass())
       each_shape(scene_, [&](const Shape& shape) {
         if (mark_flat_glass(shape, records_.materials)) need(FEATURE_FLAT_GLASS);
       });

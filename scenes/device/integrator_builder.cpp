@@ -246,6 +246,9 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
   h.integrator.leads_back = (h.features & FEATURE_NESTED) == 0u ? 1 : 0;
   if (const auto* path = integrator.get<PathIntegrator>(); path && keeps_parts(*path))
     h.features |= FEATURE_PARTS;
+  const bool some_are_hidden = std::ranges::any_of(
+      lights.lights(), [](const Light& light) { return light.unseen == UNSEEN_BY_CAMERA; });
+  if (h.integrator.hide_emitters == HIDE_NOTHING && some_are_hidden) h.integrator.hide_emitters = HIDE_MARKED;
   if (h.integrator.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
 
   const LightChoice wanted = light_choice(integrator);

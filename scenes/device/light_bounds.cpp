@@ -22,6 +22,10 @@ void bound_flat(LightBounds& bounds, const Light& light, const glm::dvec3& axis,
   bounds.axis = axis;
   bounds.spread = 0;
   bounds.intensity = power / kPi;
+  if (light.spread > 0.0f) {
+    bounds.reach = std::atan(double(light.spread));
+    bounds.intensity *= double(light.spread) * light.gain;  // at the normal
+  }
   bounds.two_sided = light.two_sided != 0;
 }
 
@@ -110,7 +114,8 @@ LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const
     if (!(length > 0)) return;
     LightBounds one = at_rest;
     one.axis = axis / length;
-    one.spread = light.kind == LIGHT_SPOT || light.kind == LIGHT_PROJECTOR ? at_rest.spread : 0;
+    const bool narrow = light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_DISK;
+    one.spread = narrow ? 0 : at_rest.spread;
     if (first)
       bounds = one;
     else
@@ -131,10 +136,12 @@ LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const
     }
     case LIGHT_DISK:
     case LIGHT_DIRECTIONAL:
+    case LIGHT_SUN:
       include_axis(widened(from.p1));
       include_axis(widened(to.p1));
       break;
     case LIGHT_SPOT:
+    case LIGHT_ROUND_SPOT:
     case LIGHT_PROJECTOR:
       include_axis(widened(from.z));
       include_axis(widened(to.z));
@@ -143,10 +150,11 @@ LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const
       break;
   }
   if (at_rest.infinite) return bounds;
-  const bool is_point = light.kind == LIGHT_SPOT || light.kind == LIGHT_PROJECTOR;
+  const double radius = light.kind == LIGHT_ROUND_SPOT ? double(light.p2.x) : 0.0;
   for (const LightState* state : {&from, &to}) {
-    const LightBounds box =
-        is_point ? LightBounds{.low = widened(state->p0), .high = widened(state->p0)} : at(*state);
+    const LightBounds box = has_beam(light.kind) ? LightBounds{.low = widened(state->p0) - radius,
+                                                               .high = widened(state->p0) + radius}
+                                                 : at(*state);
     bounds.low = state == &from ? box.low : glm::min(bounds.low, box.low);
     bounds.high = state == &from ? box.high : glm::max(bounds.high, box.high);
   }

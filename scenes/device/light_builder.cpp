@@ -35,6 +35,19 @@ int code(EmitterSampling sampling, int by_default) {
   return by_default;
 }
 
+int unseen_by(const Shape& shape) {
+  if (shape.unseen_emission) return UNSEEN_BY_RAYS;
+  return shape.camera_sees_emission ? 0 : UNSEEN_BY_CAMERA;
+}
+
+/// Sets the cone into which the shape shines.
+void set_spread(const Shape& shape, Light& light) {
+  if (!shape.has_spread()) return;
+  const double half = shape.emission_spread * std::numbers::pi / 360;
+  light.spread = float(std::tan(half));
+  light.gain = float(1 / (std::tan(half) - half));
+}
+
 double triangle_area(const LightTriangle& t) {
   const vec3 cross = cross3(sub(t.p1, t.p0), sub(t.p2, t.p0));
   return 0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
@@ -118,7 +131,7 @@ double LightBuilder::show(const LightTexture& texture, Light& light) {
 std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape,
                                              int first_triangle, bool moves) {
   const int sampling = triangle_sampling(triangles, shape);
-  const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
+  const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured && !shape.has_spread();
   const bool merges = !moves && (polygons || (!textured && sampling != EMITTER_PROJECTED));
   const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
@@ -130,7 +143,8 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
     light.texture = light.grid = -1;
     light.sampling = sampling;
     light.two_sided = shape.two_sided_emission ? 1 : 0;
-    light.unseen = shape.unseen_emission ? 1 : 0;
+    light.unseen = unseen_by(shape);
+    set_spread(shape, light);
     light.polygon = polygons ? int(polygons_.size()) : -1;
     const bool whole = merges && !textured && take_whole(outline, light);
     if (whole) add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
@@ -181,7 +195,8 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area, cons
   light.sampling =
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
-  light.unseen = shape.unseen_emission ? 1 : 0;
+  light.unseen = unseen_by(shape);
+  if (light.kind == LIGHT_DISK) set_spread(shape, light);
   light.polygon = light.texture = light.grid = -1;
   // Points on cylinders are never sampled by their texture.
   const double gain = light.kind == LIGHT_CYLINDER
@@ -221,10 +236,7 @@ void LightBuilder::cover(int light, std::span<const LightState> states) {
 void LightBuilder::finish() {
   if (lights_.empty()) return;
   const auto class_of = [](const Light& light) {
-    const bool distant = light.kind == LIGHT_DIRECTIONAL;
-    return distant || light.kind == LIGHT_ENVIRONMENT || light.kind == LIGHT_ENVMAP ? kSkies
-           : is_point_of_light(light.kind)                                          ? kPoints
-                                                                                    : kShapes;
+    return is_infinite_light(light.kind) ? kSkies : is_point_of_light(light.kind) ? kPoints : kShapes;
   };
   std::array<double, kClasses> power{};
   for (std::size_t i = 0; i < lights_.size(); ++i) power[class_of(lights_[i])] += power_[i];
@@ -248,6 +260,7 @@ std::uint64_t LightBuilder::features() const {
     if (flat && light.sampling == EMITTER_SOLID_ANGLE) features |= FEATURE_SOLID_ANGLE;
     if (flat && light.sampling == EMITTER_PROJECTED) features |= FEATURE_PROJECTED;
     if (light.texture >= 0) features |= FEATURE_LIGHT_TEXTURES;
+    if (light.spread > 0.0f) features |= FEATURE_SPREAD;
   }
   return features;
 }

@@ -155,7 +155,7 @@ class VisibleLights {
     const int light = primitive < 0 ? h_.environment : light_of(primitive);
     if (light < 0 || (primitive >= 0 && !shines(primitive))) return Radiance{};
     const Light& l = scene_.lights[light];
-    if (l.kind == LIGHT_ENVMAP || l.texture >= 0) return {};
+    if (l.kind == LIGHT_ENVMAP || l.texture >= 0 || l.spread > 0.0f) return {};
     return Radiance{l.radiance.x, l.radiance.y, l.radiance.z};
   }
 
@@ -230,13 +230,14 @@ void store_edges(const SceneHeader& header, const SeenEdges& edges, SceneRecords
 }
 
 /// Whether edges can be integrated without noise. This requires a pinhole camera that sees lights directly,
-/// an integrator that keeps all of their light, no media, and an image without alpha (alpha is sampled
-/// together with the colours).
+/// an integrator that keeps all of their light, no media, no disks of suns, and an image without alpha (alpha
+/// is sampled together with the colours).
 bool may_have_edges(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
   const bool sees_lights = p.kind == INTEGRATOR_DIRECT ||
                            ((p.kind == INTEGRATOR_PATH || p.kind == INTEGRATOR_WHITTED) && p.max_depth != 0);
-  const bool whole = (h.features & FEATURE_PARTS) == 0u && p.hide_emitters == HIDE_NOTHING;
+  const bool whole =
+      (h.features & FEATURE_PARTS) == 0u && p.hide_emitters == HIDE_NOTHING && h.sun_count == 0;
   return sees_lights && whole && (h.features & (FEATURE_CAMERA | FEATURE_MEDIA | FEATURE_COVERAGE)) == 0u;
 }
 

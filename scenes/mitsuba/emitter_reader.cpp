@@ -129,12 +129,18 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
   shape.radiance = light.radiance.value;
   shape.radiance_texture = light.radiance.texture;
   shape.two_sided_emission = light.two_sided;
+  shape.camera_sees_emission = light.seen_by_camera;
+  shape.emission_spread = light.spread;
   shape.sampling = light.sampling;
   const char* round = std::holds_alternative<Sphere>(shape.geometry)     ? "sphere"
                       : std::holds_alternative<Cylinder>(shape.geometry) ? "cylinder"
                                                                          : nullptr;
   if (shape.two_sided_emission && round != nullptr)
     plugin.wrong("two_sided", fmt::format("a {} emits to one side; flip_normals chooses the inside", round));
+  if (!(light.spread >= 0.1 && light.spread <= 180.0))
+    plugin.wrong("spread", fmt::format("spread must be a number in [0.1, 180], not {}", light.spread));
+  else if (shape.has_spread() && (round != nullptr || std::holds_alternative<Curves>(shape.geometry)))
+    plugin.wrong("spread", "only a flat shape, a mesh or a disk, has a spread below 180");
   plugin.accept({"sampling_weight"});
   accept_medium(plugin);
   plugin.finish();

@@ -42,6 +42,8 @@ struct PluginParameterName {
   std::string_view type, name;
 };
 constexpr PluginParameterName kParameters[] = {{"area", "sampling"},
+                                               {"area", "seen_by_camera"},
+                                               {"area", "spread"},
                                                {"area", "two_sided"},
                                                {"bitmap", "channel"},
                                                {"bitmap", "gamma"},
@@ -52,6 +54,8 @@ constexpr PluginParameterName kParameters[] = {{"area", "sampling"},
                                                {"dielectric", "abbe"},
                                                {"direct", "hidden_emitters"},
                                                {"direct", "trace_shadows"},
+                                               {"directional", "angle"},
+                                               {"directional", "seen_by_camera"},
                                                {"hair", "offset"},
                                                {"hair", "reflectance"},
                                                {"mitchell", "b"},
@@ -64,6 +68,7 @@ constexpr PluginParameterName kParameters[] = {{"area", "sampling"},
                                                {"roughdielectric", "abbe"},
                                                {"roughplastic", "optical_depth"},
                                                {"spot", "falloff"},
+                                               {"spot", "radius"},
                                                {"volpath", "hidden_emitters"}};
 constexpr std::string_view kOfCameras[] = {
     "blades",        "blade_rotation", "distortion_k1",  "distortion_k2", "magnify_red",

@@ -666,6 +666,8 @@ class SceneWriter {
             fmt::format("{} has a radiance that multiplies a texture, which Mitsuba has not", shape.name));
       AreaLightParameters light{.radiance = *shape.radiance, .two_sided = shape.two_sided_emission};
       light.radiance.texture = shape.radiance_texture;
+      light.seen_by_camera = shape.camera_sees_emission;
+      light.spread = shape.emission_spread;
       light.sampling = shape.sampling;
       put_parameters(xml_, light);
       if (light.radiance == AreaLightParameters{}.radiance) xml_.value("rgb", "radiance", "1, 1, 1");

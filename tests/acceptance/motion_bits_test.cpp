@@ -26,7 +26,11 @@ const std::string kLights =
     "<rgb name='intensity' value='2 1 1'/></emitter>"
     "<emitter type='spot'><transform name='to_world'><lookat origin='2, 2, -2' target='0, -0.5, 0' "
     "up='0, 1, 0'/></transform><rgb name='intensity' value='3 9 3'/><float name='cutoff_angle' "
-    "value='25'/></emitter>";
+    "value='25'/></emitter>"
+    "<emitter type='spot'><transform name='to_world'><lookat origin='-2, 2, -2' target='0, -0.5, 0' "
+    "up='0, 1, 0'/></transform><rgb name='intensity' value='3 3 9'/><float name='radius' value='0.3'/>"
+    "</emitter><emitter type='directional'><vector name='direction' value='1 -1 1'/><float name='angle' "
+    "value='20'/></emitter>";
 const std::string kRound =
     "<shape type='sphere'><float name='radius' value='0.3'/><point name='center' x='-1' y='0.4' z='0'/>"
     "<emitter type='area'><rgb name='radiance' value='6 1 1'/></emitter></shape>";

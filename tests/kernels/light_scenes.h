@@ -129,13 +129,16 @@ inline LightSample sample_light(const Scene& scene, const Surface& r, float u, f
   return load_light_sample(&samples, 0);
 }
 
-/// What a ray finds of lights where it ends on the surface.
+/// What a ray finds of lights where it ends on the surface; of the first sun, if the scene has suns.
 inline Emission emission_at(const Scene& scene, const Surface& s) {
   Surfaces surfaces;
   FoundLights found;
   Emissions emissions;
   for (int j = 0; j < LANES; ++j) store_surface(&surfaces, j, s);
-  find_lights(&scene, &surfaces, &found);
+  if (scene.header.sun_count > 0)
+    finds_sun(&scene, scene.header.first_sun, &surfaces, &found);
+  else
+    find_lights(&scene, &surfaces, &found);
   find_emissions(&scene, &found, true, &emissions);
   return load_emission(&emissions, 0);
 }

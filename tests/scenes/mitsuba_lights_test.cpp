@@ -52,6 +52,24 @@ TEST_F(MitsubaPlugins, SpotLights) {
   EXPECT_NEAR(projector.fov, 46.7930033, 1e-6);  // of a 50 mm lens
 }
 
+TEST_F(MitsubaPlugins, LampsOfASizeThatTheCameraDoesNotSee) {
+  const SceneDescription s =
+      good(in("emitter", "spot", "<float name='radius' value='0.25'/>") +
+           in("emitter", "directional",
+              "<float name='angle' value='0.5'/><boolean name='seen_by_camera' value='false'/>") +
+           in("shape", "rectangle",
+              in("emitter", "area",
+                 "<boolean name='seen_by_camera' value='false'/><float name='spread' value='60'/>")) +
+           in("shape", "rectangle", in("emitter", "area", "")));
+  EXPECT_EQ(only<SpotLight>(s).radius, 0.25);
+  EXPECT_EQ(only<DirectionalLight>(s).angle, 0.5);
+  EXPECT_FALSE(only<DirectionalLight>(s).seen_by_camera);
+  EXPECT_FALSE(s.shapes.at(0).camera_sees_emission);
+  EXPECT_EQ(s.shapes.at(0).emission_spread, 60);
+  EXPECT_TRUE(s.shapes.at(1).camera_sees_emission);
+  EXPECT_FALSE(s.shapes.at(1).has_spread());
+}
+
 TEST_F(MitsubaPlugins, SpotLightErrors) {
   const auto wrong = [&](const char* type, const std::string& inside) {
     return error(scene(in("emitter", type, inside)));
@@ -68,6 +86,20 @@ TEST_F(MitsubaPlugins, SpotLightErrors) {
   EXPECT_THAT(wrong("spot", number("cutoff_angle", "95") + "<texture type='checkerboard' name='texture'/>"),
               HasSubstr("must be below 90 degrees, not 95"));
   EXPECT_THAT(wrong("spot", "<string name='falloff' value='cubic'/>"), HasSubstr("linear"));
+  for (const char* radius : {"-0.5", "nan", "inf"})
+    EXPECT_THAT(wrong("spot", number("radius", radius)),
+                HasSubstr("radius must be a number from 0 on, not " + std::string(radius)));
+  for (const char* angle : {"-1", "181", "nan"})
+    EXPECT_THAT(wrong("directional", number("angle", angle)),
+                HasSubstr("angle must be a number in [0, 180], not " + std::string(angle)));
+  EXPECT_THAT(wrong("directional", "<boolean name='seen_by_camera' value='maybe'/>"), HasSubstr("maybe"));
+  const auto area = [&](const char* shape, const char* spread) {
+    return error(scene(in("shape", shape, in("emitter", "area", number("spread", spread)))));
+  };
+  for (const char* spread : {"0", "180.5", "nan"})
+    EXPECT_THAT(area("rectangle", spread),
+                HasSubstr("spread must be a number in [0.1, 180], not " + std::string(spread)));
+  EXPECT_THAT(area("sphere", "90"), HasSubstr("only a flat shape, a mesh or a disk, has a spread below 180"));
   EXPECT_THAT(wrong("spot", "<rgb name='intensity' value='-1 0 0'/>"), HasSubstr("0 or more"));
   EXPECT_THAT(wrong("spot", to_world("<scale x='0'/>")), HasSubstr("flatten"));
   EXPECT_THAT(wrong("directional", "<vector name='direction' value='0 0 0'/>"),

@@ -146,6 +146,12 @@ TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
         "<shape type='sphere'/><emitter type='spot'><float name='cutoff_angle' value='40'/><string "
         "name='falloff' value='squared'/>" +
             frame + "</emitter>",
+        "<shape type='rectangle'><emitter type='area'><boolean name='seen_by_camera' "
+        "value='false'/><float name='spread' value='60'/></emitter>"
+        "</shape><emitter type='spot'><float name='radius' value='0.25'/>" +
+            frame +
+            "</emitter><emitter type='directional'><float name='angle' value='0.5'/><boolean "
+            "name='seen_by_camera' value='false'/></emitter>",
         std::string(
             "<shape type='rectangle'><emitter type='area'><texture type='checkerboard' name='radiance'><rgb "
             "name='color0' value='1, 2, 3'/><rgb name='color1' value='0.5'/></texture></emitter></shape>")}) {

@@ -45,6 +45,8 @@ inline void add_every_emitter(SceneDescription& scene, const glm::dvec3& middle,
   add(Sphere{middle + 0.3 * size * x, 0.1 * size, x, y, z}, sparse);
   add(Sphere{middle - 0.3 * size * x, 0.1 * size, x, y, z}, even);
   add(Disk{middle - 0.3 * size * y, z, 0.15 * size, x, y}, sparse);
+  scene.shapes.back().camera_sees_emission = false;
+  scene.shapes.back().emission_spread = 100;
   const auto placed = [&](const glm::dvec3& at, const glm::dvec3& along) {
     const glm::dvec3 n = glm::normalize(along), s = glm::normalize(glm::cross(glm::dvec3(0.3, 1, 0.2), n));
     return glm::dmat4(glm::dvec4(s, 0), glm::dvec4(glm::cross(n, s), 0), glm::dvec4(n, 0), glm::dvec4(at, 1));
@@ -65,6 +67,16 @@ inline void add_every_emitter(SceneDescription& scene, const glm::dvec3& middle,
   sun.irradiance = glm::vec3(0.2f, 0.3f, 0.5f);
   sun.direction = glm::dvec3(0.2, -0.3, -1);
   scene.emitters.emplace_back(sun);
+  sun.angle = 25;
+  sun.direction = glm::dvec3(-0.4, 0.3, -1);
+  scene.emitters.emplace_back(sun);
+  sun.angle = 3;
+  sun.seen_by_camera = false;
+  sun.direction = glm::dvec3(0.6, -0.1, -0.5);
+  scene.emitters.emplace_back(sun);
+  spot.radius = 0.07 * size;
+  spot.to_world = placed(middle + size * 0.4 * (z - x), x - z - 0.2 * y);
+  scene.emitters.emplace_back(spot);
   ProjectorLight projector;
   projector.irradiance = glm::vec3(0.3f) * power;
   projector.irradiance.texture = sparse;

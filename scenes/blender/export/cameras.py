@@ -150,24 +150,6 @@ def export_camera(context, scene, camera_object, place):
     return sensor
 
 
-def may_see(scene, camera_object, point, radius):
-    """Whether a ball may be in the view of the evaluated camera, whatever is before it."""
-    camera = camera_object.data
-    if camera.type == "PANO":
-        return True
-    size = FilmSize(scene.render, camera)
-    x, y, z = without_scale(camera_object.matrix_world).inverted() @ point
-    if -z + radius < camera.clip_start:
-        return False
-    extent = camera.ortho_scale if camera.type == "ORTHO" else size.sensor / camera.lens
-    half_width = 0.5 * size.width / size.fitted * extent
-    depth = 1.0 if camera.type == "ORTHO" else max(-z + radius, camera.clip_start)
-    half_height = half_width * size.height * size.pixel_aspect / size.width
-    # The widest cross-section of the view that the ball reaches, and the ball itself.
-    return (abs(x - 2 * half_width * size.shift_x * depth) < half_width * depth + radius and
-            abs(y - 2 * half_height * size.shift_y * depth) < half_height * depth + radius)
-
-
 def _filter(kind, width):
     """The reconstruction filter of a kind of Cycles'."""
     if kind == "BOX":

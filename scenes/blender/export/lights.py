@@ -8,11 +8,12 @@ import math
 
 import mathutils
 
-from .cameras import may_see, without_scale
+from .cameras import without_scale
 from .elements import Element, add_value, plugin
 
 # Lamps shine along their -z axis, emitters along z.
 _TURN = mathutils.Matrix.Diagonal((1, -1, -1, 1))
+_LEAST_SPREAD = 0.1  # degrees
 
 
 def _colour_of_nodes(context, light, name):
@@ -47,32 +48,27 @@ def _scaled(power, factor):
     return [factor * channel for channel in power]
 
 
-def _shining_shape(kind, radiance, place, light_object):
-    """A shape that only emits."""
+def _add_visibility(emitter, light_object):
+    if not light_object.visible_camera:
+        add_value(emitter, "boolean", "seen_by_camera", False)
+
+
+def _shining_shape(kind, radiance, place, light_object, spread=math.pi):
+    """A shape that only emits, into a cone of an angle."""
     shape = plugin("shape", kind)
     place.add_to(shape)
     shape.append(Element("bsdf", {"type": "null"}))
     emitter = plugin("emitter", "area")
     add_value(emitter, "rgb", "radiance", radiance)
+    _add_visibility(emitter, light_object)
+    if spread < math.pi - 1e-4:
+        add_value(emitter, "float", "spread", max(math.degrees(spread), _LEAST_SPREAD))
     shape.append(emitter)
     return shape
 
 
-def _is_seen(context, light_object, place, radius):
-    """Whether the camera may see a lamp, which Cycles hides from it. Single shapes cannot be hidden."""
-    camera = context.camera_now()
-    return not light_object.visible_camera and camera is not None and may_see(
-        context.depsgraph.scene, camera, place.now.translation, radius)
-
-
-def _point(context, light, power, place, light_object, hides_lights):
+def _point(light, power, place, light_object):
     radius = light.shadow_soft_size
-    if radius > 0 and not hides_lights and _is_seen(context, light_object, place, radius):
-        context.report.add("the camera may see the lamp's ball; it is exported as a point, with hard shadows",
-                           light_object.name)
-        if not getattr(light, "normalize", True):
-            power = _scaled(power, math.pi * radius ** 2)
-        radius = 0
     normalized = getattr(light, "normalize", True)
     if radius > 0:
         radiance = _scaled(power, 1 / (4 * math.pi ** 2 * radius ** 2) if normalized else 1 / math.pi)
@@ -100,22 +96,23 @@ def _spot(context, light, power, place, name):
     add_value(emitter, "float", "beam_width", math.degrees(math.acos(min(1, edge + (1 - edge) * light.spot_blend))))
     add_value(emitter, "string", "falloff", "smoothstep")
     if radius > 0:
-        context.report.add("the radius of a spot lamp is not exported; its shadows are hard", name)
+        add_value(emitter, "float", "radius", radius)
     return emitter
 
 
-def _sun(context, light, power, place, name):
+def _sun(light, power, place, light_object):
     emitter = plugin("emitter", "directional")
     place.then(lambda matrix: without_scale(matrix) @ _TURN).add_to(emitter)
     if not getattr(light, "normalize", True) and light.angle > 0:
         power = _scaled(power, math.pi * math.sin(light.angle / 2) ** 2)  # it was a radiance
     add_value(emitter, "rgb", "irradiance", power)
     if light.angle > 0:
-        context.report.add("the angle of a sun is not exported; its shadows are hard", name)
+        add_value(emitter, "float", "angle", math.degrees(light.angle))
+        _add_visibility(emitter, light_object)
     return emitter
 
 
-def _area(context, light, power, place, light_object, hides_lights):
+def _area(context, light, power, place, light_object):
     width, height = light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     is_round = light.shape in {"DISK", "ELLIPSE"}
     axes = place.now.to_3x3().col
@@ -123,24 +120,15 @@ def _area(context, light, power, place, light_object, hides_lights):
     if not area > 0:
         context.report.add("an area lamp without area is not exported", light_object.name)
         return None
-    toward = place.now.to_3x3() @ mathutils.Vector((0, 0, -1))
-    camera = context.camera_now()
-    radius = max(width * axes[0].length, height * axes[1].length) / 2
-    if (not hides_lights and camera is not None
-            and toward.dot(camera.matrix_world.translation - place.now.translation) > 0
-            and _is_seen(context, light_object, place, radius)):
-        context.report.add("the camera may see the lamp's surface", light_object.name)
-    if light.spread < math.pi - 1e-4:
-        context.report.add("the spread of an area lamp is exported as 180°", light_object.name)
     normalized = getattr(light, "normalize", True)
     size = mathutils.Matrix.Diagonal((width / 2, height / 2, 1, 1))
     radiance = _scaled(power, 1 / (math.pi * (area if normalized else 1)))
     return _shining_shape("disk" if is_round else "rectangle", radiance, place.then(lambda m: m @ size @ _TURN),
-                          light_object)
+                          light_object, light.spread)
 
 
-def export_light(context, light_object, place, hides_lights=False):
-    """The elements of an evaluated light object in a Place, a list. hides_lights: the camera sees no light at all."""
+def export_light(context, light_object, place):
+    """The elements of an evaluated light object in a Place, a list."""
     light, name = light_object.data, light_object.name
     if getattr(light.cycles, "is_portal", False):
         return []  # it only guides the samples of the world
@@ -159,11 +147,11 @@ def export_light(context, light_object, place, hides_lights=False):
     if linking is not None and (linking.receiver_collection or linking.blocker_collection):
         context.report.add("light linking is not exported; the lamp lights all", name)
     if light.type == "POINT":
-        made = _point(context, light, power, place, light_object, hides_lights)
+        made = _point(light, power, place, light_object)
     elif light.type == "SPOT":
         made = _spot(context, light, power, place, name)
     elif light.type == "SUN":
-        made = _sun(context, light, power, place, name)
+        made = _sun(light, power, place, light_object)
     else:
-        made = _area(context, light, power, place, light_object, hides_lights)
+        made = _area(context, light, power, place, light_object)
     return [made] if made is not None else []

@@ -53,7 +53,7 @@ class _SceneWriter:
         self.shutter = shutter
         self.surfaces = Surfaces()
         self.placed = {}  # geometry by identity, and its Places, in the order of the depsgraph
-        self.lamps = []  # (evaluated object, Place)
+        self.lights = []
         self.looked_at = set()  # names of objects
 
     def walk(self, keyed):
@@ -66,7 +66,7 @@ class _SceneWriter:
             matrices = [matrix or now for matrix in keyed.get(_instance_key(instance), [now])]
             place = Place(self.shutter, matrices)
             if obj.type == "LIGHT":
-                self.lamps.append((obj.original.evaluated_get(self.context.depsgraph), place))
+                self.lights += export_light(self.context, obj, place)
             elif obj.type in _SHOWN:
                 self._report(obj)
                 self.context.go_on()
@@ -75,17 +75,6 @@ class _SceneWriter:
                     self.placed.setdefault(geometry, []).append(place)
             else:
                 self.context.report.add(f"objects of type {obj.type} are not exported", obj.name)
-
-    def hides_lights(self, has_world):
-        """Whether all lights that the camera might meet are lamps that it does not see, so that it may see none."""
-        shines = any(part.surface.emission is not None for geometry in self.placed for part in geometry.parts)
-        seen = any(lamp.visible_camera for lamp, _ in self.lamps)
-        return self.context.depsgraph.scene.render.film_transparent or not (shines or seen or has_world)
-
-    def lights(self, hides_lights):
-        """The elements of all lamps."""
-        return [element for lamp, place in self.lamps
-                for element in export_light(self.context, lamp, place, hides_lights)]
 
     def _report(self, obj):
         if obj.name_full in self.looked_at:
@@ -130,13 +119,13 @@ class _SceneWriter:
         return shapes
 
 
-def _integrator(scene, has_media, hides_lights):
+def _integrator(scene, has_media):
     settings = settings_of(scene)
     kind = settings.integrator if settings.integrator != "auto" else "volpathmis" if has_media else "path"
     integrator = plugin("integrator", "path" if kind == "path_mis" else kind)
     if kind not in {"ao", "normals"}:
         add_value(integrator, "integer", "max_depth", settings.max_depth)
-        if hides_lights:
+        if scene.render.film_transparent:  # the world lights, but is not seen
             add_value(integrator, "boolean", "hide_emitters", True)
     return integrator
 
@@ -159,17 +148,15 @@ def export_scene(context, scene, name="scene"):
     writer.walk(keyed)
     shapes = writer.shapes()
     element = Element("scene", {"version": "3.0.0"})
-    world = export_world(context, context.depsgraph.scene.world)
-    hides_lights = writer.hides_lights(bool(world))
-    element.append(_integrator(scene, any(made.tag == "medium" for made in writer.surfaces.elements), hides_lights))
+    element.append(_integrator(scene, any(made.tag == "medium" for made in writer.surfaces.elements)))
     if camera is None:
         context.report.add("the scene has no camera")
     else:
         place = Place(shutter, camera_keys or [camera.matrix_world.copy()])
         element.append(export_camera(context, scene, camera, place))
-    element.extend(world)
+    element.extend(export_world(context, context.depsgraph.scene.world))
     element.extend(writer.surfaces.elements)
-    element.extend(writer.lights(hides_lights))
+    element.extend(writer.lights)
     element.extend(shapes)
     path = context.folder / f"{name}.xml"
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -208,6 +208,100 @@ TEST(LightBounds, HoldForDirectionalLights) {
   EXPECT_GT(checked.none, 5'000);
 }
 
+/// Some receivers that all of a sun is behind, and no other, get nothing.
+TEST(LightBounds, HoldForSuns) {
+  RandomNumbers random(65);
+  int lit = 0, none = 0;
+  for (int k = 0; k < 100; ++k) {
+    DirectionalLight sun;
+    sun.direction = direction(random);
+    sun.angle = 180 * std::pow(10.0, random.between(-3, 0));
+    LightBounds bounds = bounds_of_model(sun);
+    ASSERT_TRUE(bounds.infinite);
+    bounds.intensity = 3;
+    const Bound bound(bounds);
+    const double half = sun.angle * kPi / 360;
+    const glm::dvec3 z = sun.direction, x = glm::normalize(glm::cross(z, direction(random)));
+    const glm::dmat4 frame{glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), {0, 0, 0, 1}};
+    for (int j = 0; j < 300; ++j) {
+      const glm::dvec3 p = 100.0 * direction(random), facing = random_facing(random);
+      const glm::dvec3 way = at_angle(frame, half * random.between(0, 1), random.between(0, 2 * kPi));
+      const double cosine = cosine_of(facing, way);
+      if (cosine > 0) {
+        ++lit;
+        ASSERT_GE(bound.at(p, facing), 3 * ((1 - kRounding) * cosine - kCosineError));
+      }
+      if (facing != glm::dvec3(0.0) && std::acos(glm::dot(facing, z)) + half + kBeyond < kPi / 2) {
+        ++none;
+        ASSERT_EQ(bound.at(p, facing), 0);
+      }
+    }
+  }
+  EXPECT_GT(lit, 10'000);
+  EXPECT_GT(none, 5'000);
+}
+
+/// Whatever of a spot light's sphere, or of a disk with a spread, shines on a receiver, the bound is above 0;
+/// and not less than the irradiance where the light is small from there.
+TEST(LightBounds, HoldForRoundSpotsAndSpreadDisks) {
+  RandomNumbers random(66);
+  int lit = 0, none = 0;
+  for (int k = 0; k < 200; ++k) {
+    const bool of_disk = k % 2 == 0;
+    const glm::dmat4 frame = random_frame(random);
+    const double radius = std::pow(10.0, random.between(-3, 0)), cutoff = random.between(1, 80) * kPi / 180;
+    LightBounds bounds;
+    if (of_disk) {
+      Light light{};
+      light.kind = LIGHT_DISK;
+      light.p0 = to_vec3(glm::dvec3(frame[3]));
+      light.p1 = to_vec3(glm::dvec3(frame[2]));
+      light.p2 = make_vec3(float(radius), 1, 0);
+      light.spread = float(std::tan(cutoff));
+      light.gain = float(1 / (std::tan(cutoff) - cutoff));
+      bounds = bounds_of_light(light, kPi * kPi * radius * radius);
+    } else {
+      SpotLight spot;
+      spot.radius = radius;
+      spot.cutoff_angle = spot.beam_width = cutoff * 180 / kPi;
+      spot.to_world = frame;
+      bounds = bounds_of_model(spot);
+    }
+    const Bound bound(bounds);
+    for (int j = 0; j < 200; ++j) {
+      const glm::dvec3 out =
+          of_disk ? at_angle(frame, kPi / 2, random.between(0, 2 * kPi)) : direction(random);
+      const glm::dvec3 from = glm::dvec3(frame[3]) + radius * (of_disk ? random.between(0, 1) : 1) * out;
+      const double angle = 1.5 * cutoff * random.between(0, 1);
+      const glm::dvec3 w = at_angle(frame, angle, random.between(0, 2 * kPi));
+      const glm::dvec3 p = from + radius * std::pow(10.0, random.between(-1, 3)) * w,
+                       facing = random_facing(random);
+      const glm::dvec3 way = p - glm::dvec3(frame[3]);
+      const double d = glm::length(way), cosine = received(facing, w);
+      if (!of_disk && d < radius) continue;
+      if (angle < cutoff * 0.999 && cosine > kEdgeOn) {
+        ++lit;
+        ASSERT_GT(bound.at(p, facing), 0);
+        if (d > 100 * radius) {
+          const double intensity = of_disk ? kPi * radius * radius * std::cos(angle) *
+                                                 (std::tan(cutoff) - std::tan(angle)) /
+                                                 (std::tan(cutoff) - cutoff)
+                                           : 1;
+          // The light's points differ from its middle by a hundredth.
+          ASSERT_GT(bound.at(p, facing), 0.97 * intensity * (cosine - 0.01) / (d * d));
+        }
+      }
+      const double along = glm::dot(way, glm::dvec3(frame[2])) / d;
+      if (std::acos(along) - std::asin(std::min(2 * radius / d, 1.0)) > cutoff + kBeyond && 2 * radius < d) {
+        ++none;
+        ASSERT_EQ(bound.at(p, facing), 0);
+      }
+    }
+  }
+  EXPECT_GT(lit, 5'000);
+  EXPECT_GT(none, 500);
+}
+
 /// Of a cylinder of radiance 1, whose outside shines if `outward`, else its inside: by the midpoint rule.
 double cylinder_irradiance(const glm::dmat4& frame, double radius, double length, bool outward,
                            const glm::dvec3& p, const glm::dvec3& facing) {

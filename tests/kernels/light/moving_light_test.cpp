@@ -102,11 +102,13 @@ SceneTables quadric_at_pose(const Pose& p, int kind, float orientation, bool by_
   return with_uvs(quadric_light(q, by_solid_angle));
 }
 
-SceneTables directional_at_pose(const Pose& p) {
+SceneTables directional_at_pose(const Pose& p, int kind) {
   SceneTables tables;
   tables.header.environment = -1;
-  Light light = only_light(LIGHT_DIRECTIONAL);
+  tables.header.sun_count = kind == LIGHT_SUN ? 1 : 0;
+  Light light = only_light(kind);
   light.p1 = rounded(normalize(p.places[1]));
+  light.area = 0.05f;
   tables.lights.push_back(light);
   return tables;
 }
@@ -127,6 +129,8 @@ SceneTables beam_at_pose(const Pose& p, int kind) {
   SceneTables tables = point_light(rounded(p.places[0]));
   const Frame f = frame_along(p.places[1], p.places[2]);
   tables.lights[0].kind = kind;
+  tables.lights[0].sampling = EMITTER_SOLID_ANGLE;
+  if (kind == LIGHT_ROUND_SPOT) tables.lights[0].p2 = make_vec3(0.25f, 1, 0);
   Beam beam{};
   beam.x = rounded(f.x), beam.y = rounded(f.y), beam.z = rounded(f.z);
   beam.u_by_x = 0.4f;
@@ -194,7 +198,10 @@ std::vector<Mover> movers() {
   add("Cylinder", kRound, with_pole,
       [](const Pose& p) { return quadric_at_pose(p, QUADRIC_CYLINDER, 1, false); });
   add("Point", kAxes, as_it_is, [](const Pose& p) { return point_light(rounded(p.places[0])); });
-  add("Directional", kAxes, with_frame, directional_at_pose);
+  for (const int kind : {LIGHT_DIRECTIONAL, LIGHT_SUN})
+    add(kind == LIGHT_SUN ? "Sun" : "Directional", kAxes, with_frame,
+        [=](const Pose& p) { return directional_at_pose(p, kind); });
+  add("RoundSpot", kAxes, with_frame, [](const Pose& p) { return beam_at_pose(p, LIGHT_ROUND_SPOT); });
   add("Spot", kAxes, with_frame, [](const Pose& p) { return beam_at_pose(p, LIGHT_SPOT); });
   add("Projector", kAxes, with_frame, [](const Pose& p) { return beam_at_pose(p, LIGHT_PROJECTOR); });
   add("EnvironmentMap", kAxes, with_frame, envmap_at_pose);
@@ -217,10 +224,10 @@ class MovingLight : public testing::TestWithParam<int> {
  protected:
   const Mover mover_ = movers()[std::size_t(GetParam())];
 };
-INSTANTIATE_TEST_SUITE_P(All, MovingLight, testing::Range(0, 11),
+INSTANTIATE_TEST_SUITE_P(All, MovingLight, testing::Range(0, 13),
                          [](const auto& tested) { return movers()[std::size_t(tested.param)].name; });
 
-TEST(MovingLights, AreAllTested) { EXPECT_EQ(movers().size(), 11u); }
+TEST(MovingLights, AreAllTested) { EXPECT_EQ(movers().size(), 13u); }
 
 TEST_P(MovingLight, IsAtEachTimeTheStillOne) {
   SceneTables moving = mover_.moving();
@@ -265,8 +272,8 @@ TEST_P(MovingLight, DensityOfASampleIsThatOfTheLightFound) {
   const Scene scene = moving.scene();
   const int kind = moving.lights[0].kind;
   const bool found_by_rays = kind == LIGHT_TRIANGLE || kind == LIGHT_SPHERE || kind == LIGHT_DISK ||
-                             kind == LIGHT_CYLINDER || kind == LIGHT_ENVMAP;
-  if (!found_by_rays) GTEST_SKIP() << "no ray finds it";
+                             kind == LIGHT_CYLINDER || is_infinite_light(kind);
+  if (!found_by_rays || kind == LIGHT_DIRECTIONAL) GTEST_SKIP() << "no ray finds it";
   RandomNumbers random(2);
   int compared = 0;
   for (const float time : kTimes) {
@@ -276,11 +283,11 @@ TEST_P(MovingLight, DensityOfASampleIsThatOfTheLightFound) {
       const float u = random.unit_float(), v = random.unit_float(), fine = random.unit_float();
       const LightSample light = sample_light(scene, receiver_in_medium(time), u, v, fine);
       if (!(light.tmax > 0)) continue;
-      Surface found = surface_at(&still, kind == LIGHT_ENVMAP ? -1 : 0, kHere, light.wi);
+      Surface found = surface_at(&still, is_infinite_light(kind) ? -1 : 0, kHere, light.wi);
       found.time = time;
       const bool is_rim =
           !(found.distance > 0) || !found.front || dot3(found.geometric, found.wo) < kLeastCosine;
-      if (kind != LIGHT_ENVMAP && is_rim) continue;
+      if (!is_infinite_light(kind) && is_rim) continue;
       const Emission emission = emission_at(scene, found);
       ASSERT_NEAR(emission.radiance.y / light.radiance.y, 1, kDensityTolerance);
       ASSERT_NEAR(light.pdf / emission.pdf, 1, 5 * kDensityTolerance);

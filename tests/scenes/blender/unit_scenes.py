@@ -50,6 +50,15 @@ def emission(colour=(1, 1, 1), strength=1.0):
     return material
 
 
+def metal(roughness):
+    material = bpy.data.materials.new("metal")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Metallic"].default_value, shader.inputs["Roughness"].default_value = 1, roughness
+    return material
+
+
 def active(*materials):
     """The object that was added last, with materials."""
     obj = bpy.context.object
@@ -410,6 +419,21 @@ def area_in_view(scene):
 
 
 @unit_scene
+def lamps_that_the_camera_sees(scene):
+    area_in_view(scene)
+    for obj in scene.objects:
+        obj.visible_camera = True
+
+
+@unit_scene
+def lamps_in_a_mirror(scene):
+    lamps_in_view(scene)
+    bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 2, 1), rotation=(math.pi / 2, 0, 0))
+    active(metal(0))
+    add_light(scene, "AREA", (-0.8, 0.5, 0.8), (0, 4, 1), energy=30, shape="SQUARE", size=0.5)
+
+
+@unit_scene
 def spot(scene):
     floor()
     add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
@@ -426,6 +450,38 @@ def sun(scene):
 
 
 @unit_scene
+def spot_with_radius(scene):
+    floor()
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.2, 0, 0.5))
+    active(diffuse())
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "SPOT", (-1, 0, 2), (0.2, 0.1, 0), energy=100, shadow_soft_size=0.4, spot_size=1.3,
+              spot_blend=0.6, use_soft_falloff=False).scale = (2, 2, 2)
+
+
+@unit_scene
+def sun_of_an_angle(scene):
+    floor()
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.5))
+    active(diffuse())
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "SUN", (-1, -1, 2), energy=3, angle=0.5)
+
+
+@unit_scene
+def sun_in_metal(scene):
+    """In a mirror and on rough metal; the camera does not see it itself."""
+    bpy.ops.mesh.primitive_plane_add(size=6)
+    active(metal(0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.7, location=(1, 0, 0.7))
+    bpy.ops.object.shade_smooth()
+    active(metal(0.3))
+    set_world(scene, (0.1, 0.1, 0.1))
+    add_camera(scene, (0, -4, 4), (0, 0, 0.4), 40)
+    add_light(scene, "SUN", (0, 4, 3.5), energy=3, angle=0.3)
+
+
+@unit_scene
 def area_rectangle(scene):
     floor()
     add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
@@ -438,6 +494,15 @@ def area_ellipse(scene):
     floor()
     add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
     add_light(scene, "AREA", (-1, 0.5, 2.5), energy=80, shape="ELLIPSE", size=0.5, size_y=1.5)
+
+
+@unit_scene
+def area_spread(scene):
+    floor()
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "AREA", (-1, 0.5, 2), (-0.2, 0.2, 0), energy=80, shape="RECTANGLE", size=0.5, size_y=1,
+              spread=1.2)
+    add_light(scene, "AREA", (1, 0.5, 2), (0.7, 0.2, 0), energy=30, shape="DISK", size=0.3, spread=0.5)
 
 
 @unit_scene
