@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "kernels/host/text.h"
@@ -58,6 +59,25 @@ std::string phrase_of(const Setting& setting) {
 }
 
 std::string join(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, "\n")); }
+
+const char* kind_name(SettingKind kind) {
+  switch (kind) {
+    case SettingKind::kInteger:
+      return "integer";
+    case SettingKind::kNumber:
+      return "number";
+    case SettingKind::kBoolean:
+      return "boolean";
+    case SettingKind::kNumberOrText:
+      return "number or text";
+    default:
+      return "text";
+  }
+}
+
+using Json = nlohmann::ordered_json;
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Error unknown(const char* what, const std::string& name, std::vector<std::string> known) {
   std::ranges::sort(known);
@@ -122,6 +142,39 @@ Expected<std::string> settings_text(const std::string& name, int columns) {
   }
   if (texts.empty()) return std::unexpected(unknown("setting or group of settings", name, std::move(known)));
   return join(texts);
+}
+
+std::string settings_description() {
+  Json all = Json::array();
+  for (const Setting& setting : all_settings())
+    all.push_back({{"key", setting.key},
+                   {"kind", kind_name(setting.kind)},
+                   {"values", setting.values},
+                   {"choices", setting.choices},
+                   {"help", setting.description},
+                   {"default", text_or_null(setting_default(setting))},
+                   {"integrators", integrators_with(setting)},
+                   {"option", text_or_null(setting.option)}});
+  return all.dump(2) + "\n";
+}
+
+std::string plugins_description() {
+  Json all = Json::array();
+  for (const PluginEntry& plugin : all_plugins()) {
+    Json parameters = Json::array();
+    for (const PluginParameter& parameter : plugin.parameters)
+      parameters.push_back({{"name", parameter.name},
+                            {"values", parameter.values},
+                            {"default", text_or_null(parameter.default_value)},
+                            {"help", parameter.text}});
+    all.push_back({{"kind", plugin.kind},
+                   {"name", plugin.name},
+                   {"aliases", plugin.aliases},
+                   {"replaces", plugin.replaces},
+                   {"help", plugin.text},
+                   {"parameters", parameters}});
+  }
+  return all.dump(2) + "\n";
 }
 
 }  // namespace penumbra

@@ -18,4 +18,11 @@ std::string settings_overview(int columns);
 /// error suggests a similar name.
 Expected<std::string> settings_text(const std::string& name, int columns);
 
+/// JSON: an array of all settings with `key`, `kind` (integer, number, boolean, text), `values` (in words),
+/// `choices`, `help`, `default` (null: none), `integrators` (empty: all), `option` (null: none).
+std::string settings_description();
+/// The same of all plugins: `kind` (the tag in scene files), `name`, `aliases`, `replaces` (rendered as this
+/// one, with a warning), `help`, `parameters` with `name`, `values`, `default`, `help`.
+std::string plugins_description();
+
 }  // namespace penumbra

@@ -27,13 +27,18 @@ void add_settings_command(CommandLine& app, Command& chosen) {
                    "A setting such as max_depth, or a group: integrator, sampler, film, camera (default: a "
                    "list)")
       ->group(group::kInput);
+  const auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "Print all settings as JSON")->excludes("NAME")->group(group::kOutput);
   command->footer(
       "Examples:\n"
       "  penumbra settings\n"
       "  penumbra settings camera\n"
       "  penumbra settings integrator.max_depth");
-  command->callback([name, &chosen] {
-    chosen = [name] { return print_reference(*name, settings_overview, settings_text); };
+  command->callback([name, json, &chosen] {
+    chosen = [name, json] {
+      if (*json) return print_answer(settings_description()), kAllDone;
+      return print_reference(*name, settings_overview, settings_text);
+    };
   });
 }
 
@@ -46,13 +51,18 @@ void add_plugins_command(CommandLine& app, Command& chosen) {
           "NAME", *name,
           "A plugin such as roughconductor, or a kind such as bsdf, shape or sensor (default: a list)")
       ->group(group::kInput);
+  const auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "Print all plugins as JSON")->excludes("NAME")->group(group::kOutput);
   command->footer(
       "Examples:\n"
       "  penumbra plugins\n"
       "  penumbra plugins sensor\n"
       "  penumbra plugins roughconductor");
-  command->callback([name, &chosen] {
-    chosen = [name] { return print_reference(*name, plugins_overview, plugins_text); };
+  command->callback([name, json, &chosen] {
+    chosen = [name, json] {
+      if (*json) return print_answer(plugins_description()), kAllDone;
+      return print_reference(*name, plugins_overview, plugins_text);
+    };
   });
 }
 

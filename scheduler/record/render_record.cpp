@@ -39,7 +39,7 @@ MetadataValue recorded_value(const Setting& setting, const RenderRecord& record)
 
 MetadataValue recorded_value(const RenderOption& option, const std::vector<std::string>& values) {
   if (option.kind == OptionKind::kInteger) return integer_value(*parse_integer(values.front()));
-  if (option.kind == OptionKind::kNumber) return *parse_number(values.front());
+  if (option.kind == OptionKind::kNumber && !option.recorded_as_text) return *parse_number(values.front());
   return fmt::format("{}", fmt::join(values, "\n"));
 }
 

@@ -26,6 +26,7 @@ Json option_json(const RenderOption& option, const RenderRecord& record) {
   if (option.kind == OptionKind::kList) return values;
   if (option.kind == OptionKind::kFlag && option.effect != OptionEffect::kPixels) return !values.empty();
   if (values.empty()) return nullptr;
+  if (option.recorded_as_text) return values.front();
   if (option.kind == OptionKind::kNumber) return *parse_number(values.front());
   if (option.kind == OptionKind::kInteger || option.kind == OptionKind::kCount)
     return *parse_integer(values.front());

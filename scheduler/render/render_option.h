@@ -50,6 +50,7 @@ struct RenderOption {
   /// The value that a record's settings have for it, to repeat the render. Without: the request's.
   std::function<std::vector<std::string>(const RenderSettings&)> setting = {};
   OptionKind kind = OptionKind::kText;
+  bool recorded_as_text = false;
   std::string limits = {};  ///< of the value, in words
   /// Sets the value, of a list one more, from text, which becomes the number where it is one with a unit. The
   /// error says what is wrong with the text, without the name.

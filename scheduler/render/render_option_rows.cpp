@@ -148,7 +148,7 @@ void add_plan_rows(std::vector<RenderOption>& all) {
                "Sample each tile until its relative error is at most this (0.02 is 2%), or --spp is "
                "reached. Without bias; takes --sampler independent; the image depends on --tile. With "
                "photon mapping the error is that of noise alone, not of bias");
-  target.kind = OptionKind::kText;  // in records, as ever
+  target.recorded_as_text = true;  // as ever
   target.apply = [set = target.apply](RenderRequest& request, std::string& text) {
     request.scene.needs_independent = true;
     return set(request, text);

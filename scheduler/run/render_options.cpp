@@ -14,6 +14,20 @@
 namespace penumbra {
 namespace {
 
+ValueKind value_kind(OptionKind kind) {
+  switch (kind) {
+    case OptionKind::kFlag:
+      return ValueKind::kFlag;
+    case OptionKind::kInteger:
+    case OptionKind::kCount:
+      return ValueKind::kInteger;
+    case OptionKind::kNumber:
+      return ValueKind::kNumber;
+    default:
+      return ValueKind::kText;
+  }
+}
+
 Option* add_option(CommandLine& command, const RenderOption& row, RenderRequest& request) {
   const auto take = [&row, &request](std::string text) { return row.apply(request, text); };
   Option* option = nullptr;
@@ -31,13 +45,15 @@ Option* add_option(CommandLine& command, const RenderOption& row, RenderRequest&
     option = command.add_option_function(row.names, std::function<Expected<void>(const std::string&)>(take),
                                          row.help);
   }
-  option->group(row.group)->transform({[&row](std::string& text) {
-                                         if (row.kind == OptionKind::kFlag) text = flag_word(text);
-                                         RenderRequest none;
-                                         const auto applied = row.apply(none, text);
-                                         return applied ? std::string() : applied.error().message;
-                                       },
-                                       row.limits});
+  option->kind(value_kind(row.kind))
+      ->group(row.group)
+      ->transform({[&row](std::string& text) {
+                     if (row.kind == OptionKind::kFlag) text = flag_word(text);
+                     RenderRequest none;
+                     const auto applied = row.apply(none, text);
+                     return applied ? std::string() : applied.error().message;
+                   },
+                   row.limits});
   if (!row.value.empty()) option->type_name(row.value);
   if (row.shows_default) option->default_str(row.print({}).front());
   return option;

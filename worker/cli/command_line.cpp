@@ -30,6 +30,15 @@ std::vector<std::string> sorted_names(const std::set<CLI::Option*>& options) {
   return names;
 }
 
+/// Of a variable, or of one value where it has none or several.
+template <typename Variable>
+constexpr ValueKind kind_of() {
+  if constexpr (std::is_same_v<Variable, std::string>) return ValueKind::kText;
+  if constexpr (requires { typename Variable::value_type; }) return kind_of<typename Variable::value_type>();
+  if constexpr (std::is_same_v<Variable, bool>) return ValueKind::kFlag;
+  return std::is_floating_point_v<Variable> ? ValueKind::kNumber : ValueKind::kInteger;
+}
+
 template <typename Value>
 CLI::Option* add_function(CLI::App& app, const std::string& names, std::function<Expected<void>(Value)> take,
                           const std::string& description) {
@@ -108,6 +117,7 @@ OptionCheck size_in_bytes() {
 }
 
 Option* Option::type_name(const std::string& name) { return option_.type_name(name), this; }
+Option* Option::kind(ValueKind kind) { return kind_ = kind, this; }
 Option* Option::group(const std::string& name) { return option_.group(name), this; }
 Option* Option::description(const std::string& text) { return option_.description(text), this; }
 Option* Option::required(bool is_required) { return option_.required(is_required), this; }
@@ -143,6 +153,18 @@ const std::vector<std::string>& Option::short_names() const { return option_.get
 const std::string& Option::group() const { return option_.get_group(); }
 const std::string& Option::description() const { return option_.get_description(); }
 std::string Option::type() const { return option_.get_type_name(); }
+std::vector<std::string> Option::choices() const {
+  const std::string type = this->type();
+  const std::size_t open = type.find('{'), close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos) return {};
+  std::vector<std::string> words;
+  for (std::size_t at = open + 1; at < close;) {
+    const std::size_t end = std::min(type.find(',', at), close);
+    words.push_back(type.substr(at, end - at));
+    at = end + 1;
+  }
+  return words;
+}
 std::string Option::default_str() const { return option_.get_default_str(); }
 std::string Option::envname() const { return option_.get_envname(); }
 std::vector<std::string> Option::needed() const { return sorted_names(option_.get_needs()); }
@@ -150,7 +172,11 @@ std::vector<std::string> Option::excluded() const { return sorted_names(option_.
 bool Option::is_positional() const { return option_.get_positional(); }
 bool Option::is_required() const { return option_.get_required(); }
 bool Option::takes_value() const { return option_.get_expected_max() > 0; }
-bool Option::takes_several_values() const { return option_.get_expected_max() > 1; }
+bool Option::needs_value() const { return option_.get_expected_min() > 0; }
+bool Option::takes_several_values() const {
+  return option_.get_expected_max() > 1 ||
+         (takes_value() && option_.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll);
+}
 std::string Option::flag_value(const std::string& long_name) const {
   return option_.get_flag_value(long_name, "");
 }
@@ -178,7 +204,11 @@ Option* CommandLine::wrapped(CLI::Option* option) {
 Option* CommandLine::add_option(const std::string& names, OptionTarget target,
                                 const std::string& description) {
   return std::visit(
-      [&](auto variable) { return wrapped(app_->add_option(names, variable.get(), description)); }, target);
+      [&](auto variable) {
+        using Variable = typename decltype(variable)::type;
+        return wrapped(app_->add_option(names, variable.get(), description))->kind(kind_of<Variable>());
+      },
+      target);
 }
 
 Option* CommandLine::add_option_function(const std::string& names,
@@ -189,7 +219,7 @@ Option* CommandLine::add_option_function(const std::string& names,
 
 Option* CommandLine::add_option_function(const std::string& names, std::function<Expected<void>(double)> take,
                                          const std::string& description) {
-  return wrapped(add_function(*app_, names, std::move(take), description));
+  return wrapped(add_function(*app_, names, std::move(take), description))->kind(ValueKind::kNumber);
 }
 
 Option* CommandLine::add_option_function(const std::string& names,
@@ -213,7 +243,10 @@ Option* CommandLine::add_choice(const std::string& names,
 
 Option* CommandLine::add_flag(const std::string& names, FlagTarget target, const std::string& description) {
   return std::visit(
-      [&](auto variable) { return wrapped(app_->add_flag(names, variable.get(), description)); }, target);
+      [&](auto variable) {
+        return wrapped(app_->add_flag(names, variable.get(), description))->kind(ValueKind::kFlag);
+      },
+      target);
 }
 
 std::string flag_word(const std::string& text) {
@@ -230,7 +263,7 @@ Option* CommandLine::add_flag_function(const std::string& names,
   option->each([names, value, take = std::move(take)](const std::string& text) {
     if (const auto taken = take(text); !taken) throw CLI::ValidationError(names, taken.error().message);
   });
-  return wrapped(option);
+  return wrapped(option)->kind(ValueKind::kFlag);
 }
 
 Option* CommandLine::add_action_flag(const std::string& names, std::function<void()> act,

@@ -43,6 +43,9 @@ OptionCheck whole_number_or(int low, int high, const std::string& word);
 /// For Option::transform: a size such as 20G becomes its number of bytes. K is 1024.
 OptionCheck size_in_bytes();
 
+/// What the text of a value stands for.
+enum class ValueKind { kFlag, kInteger, kNumber, kText };
+
 /// An option, a flag or a positional argument. It belongs to its command line.
 class Option {
  public:
@@ -52,6 +55,8 @@ class Option {
 
   // What is set returns the option, for the next call.
   Option* type_name(const std::string& name);
+  /// Without: that of the variable that stores the value, else text.
+  Option* kind(ValueKind kind);
   /// An option without a group is hidden: it is neither in the help nor completed.
   Option* group(const std::string& name);
   Option* description(const std::string& text);
@@ -87,6 +92,9 @@ class Option {
   [[nodiscard]] const std::string& description() const;
   /// Its type's name, with the limits of its checks: "NAME:{direct,path}".
   [[nodiscard]] std::string type() const;
+  /// The words of a type such as "NAME:{direct,path}". Empty: it has other values.
+  [[nodiscard]] std::vector<std::string> choices() const;
+  [[nodiscard]] ValueKind kind() const { return kind_; }
   /// The default that the help shows.
   [[nodiscard]] std::string default_str() const;
   [[nodiscard]] std::string envname() const;
@@ -96,6 +104,7 @@ class Option {
   [[nodiscard]] bool is_positional() const;
   [[nodiscard]] bool is_required() const;
   [[nodiscard]] bool takes_value() const;
+  [[nodiscard]] bool needs_value() const;
   [[nodiscard]] bool takes_several_values() const;
   /// What a flag stands for under this long name when it has no value: "true", unless another was chosen.
   [[nodiscard]] std::string flag_value(const std::string& long_name) const;
@@ -108,6 +117,7 @@ class Option {
  private:
   friend class CommandLine;
   CLI::Option& option_;
+  ValueKind kind_ = ValueKind::kText;
 };
 
 /// Where the value of an option is stored: a variable of one of these types.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/host/console.h"
+#include "worker/cli/command_description.h"
 #include "worker/cli/command_line.h"
 #include "worker/cli/help_text.h"
 
@@ -142,6 +143,10 @@ std::optional<ExitCode> answer_about(const CommandLine& app, const std::vector<s
   const std::vector<std::string> rest(arguments.begin() + 1, arguments.end());
   if (arguments[0] == "complete") {
     print_answer(completion_text(complete(app, rest, values)));
+    return kAllDone;
+  }
+  if (arguments[0] == "describe" && rest.empty()) {
+    print_answer(command_description(app, PENUMBRA_VERSION));
     return kAllDone;
   }
   const std::string called = app.name();

@@ -1,5 +1,5 @@
 // Subcommands of every program that describe its command line: `PROGRAM complete WORD…` for shell completion,
-// and `PROGRAM man` for manual pages.
+// `PROGRAM man` for manual pages, and `PROGRAM describe` for other programs, as JSON.
 #pragma once
 
 #include <optional>

@@ -15,27 +15,13 @@ bool is_file_type(const std::string& type) {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// The choices of a type such as "NAME:{direct,path}".
-std::vector<Candidate> choices_of(const Option& option) {
-  const std::string type = option.type();
-  const std::size_t open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return {};
-  std::vector<Candidate> choices;
-  for (std::size_t at = open + 1; at < close;) {
-    const std::size_t end = std::min(type.find(',', at), close);
-    choices.push_back({type.substr(at, end - at), ""});
-    at = end + 1;
-  }
-  return choices;
-}
-
 /// The option with that name, including its dashes.
 const Option* option_named(const CommandLine& app, const std::string& name) {
   return name.starts_with("-") ? app.find_option(name) : nullptr;
 }
 
 void add_values(const Option& option, const std::string& typed, const ValuesOf& values, Completion& found) {
-  found.candidates = choices_of(option);
+  for (const std::string& choice : option.choices()) found.candidates.push_back({choice, ""});
   const std::string type = option.type();
   if (found.candidates.empty() && values) found.candidates = values(type, typed);
   found.files = found.candidates.empty() && is_file_type(type);

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <string>
 
 namespace penumbra {
 namespace {
@@ -48,6 +50,28 @@ TEST(StopSignal, NohupHoldsOn) {
   std::signal(SIGHUP, SIG_DFL);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 3) << "nothing is to be stopped";
+}
+
+TEST(StopSignal, ComesWhenTheOwnerEndsThePipe) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[1]);
+    setenv("PENUMBRA_OWNER_PIPE", std::to_string(ends[0]).c_str(), 1);
+    const std::atomic<bool>& stop = install_stop_signal();
+    if (stop || std::getenv("PENUMBRA_OWNER_PIPE") != nullptr) _exit(2);
+    while (!stop) usleep(1000);
+    _exit(4);
+  }
+  close(ends[0]);
+  int status = 0;
+  usleep(50'000);
+  EXPECT_EQ(waitpid(child, &status, WNOHANG), 0) << "the owner is there";
+  close(ends[1]);
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << status;
+  EXPECT_EQ(WEXITSTATUS(status), 4);
 }
 
 }  // namespace
