@@ -56,7 +56,8 @@ def _panorama(context, camera, size, name):
     if kind == "EQUIRECTANGULAR":
         sensor = plugin("sensor", "equirectangular")
         for edge in ("longitude_min", "longitude_max", "latitude_min", "latitude_max"):
-            add_value(sensor, "float", edge, math.degrees(_panorama_value(camera, edge)))
+            # Rounded, since Blender's numbers of single precision are a little beyond a full turn.
+            add_value(sensor, "float", edge, round(math.degrees(_panorama_value(camera, edge)), 4))
     elif kind == "FISHEYE_EQUIDISTANT":
         sensor = plugin("sensor", "fisheye_equidistant")
         add_value(sensor, "float", "fisheye_fov", min(360, math.degrees(_panorama_value(camera, "fisheye_fov"))))

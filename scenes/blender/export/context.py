@@ -8,6 +8,8 @@ import sys
 
 # Blender tells of changes of these, but geometry and materials do not depend on them.
 _WITHOUT_EFFECT = {"SCENE", "COLLECTION", "ACTION", "CAMERA", "LIGHT", "WORLD", "ARMATURE", "LINESTYLE"}
+# Objects of these types show nothing.
+_UNSEEN = {"LIGHT", "CAMERA", "ARMATURE"}
 # Changes of these may change any material.
 _OF_MATERIALS = {"NODETREE", "IMAGE", "TEXTURE"}
 
@@ -84,7 +86,7 @@ class Context:
             kinds.add(original.id_type)
             if update.is_updated_geometry or original.id_type not in _WITHOUT_EFFECT | {"OBJECT"}:
                 changed.add(original.session_uid)
-            if update.is_updated_geometry and original.id_type == "OBJECT" and original.type not in {"LIGHT", "CAMERA"}:
+            if update.is_updated_geometry and original.id_type == "OBJECT" and original.type not in _UNSEEN:
                 objects.add(original.name)
         if kinds & _OF_MATERIALS and not kinds & {"MATERIAL", "WORLD", "LIGHT"}:
             self.geometry.clear()

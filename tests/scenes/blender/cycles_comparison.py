@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 import bpy
 import mathutils
@@ -113,10 +114,11 @@ def penumbra_image(scene, spp=64, seed=0, folder=None, settings=None):
 @dataclasses.dataclass
 class Mean:
     """The mean of renders with several seeds. error: standard error of the image's mean, per channel. pixel_error: mean
-    standard error of a pixel's channel."""
+    standard error of a pixel's channel. seconds: of all renders."""
     image: numpy.ndarray
     error: numpy.ndarray
     pixel_error: float
+    seconds: float
 
 
 @dataclasses.dataclass
@@ -127,18 +129,22 @@ class Comparison:
     report: object
 
 
-def _mean(images):
+def _mean(render, batches):
+    """render(seed) gives the picture of a batch."""
+    start = time.monotonic()
+    images = [render(seed) for seed in range(batches)]
+    seconds = time.monotonic() - start
     root = len(images) ** 0.5
     means = numpy.array([image.mean(axis=(0, 1), dtype=float) for image in images])
     return Mean(numpy.mean(images, axis=0, dtype=float), means.std(axis=0, ddof=1) / root,
-                float(numpy.std(images, axis=0, ddof=1, dtype=float).mean() / root))
+                float(numpy.std(images, axis=0, ddof=1, dtype=float).mean() / root), seconds)
 
 
 def compare(scene, spp=64, cycles_spp=None, batches=4, settings=None):
     """Renders the current frame with both programs, with spp samples in all of several seeds."""
     scene.cycles.samples = max(1, (cycles_spp or spp) // batches)
-    theirs = [cycles_image(scene, seed) for seed in range(batches)]
+    theirs = _mean(lambda seed: cycles_image(scene, seed), batches)
     with tempfile.TemporaryDirectory() as folder:
         paths, report = export_shot(folder, scene, [scene.frame_current])
-        ours = [rendered(paths[0], max(1, spp // batches), seed, settings) for seed in range(batches)]
-    return Comparison(_mean(theirs), _mean(ours), report)
+        ours = _mean(lambda seed: rendered(paths[0], max(1, spp // batches), seed, settings), batches)
+    return Comparison(theirs, ours, report)

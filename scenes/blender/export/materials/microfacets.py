@@ -13,6 +13,9 @@ from .shaders import blended, shades, transparent
 _LEAST_ALPHA = 1e-4  # the program raises lower ones
 # Cycles scales the radii of walks by this ("Random Walk").
 SUBSURFACE_RADIUS = 1 / (4 * math.pi)
+# Absorption of Cycles' pigments at concentration 1 per radius of hair: more than in d'Eon et al. 2011, whose numbers the
+# program has.
+_EUMELANIN, _PHEOMELANIN = numpy.array([0.506, 0.841, 1.653]), numpy.array([0.343, 0.733, 1.924])
 
 
 def squared(field):
@@ -231,7 +234,8 @@ def hair(reading, source):
         reading.note(node, "its coat and its random roughness are not exported")
     parameters = {"longitudinal_roughness": reading.number(source, "Roughness", low=0.0, high=1.0),
                   "azimuthal_roughness": reading.number(source, "Radial Roughness", low=0.0, high=1.0),
-                  "scale_tilt": math.degrees(fixed(reading, reading.number(source, "Offset"), node, "Offset")),
+                  # Cycles counts the angle in the other sense.
+                  "scale_tilt": -math.degrees(fixed(reading, reading.number(source, "Offset"), node, "Offset")),
                   "int_ior": fixed(reading, reading.number(source, "IOR", default=1.55), node, "IOR"), "ext_ior": 1.0}
     if node.parametrization == "ABSORPTION":
         parameters["sigma_a"] = reading.value(reading.at(source, "Absorption Coefficient"), [0.0] * 3, 0.0)
@@ -250,8 +254,7 @@ def _add_melanin(reading, source, parameters):
     melanin = fixed(reading, reading.number(source, "Melanin", low=0.0, high=1.0), node, "Melanin")
     redness = fixed(reading, reading.number(source, "Melanin Redness", low=0.0, high=1.0), node, "Melanin Redness")
     amount = -math.log(max(1 - melanin, 1e-4))
-    parameters["eumelanin"] = amount * (1 - redness)
-    parameters["pheomelanin"] = amount * redness
+    parameters["sigma_a"] = constant(amount * ((1 - redness) * _EUMELANIN + redness * _PHEOMELANIN))
 
 
 @shades("ShaderNodeBsdfHair")
