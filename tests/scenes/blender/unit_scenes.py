@@ -427,9 +427,11 @@ def lamps_that_the_camera_sees(scene):
 
 @unit_scene
 def lamps_in_a_mirror(scene):
-    lamps_in_view(scene)
+    """Without a floor, on which mirrors would make noise."""
     bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 2, 1), rotation=(math.pi / 2, 0, 0))
     active(metal(0))
+    add_camera(scene, (0, -4, 2), (0, 0, 1), 40)
+    add_light(scene, "POINT", (0.5, 0, 1), energy=50, shadow_soft_size=0.3, use_soft_falloff=False)
     add_light(scene, "AREA", (-0.8, 0.5, 0.8), (0, 4, 1), energy=30, shape="SQUARE", size=0.5)
 
 
