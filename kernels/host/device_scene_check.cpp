@@ -584,7 +584,7 @@ class Checker : public RecordCheck {
   }
 
   void check_beam(const Light& l) {
-    require(!has_beam(l.kind) || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
+    require(!is_beam_light(l.kind) || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
     require(l.kind != LIGHT_MEDIUM || h_.tables.lights.count == 0 ||
                 (has(FEATURE_EMITTING_MEDIA) && in(l.beam, 0, h_.tables.glows.count - 1) && l.area > 0),

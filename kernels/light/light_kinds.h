@@ -62,11 +62,11 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 enum { COMPILED_LIGHT_KINDS = LIGHT_KINDS_MASK };
 #define HAS_LIGHT_OF(number) ((COMPILED_LIGHT_KINDS & (1u << (number))) != 0u)
 /// Whether light of that kind is a beam, see delta_lights.h.
-FN bool has_beam(int kind) {
+FN bool is_beam_light(int kind) {
   return (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR) | (kind == LIGHT_ROUND_SPOT);
 }
 /// Whether light of that kind comes from a single point, or from a small sphere about it.
-FN bool is_point_of_light(int kind) { return (kind == LIGHT_POINT) | has_beam(kind); }
+FN bool is_point_of_light(int kind) { return (kind == LIGHT_POINT) | is_beam_light(kind); }
 /// Whether light of that kind comes from infinity.
 FN bool is_infinite_light(int kind) {
   return (kind == LIGHT_DIRECTIONAL) | (kind == LIGHT_SUN) | (kind == LIGHT_ENVIRONMENT) |

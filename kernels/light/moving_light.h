@@ -107,7 +107,7 @@ FN GLOBAL const Beam* beam_of(const PRIVATE Scene* scene, int index) {
 
 /// The axes of light `index`, which is of that kind and does not move; arbitrary if it has none.
 FN LightAxes still_axes(const PRIVATE Scene* scene, int index, int kind) {
-  if (has_beam(kind)) {
+  if (is_beam_light(kind)) {
     GLOBAL const Beam* beam = beam_of(scene, index);
     return make_light_axes(load3(&beam->x), load3(&beam->y), load3(&beam->z));
   }
@@ -117,7 +117,7 @@ FN LightAxes still_axes(const PRIVATE Scene* scene, int index, int kind) {
 
 /// The axes of light `index` at `time`; arbitrary if it has none.
 FN LightAxes light_axes_at(const PRIVATE Scene* scene, int index, float time, ulong strategies) {
-  const bool beams = has_beam(scene->lights[index].kind);
+  const bool beams = is_beam_light(scene->lights[index].kind);
   LightAxes axes =
       select_light_axes(beams, still_axes(scene, index, LIGHT_SPOT), still_axes(scene, index, LIGHT_SPHERE));
   if (BY(strategies, MOTION)) {

@@ -152,9 +152,9 @@ LightBounds bounds_between(const Light& light, const LightBounds& at_rest, const
   if (at_rest.infinite) return bounds;
   const double radius = light.kind == LIGHT_ROUND_SPOT ? double(light.p2.x) : 0.0;
   for (const LightState* state : {&from, &to}) {
-    const LightBounds box = has_beam(light.kind) ? LightBounds{.low = widened(state->p0) - radius,
-                                                               .high = widened(state->p0) + radius}
-                                                 : at(*state);
+    const LightBounds box = is_beam_light(light.kind) ? LightBounds{.low = widened(state->p0) - radius,
+                                                                    .high = widened(state->p0) + radius}
+                                                      : at(*state);
     bounds.low = state == &from ? box.low : glm::min(bounds.low, box.low);
     bounds.high = state == &from ? box.high : glm::max(bounds.high, box.high);
   }
