@@ -26,7 +26,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(UV, "texture coordinates and tangents")                             \
   X(TEXTURES, "textures")                                               \
   X(NESTED, "BSDFs that hold others, and surfaces seen through")        \
-  X(BENT, "normal maps and bump maps")                                  \
+  X(BENT, "normal maps, bump maps and turned tangents")                 \
   X(OCCLUSION, "ambient and reflection occlusion integrators")          \
   X(LTC, "glossy BSDFs under polygon lights")                           \
   X(LIGHT_TREE, "choice among lights by their contribution")            \

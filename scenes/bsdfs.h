@@ -49,9 +49,9 @@ using BsdfModel =
 /// The parameters of plugins that hold other BSDFs and are not themselves a BsdfModel.
 using HolderParameters =
     std::variant<TwoSidedParameters, MixtureParameters, MetalRoughParameters, StandardSurfaceParameters,
-                 NormalMapParameters, BumpMapParameters, PolarizerParameters, DisneyDiffuseParameters,
-                 DisneyMetalParameters, DisneyClearcoatParameters, DisneySheenParameters,
-                 DisneyGlassParameters, DisneySumParameters>;
+                 NormalMapParameters, BumpMapParameters, TurnedTangentParameters, PolarizerParameters,
+                 DisneyDiffuseParameters, DisneyMetalParameters, DisneyClearcoatParameters,
+                 DisneySheenParameters, DisneyGlassParameters, DisneySumParameters>;
 
 /// A homogeneous medium behind a surface that transmits, with the phase function of Henyey and Greenstein.
 struct InnerMedium {
@@ -63,6 +63,7 @@ struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages
   BsdfModel model;
   SurfaceBend bend = {};                   ///< normal or bump map; only of a BSDF that holds no others
+  SurfaceTurn turn = {};                   ///< likewise
   std::optional<InnerMedium> inside = {};  ///< only of a BSDF of the front that holds no others
 };
 
@@ -77,6 +78,7 @@ inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
   };
   Material m = std::visit(material, bsdf.model);
   set_bend(m, bsdf.bend);
+  set_turn(m, bsdf.turn);
   return m;
 }
 

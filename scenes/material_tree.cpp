@@ -69,19 +69,26 @@ bool is_bent(const MaterialTree& tree) {
   return tree->bsdf.bend.kind != BendKind::kNone;
 }
 
-MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
-  if (tree == nullptr || is_nothing(tree)) return tree;
-  MaterialNode copy = *tree;
-  if (is_branch(tree)) {
-    copy.first = bent(tree->first, bend);
-    copy.second = bent(tree->second, bend);
-  } else {
-    copy.bsdf.bend = bend;
-  }
-  return std::make_shared<MaterialNode>(std::move(copy));
+bool is_turned(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  return is_branch(tree) ? is_turned(tree->first) || is_turned(tree->second) : tree->bsdf.turn.turns();
 }
 
 namespace {
+
+/// The tree with `change` applied to the BSDFs of all leaves.
+template <typename Change>
+MaterialTree with_leaves(const MaterialTree& tree, const Change& change) {
+  if (tree == nullptr || is_nothing(tree)) return tree;
+  MaterialNode copy = *tree;
+  if (is_branch(tree)) {
+    copy.first = with_leaves(tree->first, change);
+    copy.second = with_leaves(tree->second, change);
+  } else {
+    change(copy.bsdf);
+  }
+  return std::make_shared<MaterialNode>(std::move(copy));
+}
 
 /// The tree with each leaf of hair replaced by `fibre(hair)`; the same tree where there is none.
 template <typename Fibre>
@@ -99,6 +106,18 @@ MaterialTree with_hair(const MaterialTree& tree, const Fibre& fibre) {
 }
 
 }  // namespace
+
+MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
+  return with_leaves(tree, [&](Bsdf& bsdf) { bsdf.bend = bend; });
+}
+
+SurfaceMaterial turned(const SurfaceMaterial& material, const SurfaceTurn& turn) {
+  const auto side = [&](const MaterialTree& tree) {
+    return with_leaves(tree, [&](Bsdf& bsdf) { bsdf.turn = turn; });
+  };
+  const MaterialTree front = side(material.front);
+  return {front, material.back == material.front ? front : side(material.back)};
+}
 
 SurfaceMaterial hair_of_tubes(const SurfaceMaterial& material) {
   const auto outside = [](HairBsdf hair) -> BsdfModel {

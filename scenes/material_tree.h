@@ -48,12 +48,18 @@ bool is_nothing(const MaterialTree& tree);
 /// Whether any leaf has a normal or bump map.
 bool is_bent(const MaterialTree& tree);
 
+/// Whether the tangent of any leaf is turned.
+bool is_turned(const MaterialTree& tree);
+
 /// The tree with `bend` applied to all leaves.
 MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend);
 
 /// Both sides bent by the same map: a normal that leans outwards on the front leans inwards on the back. The
 /// two sides then always differ.
 SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend);
+
+/// The material with the tangents of all leaves turned.
+SurfaceMaterial turned(const SurfaceMaterial& material, const SurfaceTurn& turn);
 
 /// The material as it is on tubes of triangles: hair takes its offset from the normals, and light that has
 /// passed a fibre leaves it without another surface.

@@ -25,6 +25,7 @@ void add_needs_of_bsdf(const SceneDescription& scene, int bsdf, TextureNeeds& ne
   if (bsdf < 0) return;  // black, or no BSDF
   const Bsdf& each = scene.bsdfs[std::size_t(bsdf)];
   add_needs(scene, each.bend.texture, needs);
+  add_needs(scene, each.turn.texture, needs);
   std::visit(
       [&](const auto& model) {
         using Model = std::remove_cvref_t<decltype(model)>;

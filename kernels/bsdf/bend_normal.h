@@ -4,6 +4,10 @@
 // The bent normal stays on the side of wo and faces it. If the texture's normal would not, it is tilted the
 // other way by the same amount, as in Mitsuba 3 from 3.7 on (Schuessler et al. 2017 discuss why). If it
 // points into the surface, the surface's own normal is used.
+//
+// Then tangents are turned about these normals, by the angle from the tangent to the cross product of the
+// front's normal and the tangent, or the other way where the material's `turn` is -1. A texture's value t is
+// the direction (2 t.x - 1, 2 t.y - 1) in these axes before the turn.
 #ifndef PENUMBRA_BEND_NORMAL_H
 #define PENUMBRA_BEND_NORMAL_H
 #include "kernels/intersect/surface_uv.h"
@@ -267,7 +271,38 @@ STAGE void apply_bends(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT t
     }
 }
 
-/// Bends the shading normals of the surfaces. Their materials must be leaves.
+/// The textures of the materials that turn tangents, or -1. Returns whether any material does.
+STAGE bool note_turn_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                              PRIVATE int* RESTRICT textures) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) {
+    GLOBAL const Material* m = scene->materials + surfaces->material[j];
+    textures[j] = m->turn_texture;
+    any |= m->turn;
+  }
+  return any != 0;
+}
+
+STAGE void turn_tangents(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT textures,
+                         const PRIVATE TextureLanes* RESTRICT found, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      GLOBAL const Material* m = scene->materials + s.material;
+      const vec3 value = LOAD_LANE_vec3(found->value, j);
+      const int turn = m->turn;
+      const bool mapped = textures[j] >= 0;
+      const float u = mapped ? 2.0f * value.x - 1.0f : 1.0f, v = mapped ? 2.0f * value.y - 1.0f : 0.0f;
+      const float cosine = m->turn_cosine, sine = m->turn_sine;
+      const float side = s.front ? (float)turn : -(float)turn;
+      const vec3 x = tangent_axis(s.shading, s.tangent);
+      const vec3 turned =
+          add(scale(x, cosine * u - sine * v), scale(cross3(s.shading, x), side * (sine * u + cosine * v)));
+      STORE_LANE_vec3(surfaces->tangent, j, select3((turn != 0) & is_hit(s), turned, s.tangent));
+    }
+}
+
+/// Bends the shading normals of the surfaces and turns their tangents. Their materials must be leaves.
 FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
   int textures[LANES];
   TextureLanes found;
@@ -300,6 +335,10 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
     if (HAS(CURVES) && NEEDS(scene, CURVES)) find_curve_derivatives(scene, surfaces, &derivatives);
     bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
     apply_bends(scene, textures, &bends, surfaces);
+  }
+  if (note_turn_textures(scene, surfaces, textures)) {
+    eval_textures(scene, surfaces, textures, &found);
+    turn_tangents(scene, textures, &found, surfaces);
   }
 }
 

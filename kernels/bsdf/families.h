@@ -155,6 +155,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define OPENPBR_WEIGHT_TINTS 8  // the specular weight is a factor of the dielectric's reflection, too
 #define OPENPBR_TINT_FADES 16   // towards white at grazing angles, as in glTF
 #define OPENPBR_WALKS 32        // what scatters below goes into the medium inside, see interiors.h
+#define OPENPBR_GLTF 64         // parameters have glTF's meaning, see openpbr.h
 #define OPENPBR_BASE 0
 #define OPENPBR_PLAIN_SETS 1
 #define OPENPBR_SCATTERED 1

@@ -34,6 +34,14 @@ FN Microfacets openpbr_microfacets(float roughness, float anisotropy) {
                           max_f(along * across, LEAST_FACET_ALPHA));
 }
 
+/// Of a roughness in [0, 1], and a strength in [0, 1] that raises it along the tangent
+/// (KHR_materials_anisotropy of glTF).
+FN Microfacets gltf_microfacets(float roughness, float strength) {
+  const float alpha = roughness * roughness;
+  return make_microfacets(DISTRIBUTION_GGX, max_f(mix_f(alpha, 1.0f, strength * strength), LEAST_FACET_ALPHA),
+                          max_f(alpha, LEAST_FACET_ALPHA));
+}
+
 /// D(h), area per solid angle, for a unit normal h with h.z > 0. It uses squared slopes, since 1 - cos^2
 /// loses all digits at low roughness.
 FN float microfacet_density(Microfacets m, vec3 h) {

@@ -17,7 +17,10 @@
 // medium inside, which gives it its colour (interiors.h); such directions have DELTA_PDF, since only walks
 // reach what is behind. Otherwise it is reflected diffusely.
 //
-// Fuzz is the sheen of Estevez and Kulla 2017 with the masking of Neubelt and Pettineo 2013.
+// With OPENPBR_GLTF, `anisotropic` is KHR_materials_anisotropy's strength. `specular` and `specular_level`
+// are KHR_materials_specular's: they change nothing of a metal, the level is a factor of all that the
+// dielectric reflects, and what it does not reflect outside it transmits. Fuzz takes from what is below the
+// albedo of its brightest channel (KHR_materials_sheen).
 //
 // Fields: `diffuse` base colour, `spec_tint` base weight, `flatness` diffuse roughness, `specular` colour and
 // `specular_level` weight of reflection (in `ior`, too, unless OPENPBR_WEIGHT_TINTS), `internal` mean Fresnel
@@ -30,6 +33,7 @@
 #include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/disney_lobes.h"
+#include "kernels/bsdf/fuzz.h"
 #include "kernels/bsdf/roughplastic.h"
 #include "kernels/bsdf/thin_film.h"
 #include "kernels/scene.h"
@@ -167,14 +171,6 @@ FN float rough_diffuse_value(RoughDiffuse d, float colour) {
   return max_f(colour * d.once + more * d.more, 0.0f);
 }
 
-/// D V of fuzz, for unit directions above the horizon with half vector h.
-FN float fuzz_lobe(float roughness, float cos_o, float cos_i, float cos_h) {
-  const float inverse = 1.0f / sqr(max_f(roughness, LEAST_FUZZ_ROUGHNESS));
-  const float sine2 = max_f(1.0f - cos_h * cos_h, 1e-12f);
-  const float density = (2.0f + inverse) * (0.5f * INV_PI_F) * exp_f(0.5f * inverse * log_f(sine2));
-  return density * 0.25f / max_f(cos_o + cos_i - cos_o * cos_i, 1e-6f);
-}
-
 FN vec3 uniform_vec3(float x) { return make_vec3(x, x, x); }
 
 /// The parts that depend on wo alone.
@@ -229,19 +225,28 @@ FN float left_after(float back, float albedo) {
   return (1.0f - back) / max_f(1.0f - back * min_f(albedo, 1.0f), 1e-6f);
 }
 
-/// For a channel: the mean of the microfacets' further reflections, over that of the light below, in which
-/// they are. `boundary`: the mean of their reflectance; `reflected`: of what they reflect.
-FN float further_share(OpenPbr p, float boundary, float reflected, float tint) {
-  const float further = many_reflections(boundary, p.mean_plain) * (1.0f - p.mean_plain);
-  return tint * (p.weight * further / max_f(1.0f - reflected, 1e-6f));
-}
-
 /// What the microfacets of the dielectric leave of the light. Where the tint fades, that is without colour,
 /// as glTF defines.
 FN vec3 left_by_dielectric(OpenPbr p) {
   const vec3 reflected = tinted(p, p.reflected, p.plain);
   const vec3 taken = select3(p.fades > 0.0f, uniform_vec3(max_component(reflected)), reflected);
   return sub(uniform_vec3(1.0f), taken);
+}
+/// For a channel: the mean of the microfacets' further reflections, over that of the light below, in which
+/// they are. `boundary`: the mean of their reflectance; `reflected`: of what they reflect.
+FN float further_share(OpenPbr p, float boundary, float reflected) {
+  return many_reflections(boundary, p.mean_plain) * (1.0f - p.mean_plain) / max_f(1.0f - reflected, 1e-6f);
+}
+/// Where the tint fades, each reflection is tinted.
+FN vec3 further_shares(OpenPbr p, vec3 boundary) {
+  const bool fades = p.fades > 0.0f;
+  const vec3 each = select3(fades, tinted(p, boundary, 1.0f), boundary);
+  const vec3 left = tinted(p, p.mean_reflected, p.mean_plain);
+  const vec3 reflected = select3(fades, uniform_vec3(max_component(left)), p.mean_reflected);
+  const vec3 tint = select3(fades, uniform_vec3(1.0f), scale(p.tint, p.weight));
+  return make_vec3(tint.x * further_share(p, each.x, reflected.x),
+                   tint.y * further_share(p, each.y, reflected.y),
+                   tint.z * further_share(p, each.z, reflected.z));
 }
 /// The same of a base of this colour, with their further reflections.
 FN vec3 below_dielectric(OpenPbr p, vec3 base) {
@@ -306,6 +311,12 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   const vec3 white = uniform_vec3(1.0f);
   OpenPbr p;
   p.facets = openpbr_microfacets(c.roughness, layered ? c.anisotropic : 0.0f);
+  const bool gltf = (c.variant & OPENPBR_GLTF) != 0;
+  if (layered) {
+    const Microfacets raised = gltf_microfacets(c.roughness, c.anisotropic);
+    p.facets.alpha_u = gltf ? raised.alpha_u : p.facets.alpha_u;
+    p.facets.alpha_v = gltf ? raised.alpha_v : p.facets.alpha_v;
+  }
   p.rows = base_rows(c, p.facets, layered, wo);
   const CurvePlace at = curve_place(wo.z);
   const FacetAlbedos albedos = base_albedos(scene, p.rows, at);
@@ -333,24 +344,24 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     internal = mix3(internal, film_over_dielectric(scene, p.film, film_mean()), c.film);
   }
 
-  p.metal = c.metallic * c.specular_level;
+  p.metal = gltf ? c.metallic : c.metallic * c.specular_level;
   p.dielectric = 1.0f - c.metallic;
-  p.tint = c.specular;
   p.weight = (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f;
   p.along_normal = normal_reflectance(c.ior);
   p.fades = (c.variant & OPENPBR_TINT_FADES) != 0 ? 1.0f / max_f(1.0f - p.along_normal, 1e-3f) : 0.0f;
+  const float most = p.fades > 0.0f ? 1.0f / max_f(p.along_normal, 1e-6f) : 1e30f;  // all is reflected
+  p.tint = make_vec3(min_f(c.specular.x, most), min_f(c.specular.y, most), min_f(c.specular.z, most));
   p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
-  p.dip = make_vec3(metal_dip(p.metal_base.x, c.specular.x), metal_dip(p.metal_base.y, c.specular.y),
-                    metal_dip(p.metal_base.z, c.specular.z));
+  const vec3 edge = select3(gltf, white, c.specular);
+  p.dip = make_vec3(metal_dip(p.metal_base.x, edge.x), metal_dip(p.metal_base.y, edge.y),
+                    metal_dip(p.metal_base.z, edge.z));
   vec3 metal_mean = make_vec3(mean_metal(p.metal_base.x, p.dip.x), mean_metal(p.metal_base.y, p.dip.y),
                               mean_metal(p.metal_base.z, p.dip.z));
   if (film) metal_mean = film_over_metal(scene, p.film, film_mean(), p.metal_base, metal_mean, c.film);
   p.metal_again =
       make_vec3(many_reflections(metal_mean.x, p.mean_plain), many_reflections(metal_mean.y, p.mean_plain),
                 many_reflections(metal_mean.z, p.mean_plain));
-  p.again = make_vec3(further_share(p, internal.x, p.mean_reflected.x, p.tint.x),
-                      further_share(p, internal.y, p.mean_reflected.y, p.tint.y),
-                      further_share(p, internal.z, p.mean_reflected.z, p.tint.z));
+  p.again = further_shares(p, internal);
 
   p.inside = layered & ((c.variant & OPENPBR_INSIDE) != 0);
   p.thin = layered & ((c.variant & OPENPBR_THIN) != 0);
@@ -405,7 +416,8 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     const float fuzz_reflects = facet_curve(scene, fuzz_rows, at);
     // Of fuzz that reflects more than arrives the lobe is dimmed.
     p.fuzz = p.inside ? 0.0f : c.sheen / max_f(fuzz_reflects, 1.0f);
-    p.above_coat = max_f(1.0f - p.fuzz * fuzz_reflects, 0.0f);
+    const float of_colour = gltf ? max_component(c.k) : 1.0f;
+    p.above_coat = max_f(1.0f - p.fuzz * fuzz_reflects * of_colour, 0.0f);
     // Of the light from below the coat reflects `back`, again and again: all that comes up from a diffuse
     // base, as much as on the way in from a mirror.
     const vec3 albedo = add(add(add(at_once, diffuse), passed), comes_back);
@@ -486,12 +498,15 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const vec3 fresnel =
       base_reflectances(scene, c, p, film, FABS(cos_o), dielectric_fresnel(FABS(cos_o), c.ior).reflectance);
   const vec3 glass_reflects = select3(p.thin, reflectances_of_two(fresnel), fresnel);
-  const vec3 glass_passes = sub(uniform_vec3(1.0f), glass_reflects);
+  const vec3 tinted_glass = tinted(p, glass_reflects, 1.0f);
+  const bool keeps = ((c.variant & OPENPBR_GLTF) != 0) & !p.inside;
+  const vec3 glass_passes =
+      sub(uniform_vec3(1.0f), select3(keeps, uniform_vec3(max_component(tinted_glass)), glass_reflects));
   const float density = reflected_density(p.facets, wo, h);
   const float masked = density * microfacet_masking(p.facets, above);
   const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
   const vec3 metal = metal_reflectances(scene, c, p, film, FABS(cos_o));
-  const vec3 by_glass = mul(tinted(p, glass_reflects, 1.0f), p.glass);
+  const vec3 by_glass = mul(tinted_glass, p.glass);
   const vec3 by_both = add_scaled(by_glass, p.opaque, tinted(p, fresnel, 1.0f));
   const vec3 outside = add_scaled(scale(by_both, p.dielectric), p.metal, metal);
   const vec3 in_glass = scale(p.glass, p.dielectric);

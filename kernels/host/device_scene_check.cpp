@@ -313,6 +313,8 @@ class Checker : public RecordCheck {
               "a material with a wrong number of leaves that let rays pass");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NONE, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(in(m.turn, -1, 1) && std::isfinite(m.turn_cosine) && std::isfinite(m.turn_sine),
+              "a tangent is turned in an unknown way");
       require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_PANES) &&
                                  m.branches == 0 && m.passes == PASSES_SOME),
               "a thin pane that is none");

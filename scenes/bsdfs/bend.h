@@ -1,5 +1,7 @@
-// Normal maps and bump maps: textures that change the shading normal of a surface.
+// Normal maps and bump maps: textures that change the shading normal of a surface. Turns of its tangent.
 #pragma once
+
+#include <cmath>
 
 #include "kernels/scene_types.h"
 #include "scenes/plugin_values.h"
@@ -50,6 +52,31 @@ struct BumpMapParameters : BendParameters<BumpMapParameters> {
   }
 };
 
+/// A turn of the tangent in the plane of the surface. `texture` has directions that are turned instead of it:
+/// 2 t - 1 along the tangent (red) and the bitangent (green).
+struct SurfaceTurn {
+  int texture = kNoTexture;  ///< an index into SceneDescription::textures
+  float angle = 0.0f;        ///< radians, counter-clockwise as seen from the front
+  bool mirrored = false;     ///< whether the bitangent points the other way, and the angle counts so
+  [[nodiscard]] bool turns() const { return texture != kNoTexture || angle != 0.0f; }
+  friend bool operator==(const SurfaceTurn&, const SurfaceTurn&) = default;
+};
+struct TurnedTangentParameters {
+  static constexpr const char* kPlugin = "turnedtangent";
+  static constexpr const char* kText =
+      "a BSDF whose tangent is turned; red and green of a nested raw texture are another tangent";
+  float angle = 0.0f;  ///< degrees
+  bool mirrored = false;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("angle", &TurnedTangentParameters::angle, NumberWithin{LowEnd::kClosed, -kAnyNumber, kAnyNumber},
+        "of the turn in degrees, counter-clockwise");
+    row("mirrored", &TurnedTangentParameters::mirrored, TrueOrFalse{},
+        "whether green and the angle count the other way");
+  }
+};
+
 /// The distance in texture coordinates of the finite differences of a bump map that is not an image. It is
 /// large enough for single precision.
 constexpr float kBendStep = 1.0f / 4096.0f;
@@ -61,6 +88,13 @@ inline void set_bend(Material& m, const SurfaceBend& bend) {
   m.bend_scale = bend.scale;
   m.bend_step = kBendStep;
   m.bend_shadows = bends && bend.shadows ? 1 : 0;
+}
+
+inline void set_turn(Material& m, const SurfaceTurn& turn) {
+  m.turn = !turn.turns() ? 0 : turn.mirrored ? -1 : 1;
+  m.turn_texture = turn.texture;
+  m.turn_cosine = std::cos(turn.angle);
+  m.turn_sine = std::sin(turn.angle);
 }
 
 }  // namespace penumbra

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "kernels/bsdf/families.h"
+#include "kernels/bsdf/fuzz.h"
 #include "scenes/angles.h"
 #include "scenes/bsdfs/rough_boundary.h"
 
@@ -168,7 +168,8 @@ FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosi
 double fuzz_albedo(double roughness, double cosine) {
   // In wi's cosine and azimuth. The lobe has no peak.
   constexpr int kSteps = 48;
-  const double inverse = 1 / std::pow(std::max(roughness, double(LEAST_FUZZ_ROUGHNESS)), 2);
+  const float alpha = fuzz_alpha(float(roughness));
+  const double inverse = 1 / double(alpha);
   const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -181,9 +182,10 @@ double fuzz_albedo(double roughness, double cosine) {
       const double across = hx * hx + hy * hy;
       turned += std::pow(across / (across + hz * hz), 0.5 * inverse);
     }
-    sum += turned / kTurns * z / (cosine + z - cosine * z) * 3 * at * at / kSteps;
+    sum +=
+        turned / kTurns * z * double(fuzz_visibility(alpha, float(cosine), float(z))) * 3 * at * at / kSteps;
   }
-  return (2 + inverse) * sum / 4;
+  return (2 + inverse) * sum;
 }
 
 double mean_fresnel(double ior) {

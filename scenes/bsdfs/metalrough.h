@@ -21,6 +21,9 @@ struct MetalRoughParameters {
   TexturedColour specular_color{glm::vec3(1.0f)};
   TexturedNumber clearcoat{}, clearcoat_roughness{};
 
+  /// Factor of `specular_color` without an index; textures must have it already.
+  static constexpr float kWithoutIndex = 25.0f;
+
   template <typename Row>
   static void parameters(const Row& row) {
     using M = MetalRoughParameters;
@@ -39,27 +42,16 @@ struct MetalRoughParameters {
   /// `transmits`: whether the surface is to transmit, which it does as if it had no coat.
   [[nodiscard]] OpenPbrBsdf as_openpbr(bool transmits = false) const {
     OpenPbrBsdf surface;
+    surface.gltf = true;
     surface.base_color = base_color;
     surface.base_metalness = metallic;
     surface.specular_roughness = roughness;
-    // The factors of the reflectance along the normal are in the index, and the rest in the colour.
-    const float step = (ior - 1.0f) / (ior + 1.0f), plain = ior == 0.0f ? 1.0f : step * step;
-    const glm::vec3 given = specular_color.value;
-    const bool coloured = specular_color.texture != kNoTexture;
-    const float most = coloured ? 1.0f : std::max({given.x, given.y, given.z});
-    const float factor = specular.texture == kNoTexture ? specular.value : 1.0f;
+    // Without an index all light is reflected along the normal. It is that of the usual one, times a colour.
+    surface.specular_ior = ior == 0.0f ? 1.5f : ior;  // which reflects 1 / kWithoutIndex there
     surface.specular_color = specular_color;
-    const float along_normal = std::min(plain * most, 1.0f);
-    if (!coloured)
-      surface.specular_color.value =
-          most > 0.0f ? glm::min(given * plain, glm::vec3(1.0f)) / std::max(along_normal, 1e-20f)
-                      : glm::vec3(1.0f);
-    const bool all_metal = metallic.value == 1.0f && metallic.texture == kNoTexture;
-    if (all_metal) surface.specular_color = glm::vec3(1.0f);
+    if (ior == 0.0f) surface.specular_color.value *= kWithoutIndex;
     surface.specular_color_fades = surface.specular_color != TexturedColour(glm::vec3(1.0f));
-    if (specular.texture != kNoTexture && !all_metal) surface.specular_weight = specular;
-    const float root = std::min(std::sqrt(along_normal * factor), 0.999f);
-    surface.specular_ior = (1.0f + root) / (1.0f - root);
+    surface.specular_weight = specular;
 
     // glTF's coat changes nothing of what is below it.
     surface.coat_weight = clearcoat;

@@ -36,6 +36,7 @@ struct OpenPbrBsdf {
   bool specular_color_fades = false;
   bool coat_roughens = true;
   TexturedNumber specular_roughness{0.3f}, specular_anisotropy{};
+  bool gltf = false;
   float specular_ior = 1.5f;  ///< inside over outside
   TexturedNumber transmission_weight{};
   TexturedColour transmission_color{glm::vec3(1.0f)};
@@ -79,14 +80,16 @@ struct OpenPbrBsdf {
     row("base_metalness", &O::base_metalness, NumberWithin{}, "from a dielectric to a metal");
     row("specular_weight", &O::specular_weight, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
         "factor of what is reflected along the normal, by another index; of all that a metal reflects");
-    row("specular_color", &O::specular_color, ColourWithin{},
-        "factor of the dielectric's reflection; of the metal's at grazing angles");
+    row("specular_color", &O::specular_color, ColourWithin{0.0f, kAnyNumber},
+        "factor of the dielectric's reflection; of the metal's at grazing angles; at most 1, unless glTF's");
     row("specular_color_fades", &O::specular_color_fades, TrueOrFalse{},
         "whether the dielectric's reflection becomes white at grazing angles, as in glTF");
     row("specular_roughness", &O::specular_roughness, NumberWithin{},
         "of the microfacets: their alpha is its square");
     row("specular_roughness_anisotropy", &O::specular_anisotropy, NumberWithin{},
         "how much longer highlights are along the tangent");
+    row("gltf", &O::gltf, TrueOrFalse{},
+        "whether anisotropy, specular and fuzz have the meaning of glTF's extensions");
     row("specular_ior", &O::specular_ior, kIndex, "refractive index of the dielectric");
     row("transmission_weight", &O::transmission_weight, NumberWithin{},
         "how much of the dielectric transmits instead of reflecting diffusely");
@@ -113,7 +116,8 @@ struct OpenPbrBsdf {
     row("subsurface_color", &O::subsurface_color, ColourWithin{}, "albedo of what scatters there");
     row("subsurface_radius", &O::subsurface_radius, kLength, "mean free path");
     row("subsurface_radius_scale", &O::subsurface_radius_scale, ColourWithin{}, "its factor for each colour");
-    row("subsurface_scatter_anisotropy", &O::subsurface_anisotropy, kCosine,
+    row("subsurface_scatter_anisotropy", &O::subsurface_anisotropy,
+        NumberWithin{LowEnd::kClosed, -1.0f, 1.0f},
         "mean cosine of scattering; of sheets, from reflection to transmission");
     row("coat_weight", &O::coat_weight, NumberWithin{}, "how much of the surface has a coat");
     row("coat_color", &O::coat_color, ColourWithin{},
@@ -132,6 +136,13 @@ struct OpenPbrBsdf {
 
   template <typename Given>
   void complete(Findings& findings, const Given&) {
+    const glm::vec3 tint = specular_color.value;
+    if (std::max({tint.x, tint.y, tint.z}) > 1.0f && !(gltf && specular_color_fades))
+      findings.push_back(
+          {"specular_color", "it is at most 1, unless gltf and specular_color_fades are true"});
+    if (!thin_walled)
+      check_within(findings, "subsurface_scatter_anisotropy", double(subsurface_anisotropy),
+                   -double(kMostAnisotropy), double(kMostAnisotropy));
     if (disperses() && dispersion_abbe < kLeastAbbe * dispersion_scale)
       findings.push_back(
           {"transmission_dispersion_abbe_number", "an Abbe number over its scale is at least 1"});
@@ -186,7 +197,7 @@ struct OpenPbrBsdf {
     const float coat = coat_over_base(), ratio = specular_ior / coat_ior;
     const float under = std::lerp(specular_ior, std::max(ratio, 1.0f / ratio), coat);
     const float step = (under - 1.0f) / (under + 1.0f);
-    const float weight = specular_weight.texture == kNoTexture ? specular_weight.value : 1.0f;
+    const float weight = specular_weight.texture == kNoTexture && !gltf ? specular_weight.value : 1.0f;
     const float root = std::min(std::sqrt(weight) * step, 0.999f);
     return std::max((1.0f + root) / (1.0f - root), transmits() ? float(kLeastMicrofacetIndex) : 1.0f);
   }
@@ -244,8 +255,9 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
         channel_indices(double(outside), double(surface.dispersion_abbe / surface.dispersion_scale)));
     m.channel_ior = to_vec3(surface.inside ? 1.0 / each : each);
   }
-  m.variant = surface.specular_weight.texture != kNoTexture ? OPENPBR_WEIGHT_TINTS : 0;
+  m.variant = surface.specular_weight.texture != kNoTexture || surface.gltf ? OPENPBR_WEIGHT_TINTS : 0;
   m.variant |= surface.specular_color_fades ? OPENPBR_TINT_FADES : 0;
+  m.variant |= surface.gltf ? OPENPBR_GLTF : 0;
 
   FacetCurves curves;
   curves.ior = double(m.ior);
@@ -281,7 +293,8 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
     curves.alpha_u = curves.alpha_v = 0;
     curves.fuzz_roughness = surface.fuzzy() ? 1.0 : -1.0;
   } else {
-    const Microfacets base = openpbr_microfacets(m.roughness, m.anisotropic);
+    const Microfacets base = surface.gltf ? gltf_microfacets(m.roughness, m.anisotropic)
+                                          : openpbr_microfacets(m.roughness, m.anisotropic);
     curves.rows = surface.anisotropic() ? FacetRows::kAzimuth : FacetRows::kOne;
     m.variant |= surface.anisotropic() ? OPENPBR_BY_AZIMUTH : 0;
     curves.alpha_u = double(base.alpha_u);

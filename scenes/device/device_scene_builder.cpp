@@ -206,10 +206,11 @@ class SceneBuilder {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
-      if (is_anisotropic(closure_of(m))) need(FEATURE_UV);
+      if (is_anisotropic(closure_of(m))) need(m.turn != 0 ? FEATURE_UV | FEATURE_BENT : FEATURE_UV);
       if (disperses(m)) need(FEATURE_DISPERSION);
       h_.textured |= textured_fields(m);
-      textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
+      textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture ||
+                 m.turn_texture != kNoTexture;
       records_.materials.push_back(m);
     }
     tables.compute();

@@ -233,7 +233,7 @@ class SceneBuilder {
     }
     const auto moving = moving_place(index, to_world, visibility);
     std::string name = node.name.empty() ? fmt::format("node {}", index) : node.name;
-    // Mirrored instances have other normal maps.
+    // Mirrored instances have other bitangents.
     std::optional<int> groups[2];
     const auto group_of = [&](bool mirrored) {
       if (groups[mirrored]) return *groups[mirrored];
@@ -243,7 +243,7 @@ class SceneBuilder {
       if (!shapes.shapes.empty()) scene_.groups.push_back(std::move(shapes));
       return *groups[mirrored];
     };
-    const bool has_maps = has_normal_maps(asset_.model.meshes[std::size_t(node.mesh)]);
+    const bool has_tangents = this->has_tangents(asset_.model.meshes[std::size_t(node.mesh)]);
     std::size_t flat = 0;
     for (const glm::dmat4& instance : **instances) {
       const glm::dmat4 placed = to_world * instance;
@@ -251,7 +251,7 @@ class SceneBuilder {
         ++flat;
         continue;
       }
-      const int group = group_of(has_maps && is_mirror(placed));
+      const int group = group_of(has_tangents && is_mirror(placed));
       if (group < 0) continue;
       if (moving)
         motion_.instances.push_back({scene_.instances.size(), {moving->node, moving->to_node * instance}});
@@ -263,11 +263,13 @@ class SceneBuilder {
                                index, flat, (*instances)->size()));
   }
 
-  [[nodiscard]] bool has_normal_maps(const tinygltf::Mesh& mesh) const {
+  /// Whether a material may refer to tangents.
+  [[nodiscard]] bool has_tangents(const tinygltf::Mesh& mesh) const {
     const auto& materials = asset_.model.materials;
     return std::ranges::any_of(mesh.primitives, [&](const tinygltf::Primitive& primitive) {
-      return primitive.material >= 0 && std::size_t(primitive.material) < materials.size() &&
-             materials[std::size_t(primitive.material)].normalTexture.index >= 0;
+      if (primitive.material < 0 || std::size_t(primitive.material) >= materials.size()) return false;
+      const tinygltf::Material& material = materials[std::size_t(primitive.material)];
+      return material.normalTexture.index >= 0 || material.extensions.contains("KHR_materials_anisotropy");
     });
   }
 
@@ -309,7 +311,7 @@ class SceneBuilder {
       const auto add = [&](Mesh part, const SurfaceOfMaterial& with) {
         add_mesh({std::move(part), posed->deformation}, with, place, location, name, shapes);
       };
-      if (!surface.has_normal_map) {
+      if (!surface.has_tangents) {
         add(std::move(posed->mesh), surface);
         continue;
       }
@@ -345,8 +347,8 @@ class SceneBuilder {
     }
   }
 
-  /// The triangles on which green counts the other way: those with mirrored coordinates, or with others in a
-  /// mirrored place.
+  /// The triangles on which the bitangent points the other way: those with mirrored coordinates, or with
+  /// others in a mirrored place.
   Expected<std::vector<bool>> reversed_triangles(const tinygltf::Primitive& primitive, const Mesh& mesh,
                                                  bool mirror, bool is_skinned, SourceLocation location) {
     const auto attributes = PrimitiveAttributes::open(asset_, primitive);

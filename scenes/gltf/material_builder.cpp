@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace penumbra::gltf {
 
@@ -125,7 +126,8 @@ SurfaceMaterial MaterialBuilder::specular_glossiness(const tinygltf::Material& m
   surface.roughness = TexturedNumber(float(1.0 - glossiness));
   if (texture.there()) {
     if (const auto colours = textures_.colours(texture))
-      surface.specular_color.texture = textures_.scaled(*colours, surface.specular_color.value);
+      surface.specular_color.texture =
+          textures_.scaled(*colours, surface.specular_color.value * MetalRoughParameters::kWithoutIndex);
     if (const auto rough = textures_.roughness_of(texture, glossiness)) {
       surface.roughness = TexturedNumber(1.0f);
       surface.roughness.texture = *rough;
@@ -145,12 +147,12 @@ TexturedNumber MaterialBuilder::number(double factor, const TextureUse& texture,
 }
 
 SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material, std::size_t index,
-                                             const Base& base, bool coloured) {
+                                             const Base& base, const MaterialUse& where) {
   const auto& pbr = material.pbrMetallicRoughness;
   const std::string name = name_of(material, index);
   const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
   MetalRoughParameters surface;
-  surface.base_color = base_colour(base, coloured);
+  surface.base_color = base_colour(base, where.coloured);
   surface.roughness = number(pbr.roughnessFactor, rough, BitmapChannels::kGreen);
   surface.metallic = number(pbr.metallicFactor, rough, BitmapChannels::kBlue);
   const double ior = number_of(extension_of(material, "KHR_materials_ior"), "ior", 1.5);
@@ -168,7 +170,9 @@ SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material,
     const TextureUse colours = extension_use(*specular, "specularColorTexture", index);
     if (colours.there())
       if (const auto texture = textures_.colours(colours))
-        surface.specular_color.texture = textures_.scaled(*texture, surface.specular_color.value);
+        surface.specular_color.texture =
+            textures_.scaled(*texture, surface.specular_color.value *
+                                           (ior == 0.0 ? MetalRoughParameters::kWithoutIndex : 1.0f));
   }
   if (const auto* coat = extension_of(material, "KHR_materials_clearcoat")) {
     surface.clearcoat = number(number_of(coat, "clearcoatFactor", 0.0),
@@ -181,24 +185,17 @@ SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material,
       report_.warn_counted(place(index, "extensions"),
                            "KHR_materials_clearcoat: the coat has the normals of the surface below it");
   }
-  return layers(material, index, surface);
+  return layers(material, index, surface, where);
 }
 
 SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std::size_t index,
-                                        const MetalRoughParameters& core) {
+                                        const MetalRoughParameters& core, const MaterialUse& where) {
   TexturedNumber transmitted;
   if (const auto* transmission = extension_of(material, "KHR_materials_transmission"))
     transmitted = number(number_of(transmission, "transmissionFactor", 0.0),
                          extension_use(*transmission, "transmissionTexture", index), BitmapChannels::kRed);
   const bool transmits = transmitted.value > 0.0f;
   OpenPbrBsdf surface = core.as_openpbr(transmits);
-  const bool colours_highlights = surface.specular_color != TexturedColour(glm::vec3(1.0f)) ||
-                                  surface.specular_weight.texture != kNoTexture;
-  if (colours_highlights && core.metallic.value > 0.0f &&
-      (core.metallic.value < 1.0f || core.metallic.texture != kNoTexture))
-    report_.warn_counted(
-        place(index, "extensions"),
-        "KHR_materials_specular: where a surface is partly a metal, it changes the metal, too");
   if (transmits) {
     surface.transmission_weight = transmitted;
     surface.transmission_color = core.base_color;
@@ -219,21 +216,15 @@ SurfaceMaterial MaterialBuilder::layers(const tinygltf::Material& material, std:
         surface.transmission_depth = float(std::clamp(distance, 1e-30, 1e30));
       }
     }
-    const glm::vec3 tint = core.specular_color.value;
-    const bool reflects_less = core.specular != TexturedNumber(1.0f) ||
-                               core.specular_color.texture != kNoTexture ||
-                               std::min({tint.x, tint.y, tint.z}) < 1.0f;
-    if (!surface.thin_walled && reflects_less)
-      report_.warn_counted(place(index, "extensions"),
-                           "KHR_materials_specular: where a volume reflects less, it also refracts less");
   }
   add_sheen(material, index, surface);
   add_film(material, index, surface);
-  add_anisotropy(material, index, surface);
+  add_diffuse_transmission(material, index, surface);
+  const SurfaceTurn turn = add_anisotropy(material, index, surface, where.mirrored);
   SurfaceMaterial whole = surface_of(name_of(material, index), surface);
   if (!transmits)
     whole.back = whole.front;  // both sides are the same, as in a rasteriser's two-sided materials
-  return with_diffuse_transmission(material, index, surface, std::move(whole));
+  return turn.turns() ? turned(whole, turn) : whole;
 }
 
 void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface) {
@@ -249,13 +240,8 @@ void MaterialBuilder::add_sheen(const tinygltf::Material& material, std::size_t 
   surface.fuzz_color = TexturedColour(colour / most);
   const TextureUse colours = extension_use(*sheen, "sheenColorTexture", index);
   if (colours.there())
-    if (const auto texture = textures_.colours(colours)) {
+    if (const auto texture = textures_.colours(colours))
       surface.fuzz_color.texture = textures_.scaled(*texture, colour / most);
-      report_.warn_counted(
-          place(index, "extensions"),
-          "KHR_materials_sheen: below a sheen whose colour is a texture it is as dark as below "
-          "one of its factor");
-    }
   surface.fuzz_roughness =
       number(number_of(sheen, "sheenRoughnessFactor", 0.0),
              extension_use(*sheen, "sheenRoughnessTexture", index), BitmapChannels::kAlpha);
@@ -283,69 +269,52 @@ void MaterialBuilder::add_film(const tinygltf::Material& material, std::size_t i
                          "KHR_materials_iridescence: below a clear coat the film reflects less");
 }
 
-void MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::size_t index,
-                                     OpenPbrBsdf& surface) {
+SurfaceTurn MaterialBuilder::add_anisotropy(const tinygltf::Material& material, std::size_t index,
+                                            OpenPbrBsdf& surface, bool mirrored) {
   const auto* anisotropy = extension_of(material, "KHR_materials_anisotropy");
-  if (anisotropy == nullptr) return;
-  const double strength = double(unit(number_of(anisotropy, "anisotropyStrength", 0.0)));
-  if (strength == 0.0) return;
-  const double rotation = number_of(anisotropy, "anisotropyRotation", 0.0);
-  if (rotation != 0.0 || anisotropy->Has("anisotropyTexture"))
-    report_.warn_counted(place(index, "extensions"),
-                         "KHR_materials_anisotropy: its texture and its rotation are ignored; highlights are "
-                         "long in the direction of the tangent");
-  if (surface.specular_roughness.texture != kNoTexture) {
-    report_.warn_counted(place(index, "extensions"),
-                         "KHR_materials_anisotropy: where roughness has a texture, anisotropy is that of a "
-                         "roughness of 0.5");
-    surface.specular_anisotropy =
-        along_and_across(std::lerp(0.25, 1.0, strength * strength), 0.25).anisotropy;
-    return;
-  }
-  const double across = std::pow(double(surface.specular_roughness.value), 2);
-  const OpenPbrRoughness both = along_and_across(std::lerp(across, 1.0, strength * strength), across);
-  surface.specular_roughness.value = both.roughness;
-  surface.specular_anisotropy = both.anisotropy;
+  if (anisotropy == nullptr) return {};
+  const TextureUse texture = extension_use(*anisotropy, "anisotropyTexture", index);
+  surface.specular_anisotropy =
+      number(number_of(anisotropy, "anisotropyStrength", 0.0), texture, BitmapChannels::kBlue);
+  if (!surface.anisotropic()) return {};
+  SurfaceTurn turn{.angle = float(std::remainder(number_of(anisotropy, "anisotropyRotation", 0.0),
+                                                 2.0 * std::numbers::pi)),
+                   .mirrored = mirrored};
+  if (texture.there()) turn.texture = textures_.vectors(texture).value_or(kNoTexture);
+  return turn;
 }
 
-SurfaceMaterial MaterialBuilder::with_diffuse_transmission(const tinygltf::Material& material,
-                                                           std::size_t index, const OpenPbrBsdf& surface,
-                                                           SurfaceMaterial whole) {
+void MaterialBuilder::add_diffuse_transmission(const tinygltf::Material& material, std::size_t index,
+                                               OpenPbrBsdf& surface) {
   const auto* extension = extension_of(material, "KHR_materials_diffuse_transmission");
-  if (extension == nullptr) return whole;
-  BlendBsdf blend;
-  blend.weight =
+  if (extension == nullptr) return;
+  const TexturedNumber weight =
       number(number_of(extension, "diffuseTransmissionFactor", 0.0),
              extension_use(*extension, "diffuseTransmissionTexture", index), BitmapChannels::kAlpha);
-  // It is a share of what is neither a metal nor transmitted without being scattered.
-  const auto rest = [](const TexturedNumber& n) { return n.texture == kNoTexture ? 1.0f - n.value : 1.0f; };
-  const float share = rest(surface.base_metalness) * rest(surface.transmission_weight);
-  blend.weight.value *= share;
-  if (blend.weight.texture != kNoTexture && share < 1.0f)
-    blend.weight.texture = textures_.scaled(blend.weight.texture, glm::vec3(share));
-  if (blend.weight.value == 0.0f) return whole;
-  report_.warn_counted(place(index, "extensions"),
-                       "KHR_materials_diffuse_transmission: the share of the surface that transmits has no "
-                       "highlights, and textures of metals and of transmission do not change it");
-  DiffuseTransmitterBsdf sheet;
-  sheet.reflectance = TexturedColour(glm::vec3(0.0f));
-  sheet.transmittance =
+  if (weight == TexturedNumber(0.0f)) return;
+  if (surface.transmits() && !surface.thin_walled)
+    return report_.warn_counted(place(index, "extensions"),
+                                "KHR_materials_diffuse_transmission: of a volume that also transmits without "
+                                "scattering it is ignored");
+  // A sheet that scatters this share of its diffuse light to the other side.
+  surface.thin_walled = true;
+  surface.subsurface_anisotropy = 1.0f;
+  surface.subsurface_weight = weight;
+  surface.subsurface_color =
       TexturedColour(colour_of(numbers_of(*extension, "diffuseTransmissionColorFactor", {1.0, 1.0, 1.0})));
   const TextureUse colours = extension_use(*extension, "diffuseTransmissionColorTexture", index);
   if (colours.there())
     if (const auto texture = textures_.colours(colours))
-      sheet.transmittance.texture = textures_.scaled(*texture, sheet.transmittance.value);
-  const std::string name = name_of(material, index);
-  return blended(name, blend, whole, surface_of(name, sheet));
+      surface.subsurface_color.texture = textures_.scaled(*texture, surface.subsurface_color.value);
 }
 
 SurfaceMaterial MaterialBuilder::lit_part(const tinygltf::Material& material, std::size_t index,
-                                          bool coloured) {
+                                          const MaterialUse& where) {
   if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it only emits
   const Base base = base_of(material, index);
   return extension_of(material, kSpecularGlossiness) != nullptr
-             ? specular_glossiness(material, index, base, coloured)
-             : metal_rough(material, index, base, coloured);
+             ? specular_glossiness(material, index, base, where.coloured)
+             : metal_rough(material, index, base, where);
 }
 
 std::optional<TexturedNumber> MaterialBuilder::coverage(const tinygltf::Material& material,
@@ -398,7 +367,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
                                          const MaterialUse& where) {
   texcoord_ = -1;
   SurfaceOfMaterial result;
-  SurfaceMaterial surface = lit_part(material, index, where.coloured);
+  SurfaceMaterial surface = lit_part(material, index, where);
   const auto& bump = material.normalTexture;
   if (bump.index >= 0 && surface.front != nullptr) {
     tinygltf::TextureInfo info;
@@ -409,9 +378,9 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
             textures_.normals(use(info, index, "normalTexture"), bump.scale, where.mirrored)) {
       // Its bumps do not shade each other: glTF's BSDF has the bent normal instead of the other.
       surface = bent(surface, {.kind = BendKind::kNormalMap, .texture = *normals, .shadows = false});
-      result.has_normal_map = true;
     }
   }
+  result.has_tangents = is_bent(surface.front) || is_turned(surface.front);
   if (material.occlusionTexture.index >= 0)
     report_.warn_counted(place(index, "occlusionTexture"),
                          "textures of occlusion are ignored: what they darken is computed");

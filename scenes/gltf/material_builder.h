@@ -18,13 +18,13 @@ struct SurfaceOfMaterial {
   std::optional<glm::vec3> radiance = std::nullopt;
   int radiance_texture = kNoTexture;  ///< multiplies the radiance
   bool two_sided_emission = false;
-  bool unlit = false;  ///< unlit material: the radiance only makes its colour visible unchanged
-  int texcoord = -1;   ///< the set of texture coordinates; -1: none
-  bool has_normal_map = false;
+  bool unlit = false;         ///< unlit material: the radiance only makes its colour visible unchanged
+  int texcoord = -1;          ///< the set of texture coordinates; -1: none
+  bool has_tangents = false;  ///< whether a texture or a turn refers to tangent and bitangent
 };
 
 /// What a material is made for: whether the mesh has colours of vertices, and whether the texture coordinates
-/// mirror the normal map there, so that its green counts the other way.
+/// mirror its tangents there, so that the green of normal maps counts the other way.
 struct MaterialUse {
   bool coloured = false, mirrored = false;
   friend auto operator<=>(const MaterialUse&, const MaterialUse&) = default;
@@ -50,16 +50,17 @@ class MaterialBuilder {
   SurfaceMaterial specular_glossiness(const tinygltf::Material& material, std::size_t index, const Base& base,
                                       bool coloured);
   SurfaceMaterial metal_rough(const tinygltf::Material& material, std::size_t index, const Base& base,
-                              bool coloured);
+                              const MaterialUse& where);
   /// The core of a material with what its other extensions add.
   SurfaceMaterial layers(const tinygltf::Material& material, std::size_t index,
-                         const MetalRoughParameters& core);
+                         const MetalRoughParameters& core, const MaterialUse& where);
   void add_sheen(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   void add_film(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
-  void add_anisotropy(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
-  SurfaceMaterial with_diffuse_transmission(const tinygltf::Material& material, std::size_t index,
-                                            const OpenPbrBsdf& surface, SurfaceMaterial whole);
-  SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, bool coloured);
+  /// Returns the turn of the tangents by which it goes.
+  SurfaceTurn add_anisotropy(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface,
+                             bool mirrored);
+  void add_diffuse_transmission(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
+  SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, const MaterialUse& where);
   /// How much of the surface there is (alphaMode). Nothing: all of it.
   std::optional<TexturedNumber> coverage(const tinygltf::Material& material, const Base& base);
   void add_emission(const tinygltf::Material& material, std::size_t index, const Base& base, bool coloured,

@@ -198,6 +198,11 @@ std::optional<int> TextureBuilder::cut_alpha(const TextureUse& use, double facto
   return add(use, known->second, 1.0f, BitmapChannels::kAlpha);
 }
 
+std::optional<int> TextureBuilder::vectors(const TextureUse& use) {
+  const auto index = bitmap(use, BitmapChannels::kAll);
+  return index ? std::optional(add(use, *index, 1.0f, BitmapChannels::kAll)) : std::nullopt;
+}
+
 std::optional<int> TextureBuilder::normals(const TextureUse& use, double scale, bool mirrored) {
   auto index = bitmap(use, BitmapChannels::kAll);
   if (!index) return std::nullopt;

@@ -46,6 +46,9 @@ class TextureBuilder {
   std::optional<int> alpha(const TextureUse& use);
   std::optional<int> cut_alpha(const TextureUse& use, double factor, double cutoff);
 
+  /// The image as vectors 2 t - 1.
+  std::optional<int> vectors(const TextureUse& use);
+
   /// The image as a normal map, with x and y multiplied by `scale`, and y negated if it is `mirrored`.
   std::optional<int> normals(const TextureUse& use, double scale, bool mirrored);
 

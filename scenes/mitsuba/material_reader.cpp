@@ -95,6 +95,7 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
       {DisneySumParameters::kPlugin, &MaterialReader::read_lajolla<DisneySumParameters>},
       {"normalmap", &MaterialReader::read_normal_map},
       {"bumpmap", &MaterialReader::read_bump_map},
+      {TurnedTangentParameters::kPlugin, &MaterialReader::read_turned},
       // The name in Mitsuba 0.5.
       {"bump", &MaterialReader::read_bump_map}};
   return all;
@@ -205,6 +206,10 @@ SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
 SurfaceMaterial MaterialReader::read_metal_rough(PluginReader& plugin) {
   MetalRoughParameters surface;
   plugin.read_parameters(surface);
+  if (surface.ior == 0.0f && surface.specular_color.texture != kNoTexture) {
+    plugin.wrong("specular_color", "the specular_color is a number, not a texture, where ior is 0");
+    return {};
+  }
   return surface_of(name_of(plugin.object()), surface.as_openpbr());
 }
 
@@ -365,6 +370,24 @@ SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {
 
 SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
   return read_bent(plugin, BumpMapParameters{}, {BendKind::kBumpMap});
+}
+
+SurfaceMaterial MaterialReader::read_turned(PluginReader& plugin) {
+  TurnedTangentParameters parameters;
+  plugin.read_parameters(parameters);
+  SurfaceTurn turn{.angle = glm::radians(parameters.angle), .mirrored = parameters.mirrored};
+  const std::vector<const Object*> textures = plugin.nested("texture");
+  const auto inside = read_nested(plugin, 1);
+  if (textures.size() > 1) {
+    plugin.wrong(fmt::format("{} holds at most one texture, not {}", plugin.title(), textures.size()));
+    return {};
+  }
+  if (!textures.empty()) {
+    const std::optional<int> texture = context_.textures->read(*textures[0]);
+    if (!texture) return {};
+    turn.texture = *texture;
+  }
+  return inside.empty() ? SurfaceMaterial{} : turned(*inside[0], turn);
 }
 
 std::string MaterialReader::id_of(const Object* bsdf) const {

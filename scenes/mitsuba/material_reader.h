@@ -47,6 +47,7 @@ class MaterialReader {
   SurfaceMaterial read_lajolla(PluginReader& plugin);
   SurfaceMaterial read_normal_map(PluginReader& plugin);
   SurfaceMaterial read_bump_map(PluginReader& plugin);
+  SurfaceMaterial read_turned(PluginReader& plugin);
   template <typename Parameters>
   SurfaceMaterial read_bent(PluginReader& plugin, Parameters parameters, SurfaceBend bend);
   std::vector<const SurfaceMaterial*> read_nested(PluginReader& plugin, std::size_t count);

@@ -16,6 +16,7 @@ constexpr std::pair<std::string_view, std::string_view> kPlugins[] = {{"bsdf", "
                                                                       {"bsdf", "openpbr"},
                                                                       {"bsdf", "phong"},
                                                                       {"bsdf", "roughdiffuse"},
+                                                                      {"bsdf", "turnedtangent"},
                                                                       {"bsdf", "ward"},
                                                                       {"emitter", "sky"},
                                                                       {"emitter", "sun"},

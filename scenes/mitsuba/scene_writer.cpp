@@ -564,15 +564,22 @@ class SceneWriter {
     }
     const bool bends = bent && bsdf->bend.kind != BendKind::kNone;
     if (bends) open_bend(bsdf->bend, attributes);
+    const bool turns = bsdf->turn.turns();
+    if (turns) {
+      xml_.open("bsdf", TurnedTangentParameters::kPlugin, bends ? "" : attributes);
+      put_parameters(xml_, TurnedTangentParameters{glm::degrees(bsdf->turn.angle), bsdf->turn.mirrored});
+      if (bsdf->turn.texture != kNoTexture) xml_.texture(bsdf->turn.texture, TextureUse::kColour);
+    }
     std::visit(
         [&](auto model) {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, MeasuredBsdf>) model.filename = relative(model.filename);
-          xml_.open("bsdf", Model::kPlugin, bends ? "" : attributes);
+          xml_.open("bsdf", Model::kPlugin, bends || turns ? "" : attributes);
           put_parameters(xml_, model);
           xml_.close();
         },
         bsdf->model);
+    if (turns) xml_.close();
     if (bends) xml_.close();
   }
 

@@ -1,4 +1,5 @@
-// Normal maps and bump maps against surfaces with equivalent vertex normals.
+// Normal maps and bump maps against surfaces with equivalent vertex normals; turned tangents against turned
+// texture coordinates.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -92,6 +93,39 @@ TEST(BentNormals, NormalsThatLookAwayLeanTheOtherWay) {
   // And light below the surface is discarded.
   set_texture(mapped, {0.7f, 0.5f, 0.2f});
   EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, LAYER_NORMAL, 2), 1, 1e-6);
+}
+
+/// The square as brushed metal. u grows at `angle` to x.
+SceneDescription brushed(const SurfaceTurn& turn, double angle, bool behind = false) {
+  SceneDescription scene = square({}, {0, 0, 1}, behind);
+  OpenPbrBsdf metal;
+  metal.base_metalness = 1.0f, metal.specular_anisotropy = 0.9f;
+  scene.bsdfs[0].model = metal;
+  scene.bsdfs[0].turn = turn;
+  for (glm::vec2& uv : std::get<Mesh>(scene.shapes[0].geometry).texcoords)
+    uv = {std::cos(angle) * uv.x + std::sin(angle) * uv.y, std::cos(angle) * uv.y - std::sin(angle) * uv.x};
+  return scene;
+}
+
+/// The same with the tangent `angle` from that of a texture's direction, which is at `of_texture`.
+SceneDescription textured(double angle, double of_texture, bool mirrored) {
+  SceneDescription scene = brushed({.texture = 0, .angle = float(angle), .mirrored = mirrored}, 0);
+  set_texture(scene, 0.5f + 0.5f * glm::vec3(std::cos(of_texture), std::sin(of_texture), 0.3));
+  return scene;
+}
+
+TEST(TurnedTangents, AreThoseOfTurnedTextureCoordinates) {
+  for (const double angle : {0.7, -2.0}) {
+    const SceneDescription expected = brushed({}, angle);
+    expect_same(brushed({.angle = float(angle)}, 0), expected);
+    expect_same(brushed({.angle = float(-angle), .mirrored = true}, 0), expected);
+    expect_same(textured(0.4, angle - 0.4, false), expected);
+    expect_same(textured(0.4, -angle - 0.4, true), expected);
+    expect_same(brushed({.angle = float(angle)}, 0, true), brushed({}, angle, true));
+    const double turned = render_or_throw(expected).at(1, 1).mean[1],
+                 straight = render_or_throw(brushed({}, 0)).at(1, 1).mean[1];
+    EXPECT_GT(std::abs(std::log(turned / straight)), 0.05) << "what is compared does not depend on the turn";
+  }
 }
 
 TEST(BentNormals, BumpsAreSlopesOfHeights) {

@@ -184,8 +184,11 @@ TEST_F(GltfText, SpecularColourAndClearCoatKeepTheirFactors) {
 "KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25},
 "KHR_materials_ior": {"ior": 0}}}])")));
   const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
-  // It is a metal, which has no specular colour in glTF.
-  EXPECT_EQ(surface.specular_color.value, glm::vec3(1));
+  EXPECT_TRUE(surface.gltf) << "the specular colour is not the metal's";
+  EXPECT_EQ(surface.specular_weight.value, 0.5f);
+  const float step = (surface.specular_ior - 1) / (surface.specular_ior + 1);
+  EXPECT_NEAR(surface.specular_color.value.y * step * step, 0.4f, 1e-5f)
+      << "all is reflected along the normal";
   EXPECT_EQ(surface.coat_weight.value, 0.75f);
   EXPECT_EQ(surface.coat_roughness.value, 0.25f);
   EXPECT_EQ(surface.coat_ior, 1.5f);
@@ -200,9 +203,11 @@ TEST_F(GltfText, SpecularColoursAreReflectancesAlongTheNormal) {
   const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
   const float step = (surface.specular_ior - 1) / (surface.specular_ior + 1);
   const glm::vec3 seen = surface.specular_color.value * (step * step);
-  EXPECT_NEAR(seen.x, 0.04f, 1e-5f);
-  EXPECT_NEAR(seen.y, 0.008f, 1e-5f);
-  EXPECT_NEAR(seen.z, 0.02f, 1e-5f);
+  EXPECT_NEAR(seen.x, 0.08f, 1e-5f);
+  EXPECT_NEAR(seen.y, 0.016f, 1e-5f);
+  EXPECT_NEAR(seen.z, 0.04f, 1e-5f);
+  EXPECT_EQ(surface.specular_weight.value, 0.5f) << "of all angles";
+  EXPECT_FLOAT_EQ(surface.specular_ior, 1.5f) << "that of refraction";
 }
 
 TEST_F(GltfText, SurfacesMayTransmitPartly) {
@@ -227,17 +232,18 @@ TEST_F(GltfText, SheenIsFuzzOfItsColour) {
   EXPECT_EQ(surface.fuzz_roughness.value, 0.4f);
 }
 
-TEST_F(GltfText, AnisotropyHasTheRoughnessesOfTheExtension) {
+TEST_F(GltfText, AnisotropyIsTurnedFromTheTangent) {
   const SceneDescription scene = good_gltf(triangle().text(
       one_mesh(R"({"attributes": {"POSITION": 0}, "material": 0})",
                R"(, "extensionsUsed": ["KHR_materials_anisotropy"], "materials": [{"pbrMetallicRoughness":
-{"roughnessFactor": 0.4}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}])")));
+{"roughnessFactor": 0.4}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5,
+"anisotropyRotation": 7}}}])")));
   const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
-  const float r2 = surface.specular_roughness.value * surface.specular_roughness.value;
-  const float across = 1 - surface.specular_anisotropy.value,
-              along = r2 * std::sqrt(2 / (1 + across * across));
-  EXPECT_NEAR(along, 0.16f + (1 - 0.16f) * 0.25f, 1e-5f) << "mix(alpha, 1, strength^2)";
-  EXPECT_NEAR(along * across, 0.16f, 1e-5f);
+  EXPECT_TRUE(surface.gltf);
+  EXPECT_EQ(surface.specular_roughness.value, 0.4f);
+  EXPECT_EQ(surface.specular_anisotropy.value, 0.5f);
+  EXPECT_NEAR(scene.bsdfs.at(0).turn.angle, 7 - 2 * std::numbers::pi, 1e-6);
+  EXPECT_EQ(scene.bsdfs.at(0).turn.texture, kNoTexture);
 }
 
 TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
@@ -337,6 +343,32 @@ TEST_F(GltfTextures, NormalsAreLinearAndTheirScaleFlattensThem) {
   expect_near(normal(""), stored, 1e-6);
   expect_near(normal(R"(, "scale": 0.5)"),
               glm::normalize(glm::dvec3(0.5 * stored.x, 0.5 * stored.y, stored.z)), 1e-6);
+}
+
+TEST_F(GltfTextures, AnisotropyHasDirectionsInRedAndGreenAndItsStrengthInBlue) {
+  const SceneDescription scene = with_material(
+      R"({"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyTexture": {"index": 0}}}})");
+  const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
+  const auto& strength =
+      std::get<ScaleTexture>(scene.textures.at(std::size_t(surface.specular_anisotropy.texture)).model);
+  EXPECT_EQ(strength.scale.value, glm::vec3(0.5f));
+  EXPECT_NEAR(texel(scene, strength.texture, 0, 0), 0.6, 1e-6);
+  const SurfaceTurn& turn = scene.bsdfs.at(0).turn;
+  EXPECT_NEAR(texel(scene, turn.texture, 0, 0), 0.2, 1e-6);
+  EXPECT_NEAR(texel(scene, turn.texture, 0, 1), 0.4, 1e-6);
+  EXPECT_FALSE(turn.mirrored);
+}
+
+TEST_F(GltfText, MirroredCoordinatesMirrorTheTurn) {
+  GltfFile file;
+  file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
+  file.accessor<float>("VEC2", {0, 0, 1, 0, 0, 1}, 3);
+  const SceneDescription scene = good_gltf(file.text(one_mesh(
+      R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0})",
+      R"(, "materials": [{"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 1, "anisotropyRotation": 1}}}])")));
+  const Bsdf& bsdf = scene.bsdfs.at(std::size_t(scene.shapes.at(0).front_bsdf));
+  EXPECT_TRUE(bsdf.turn.mirrored);
+  EXPECT_EQ(bsdf.turn.angle, 1.0f);
 }
 
 TEST_F(GltfTextures, AnAreaLightShowsItsTexture) {

@@ -125,6 +125,15 @@ def _bent(feed):
     return make
 
 
+def _brushed(bl_idname, values, **properties):
+    """A BSDF with the tangent of the UV map."""
+    def make():
+        made, shader, _ = material("material", bl_idname, values, **properties)
+        link(made, add_node(made, "ShaderNodeTangent", direction_type="UV_MAP").outputs[0], shader.inputs["Tangent"])
+        return made
+    return make
+
+
 def _placed_image(made):
     image = add_node(made, "ShaderNodeTexImage")
     image.image = picture()
@@ -214,6 +223,10 @@ MATERIALS = {
     "principled half transmission": _one(None, {"Base Color": _COLOUR, "Roughness": 0.2, "Transmission Weight": 0.5}),
     "principled alpha": _one(None, {"Base Color": _COLOUR, "Alpha": 0.4}),
     "principled emission": _one(None, {"Base Color": _COLOUR, "Emission Color": (1, 0.5, 0.2), "Emission Strength": 0.7}),
+    "principled anisotropic": _brushed(None, {"Base Color": (0.9, 0.6, 0.3), "Metallic": 1.0, "Roughness": 0.3,
+                                              "Anisotropic": 0.8, "Anisotropic Rotation": 0.1}),
+    "glossy anisotropic": _brushed(_GLOSSY, {"Color": _COLOUR, "Roughness": 0.4, "Anisotropy": 0.6, "Rotation": 0.15},
+                                   distribution="GGX"),
     "mix": _two("ShaderNodeMixShader", (_DIFFUSE, {"Color": _COLOUR}), (_GLOSSY, {"Roughness": 0.2}), 0.3),
     "mix with emission": _two("ShaderNodeMixShader", (_DIFFUSE, {"Color": _COLOUR}),
                               ("ShaderNodeEmission", {"Color": _COLOUR, "Strength": 2.0}), 0.3),
@@ -235,6 +248,9 @@ MATERIALS = {
     "normal map": _bent(_normal_map), "bump": _bent(_bump), "bump of noise": _bent(_bump_of_noise),
 }
 if bpy.app.version >= (4, 3, 0):
+    MATERIALS["metallic anisotropic"] = _brushed("ShaderNodeBsdfMetallic", {
+        "Base Color": _COLOUR, "Edge Tint": (0.8, 0.9, 1.0), "Roughness": 0.3, "Anisotropy": 0.5, "Rotation": 0.05},
+        fresnel_type="F82")
     MATERIALS["metallic F82"] = _one("ShaderNodeBsdfMetallic", {
         "Base Color": _COLOUR, "Edge Tint": (0.8, 0.9, 1.0), "Roughness": 0.3}, fresnel_type="F82")
     MATERIALS["metallic conductor"] = _one("ShaderNodeBsdfMetallic", {"Roughness": 0.3}, fresnel_type="PHYSICAL_CONDUCTOR",

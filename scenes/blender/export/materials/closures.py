@@ -10,7 +10,7 @@ from .fields import Field, constant
 class Leaf:
     """One BSDF plugin. parameters: Field, bool, int or str by name. colours: the parameters that multiply all of it.
 
-    transmits: whether it has two sides of its own. bend: a Bend, or None. remade: function(factor) -> Leaf, the same with
+    transmits: whether it has two sides of its own. bend: a Bend, or None. turn: a Turn, or None. remade: function(factor) -> Leaf, the same with
     `reflectance`, a Field, times the factor; where no parameter multiplies all of it.
     """
     plugin: str
@@ -20,6 +20,7 @@ class Leaf:
     bend: object = None
     reflectance: Field | None = None
     remade: object = None
+    turn: object = None
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,13 @@ class Bend:
     plugin: str
     texture: Field
     scale: float = 1.0
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Of the tangent: an angle in radians, or a Field of directions along tangent and bitangent, in [0, 1]."""
+    angle: float = 0.0
+    directions: Field | None = None
 
 
 @dataclass(frozen=True)

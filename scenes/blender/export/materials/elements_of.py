@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trees of BSDFs and fields as elements of scene files."""
 
+import math
+
 import numpy
 
 from ..elements import add_value, plugin
@@ -48,6 +50,13 @@ def _leaf_element(leaf: Leaf, context):
             add_value(element, "string", name, value)
         else:
             add_value(element, "float", name, value)
+    if leaf.turn is not None:
+        outer = plugin("bsdf", "turnedtangent")
+        add_value(outer, "float", "angle", math.degrees(leaf.turn.angle))
+        if leaf.turn.directions is not None:
+            add_texture(outer, None, leaf.turn.directions, context, raw=True)
+        outer.append(element)
+        element = outer
     if not leaf.transmits:
         sides = plugin("bsdf", "twosided")
         sides.append(element)

@@ -5,8 +5,9 @@ import math
 
 import numpy
 
-from .closures import BLACK, Closure, Leaf
+from .closures import BLACK, Closure, Leaf, Turn
 from .fields import combine, constant, product, to_number
+from .nodes import source_of
 from .normals import bend_of
 from .shaders import blended, shades, transparent
 
@@ -31,22 +32,34 @@ def fixed(reading, field, node, name):
     return float(to_number(field, "VECTOR").data.mean()) if field.attribute is None else 0.5
 
 
-def note_tangent(reading, source, *names):
-    """Highlights are long along the tangent of texture coordinates, Blender's around the object's z."""
-    if reading.is_linked(source, "Tangent") or not reading.number(source, *names).is_value(0.0):
+def turn_of(reading, source, *names, quarters=0):
+    """The Turn of tangents by a rotation, in whole turns, and by quarters of a turn; None: there is none."""
+    feed = source_of(reading.at(source, "Tangent"))
+    node = getattr(feed, "node", None)
+    if node is None or node.bl_idname != "ShaderNodeTangent" or node.direction_type != "UV_MAP":
         reading.note(source.node, "highlights are long in the direction of the texture's u, not of Blender's tangent")
+    rotation = reading.number(source, *names)
+    if rotation.is_constant:
+        angle = 2 * math.pi * rotation.number + math.pi / 2 * quarters
+        return Turn(angle) if angle else None
+
+    def directions(data):
+        angles = 2 * math.pi * data + math.pi / 2 * quarters
+        return numpy.concatenate([numpy.cos(angles), numpy.sin(angles), 0 * angles], axis=-1) / 2 + 0.5
+
+    return Turn(directions=combine(directions, rotation))
 
 
 def _roughnesses(reading, source):
-    """alpha along the tangent and across it: (u, v)."""
+    """alpha along the tangent and across it, and the tangent's Turn: (u, v, turn)."""
     alpha = squared(reading.number(source, "Roughness", low=0.0, high=1.0))
     anisotropy = reading.number(source, "Anisotropy", low=-0.99, high=0.99)
     if anisotropy.is_value(0.0):
-        return alpha, alpha
-    note_tangent(reading, source, "Rotation")
+        return alpha, alpha, None
     amount = fixed(reading, anisotropy, source.node, "Anisotropy")
     along = 1 - amount if amount >= 0 else 1 / (1 + amount)
-    return product(alpha, constant(along)), product(alpha, constant(1 / along))
+    return (product(alpha, constant(along)), product(alpha, constant(1 / along)),
+            turn_of(reading, source, "Rotation"))
 
 
 def _rough(distribution, along, across):
@@ -65,17 +78,19 @@ def _loses_little(along):
 
 
 def as_openpbr(along, across):
-    """openpbr's roughness and anisotropy that give constant alphas."""
-    ratio = across / along
-    return {"specular_roughness": math.sqrt(along * math.sqrt((1 + ratio ** 2) / 2)),
-            "specular_roughness_anisotropy": 1 - ratio}
+    """openpbr's roughness and anisotropy that give these alphas, of which the first is larger and not 0."""
+    def roughness(u, v):
+        return numpy.sqrt(u * numpy.sqrt((1 + (v / u) ** 2) / 2))
+
+    return {"specular_roughness": combine(roughness, along, across),
+            "specular_roughness_anisotropy": combine(lambda u, v: 1 - v / u, along, across)}
 
 
 @shades("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlossy")
 def glossy(reading, source):
     node = source.node
     colour = reading.colour(source, "Color", high=1.0)
-    along, across = _roughnesses(reading, source)
+    along, across, turn = _roughnesses(reading, source)
     bend = bend_of(reading, source)
     if node.distribution == "ASHIKHMIN_SHIRLEY":
         reading.note(node, "the distribution of Ashikhmin and Shirley is exported as GGX")
@@ -87,7 +102,7 @@ def glossy(reading, source):
     if node.distribution == "MULTI_GGX" and not _loses_little(along):
         reading.note(node, "what anisotropic microfacets lose between each other stays lost")
     return Closure(Leaf("roughconductor", {**mirror, **_rough(node.distribution, along, across)}, ("specular_reflectance",),
-                        bend=bend))
+                        bend=bend, turn=turn))
 
 
 def _constant_metal(reading, source, colour, bend):
@@ -106,7 +121,7 @@ def _constant_metal(reading, source, colour, bend):
 @shades("ShaderNodeBsdfMetallic")
 def metallic(reading, source):
     node = source.node
-    along, across = _roughnesses(reading, source)
+    along, across, turn = _roughnesses(reading, source)
     bend = bend_of(reading, source)
     note_film(reading, source)
     if node.fresnel_type == "F82":
@@ -117,23 +132,17 @@ def metallic(reading, source):
         if along is across:
             parameters["specular_roughness"] = reading.number(source, "Roughness", low=0.0, high=1.0)
         else:
-            alphas = _sorted(reading, node, along, across)
-            parameters |= as_openpbr(*(fixed(reading, alpha, node, "Roughness") for alpha in alphas))
-        return Closure(Leaf("openpbr", parameters, bend=bend))
+            along, across = (combine(lambda data: data.clip(1e-8, 1), alpha) for alpha in (along, across))
+            if along.data.mean() < across.data.mean():  # openpbr's highlights are long along the tangent
+                along, across, turn = across, along, turn_of(reading, source, "Rotation", quarters=1)
+            parameters |= as_openpbr(along, across)
+        return Closure(Leaf("openpbr", parameters, bend=bend, turn=turn))
     if node.distribution == "MULTI_GGX" and not _is_smooth(along):
         reading.note(node, "what its microfacets lose between each other stays lost")
     parameters = {"eta": reading.colour(source, "IOR"), "k": reading.colour(source, "Extinction")}
     if not _is_smooth(along):
         parameters |= _rough(node.distribution, along, across)
-    return Closure(Leaf("conductor" if _is_smooth(along) else "roughconductor", parameters, bend=bend))
-
-
-def _sorted(reading, node, along, across):
-    """openpbr's highlights are long along the tangent only."""
-    if float(along.data.mean()) >= float(across.data.mean()):
-        return along, across
-    reading.note(node, "negative anisotropy is exported as positive")
-    return across, along
+    return Closure(Leaf("conductor" if _is_smooth(along) else "roughconductor", parameters, bend=bend, turn=turn))
 
 
 def note_film(reading, source):

@@ -5,7 +5,7 @@ import math
 
 from .closures import Closure, Leaf, Mask
 from .fields import combine, constant, product
-from .microfacets import as_openpbr, fixed, note_tangent, subsurface_parameters
+from .microfacets import as_openpbr, fixed, squared, subsurface_parameters, turn_of
 from .normals import bend_of
 from .shaders import blended, inverse, multiplied, shades, shining
 
@@ -32,8 +32,11 @@ def principled(reading, source):
     if not transmission.is_value(0.0) and not metalness.is_value(0.0):
         opaque_metal = combine(lambda metal, glass: (metal / (1 - glass).clip(1e-6, 1)).clip(0, 1), metalness, transmission)
     bend = bend_of(reading, source)
+    turn = None
+    if not reading.number(source, "Anisotropic", low=0.0, high=1.0).is_value(0.0):
+        turn = turn_of(reading, source, "Anisotropic Rotation")
     opaque, glass = (None if unused else Leaf("openpbr", _parameters(reading, source, transmits, opaque_metal), (), transmits,
-                                              bend)
+                                              bend, turn=None if transmits else turn)
                      for transmits, unused in ((False, transmission.is_value(1.0)), (True, transmission.is_value(0.0))))
     bsdf = blended(transmission, opaque, glass)
     emission = multiplied(reading, reading.colour(source, "Emission Color"),
@@ -104,10 +107,9 @@ def _add_anisotropy(reading, source, parameters):
     anisotropy = reading.number(source, "Anisotropic", low=0.0, high=1.0)
     if anisotropy.is_value(0.0):
         return
-    note_tangent(reading, source, "Anisotropic Rotation")
-    aspect = math.sqrt(1 - 0.9 * fixed(reading, anisotropy, source.node, "Anisotropic"))
-    alpha = fixed(reading, parameters["specular_roughness"], source.node, "Roughness") ** 2
-    parameters |= as_openpbr(min(max(alpha, 1e-8) / aspect, 1.0), max(alpha, 1e-8) * aspect)
+    aspect = combine(lambda data: (1 - 0.9 * data) ** 0.5, anisotropy)
+    alpha = combine(lambda data: data.clip(1e-8, 1), squared(parameters["specular_roughness"]))
+    parameters |= as_openpbr(combine(lambda a, ratio: (a / ratio).clip(0, 1), alpha, aspect), product(alpha, aspect))
 
 
 def _add_coat(reading, source, parameters, transmits):
