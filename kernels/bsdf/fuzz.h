@@ -1,14 +1,33 @@
-// The fuzz of OpenPBR's surface: the sheen of Estevez and Kulla 2017 ("Production friendly microfacet sheen
-// BRDF"), with the square of the roughness and without their change near the terminator, as in glTF
-// (KHR_materials_sheen).
+// The fuzz of OpenPBR's surface: the sheen of Zeltner, Burley and Chiang 2022, a transformed cosine whose
+// numbers are in curves (scenes/bsdfs/sheen_table.h). That of glTF (KHR_materials_sheen): Estevez and Kulla
+// 2017
+// ("Production friendly microfacet sheen BRDF"), with the square of the roughness and without their change
+// near the terminator.
 #ifndef PENUMBRA_FUZZ_H
 #define PENUMBRA_FUZZ_H
 #include "kernels/bsdf/families.h"
+#include "kernels/bsdf/ltc.h"
 #include "kernels/math/math.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
 #define LEAST_FUZZ_COSINE 1e-4f  // the fit is for larger ones
+
+/// The lobe towards the viewer. The matrix to cosines has the rows (narrow, 0, lean), (0, narrow, 0), (0, 0,
+/// 1), with the x axis on the viewer's side.
+FN Ltc fuzz_ltc(float narrow, float lean) {
+  Ltc lobe;
+  lobe.width_x = lobe.width_y = 1.0f / max_f(narrow, 1e-3f);
+  lobe.shift = lean * lobe.width_x;  // along the mirror direction
+  return lobe;
+}
+/// The pdf of unit directions wi above the horizon.
+FN float fuzz_pdf(Ltc lobe, vec3 wo, vec3 wi) {
+  return ltc_density_over_cosine(lobe, to_lobe_frame(wo, wi)) * wi.z;
+}
+FN vec3 sample_fuzz(Ltc lobe, vec3 wo, vec3 cosine) {
+  return from_lobe_frame(wo, normalize3(from_cosine_space(lobe, cosine)));
+}
 
 FN float fuzz_alpha(float roughness) { return sqr(max_f(roughness, LEAST_FUZZ_ROUGHNESS)); }
 

@@ -193,6 +193,8 @@ typedef struct {
   float opaque;                    // share of the dielectric
   vec3 glass;                      // that of what transmits, times what its single scattering lacks
   float coat, fuzz;                // weights
+  Ltc fuzz_ltc;                    // but with OPENPBR_GLTF
+  float fuzz_reflects;             // its albedo for wo
   vec3 sub_reflected, sub_passed;  // of the opaque base's light: colours of what subsurface scatters
   vec3 below;                      // what coat and fuzz leave of the base; without the coat's absorption
   float above_coat;                // what the fuzz leaves of the coat
@@ -234,8 +236,9 @@ FN vec3 left_by_dielectric(OpenPbr p) {
 }
 /// For a channel: the mean of the microfacets' further reflections, over that of the light below, in which
 /// they are. `boundary`: the mean of their reflectance; `reflected`: of what they reflect.
-FN float further_share(OpenPbr p, float boundary, float reflected) {
-  return many_reflections(boundary, p.mean_plain) * (1.0f - p.mean_plain) / max_f(1.0f - reflected, 1e-6f);
+FN float further_share(OpenPbr p, float boundary, float reflected, float tint, float weight) {
+  const float further = many_reflections(boundary, p.mean_plain) * (1.0f - p.mean_plain);
+  return tint * (weight * further / max_f(1.0f - reflected, 1e-6f));
 }
 /// Where the tint fades, each reflection is tinted.
 FN vec3 further_shares(OpenPbr p, vec3 boundary) {
@@ -243,10 +246,11 @@ FN vec3 further_shares(OpenPbr p, vec3 boundary) {
   const vec3 each = select3(fades, tinted(p, boundary, 1.0f), boundary);
   const vec3 left = tinted(p, p.mean_reflected, p.mean_plain);
   const vec3 reflected = select3(fades, uniform_vec3(max_component(left)), p.mean_reflected);
-  const vec3 tint = select3(fades, uniform_vec3(1.0f), scale(p.tint, p.weight));
-  return make_vec3(tint.x * further_share(p, each.x, reflected.x),
-                   tint.y * further_share(p, each.y, reflected.y),
-                   tint.z * further_share(p, each.z, reflected.z));
+  const vec3 tint = select3(fades, uniform_vec3(1.0f), p.tint);
+  const float weight = fades ? 1.0f : p.weight;
+  return make_vec3(further_share(p, each.x, reflected.x, tint.x, weight),
+                   further_share(p, each.y, reflected.y, tint.y, weight),
+                   further_share(p, each.z, reflected.z, tint.z, weight));
 }
 /// The same of a base of this colour, with their further reflections.
 FN vec3 below_dielectric(OpenPbr p, vec3 base) {
@@ -372,6 +376,8 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   p.above_coat = 1.0f;
   p.below = white;
   p.coat_facets = p.facets;
+  p.fuzz_ltc = fuzz_ltc(1.0f, 0.0f);
+  p.fuzz_reflects = 0.0f;
 
   // What is reflected of light for wo, roughly.
   const vec3 from_dielectric = tinted(p, p.reflected, p.plain);
@@ -413,7 +419,14 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
         facet_rows(c, sets, OPENPBR_FUZZ, facet_place(sqr(max_f(c.sheen_tint, LEAST_FUZZ_ROUGHNESS))));
     p.coat = p.inside ? 0.0f : c.clearcoat;
     const float coat_reflects = facet_curve(scene, coat_rows, at);
-    const float fuzz_reflects = facet_curve(scene, fuzz_rows, at);
+    CurveRows narrow_rows = fuzz_rows, lean_rows = fuzz_rows;
+    const int to_next = (c.curve_rows / sets) * CURVE_STRIDE;
+    narrow_rows.first += to_next;
+    narrow_rows.second += to_next;
+    lean_rows.first += 2 * to_next;
+    lean_rows.second += 2 * to_next;
+    p.fuzz_ltc = fuzz_ltc(facet_curve(scene, narrow_rows, at), facet_curve(scene, lean_rows, at));
+    const float fuzz_reflects = p.fuzz_reflects = facet_curve(scene, fuzz_rows, at);
     // Of fuzz that reflects more than arrives the lobe is dimmed.
     p.fuzz = p.inside ? 0.0f : c.sheen / max_f(fuzz_reflects, 1.0f);
     const float of_colour = gltf ? max_component(c.k) : 1.0f;
@@ -538,12 +551,13 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const float on_top = outer ? p.above_coat * p.coat * coat_fresnel * coat.f_cos : 0.0f;
   const vec3 half_way = add(wo, above);
   const float cos_h = half_way.z / SQRT(max_f(dot3(half_way, half_way), 1e-30f));
-  const float fuzz =
-      outer ? p.fuzz * fuzz_lobe(c.sheen_tint, wo.z, above.z, min_f(cos_h, 1.0f)) * wi.z : 0.0f;
+  const bool gltf = (c.variant & OPENPBR_GLTF) != 0;
+  const float of_gltf = fuzz_lobe(c.sheen_tint, wo.z, above.z, min_f(cos_h, 1.0f)) * wi.z;
+  const float of_lobe = fuzz_pdf(p.fuzz_ltc, wo, above), fuzz_density = gltf ? 0.5f * INV_PI_F : of_lobe;
+  const float fuzz = outer ? p.fuzz * (gltf ? of_gltf : p.fuzz_reflects * of_lobe) : 0.0f;
   f_cos = add_scaled(add(f_cos, uniform_vec3(on_top)), fuzz, c.k);
   pdf += p.share_sub * behind;
-  pdf +=
-      p.share_diffuse * lambert + (outer ? p.share_coat * coat.pdf + p.share_fuzz * (0.5f * INV_PI_F) : 0.0f);
+  pdf += p.share_diffuse * lambert + (outer ? p.share_coat * coat.pdf + p.share_fuzz * fuzz_density : 0.0f);
   BsdfValue value;
   value.f_cos = f_cos;
   value.pdf = pdf;
@@ -590,10 +604,12 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   const vec3 mirrored = mirror_about(wo, facet);
   const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),
                               refract_about(wo, facet, cosine, boundary.cosine, c.ior));
-  const vec3 scattered = select3(is_diffuse, cosine_hemisphere(u, v),
-                                 sample_uniform_hemisphere(make_vec3(0.0f, 0.0f, 1.0f), u, v));
-  BsdfSample s = no_bsdf_sample();
   const vec3 evenly = cosine_hemisphere(u, v);
+  const vec3 to_fuzz =
+      select3((c.variant & OPENPBR_GLTF) != 0, sample_uniform_hemisphere(make_vec3(0.0f, 0.0f, 1.0f), u, v),
+              sample_fuzz(p.fuzz_ltc, wo, evenly));
+  const vec3 scattered = select3(is_diffuse, evenly, to_fuzz);
+  BsdfSample s = no_bsdf_sample();
   s.wi = select3(is_diffuse | is_fuzz, scattered, select3(transmits, passed, mirrored));
   s.wi = select3(is_sub, make_vec3(evenly.x, evenly.y, -evenly.z), s.wi);
   s.eta = (transmits & !p.thin) ? c.ior : 1.0f;

@@ -9,6 +9,7 @@
 #include "kernels/bsdf/fuzz.h"
 #include "scenes/angles.h"
 #include "scenes/bsdfs/rough_boundary.h"
+#include "scenes/bsdfs/sheen_table.h"
 
 namespace penumbra {
 namespace {
@@ -282,9 +283,12 @@ std::vector<float> FacetCurves::curves() const {
         at(OPENPBR_COAT, row)[knot] = again ? at(OPENPBR_COAT, 0)[knot]
                                             : float(facet_albedo(coat, coat, coat_ior, cosine, 0).reflected);
       }
-      if (fuzz_roughness >= 0)
-        at(OPENPBR_FUZZ, row)[knot] =
-            float(fuzz_albedo(by_roughness ? std::sqrt(alpha) : fuzz_roughness, cosine));
+      if (fuzz_roughness < 0) continue;
+      const double rough = by_roughness ? std::sqrt(alpha) : fuzz_roughness;
+      const SheenCell sheen = sheen_cell(rough, cosine);
+      at(OPENPBR_FUZZ, row)[knot] = gltf ? float(fuzz_albedo(rough, cosine)) : sheen.reflectance;
+      at(OPENPBR_FUZZ_NARROW, row)[knot] = sheen.narrow;
+      at(OPENPBR_FUZZ_LEAN, row)[knot] = sheen.lean;
     }
   }
   for (int set = 0; set < sets(); ++set) {

@@ -45,6 +45,7 @@ struct FacetCurves {
   bool transmits = false;                 ///< without, the set of `scattered` is not needed and holds ones
   double coat_alpha = 0, coat_ior = 1;    ///< without a coat the index is 1
   double fuzz_roughness = -1;             ///< -1: there is no fuzz
+  bool gltf = false;                      ///< whether it is glTF's
   /// The film of the first and of the last thickness, of layered ones; and how many thicknesses there are.
   std::optional<ThinFilm> film;
   double last_nanometres = 0;

@@ -193,8 +193,8 @@ constexpr const char* kOpenGlass =
     "all behind the plane is inside the glass, where radiance is divided by the squared index when seen from "
     "outside, except in Cycles. Rough facets are masked as those of metals";
 constexpr const char* kSheen =
-    "Cycles' sheen is that of Zeltner, Burley and Chiang 2022 (closure/bsdf_sheen.h), KHR_materials_sheen is "
-    "that of Estevez and Kulla 2017; and Blender exports no weight but 0";
+    "Cycles' sheen is that of Zeltner, Burley and Chiang 2022 (closure/bsdf_sheen.h), as ours without glTF's "
+    "flag; KHR_materials_sheen is that of Estevez and Kulla 2017; and Blender exports no weight but 0";
 
 const std::vector<PrincipledInput> kInputs{
     {"Base Color", "", kColours},
@@ -225,6 +225,19 @@ const std::vector<PrincipledInput> kInputs{
      [](OpenPbrBsdf& b, SurfaceBend&, const Value& value) {
        const double alpha = 0.16, aspect = std::sqrt(1 - 0.9 * value[0]);
        const OpenPbrRoughness both = along_and_across(alpha / aspect, alpha * aspect);
+       b.gltf = false;
+       b.specular_roughness.value = both.roughness;
+       b.specular_anisotropy = both.anisotropy;
+     },
+     {1, 1.1}},
+    {"Anisotropic Rotation",
+     R"("Metallic": 1, "Anisotropic": 0.8, "Tangent": "UV")",
+     numbers({0, 0.1, 0.25, 0.4, 0.5}),
+     "as above",
+     [](OpenPbrBsdf& b, SurfaceBend&, const Value&) {
+       const double alpha = 0.16, aspect = std::sqrt(1 - 0.9 * 0.8);
+       const OpenPbrRoughness both = along_and_across(alpha / aspect, alpha * aspect);
+       b.gltf = false;
        b.specular_roughness.value = both.roughness;
        b.specular_anisotropy = both.anisotropy;
      },
@@ -259,21 +272,15 @@ const std::vector<PrincipledInput> kInputs{
      nullptr,
      {1, 1.03},
      {1, 1.03}},
-    {"Sheen Weight",
-     R"("Sheen Roughness": 0.5)",
-     kShares,
-     kSheen,
-     [](OpenPbrBsdf& b, SurfaceBend&, const Value& value) { b.fuzz_weight.value = float(value[0]); },
-     {1, 1.09},
-     {0.97, 1}},
-    {"Sheen Roughness",
-     R"("Sheen Weight": 1)",
-     numbers({0.1, 0.3, 0.5, 0.7, 1}),
-     kSheen,
-     nullptr,
-     {0.73, 1.09},
-     {0.7, 1}},
-    {"Sheen Tint", R"("Sheen Weight": 1)", kColours, kSheen, nullptr, {0.97, 1.09}, {0.97, 1.02}},
+    {"Sheen Weight", R"("Sheen Roughness": 0.5)", kShares, kSheen,
+     [](OpenPbrBsdf& b, SurfaceBend&, const Value& value) {
+       b.gltf = false;
+       b.fuzz_weight.value = float(value[0]);
+     }},
+    {"Sheen Roughness", R"("Sheen Weight": 1)", numbers({0.1, 0.3, 0.5, 0.7, 1}), kSheen,
+     [](OpenPbrBsdf& b, SurfaceBend&, const Value&) { b.gltf = false; }},
+    {"Sheen Tint", R"("Sheen Weight": 1)", kColours, kSheen,
+     [](OpenPbrBsdf& b, SurfaceBend&, const Value&) { b.gltf = false; }},
     {"Emission Color", R"("Emission Strength": 1)", kColours},
     {"Emission Strength", R"("Emission Color": [0.2, 0.5, 0.9, 1])", numbers({0, 0.1, 0.5, 1, 5})},
     {"Normal Strength",

@@ -86,13 +86,12 @@ TEST(OpenPbrOfGltf, SheenHasTheAlbedoOfItsFormulas) {
   for (const Albedo& each : albedos) {
     OpenPbrBsdf bsdf;
     bsdf.base_color = TexturedColour(glm::vec3(0.0f)), bsdf.specular_weight = 0.0f;
-    bsdf.fuzz_weight = 1.0f, bsdf.fuzz_roughness = each.roughness;
+    bsdf.gltf = true, bsdf.fuzz_weight = 1.0f, bsdf.fuzz_roughness = each.roughness;
     const Surface::Energy energy = Surface(bsdf).energy(at_cosine(each.cosine), 1 << 14);
     EXPECT_NEAR(energy.mean, each.expected, 2e-3 + kDeviations * energy.error)
         << each.roughness << ' ' << each.cosine;
     EXPECT_NEAR(fuzz_albedo(double(each.roughness), each.cosine), each.expected, 2e-3);
     // What is below has what the brightest channel leaves.
-    bsdf.gltf = true;
     bsdf.base_color = TexturedColour(glm::vec3(1.0f)), bsdf.fuzz_color = TexturedColour({0.25f, 0.5f, 0.5f});
     const Surface::Energy red = Surface(bsdf).energy(at_cosine(each.cosine), 1 << 14);
     EXPECT_NEAR(red.mean, 1 - 0.25 * each.expected, 3e-3 + kDeviations * red.error)

@@ -183,6 +183,50 @@ TEST(OpenPbr, SmoothDielectricsHaveTheClosedFormOfTheStandard) {
     EXPECT_NEAR(Surface(bsdf).energy(at_cosine(o), 1 << 10).mean, fresnel(o, 1.5), 2e-3);
 }
 
+TEST(OpenPbr, FuzzHasTheAlbedoOfCycles) {
+  // Of Cycles 5.0.1's Sheen BSDF in a white world; its table has other random numbers.
+  struct Albedo {
+    float roughness;
+    double cosine, expected;
+  };
+  const Albedo albedos[] = {{0.3f, 0.1, 0.4348},  {0.3f, 0.3, 0.1126}, {0.5f, 0.1, 0.5521},
+                            {0.5f, 0.3, 0.3144},  {0.5f, 0.6, 0.1043}, {0.7f, 0.3, 0.4522},
+                            {0.7f, 0.95, 0.1177}, {1.0f, 0.1, 0.6979}, {1.0f, 0.6, 0.4589},
+                            {1.0f, 0.95, 0.3532}};
+  for (const Albedo& each : albedos) {
+    OpenPbrBsdf bsdf;
+    bsdf.base_color = TexturedColour(glm::vec3(0.0f)), bsdf.specular_weight = 0.0f;
+    bsdf.fuzz_weight = 1.0f, bsdf.fuzz_roughness = each.roughness;
+    const Surface::Energy energy = Surface(bsdf).energy(at_cosine(each.cosine), 1 << 10);
+    EXPECT_NEAR(energy.mean, each.expected, 4e-3 + kDeviations * energy.error)
+        << each.roughness << ' ' << each.cosine;
+  }
+}
+
+TEST(OpenPbr, FuzzHasTheLobeOfCycles) {
+  // Of the same under a sun of irradiance 1 across its rays, at a polar angle and an azimuth from the
+  // viewer's.
+  struct Radiance {
+    float roughness;
+    double cosine, polar, azimuth, expected;
+  };
+  const Radiance radiances[] = {{0.3f, 0.1, 1.2, 0.3, 0.07103}, {0.3f, 0.3, 1, 0, 0.01154},
+                                {0.5f, 0.1, 1.3, 3, 0.12917},   {0.5f, 0.3, 0.9, 0, 0.05166},
+                                {0.5f, 0.6, 1.1, 1.5, 0.02311}, {0.7f, 0.3, 0.5, 0, 0.07143},
+                                {0.7f, 0.9, 1.2, 1, 0.02441},   {1.0f, 0.1, 1.2, 3.1, 0.11118},
+                                {1.0f, 0.5, 0.8, 0, 0.10916},   {1.0f, 0.5, 0.8, 3.1, 0.10914}};
+  for (const Radiance& each : radiances) {
+    OpenPbrBsdf bsdf;
+    bsdf.base_color = TexturedColour(glm::vec3(0.0f)), bsdf.specular_weight = 0.0f;
+    bsdf.fuzz_weight = 1.0f, bsdf.fuzz_roughness = each.roughness;
+    const vec3 wi = at_cosine(std::cos(each.polar), each.azimuth);
+    // Both fits have noise of their walks.
+    EXPECT_NEAR(double(Surface(bsdf).eval(at_cosine(each.cosine), wi).f_cos.x), each.expected,
+                0.025 * each.expected)
+        << each.roughness << ' ' << each.cosine << ' ' << each.polar;
+  }
+}
+
 TEST(OpenPbr, SmoothMetalsHaveTheirColoursAtTheNormalAndAtOneSeventh) {
   OpenPbrBsdf metal;
   metal.base_color = TexturedColour(glm::vec3(0.7f)), metal.specular_color = TexturedColour(glm::vec3(0.8f));

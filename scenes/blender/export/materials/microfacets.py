@@ -199,7 +199,8 @@ def refraction(reading, source):
 
 @shades("ShaderNodeBsdfSheen")
 def sheen(reading, source):
-    reading.note(source.node, "sheen is that of Estevez and Kulla 2017")
+    if source.node.distribution != "MICROFIBER":
+        reading.note(source.node, "sheen of Ashikhmin is exported as that of microfibres")
     return Closure(Leaf("openpbr", {"base_weight": 0.0, "specular_ior": 1.0, "fuzz_weight": 1.0,
                                     "fuzz_color": reading.colour(source, "Color", high=1.0),
                                     "fuzz_roughness": reading.number(source, "Roughness", low=0.0, high=1.0)},

@@ -152,8 +152,13 @@ def _add_sheen(reading, source, parameters):
     weight = reading.number(source, "Sheen Weight", low=0.0, high=1.0)
     if weight.is_value(0.0):
         return
-    reading.note(source.node, "sheen is that of Estevez and Kulla 2017")
-    parameters |= {"fuzz_weight": weight, "fuzz_color": reading.colour(source, "Sheen Tint", default=1.0, high=1.0),
+    tint = reading.colour(source, "Sheen Tint", default=1.0, high=1.0)
+    if tint.is_constant:  # what is below has what its brightest channel leaves, in openpbr what white leaves
+        most = max(float(tint.data.max()), 1e-6)
+        weight, tint = product(weight, constant(most)), product(tint, constant(1 / most))
+    else:
+        reading.note(source.node, "below sheen of a tint that varies it is as dark as below a white one")
+    parameters |= {"fuzz_weight": weight, "fuzz_color": tint,
                    "fuzz_roughness": reading.number(source, "Sheen Roughness", default=0.5, low=0.0, high=1.0)}
 
 
