@@ -399,7 +399,12 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     const int to_set = (OPENPBR_SCATTERED - OPENPBR_BASE) * (c.curve_rows / sets) * CURVE_STRIDE;
     scattered.first += to_set;
     scattered.second += to_set;
-    const float once = p.thin ? p.plain : facet_curve(scene, scattered, at);
+    float once = p.thin ? p.plain : facet_curve(scene, scattered, at);
+    // glTF's boundary transmits what it does not reflect, of which the table has Fresnel's share.
+    const float shown = max_component(from_dielectric);
+    const float passes = (p.plain - shown) / max_f(p.plain - p.reflected.x, 1e-6f);
+    const float shown_and_passed = shown + max_f(once - p.reflected.x, 0.0f) * max_f(passes, 0.0f);
+    once = (gltf & !p.thin & !p.inside) ? shown_and_passed : once;
     p.opaque = 1.0f - c.spec_trans;
     vec3 each_once = uniform_vec3(once);
     if (film) each_once = select3(p.thin, each_once, mix3(each_once, with_film.scattered, c.film));
