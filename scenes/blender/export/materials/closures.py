@@ -10,8 +10,9 @@ from .fields import Field, constant
 class Leaf:
     """One BSDF plugin. parameters: Field, bool, int or str by name. colours: the parameters that multiply all of it.
 
-    transmits: whether it has two sides of its own. bend: a Bend, or None. turn: a Turn, or None. remade: function(factor) -> Leaf, the same with
-    `reflectance`, a Field, times the factor; where no parameter multiplies all of it.
+    transmits: whether it has two sides of its own. bend: a Bend, or None. turn: a Turn, or None.
+    remade: function(factor) -> Leaf, the same with `reflectance`, a Field, times the factor; where no parameter multiplies
+    all of it.
     """
     plugin: str
     parameters: dict
