@@ -23,10 +23,20 @@ auditwheel repair --plat manylinux_2_36_x86_64 -w "$work/repaired" "$work"/plain
 wheel unpack -d "$work/tree" "$work"/repaired/*.whl
 tree=$(echo "$work"/tree/*)
 libraries=$tree/penumbra_render.libs
+hash=$(printf '%.s[0-9a-f]' {1..8})  # auditwheel puts it into names
+added=()
 while read -r name path; do
   [[ $name =~ ^(ld-linux|lib(c|m|dl|rt|pthread|util|nsl|resolv|gcc_s|stdc\+\+))[.-] ]] && continue
-  [[ -e $libraries/$name || -n $(compgen -G "$libraries/${name%%.so*}-*.so*") ]] && continue
+  compgen -G "$libraries/${name%%.so*}-$hash.so*" >/dev/null && continue
   install -m 755 "$path" "$libraries/$name"
-  patchelf --force-rpath --set-rpath '$ORIGIN' "$libraries/$name"
+  added+=("$libraries/$name")
 done < <(ldd "$build"/penumbra "$build"/penumbra-worker "$build"/libpenumbra_*_reader.so | awk '$2 == "=>" {print $1, $3}' | sort -u)
+for library in "${added[@]}"; do
+  patchelf --force-rpath --set-rpath '$ORIGIN' "$library"
+  for needed in $(patchelf --print-needed "$library"); do
+    for renamed in $(compgen -G "$libraries/${needed%%.so*}-$hash.so*"); do
+      patchelf --replace-needed "$needed" "$(basename "$renamed")" "$library"
+    done
+  done
+done
 wheel pack -d "$out" "$tree"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
 from collections.abc import Callable
 from typing import Any, Union
 
@@ -57,7 +58,9 @@ class Reporter:
         if self._callback is not None and self._error is None:
             try:
                 self._callback(state)
-            except BaseException as error:  # it ends the render, not the thread
+            except BaseException as error:  # it ends the render, not the thread that reads
+                if isinstance(error, KeyboardInterrupt) and threading.current_thread() is threading.main_thread():
+                    raise  # Ctrl-C
                 self._error = error
 
     def check(self) -> bool:

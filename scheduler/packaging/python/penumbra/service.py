@@ -46,11 +46,15 @@ class Job:
         kept = tempfile.TemporaryDirectory(prefix="penumbra-")
         words = ["fetch", str(self.number), "--wait", "--out", kept.name] + (["--remove"] if remove else [])
         reporter = Reporter(progress)
+        interrupted = False
         try:
-            if reporter.is_needed:
-                self._watch(reporter)
-            finished = self._service._run(words, reporter.check)
-            interrupted = finished.interrupted
+            try:
+                if reporter.is_needed:
+                    self._watch(reporter)
+                finished = self._service._run(words, reporter.check)
+                interrupted = finished.interrupted
+            except KeyboardInterrupt:
+                interrupted = True
             if interrupted:
                 self.cancel()
                 finished = self._service._run(words)

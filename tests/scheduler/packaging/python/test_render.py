@@ -2,7 +2,6 @@
 
 import _thread
 import os
-import threading
 import time
 
 import numpy
@@ -163,15 +162,19 @@ def test_progress_is_told(cornell):
     assert time.monotonic() - begin < 30
 
 
-def interrupt_after(seconds):
-    """As Ctrl-C does."""
-    timer = threading.Timer(seconds, _thread.interrupt_main)
-    timer.start()
+class CtrlC:
+    """A callback for the progress: Ctrl-C once, as soon as there are samples."""
+
+    came = False
+
+    def __call__(self, state):
+        if state["samples_done"] > 0 and not self.came:
+            self.came = True
+            _thread.interrupt_main()
 
 
 def test_ctrl_c_returns_what_is_there(cornell):
-    interrupt_after(1.5)
-    result = penumbra.render(cornell, spp=10**6)
+    result = penumbra.render(cornell, spp=10**6, progress=CtrlC())
     assert result.interrupted and not result.complete
     assert result.statistics["ended_by"] == "interrupt"
     assert 16 <= result.layers["samples"].max() < 10**6 and numpy.isfinite(result.image).all()

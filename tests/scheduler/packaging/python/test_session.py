@@ -1,12 +1,14 @@
 """Many renders with the same workers: bytes, time, memory, and what happens when processes die."""
 
 import gc
+import _thread
 import os
 import shutil
 import signal
 import statistics
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -14,7 +16,7 @@ import numpy
 import penumbra
 import pytest
 from conftest import descendants
-from test_render import interrupt_after
+from test_render import CtrlC
 from test_scenes import cornell_dict, for_mitsuba, mitsuba_variant
 
 CORNELL = {"defines": {"resolution": 64}, "spp": 1}
@@ -120,9 +122,14 @@ def test_errors_leave_it_alive(session, cornell):
     assert session.render(cornell, **CORNELL).complete
 
 
+def test_ctrl_c_while_nothing_is_shown(session, cornell):
+    timer = threading.Timer(1, _thread.interrupt_main)
+    timer.start()
+    assert session.render(cornell, spp=10**6).interrupted
+
+
 def test_ctrl_c_returns_what_is_there(session, cornell):
-    interrupt_after(1.5)
-    result = session.render(cornell, spp=10**6)
+    result = session.render(cornell, spp=10**6, progress=CtrlC())
     assert result.interrupted and not result.complete and result.image.max() > 0
     assert session.render(cornell, **CORNELL).complete
 
