@@ -6,6 +6,7 @@ import dataclasses
 from .curves import curve_parts, strand_parts
 from .elements import add_value, plugin
 from .materials import export_material
+from .materials.dependencies import is_of_object
 from .meshes import colours_of_corners, read_mesh, uvs_of_corners, write_part
 from .surfaces import Part
 from .volumes import volume_parts
@@ -25,13 +26,19 @@ def _materials(context, obj):
     return [override] * len(slots) if override is not None else slots
 
 
+def differs(materials):
+    """Whether materials look different on objects with the same mesh."""
+    return any(material is not None and material.node_tree is not None and is_of_object(material.node_tree)
+               for material in materials)
+
+
 def _identity(obj, materials):
     """Equal for objects with the same geometry and materials, and whether that is so in other frames, too."""
     uids = tuple(material.session_uid if material is not None else 0 for material in materials)
     data, original = obj.data, obj.original
     if data.original != original.data:  # made by geometry nodes, and lives as long as their result
         return ("made", data.as_pointer(), uids)
-    if not original.modifiers and getattr(original.data, "shape_keys", None) is None and obj.type == original.type:
+    if not original.modifiers and not differs(materials) and getattr(original.data, "shape_keys", None) is None and obj.type == original.type:
         return ("data", original.data.session_uid, uids)
     return ("object", original.session_uid, uids)
 
@@ -81,5 +88,8 @@ def _mesh_parts(context, obj, mesh, materials):
         add_value(shape, "string", "filename", write_part(context, arrays, triangles, uvs, colours))
         if arrays.normals is None:
             add_value(shape, "boolean", "face_normals", True)
-        parts.append(Part(shape, surface, material.name if material is not None else "default"))
+        outline = None
+        if surface.interior is not None:
+            outline = arrays.positions, arrays.corners[arrays.triangles]
+        parts.append(Part(shape, surface, material.name if material is not None else "default", outline))
     return parts

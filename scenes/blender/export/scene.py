@@ -3,14 +3,16 @@
 
 import copy
 
+import numpy
+
 from ..properties import settings_of
 from .cameras import export_camera
 from .elements import Element, add_reference, add_value, plugin, write_scene
-from .geometry import geometry_of
+from .geometry import differs, geometry_of
 from .lights import export_light
 from .motion import Place, Shutter
+from .nesting import Regions
 from .surfaces import Surfaces
-from .volumes import placed_medium
 from .world import export_world
 
 _SHOWN = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "VOLUME"}
@@ -55,6 +57,7 @@ class _SceneWriter:
         self.placed = {}  # geometry by identity, and its Places, in the order of the depsgraph
         self.lights = []
         self.looked_at = set()  # names of objects
+        self.regions = None  # with media, once all are collected
 
     def walk(self, keyed):
         """Collects what the depsgraph shows. keyed: see _places_at_keys."""
@@ -68,7 +71,7 @@ class _SceneWriter:
             if obj.type == "LIGHT":
                 self.lights += export_light(self.context, obj, place)
             elif obj.type in _SHOWN:
-                self._report(obj)
+                self._report(obj, instance.is_instance)
                 self.context.go_on()
                 geometry = geometry_of(self.context, obj, instance.show_self, instance.show_particles)
                 if geometry.parts:
@@ -76,40 +79,48 @@ class _SceneWriter:
             else:
                 self.context.report.add(f"objects of type {obj.type} are not exported", obj.name)
 
-    def _report(self, obj):
+    def _report(self, obj, is_instance):
         if obj.name_full in self.looked_at:
             return
         self.looked_at.add(obj.name_full)
         report = self.context.report
         if obj.is_holdout or obj.is_shadow_catcher:
             report.add("a holdout or shadow catcher is exported as any other object", obj.name)
+        if is_instance and differs(slot.material for slot in obj.material_slots):
+            report.add("what its material has of the object and its place is the same for all instances", obj.name)
         hidden = [ray.replace("_", " ") for ray in _RAYS if not getattr(obj, f"visible_{ray}")]
         if hidden:
             report.add(f"invisible to {', '.join(hidden)} rays, but exported as visible", obj.name)
 
-    def _shapes(self, geometry, place):
-        """The <shape> elements of the parts; without a place they are in their own space."""
+    def _shapes(self, geometry, place, media_of):
+        """The <shape> elements of the parts; without a place they are in their own space. media_of: the Place where their
+        media are."""
         for part in geometry.parts:
-            shape, surface = copy.deepcopy(part.shape), part.surface
+            shape = copy.deepcopy(part.shape)
+            sides = self.regions.sides(part, media_of) if part.outline is not None else ()
             if part.within is not None:
-                surface = copy.copy(surface)
-                surface.interior = placed_medium(self.context, surface.interior, place, part.name)
                 place.then(lambda matrix, within=part.within: matrix @ within).add_to(shape)
             elif place is not None:
                 place.add_to(shape)
-            self.surfaces.add_to(shape, surface, part.name)
+            self.surfaces.add_to(shape, part.surface, part.name, *sides)
             yield shape
+
+    def _is_alike(self, geometry, places):
+        """Whether the parts are the same in all places: with no grid, and no medium around them."""
+        return not any(part.within is not None or any(self.regions.around_part(part, place) for place in places)
+                       for part in geometry.parts if part.outline is not None)
 
     def shapes(self):
         """Shapes of what is shown once; groups and instances of what is shown several times."""
         shapes = []
+        self.regions = Regions(self.context, self.placed)
         for geometry, places in self.placed.items():
-            if len(places) == 1 or any(part.within is not None for part in geometry.parts):
+            if len(places) == 1 or not self._is_alike(geometry, places):
                 for place in places:
-                    shapes += self._shapes(geometry, place)
+                    shapes += self._shapes(geometry, place, place)
                 continue
             group = plugin("shape", "shapegroup", f"group {len(shapes)}")
-            group.extend(self._shapes(geometry, None))
+            group.extend(self._shapes(geometry, None, places[0]))
             shapes.append(group)
             for place in places:
                 instance = plugin("shape", "instance")
@@ -117,6 +128,12 @@ class _SceneWriter:
                 add_reference(instance, group.get("id"))
                 shapes.append(instance)
         return shapes
+
+    def add_camera_medium(self, sensor, camera):
+        """Refers to what is around the evaluated camera."""
+        medium = self.regions.element(self.regions.around(numpy.array(camera.matrix_world.translation)))
+        if medium is not None:
+            self.surfaces.add_medium_to(sensor, medium, camera.name, "medium")
 
 
 def _integrator(scene, has_media):
@@ -148,12 +165,14 @@ def export_scene(context, scene, name="scene"):
     writer.walk(keyed)
     shapes = writer.shapes()
     element = Element("scene", {"version": "3.0.0"})
-    element.append(_integrator(scene, any(made.tag == "medium" for made in writer.surfaces.elements)))
+    element.append(_integrator(scene, bool(writer.regions.regions)))
     if camera is None:
         context.report.add("the scene has no camera")
     else:
         place = Place(shutter, camera_keys or [camera.matrix_world.copy()])
-        element.append(export_camera(context, scene, camera, place))
+        sensor = export_camera(context, scene, camera, place)
+        writer.add_camera_medium(sensor, camera)
+        element.append(sensor)
     element.extend(export_world(context, context.depsgraph.scene.world))
     element.extend(writer.surfaces.elements)
     element.extend(writer.lights)

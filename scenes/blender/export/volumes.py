@@ -1,40 +1,85 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume objects: a box with a medium whose density is a grid of an OpenVDB file."""
 
-import copy
+import dataclasses
 import os
+import pathlib
+import tempfile
 
 import bpy
 import mathutils
+import numpy
 
 from .elements import Element, add_matrix, add_value, plugin
 from .materials import export_material
 from .surfaces import Part
 
+_HEADER_BYTES = 57  # of OpenVDB's files: numbers of the format, and 36 characters for the file
+_BOX = numpy.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+_SIDES = numpy.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
+                      [0, 6, 4], [1, 5, 7], [1, 7, 3]])
 
-def _numbers(medium, name):
-    element = next((child for child in medium.findall("rgb") if child.get("name") == name), None)
-    return [float(text) for text in element.get("value").split(",")] if element is not None else [0.0] * 3
+
+@dataclasses.dataclass
+class GridMedium:
+    """The Medium that is where the grid of a file has the density 1. in_object: whether it is as dense on the whole when
+    the object is scaled, not for a unit of length."""
+    medium: object
+    path: str
+    in_object: bool
+
+    def element(self, matrix):
+        """The <medium> in an object's matrix."""
+        scattered = self.medium.scattering
+        extinction = scattered + self.medium.absorbed
+        most = float(extinction.max())
+        element = plugin("medium", "heterogeneous")
+        grid = Element("volume", {"type": "gridvolume", "name": "sigma_t"})
+        add_value(grid, "string", "filename", self.path)
+        add_value(grid, "boolean", "use_grid_bbox", True)
+        add_matrix(grid, matrix)
+        element.append(grid)
+        add_value(element, "float", "scale", most / (_scale(matrix) if self.in_object else 1))
+        add_value(element, "rgb", "albedo", numpy.divide(scattered, extinction, out=numpy.zeros(3), where=extinction > 0))
+        if scattered.any():
+            element.append(self.medium.phase())
+        return element
 
 
-def medium_of_grid(context, homogeneous, path, name):
-    """The medium of a material, with the density of a grid: what it has where the density is 1."""
-    scattered, absorbed = _numbers(homogeneous, "sigma_s"), _numbers(homogeneous, "sigma_a")
-    extinction = [s + a for s, a in zip(scattered, absorbed)]
-    most = max(extinction)
-    if most - min(extinction) > 1e-4 * most:
+def _scale(matrix):
+    """By which Cycles thins the volumes of scaled objects: that along their diagonal."""
+    return (matrix.to_3x3() @ mathutils.Vector((1, 1, 1)).normalized()).length
+
+
+def _note_losses(context, medium, name):
+    extinction = medium.scattering + medium.absorbed
+    if extinction.max() - extinction.min() > 1e-4 * extinction.max():
         context.report.add("a grid's extinction is exported as that of the channel with the most", name)
-    medium = plugin("medium", "heterogeneous")
-    grid = Element("volume", {"type": "gridvolume", "name": "sigma_t"})
-    add_value(grid, "string", "filename", path)
-    add_value(grid, "boolean", "use_grid_bbox", True)
-    medium.append(grid)
-    add_value(medium, "float", "scale", most)
-    add_value(medium, "rgb", "albedo", [s / e if e > 0 else 0.0 for s, e in zip(scattered, extinction)])
-    if any(_numbers(homogeneous, "emission")):
+    if medium.emitted.any():
         context.report.add("the emission of a volume object is not exported", name)
-    medium.extend(homogeneous.findall("phase"))
-    return medium
+
+
+def _box_of(obj, grid):
+    """The matrix from the cube between -1 and 1 to the object's box, and a cell of the grid around it."""
+    corners = numpy.array(obj.bound_box)
+    cell = numpy.abs(numpy.array(grid.matrix_object)[:3, :3]).sum(axis=1)
+    low, high = corners.min(axis=0) - cell, corners.max(axis=0) + cell
+    return mathutils.Matrix.Translation((low + high) / 2) @ mathutils.Matrix.Diagonal((*(high - low) / 2, 1))
+
+
+def _file_of(context, obj):
+    """The path of a file with the grids: the volume's own, or what its modifiers make, saved. None where that fails."""
+    volume = obj.data
+    path = os.path.abspath(bpy.path.abspath(volume.grids.frame_filepath or volume.filepath, library=volume.original.library))
+    if os.path.isfile(path) and not obj.modifiers:
+        return path
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "grids.vdb")
+        if not volume.grids.save(path):
+            return None
+        content = pathlib.Path(path).read_bytes()
+    # The header ends with a random number.
+    return context.file("volumes", ".vdb", content[_HEADER_BYTES:], lambda to: to.write_bytes(content))
 
 
 def volume_parts(context, obj, materials):
@@ -44,9 +89,8 @@ def volume_parts(context, obj, materials):
     if not grids.load():
         context.report.add(f"the volume's file could not be read: {grids.error_message}", name)
         return []
-    path = os.path.abspath(bpy.path.abspath(grids.frame_filepath or volume.filepath, library=volume.original.library))
-    if not os.path.isfile(path) or "density" not in grids:
-        context.report.add("a volume without a file of a grid named density is not exported", name)
+    if "density" not in grids:
+        context.report.add("a volume without a grid named density is not exported", name)
         return []
     for grid in grids:
         if grid.name != "density":
@@ -56,20 +100,13 @@ def volume_parts(context, obj, materials):
     surface = export_material(materials[0], obj, context)
     if surface.interior is None:
         return []
+    path = _file_of(context, obj)
+    if path is None:
+        context.report.add(f"the volume's grids could not be saved: {grids.error_message}", name)
+        return []
     surface.bsdf = surface.emission = None
-    surface.interior = medium_of_grid(context, surface.interior, path, name)
-    corners = [mathutils.Vector(corner) for corner in obj.bound_box]
-    low = mathutils.Vector([min(corner[axis] for corner in corners) for axis in range(3)])
-    high = mathutils.Vector([max(corner[axis] for corner in corners) for axis in range(3)])
-    half = (high - low) / 2
-    within = mathutils.Matrix.Translation((low + high) / 2) @ mathutils.Matrix.Diagonal((*((high - low) / 2), 1))
-    return [Part(plugin("shape", "cube"), surface, materials[0].name, within)]
-
-
-def placed_medium(context, medium, place, name):
-    """The medium with its grid in a Place."""
-    if place.moves:
-        context.report.add("a volume does not move while the shutter is open", name)
-    placed = copy.deepcopy(medium)
-    add_matrix(placed.find("volume"), place.now)
-    return placed
+    _note_losses(context, surface.interior, name)
+    surface.interior = GridMedium(surface.interior, path, volume.render.space == "OBJECT")
+    within = _box_of(obj, grids["density"])
+    outline = _BOX @ numpy.array(within.to_3x3()).T + numpy.array(within.translation), _SIDES
+    return [Part(plugin("shape", "cube"), surface, materials[0].name, outline, within)]

@@ -186,6 +186,18 @@ def _bump_of_noise(made):
     return node.outputs[0]
 
 
+def _displacement():
+    """Noise over the object, which moves nothing, but bends the normals."""
+    made, _, output = material("material", _DIFFUSE, {"Color": _COLOUR})
+    noise = add_node(made, "ShaderNodeTexNoise", {"Scale": 3.0})
+    node = add_node(made, "ShaderNodeDisplacement", {"Scale": 0.1})
+    link(made, noise.outputs[0], node.inputs["Height"])
+    link(made, node.outputs[0], output.inputs["Displacement"])
+    if hasattr(made, "displacement_method"):
+        made.displacement_method = "BUMP"
+    return made
+
+
 def _volume(bl_idname, values, surface=True):
     """A volume in glass, or alone."""
     def make():
@@ -249,6 +261,7 @@ MATERIALS = {
     "Voronoi cells over a UV map": _diffuse_of(_procedure("ShaderNodeTexVoronoi", "UV")),
     "checker over the object": _diffuse_of(_procedure("ShaderNodeTexChecker", "Object")),
     "normal map": _bent(_normal_map), "bump": _bent(_bump), "bump of noise": _bent(_bump_of_noise),
+    "displacement of noise": _displacement,
 }
 if bpy.app.version >= (4, 3, 0):
     MATERIALS["metallic anisotropic"] = _brushed("ShaderNodeBsdfMetallic", {

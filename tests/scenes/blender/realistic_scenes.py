@@ -157,7 +157,7 @@ def sky(scene, folder, softboxes=(), horizon=(0.9, 0.95, 1.0), zenith=(0.25, 0.4
     tree.links.new(texture.outputs[0], background.inputs["Color"])
 
 
-@realistic_scene(1024)
+@realistic_scene(384)
 def interior(scene, folder):
     """A living room by day: a window to the sky and the sun, two area lamps, and a standing lamp."""
     wall, white = diffuse((0.75, 0.72, 0.66)), diffuse((0.85, 0.85, 0.85))
@@ -184,14 +184,14 @@ def interior(scene, folder):
         [grain(64, seed) for seed in (1, 2, 3)], axis=-1)), Roughness=0.6))
     cylinder(0.02, 1.5, (-1.9, 2.5, 0.75), plain(Base_Color=(0.6, 0.6, 0.6), Metallic=1.0, Roughness=0.3))
     sphere(0.17, (-1.9, 2.5, 1.6), emission((1, 0.75, 0.45), 6))
-    add_light(scene, "AREA", (1.2, -2.2, 2.5), (0.5, 0.5, 0), energy=40, shape="RECTANGLE", size=0.6, size_y=1.2)
-    add_light(scene, "AREA", (-2.0, -2.5, 1.8), (0, 2, 1), energy=12, shape="DISK", size=0.5, color=(1, 0.85, 0.7))
+    add_light(scene, "AREA", (1.2, -2.2, 2.5), (0.5, 0.5, 0), energy=70, shape="RECTANGLE", size=0.6, size_y=1.2)
+    add_light(scene, "AREA", (-2.0, -2.5, 1.8), (0, 2, 1), energy=25, shape="DISK", size=0.5, color=(1, 0.85, 0.7))
     add_light(scene, "SUN", (-4, -0.6, 3.2), energy=4, angle=SUN_ANGLE, color=(1, 0.9, 0.75))
-    sky(scene, folder, strength=1.5)
+    sky(scene, folder, strength=0.6)
     add_camera(scene, (0.9, -2.8, 1.5), (-0.25, 1.6, 0.85), 66)
 
 
-@realistic_scene(1024)
+@realistic_scene(192)
 def product(scene, folder):
     """A bottle, a coated and a metal ball, and a perfume's glass cube on a bent backdrop in a studio's HDRI."""
     ramp = [(4, -3, 0), (4, 2, 0)] + [(4, 2 + 1.5 * math.sin(a), 1.5 - 1.5 * math.cos(a))
@@ -220,7 +220,7 @@ def product(scene, folder):
     add_camera(scene, (0, -4.2, 1.5), (0, 0.1, 0.5), 36)
 
 
-@realistic_scene(1024)
+@realistic_scene(96)
 def night_street(scene, folder):
     """Houses of bricks with lit windows, street lamps, and a car with its lights on a wet street."""
     box((-4, -3, -0.1), (4, 14, 0), plain(Base_Color=(0.06, 0.06, 0.065), Roughness=0.3))
@@ -242,7 +242,7 @@ def night_street(scene, folder):
     for side, y in ((-1, 0.5), (1, 3.0), (-1, 6.0), (1, 9.0)):
         cylinder(0.05, 3, (side * 2.2, y, 1.5), pole)
         box((min(side * 2.2, side * 1.5), y - 0.04, 2.95), (max(side * 2.2, side * 1.5), y + 0.04, 3.03), pole)
-        add_light(scene, "SPOT", (side * 1.5, y, 2.9), (side * 1.3, y, 0), energy=180, shadow_soft_size=SPOT_RADIUS,
+        add_light(scene, "SPOT", (side * 1.5, y, 2.9), (side * 1.3, y, 0), energy=600, shadow_soft_size=SPOT_RADIUS,
                   spot_size=2.0, spot_blend=0.5, color=(1, 0.7, 0.4))
     paint = plain(Base_Color=(0.05, 0.15, 0.4), Roughness=0.4, Coat_Weight=1.0)
     box((-0.9, 3.6, 0.2), (0.5, 6.2, 0.75), paint)
@@ -335,7 +335,7 @@ def card(name, made, size=1.0):
     return obj
 
 
-@realistic_scene(512)
+@realistic_scene(96)
 def foliage(scene, folder):
     """10 000 leaves in two trees' crowns and a hedge, cut out of cards by the alpha of an image."""
     box((-12, -4, -0.2), (12, 20, 0), textured(image_of("soil", grain(128, 30)[..., None] * [0.45, 0.4, 0.25]),
@@ -359,7 +359,8 @@ def foliage(scene, folder):
 
 @realistic_scene(512)
 def hair(scene, folder):
-    """A head with hair of particles, and a brush of hair curves."""
+    """A head with hair of particles, and a brush of hair curves. They are thin: Cycles sees fibres that overlap from inside,
+    too, and they absorb more there."""
     if hasattr(scene, "cycles_curves"):
         scene.cycles_curves.shape = "THICK"
     set_world(scene, (0.25, 0.28, 0.33))
@@ -375,7 +376,7 @@ def hair(scene, folder):
     settings = particle_system(head, "HAIR", 3000)
     head.particle_systems[-1].vertex_group_density = "crown"
     settings.hair_length, settings.hair_step, settings.material = 0.55, 4, 2
-    settings.root_radius, settings.tip_radius, settings.radius_scale = 1.0, 0.6, 0.012
+    settings.root_radius, settings.tip_radius, settings.radius_scale = 1.0, 0.6, 0.004
     settings.use_close_tip = False
     settings.brownian_factor, settings.tangent_factor = 0.01, 0.06
     rng = numpy.random.default_rng(41)
@@ -390,7 +391,7 @@ def hair(scene, folder):
     data.add_curves([points] * count)
     data.attributes["position"].data.foreach_set("vector", table.ravel())
     radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
-    radius.data.foreach_set("value", numpy.full(count * points, 0.008, "f"))
+    radius.data.foreach_set("value", numpy.full(count * points, 0.003, "f"))
     data.materials.append(material("straw", "ShaderNodeBsdfHairPrincipled", {"Color": (0.8, 0.6, 0.3), "Roughness": 0.4},
                                    model="CHIANG", parametrization="COLOR")[0])
     brush = bpy.data.objects.new("brush", data)
@@ -402,7 +403,7 @@ def hair(scene, folder):
     add_camera(scene, (0.3, -4.6, 1.5), (0.15, 0, 0.9), 34)
 
 
-@realistic_scene(512)
+@realistic_scene(256)
 def volume(scene, folder):
     """A hall in thin fog with beams of spots, a block of milky liquid, and a cloud of a grid."""
     box((-4, -3, -0.1), (4, 5, 0), diffuse((0.45, 0.42, 0.4)))
@@ -415,7 +416,7 @@ def volume(scene, folder):
     for x in (-1.6, 0.2, 1.9):
         cylinder(0.22, 3.6, (x, 2.6, 1.8), diffuse((0.6, 0.55, 0.5)))
     milk, _, output = material("milk", "ShaderNodeBsdfGlass", {"IOR": 1.33, "Roughness": 0.0})
-    body = add_node(milk, "ShaderNodeVolumePrincipled", {"Color": (0.9, 0.6, 0.35), "Density": 4.0, "Anisotropy": 0.2})
+    body = add_node(milk, "ShaderNodeVolumePrincipled", {"Color": (0.9, 0.6, 0.35), "Density": 1.5, "Anisotropy": 0.2})
     link(milk, body.outputs[0], output.inputs["Volume"])
     box((0.5, -0.6, 0.02), (1.3, 0.1, 0.9), milk)
     sphere(0.35, (-0.2, 0.3, 0.35), plain(Base_Color=(0.2, 0.5, 0.25), Roughness=0.3))
@@ -452,7 +453,7 @@ def cloud(scene, folder, location):
     scene.collection.objects.link(bpy.data.objects.new("cloud", data))
 
 
-@realistic_scene(1024)
+@realistic_scene(192)
 def depth_of_field(scene, folder):
     """A table's glasses and balls at several distances, in focus on an empty, with small lights behind."""
     box((-3, -2, -0.1), (3, 8, 0), textured(planks(), (4, 6, 1), Roughness=0.3))
@@ -481,7 +482,7 @@ def depth_of_field(scene, folder):
     camera.dof.aperture_blades, camera.dof.aperture_rotation = 6, 0.3
 
 
-@realistic_scene(512)
+@realistic_scene(96)
 def panorama(scene, folder):
     """A court all around: an arcade, a fountain, trees and benches."""
     stone, bench = textured(bricks(), (3, 1, 1), "ShaderNodeBsdfDiffuse"), plain(Base_Color=(0.4, 0.22, 0.1), Roughness=0.5)
@@ -535,7 +536,7 @@ def robot(scene, made):
     return rig
 
 
-@realistic_scene(512)
+@realistic_scene(96)
 def animated_rig(scene, folder):
     """A robot that walks and waves, a ball that rolls, and a camera that follows, while the shutter is open."""
     box((-5, -4, -0.1), (5, 6, 0), textured(planks(), (4, 4, 1), Roughness=0.4))
@@ -623,7 +624,7 @@ def tiles():
     return made
 
 
-@realistic_scene(512)
+@realistic_scene(192)
 def procedural(scene, folder):
     """Marble, rust and tiles, which are baked."""
     add_shape(bpy.ops.mesh.primitive_plane_add, tiles(), size=6)

@@ -12,6 +12,7 @@ import mathutils
 import numpy
 
 from cycles_comparison import add_camera, set_world
+from material_scenes import add_node, link, material
 
 UNIT_SCENES = {}
 
@@ -263,6 +264,15 @@ def hair_curves(scene):
     add_camera(scene, (0, -5, 0.5), (0, 0, 0), 30)
 
 
+@unit_scene
+def hair_of_pigments(scene):
+    """Its scales lean, which tells the root from the tip."""
+    hair_curves(scene)
+    made, _, _ = material("hair", "ShaderNodeBsdfHairPrincipled", {"Melanin": 0.5, "Melanin Redness": 0.4, "Offset": 0.1},
+                          model="CHIANG", parametrization="MELANIN")
+    next(obj for obj in scene.objects if obj.type == "CURVES").data.materials[0] = made
+
+
 def particle_system(obj, kind, count):
     obj.modifiers.new("Particles", "PARTICLE_SYSTEM")
     system = obj.particle_systems[-1]
@@ -360,6 +370,11 @@ def panorama(scene, kind, **settings):
 @unit_scene
 def equirectangular(scene):
     panorama(scene, "EQUIRECTANGULAR", longitude_min=-2.5, longitude_max=1.5, latitude_min=-1, latitude_max=1.3)
+
+
+@unit_scene
+def all_around(scene):
+    panorama(scene, "EQUIRECTANGULAR")
 
 
 @unit_scene
@@ -527,6 +542,63 @@ def nodes_of_lamps(scene):
     light.use_nodes = True
     node = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
     node.inputs["Strength"].default_value, node.inputs["Color"].default_value = 0.5, (0.2, 0.9, 0.4, 1)
+
+
+# Volumes
+
+
+def volume(bl_idname, values):
+    """A material of one volume shader."""
+    made, shader, output = material("volume", "ShaderNodeBsdfDiffuse")
+    made.node_tree.nodes.remove(shader)
+    link(made, add_node(made, bl_idname, values).outputs[0], output.inputs["Volume"])
+    return made
+
+
+@unit_scene
+def media_within_each_other(scene):
+    """The camera is in the outer one."""
+    floor()
+    for size, place, kind, values in ((8, (0, -1, 2), "ShaderNodeVolumeAbsorption", {"Color": (0.9, 0.6, 0.3), "Density": 0.3}),
+                                      (1, (0.3, 0, 0.7), "ShaderNodeVolumeAbsorption", {"Color": (0.2, 0.6, 0.8)})):
+        bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+        active(volume(kind, values))
+    set_world(scene, (1, 1, 1))
+    add_camera(scene, (0, -4, 2), (0, 0, 0.3), 40)
+
+
+def density_grid(scene, name, density=3.0):
+    """A ball's fog of a modifier in a Volume object, which fades within its surface."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    ball = bpy.context.object
+    ball.hide_render = True
+    obj = bpy.data.objects.new(name, bpy.data.volumes.new(name))
+    scene.collection.objects.link(obj)
+    modifier = obj.modifiers.new("Fog", "MESH_TO_VOLUME")
+    modifier.object, modifier.density, modifier.interior_band_width = ball, density, 0.5
+    modifier.resolution_mode, modifier.voxel_size = "VOXEL_SIZE", 0.2
+    obj.data.materials.append(volume("ShaderNodeVolumePrincipled", {"Color": (0, 0, 0), "Absorption Color": (0, 0, 0),
+                                                                    "Density": 1.0}))
+    return obj
+
+
+def scaled_density_grid(scene, scale, space):
+    obj = density_grid(scene, "grid")
+    obj.scale, obj.data.render.space = scale, space
+    set_world(scene, (1, 1, 1))
+    add_camera(scene, (0, -5, 1), (0, 0, 0), 40)
+
+
+@unit_scene
+def stretched_grid(scene):
+    """It is as opaque as before along its diagonal."""
+    scaled_density_grid(scene, (1.6, 0.7, 0.5), "OBJECT")
+
+
+@unit_scene
+def scaled_grid(scene):
+    """It is less opaque as a whole."""
+    scaled_density_grid(scene, (0.6, 0.6, 0.6), "WORLD")
 
 
 # The world

@@ -7,7 +7,7 @@ from . import microfacets, principled  # noqa: F401  register nodes
 from .closures import BLACK, Leaf, bent
 from .elements_of import bsdf_element, emission_element
 from .fields import constant
-from .media import medium_element
+from .media import medium_of
 from .nodes import Input, source_of
 from .normals import displacement_bend
 from .reading import NeedsMesh, Reading
@@ -19,7 +19,7 @@ class Surface:
     """A material as elements of a scene file.
 
     bsdf: without an id; None: the surface shows nothing (if it emits, it is black else).
-    emission: <emitter type="area">, or None. interior: <medium>, or None.
+    emission: <emitter type="area">, or None. interior: a Medium, or None.
     uv_map: the UV map that the textures use; None: the active one for renders.
     uvs: (loops, 2), coordinates of the evaluated mesh's loops that are used instead, or None.
     attributes: names of the colour attributes that the mesh must carry.
@@ -48,7 +48,7 @@ def export_material(material, obj, context):
 
 def _surface(reading, output):
     context = reading.context
-    surface = Surface(interior=medium_element(reading, Input(output.inputs["Volume"])), attributes=reading.attributes)
+    surface = Surface(interior=medium_of(reading, Input(output.inputs["Volume"])), attributes=reading.attributes)
     at = Input(output.inputs["Surface"])
     if source_of(at) is None or source_of(at).is_constant:
         # Nothing is linked: a boundary of the volume, or else black.

@@ -111,7 +111,7 @@ class Bakes:
         return Field(values, Placement(uv_map, rows, "EXTEND"))
 
     def over_mesh(self, at, dependencies, kind="EMIT", signed=False):
-        """The value as an image over uvs(); NORMAL: the normals of a Normal input, in tangent space."""
+        """The value as an image over uvs(); NORMAL and DISPLACEMENT: normals, in tangent space, by such an input."""
         uvs = self.uvs()
 
         def place(folder):

@@ -52,8 +52,9 @@ def make_mesh(arrays):
         mesh.uv_layers[uv_map].active_render = True
     if colours in mesh.color_attributes:
         mesh.color_attributes.render_color_index = mesh.color_attributes.find(colours)
-    obj = bpy.data.objects.new("baked", mesh)
+    obj = bpy.data.objects.new(str(arrays["object"][0]), mesh)
     obj.matrix_world = arrays["matrix"].tolist()
+    obj.color, obj.pass_index = arrays["colour"].tolist(), int(arrays["index"][0])
     return obj
 
 
@@ -142,6 +143,11 @@ def read_generated(tree, met):
             tree.links.new(made.outputs["Vector"], to)
 
 
+def show_displacement_as_bumps(material):
+    """The surface stays where it is: a property of materials, before Blender 4.1 of Cycles."""
+    (material if hasattr(material, "displacement_method") else material.cycles).displacement_method = "BUMP"
+
+
 def bake(job):
     """The values: (height, width, 3) from the top row down. Of normals: in tangent space, in [0, 1]."""
     with bpy.data.libraries.load(job["blend"]) as (_, to):
@@ -168,9 +174,10 @@ def bake(job):
     for node in [node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial"]:
         tree.nodes.remove(node)
     end = tree.nodes.new("ShaderNodeOutputMaterial")
-    if job["kind"] == "NORMAL":
+    if job["kind"] in {"NORMAL", "DISPLACEMENT"}:
         shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
-        tree.links.new(output, shader.inputs["Normal"])
+        tree.links.new(output, shader.inputs["Normal"] if job["kind"] == "NORMAL" else end.inputs["Displacement"])
+        show_displacement_as_bumps(material)
     else:
         shader = tree.nodes.new("ShaderNodeEmission")
         if job["is_number"]:
@@ -201,7 +208,7 @@ def bake(job):
     scene.cycles.use_denoising = False
     scene.render.bake.margin = 0 if "bounds" in job else 8
     scene.frame_set(job["frame"])
-    bpy.ops.object.bake(type=job["kind"], margin=scene.render.bake.margin, use_clear=True)
+    bpy.ops.object.bake(type="EMIT" if job["kind"] == "EMIT" else "NORMAL", margin=scene.render.bake.margin, use_clear=True)
     values = numpy.empty(job["width"] * job["height"] * 4, numpy.float32)
     image.pixels.foreach_get(values)
     return values.reshape(job["height"], job["width"], 4)[::-1, :, :3]

@@ -12,8 +12,7 @@ from .nodes import Input, source_of
 # Of a surface as it is met by a ray, or of what a bake does not know. None: all outputs.
 _VIEW = {"ShaderNodeLightPath": None, "ShaderNodeCameraData": None, "ShaderNodeFresnel": None,
          "ShaderNodeLayerWeight": None, "ShaderNodeNewGeometry": {"Incoming", "Backfacing"},
-         "ShaderNodeTexCoord": {"Camera", "Window", "Reflection"}, "ShaderNodeObjectInfo": {"Random"},
-         "ShaderNodeParticleInfo": None, "ShaderNodeHairInfo": None, "ShaderNodePointInfo": None,
+         "ShaderNodeTexCoord": {"Camera", "Window", "Reflection"}, "ShaderNodeParticleInfo": None, "ShaderNodeHairInfo": None, "ShaderNodePointInfo": None,
          "ShaderNodeVolumeInfo": None}
 # Of the place on the mesh.
 _MESH = {"ShaderNodeNewGeometry", "ShaderNodeVertexColor", "ShaderNodeAttribute", "ShaderNodeObjectInfo", "ShaderNodeBump",
@@ -24,6 +23,23 @@ _MESH = {"ShaderNodeNewGeometry", "ShaderNodeVertexColor", "ShaderNodeAttribute"
 _GENERATED = {"ShaderNodeTexBrick", "ShaderNodeTexChecker", "ShaderNodeTexGradient", "ShaderNodeTexMagic",
               "ShaderNodeTexMusgrave", "ShaderNodeTexNoise", "ShaderNodeTexPointDensity", "ShaderNodeTexVoronoi",
               "ShaderNodeTexWave", "ShaderNodeTexGabor"}
+# Of the object and its place, not only of its mesh. None: all outputs.
+_OBJECT = {"ShaderNodeObjectInfo": None, "ShaderNodeVectorTransform": None,
+           "ShaderNodeNewGeometry": {"Position", "Normal", "Tangent", "True Normal"}, "ShaderNodeTexCoord": {"Normal"}}
+
+
+def is_of_object(tree, met=()):
+    """Whether values of a node tree may differ between objects that have the same mesh."""
+    for node in tree.nodes:
+        if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and node.node_tree not in met:
+            if is_of_object(node.node_tree, (*met, tree)):
+                return True
+        if node.bl_idname in _OBJECT and any(socket.is_linked and socket.identifier in (_OBJECT[node.bl_idname] or {
+                socket.identifier}) for socket in node.outputs):
+            return True
+        if getattr(node, "object", None) is not None and any(socket.is_linked for socket in node.outputs):
+            return True
+    return False
 
 
 class Dependencies:

@@ -25,46 +25,58 @@ class Medium:
             self.scattered[phase] = self.scattered.get(phase, numpy.zeros(3)) + factor * amount
         return self
 
+    @property
+    def scattering(self):
+        """Of all phase functions."""
+        return sum(self.scattered.values(), numpy.zeros(3))
 
-def medium_element(reading, at):
-    """The <medium> of a Volume input, or None."""
+    @property
+    def mixes_colours(self):
+        """Whether phase functions would have to be mixed by another weight in each channel."""
+        colours = [amount / amount.max() for amount in self.scattered.values() if amount.any()]
+        return any(not numpy.allclose(colour, colours[0]) for colour in colours)
+
+    def element(self):
+        """The <medium>."""
+        element = plugin("medium", "homogeneous")
+        add_value(element, "rgb", "sigma_a", self.absorbed)
+        add_value(element, "rgb", "sigma_s", self.scattering)
+        if self.emitted.any():
+            add_value(element, "rgb", "emission", self.emitted)
+        if self.scattering.any():
+            element.append(self.phase())
+        return element
+
+    def phase(self):
+        """The <phase>: one, or a blend by the luminance of what each scatters. Something must scatter."""
+        parts = [(phase, float(amount @ LUMINANCE)) for phase, amount in self.scattered.items() if amount.any()]
+        element, total = None, 0.0
+        for phase, amount in parts:
+            one = plugin("phase", "rayleigh") if phase == "rayleigh" else plugin("phase", "hg")
+            if phase != "rayleigh":
+                add_value(one, "float", "g", phase)
+            total += amount
+            if element is None:
+                element = one
+                continue
+            both = plugin("phase", "blendphase")
+            add_value(both, "float", "weight", amount / total)
+            both.extend([element, one])
+            element = both
+        return element
+
+
+def medium_of(reading, at):
+    """The Medium of a Volume input, or None."""
     source = source_of(at)
     if source is None or source.is_constant:
         return None
     medium = _medium(reading, at)
-    total = sum(medium.scattered.values(), numpy.zeros(3))
-    if not (total.any() or medium.absorbed.any() or medium.emitted.any()):
+    if not (medium.scattering.any() or medium.absorbed.any() or medium.emitted.any()):
         return None
-    element = plugin("medium", "homogeneous")
-    add_value(element, "rgb", "sigma_a", medium.absorbed)
-    add_value(element, "rgb", "sigma_s", total)
-    if medium.emitted.any():
-        add_value(element, "rgb", "emission", medium.emitted)
-    if total.any():
-        element.append(_phase(reading, source, medium.scattered))
-    return element
-
-
-def _phase(reading, source, scattered):
-    """The phase function, or a blend by the luminance of what each scatters."""
-    parts = [(phase, float(amount @ LUMINANCE)) for phase, amount in scattered.items() if amount.any()]
-    colours = [amount / amount.max() for amount in scattered.values() if amount.any()]
-    if any(not numpy.allclose(colour, colours[0]) for colour in colours):
+    if medium.mixes_colours:
         reading.note(source.node, "phase functions are mixed alike for all colours")
-    element, total = None, 0.0
-    for phase, amount in parts:
-        one = plugin("phase", "rayleigh") if phase == "rayleigh" else plugin("phase", "hg")
-        if phase != "rayleigh":
-            add_value(one, "float", "g", phase)
-        total += amount
-        if element is None:
-            element = one
-            continue
-        both = plugin("phase", "blendphase")
-        add_value(both, "float", "weight", amount / total)
-        both.extend([element, one])
-        element = both
-    return element
+    return medium
 
 
 def _medium(reading, at):

@@ -39,7 +39,8 @@ class MeshToBake:
         corners = _values(mesh.loops, "vertex_index", 1, numpy.int32)[:, 0][self.loops]
         self.arrays = {"positions": _values(mesh.vertices, "co", 3), "corners": corners, "starts": ends - totals,
                        "normals": _values(mesh.corner_normals, "vector", 3)[self.loops],
-                       "matrix": numpy.array(obj.matrix_world),
+                       "matrix": numpy.array(obj.matrix_world), "colour": numpy.array(obj.color),
+                       "index": numpy.array([obj.pass_index]), "object": numpy.array([obj.original.name]),
                        "smooth": numpy.array([mesh.normals_domain != "FACE"])}
         low = numpy.array(mesh.texspace_location) - numpy.array(mesh.texspace_size)
         size = 2 * numpy.array(mesh.texspace_size)

@@ -24,7 +24,11 @@ def bend_of(reading, source, *names):
         bend = None
     if bend is not None:
         return bend
-    normals = reading.normals(at)
+    return _baked_normals(reading, at)
+
+
+def _baked_normals(reading, at, kind="NORMAL"):
+    normals = reading.normals(at, kind)
     return Bend("normalmap", normals) if normals is not None else None
 
 
@@ -92,12 +96,8 @@ def displacement_bend(reading, output):
     material = reading.material
     if getattr(material, "displacement_method", "BUMP") != "BUMP":
         reading.note(feed.node, "displacement does not move the surface; it only bends its normals")
-    if feed.node.bl_idname != "ShaderNodeDisplacement" or reading.over_mesh:
-        reading.note(feed.node, "this displacement is not exported")
-        return None
-    heights = _texture(reading, reading.at(feed, "Height"))
-    scale = reading.number(feed, "Scale", default=1.0)
-    if heights is None or not scale.is_constant:
-        reading.note(feed.node, "displacement by these heights is not exported")
-        return None
-    return _bump_map(reading, heights, scale.number)
+    if feed.node.bl_idname == "ShaderNodeDisplacement" and not reading.over_mesh:
+        heights, scale = _texture(reading, reading.at(feed, "Height")), reading.number(feed, "Scale", default=1.0)
+        if heights is not None and scale.is_constant and not reading.is_linked(feed, "Normal"):
+            return _bump_map(reading, heights, scale.number)
+    return _baked_normals(reading, output, "DISPLACEMENT")

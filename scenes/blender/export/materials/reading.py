@@ -111,8 +111,9 @@ class Reading:
         if not self.over_mesh:
             raise NeedsMesh
 
-    def normals(self, at):
-        """Normals of a Normal input in tangent space, as an image over the mesh. None where that cannot be."""
+    def normals(self, at, kind="NORMAL"):
+        """Normals of a Normal input, or of a Displacement input, in tangent space, as an image over the mesh. None where
+        that cannot be."""
         dependencies = Dependencies(self.mesh)
         dependencies.add(at)
         if dependencies.view or self.mesh is None:
@@ -120,7 +121,7 @@ class Reading:
             return None
         self._need_mesh()
         try:
-            return self.bakes.over_mesh(at, dependencies, "NORMAL")
+            return self.bakes.over_mesh(at, dependencies, kind)
         except BakeError as error:
             self.note(at.node, f"'{at.socket.name}' is not exported: {error}")
             return None
