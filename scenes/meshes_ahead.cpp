@@ -107,7 +107,11 @@ Expected<MeshFile> MeshesAhead::read(const MeshRequest& request, const SourceFil
     slot.state = State::kReading;
     lock.unlock();
     auto mesh = parse(request, file);
-    if (slot.uses <= 1) return mesh;
+    if (slot.uses <= 1) {
+      lock.lock();
+      slot.state = State::kRead;  // without the mesh: whoever asks once more reads it again
+      return mesh;
+    }
     store(slot, file, std::move(mesh));
     lock.lock();
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -24,6 +25,11 @@ double number_of(const Object* sensor, std::string_view name) {
 
 bool can_move(const Object& object) {
   return object.tag == "sensor" || object.tag == "shape" || object.tag == "emitter";
+}
+
+bool is_mesh_file(const Object& object) {
+  return object.tag == "shape" && (object.type == ObjShape::kPlugin || object.type == PlyShape::kPlugin ||
+                                   object.type == SerializedShape::kPlugin);
 }
 
 }  // namespace
@@ -45,6 +51,21 @@ Animations::Animations(const Context& context, const Object* sensor) {
   motion_.shutter = shutter.close - shutter.open;
   for (Object& object : context.tree.objects) {
     for (Parameter& parameter : object.parameters) {
+      if (auto* texts = std::get_if<TextAnimationValue>(&parameter.value)) {
+        std::vector<TextKey> keys = std::move(texts->keys);
+        parameter.tag = "string";
+        parameter.value = parameter.text = keys.front().text;
+        parameter.value_location = keys.front().location;
+        if (keys.size() < 2) continue;
+        if (is_mesh_file(object) && parameter.name == "filename")
+          files_.emplace(&object, std::move(keys));
+        else
+          context.diagnostics.warn(
+              parameter.location,
+              fmt::format("the filename of a mesh changes over time; the {} of {} '{}' stays '{}'",
+                          parameter.name, object.tag, object.type, parameter.text));
+        continue;
+      }
       auto* animation = std::get_if<AnimationValue>(&parameter.value);
       if (animation == nullptr) continue;
       std::vector<TransformKey> keys = std::move(animation->keys);
@@ -89,6 +110,11 @@ std::span<const TransformKey> Animations::keys_of(const Object& object) const {
                                     : std::span<const TransformKey>();
 }
 
+std::span<const TextKey> Animations::files_of(const Object& mesh) const {
+  const auto found = files_.find(&mesh);
+  return found != files_.end() ? std::span<const TextKey>(found->second) : std::span<const TextKey>();
+}
+
 void Animations::add_camera(const Object& sensor, const SceneDescription& scene) {
   Animation* animation = find(sensor);
   if (animation == nullptr) return;
@@ -116,8 +142,18 @@ void Animations::add_emitters(const Object& emitter, std::size_t first, const Sc
       motion_.emitters.push_back({.emitter = i, .place = place_of(*animation)});
 }
 
-void Animations::add_shape(const Object& shape, int group, std::size_t index, bool computed_normals) {
-  if (Animation* animation = find(shape))
+void Animations::add_shape(const Object& shape, int group, std::size_t index, bool computed_normals,
+                           const DeformingMesh* deforming) {
+  Animation* animation = find(shape);
+  if (deforming != nullptr && deforming->changes())
+    motion_.shapes.push_back({.group = group,
+                              .shape = index,
+                              .rest = deforming->rest,
+                              .place = animation != nullptr ? NodePlace{node_of(*animation), glm::dmat4(1.0)}
+                                                            : NodePlace{-1, deforming->to_world},
+                              .deformation = deforming->deformation,
+                              .is_faceted = !computed_normals});
+  else if (animation != nullptr)
     motion_.shapes.push_back(
         {.group = group, .shape = index, .place = place_of(*animation), .is_faceted = !computed_normals});
 }
@@ -132,6 +168,7 @@ void Animations::install(SceneDescription& scene) {
     return;
   for (MovingEmitter& moving : motion_.emitters) moving.rest = scene.emitters[moving.emitter];
   for (MovingShape& moving : motion_.shapes) {
+    if (moving.deformation != nullptr) continue;  // it has its rest
     moving.rest =
         (moving.group < 0 ? scene.shapes : scene.groups[std::size_t(moving.group)].shapes)[moving.shape]
             .geometry;

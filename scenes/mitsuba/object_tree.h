@@ -38,10 +38,20 @@ struct AnimationValue {
   std::vector<TransformKey> keys;
 };
 
+/// <animation> of strings: at least one, with finite, ascending times.
+struct TextKey {
+  double time = 0.0;  ///< in seconds
+  std::string text;
+  SourceLocation location;  ///< of the text
+};
+struct TextAnimationValue {
+  std::vector<TextKey> keys;
+};
+
 /// <integer>, <float>, <boolean>, <string>, <point> or <vector>, <rgb> or <srgb>, <spectrum>, <transform>,
 /// <animation>.
 using Value = std::variant<std::int64_t, double, bool, std::string, glm::dvec3, RgbValue, SpectrumValue,
-                           glm::dmat4, AnimationValue>;
+                           glm::dmat4, AnimationValue, TextAnimationValue>;
 
 struct Parameter {
   std::string name;  ///< snake_case

@@ -85,6 +85,14 @@ class XmlText {
       line(fmt::format("  <transform time=\"{}\"><matrix value=\"{}\"/></transform>", time, rows_of(m)));
     line("</animation>");
   }
+  /// Texts by time, in seconds.
+  void animation(std::string_view name, std::span<const std::pair<double, std::string>> keys) {
+    line(fmt::format("<animation name=\"{}\">", name));
+    for (const auto& [time, value] : keys)
+      line(fmt::format("  <string time=\"{}\" value=\"{}\"/>", time, escaped(value)));
+    line("</animation>");
+    tell(name);
+  }
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:

@@ -187,25 +187,29 @@ class SceneWriter {
 
   /// A shape that moves.
   struct MovingCourse : Course {
-    Geometry geometry;       ///< a mesh: at the course's end
-    glm::dmat4 end{1.0};     ///< from another geometry's space to the course's end
-    bool is_smooth = false;  ///< a mesh without normals gets some when it is read
+    Geometry geometry;                 ///< a mesh: at the course's end
+    glm::dmat4 end{1.0};               ///< from another geometry's space to the course's end
+    bool is_smooth = false;            ///< a mesh without normals gets some when it is read
+    std::vector<MeshKey> meshes = {};  ///< of one that deforms, instead of `geometry`
   };
   /// That of a shape of a group, or of the scene, from the end of the course before it. Nothing if neither
-  /// moves, or if the shape deforms.
+  /// moves, or if the shape deforms and the shutter does not open.
   std::optional<MovingCourse> course_of(Course before, int group, std::size_t index) {
     const auto known = moving_shapes_.find({group, index});
     const bool is_own = known != moving_shapes_.end();
     if (!is_own && before.steps.empty()) return std::nullopt;
     const MovingShape* found = is_own ? known->second : nullptr;
     const Shape& shape = (group < 0 ? scene_.shapes : scene_.groups[std::size_t(group)].shapes)[index];
-    if (is_own && found->deformation != nullptr) {
+    const bool deforms = is_own && found->deformation != nullptr;
+    const Exposure exposure = exposure_of(scene_);
+    if (deforms && !(exposure.close > exposure.open)) {
       remark(fmt::format("the mesh '{}' deforms; it is as at {} s", shape.name, scene_.time));
       return std::nullopt;
     }
     MovingCourse course;
     course.steps = std::move(before.steps);
     course.geometry = is_own ? found->rest : shape.geometry;
+    if (deforms) put_deformation(*found, exposure, shape.name, course);
     course.is_smooth = is_own && !found->is_faceted;
     if (is_own) course.steps.push_back(found->place);
     const glm::dmat4 now = course.at(*scene_.motion, scene_.time);
@@ -215,17 +219,45 @@ class SceneWriter {
     }
     const bool mirrors = is_mirror(now);
     const glm::dmat4 end = course.take_end();
-    if (auto* mesh = std::get_if<Mesh>(&course.geometry)) {
-      for (glm::dvec3& p : mesh->positions) p = transform_point(end, p);
+    const auto place = [&](Mesh& mesh) {
+      for (glm::dvec3& p : mesh.positions) p = transform_point(end, p);
       const glm::dmat3 matrix = normal_matrix(end);
-      for (glm::vec3& n : mesh->normals) n = glm::vec3(glm::normalize(matrix * glm::dvec3(n)));
+      // Those of a mesh that deforms keep their lengths, which are weights between keys.
+      for (glm::vec3& n : mesh.normals) {
+        const glm::dvec3 turned = matrix * glm::dvec3(n);
+        n = glm::vec3(course.meshes.empty() ? glm::normalize(turned) : turned);
+      }
       // The reader keeps the winding of meshes without normals, whatever mirrors them.
-      if (mesh->normals.empty() && mirrors)
-        for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
-    } else {
+      if (mesh.normals.empty() && mirrors)
+        for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    };
+    if (auto* mesh = std::get_if<Mesh>(&course.geometry))
+      place(*mesh);
+    else
       course.end = end;
-    }
+    for (MeshKey& key : course.meshes) place(key.mesh);
     return course;
+  }
+
+  /// The meshes of one that deforms while the shutter is open, and from frame to frame if the layer of motion
+  /// is wanted.
+  void put_deformation(const MovingShape& moving, const Exposure& exposure, const std::string& name,
+                       MovingCourse& course) {
+    double from = exposure.open, to = exposure.close;
+    if (std::ranges::find(scene_.film.layers, AskedLayer::kMotion) != scene_.film.layers.end()) {
+      from = std::min(from, exposure.before);
+      to = std::max(to, exposure.after);
+    }
+    WrittenMeshes made = written_meshes(*scene_.motion, moving, from, to);
+    if (!made.exact) approximate_.emplace_back(fmt::format("the mesh '{}'", name), "");
+    if (std::ranges::all_of(made.keys, [&](const MeshKey& key) {
+          return key.mesh.positions == made.keys.front().mesh.positions &&
+                 key.mesh.normals == made.keys.front().mesh.normals;
+        }))
+      course.geometry = std::move(made.keys.front().mesh);
+    else
+      course.meshes = std::move(made.keys);
+    remark(fmt::format("meshes deform only from {} to {} s", from, to));
   }
 
   /// The place of an instance that moves, and of a group inside it.
@@ -618,10 +650,19 @@ class SceneWriter {
     const std::string own = shape.id.empty() ? "" : new_id(shape.id, fmt::format("shape-{}", ids_.size())),
                       id = own.empty() ? "" : fmt::format(" id=\"{}\"", escaped(own));
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-      const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
-      files_.push_back({file_.parent_path() / name, ply_of(*mesh)});
+      const auto put_file = [&](const Mesh& written) {
+        std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
+        files_.push_back({file_.parent_path() / name, ply_of(written)});
+        return name;
+      };
       xml_.open("shape", PlyShape::kPlugin, id);
-      xml_.value("string", "filename", name);
+      if (course && !course->meshes.empty()) {
+        std::vector<std::pair<double, std::string>> files;
+        for (const auto& [time, written] : course->meshes) files.emplace_back(time, put_file(written));
+        xml_.animation("filename", files);
+      } else {
+        xml_.value("string", "filename", put_file(*mesh));
+      }
       if (mesh->normals.empty() && !(course && course->is_smooth))
         xml_.value("boolean", "face_normals", "true");
       if (course) put_motion(*course, glm::dmat4(1.0), what);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <type_traits>
@@ -33,9 +34,11 @@ struct ShapeInput {
   const FileAccess& files;
   MeshesAhead& meshes;
   PluginReader& plugin;
-  bool& flip_normals;                  ///< reading the geometry may toggle it
-  std::span<const TransformKey> keys;  ///< of its to_world, if that moves
-  bool& computed_normals;              ///< set for a mesh whose normals are not its file's
+  bool& flip_normals;                               ///< reading the geometry may toggle it
+  std::span<const TransformKey> keys;               ///< of its to_world, if that moves
+  bool& computed_normals;                           ///< set for a mesh whose normals are not its file's
+  std::span<const TextKey> over_time;               ///< the files of a mesh, if it has several over time
+  std::shared_ptr<const DeformingMesh>& deforming;  ///< set for a mesh of several files over time
 };
 
 /// Whether that is so of the transform, and of all keys of one that moves.
@@ -65,18 +68,16 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
     context.diagnostics.warn(object.location, fmt::format("{}: {}", file, text));
 }
 
-/// Opens the file that a parameter names, as text.
-std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files, PluginReader& plugin,
-                                 const std::string& name) {
-  const SourceLocation place = plugin.location_of("filename");
-  const auto path = files.find(name, context.folders(plugin.object()));
+/// Opens the file that is named there, as text.
+std::unique_ptr<SourceFile> open(const ShapeInput& input, const std::string& name, SourceLocation place) {
+  const auto path = input.files.find(name, input.context.folders(input.plugin.object()));
   if (!path) {
-    context.unsupported(place, path.error().message, "the shape is left out");
+    input.context.unsupported(place, path.error().message, "the shape is left out");
     return nullptr;
   }
-  auto file = files.read(*path, kMaxMeshFileBytes);
+  auto file = input.files.read(*path, kMaxMeshFileBytes);
   if (!file) {
-    context.unsupported(place, file.error().message, "the shape is left out");
+    input.context.unsupported(place, file.error().message, "the shape is left out");
     return nullptr;
   }
   return std::move(*file);
@@ -111,7 +112,7 @@ Expected<MeshFile> read_file(MeshesAhead&, const SerializedShape& shape, const S
 /// The file of a mesh. Null, and an error, if it is missing.
 template <typename Parameters>
 std::unique_ptr<SourceFile> mesh_file(const ShapeInput& input, const Parameters& given) {
-  if (input.plugin.has("filename")) return open(input.context, input.files, input.plugin, given.filename);
+  if (input.plugin.has("filename")) return open(input, given.filename, input.plugin.location_of("filename"));
   input.plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", input.plugin.title()));
   return nullptr;
 }
@@ -124,9 +125,28 @@ void report_mesh_error(const ShapeInput& input, const Error& error) {
       fmt::format("{}\n  (which is named at {})", error.message, describe(input.plugin.object().location)));
 }
 
-/// Transforms the mesh to world space. Nothing after a reported error.
+/// What `read` makes of the later files of a mesh that has several over time. Nothing after a reported error.
+template <typename Made>
+std::optional<std::vector<Made>> read_later(const ShapeInput& input,
+                                            const std::function<Expected<Made>(const SourceFile&)>& read) {
+  std::vector<Made> all;
+  for (std::size_t k = 1; k < input.over_time.size(); ++k) {
+    const auto file = open(input, input.over_time[k].text, input.over_time[k].location);
+    if (!file) return std::nullopt;
+    auto made = read(*file);
+    if (!made) {
+      report_mesh_error(input, made.error());
+      return std::nullopt;
+    }
+    all.push_back(std::move(*made));
+  }
+  return all;
+}
+
+/// Transforms the mesh to world space. `later`: its other files over time. Nothing after a reported error.
 template <typename Parameters>
-std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given, MeshFile read) {
+std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given, MeshFile read,
+                                std::vector<Mesh> later) {
   const std::string& name = given.filename;
   Mesh& mesh = read.mesh;
   if (given.flip_tex_coords) {
@@ -136,6 +156,20 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
                        (input.context.tree.faceted_without_normals && mesh.normals.empty());
   const bool has_edges = given.max_smooth_angle > 0;
   input.computed_normals = mesh.normals.empty() && !faceted && !has_edges;
+  if (!later.empty()) {
+    if (has_edges) {
+      input.plugin.wrong(
+          "max_smooth_angle",
+          "a mesh of several files over time has their normals, or face_normals, or smooth ones");
+      return std::nullopt;
+    }
+    later.insert(later.begin(), mesh);
+    if (faceted)
+      for (Mesh& each : later) each.normals.clear();
+    input.deforming =
+        deforming_mesh(std::move(later), input.over_time, given.to_world, input.context.diagnostics);
+    if (input.deforming == nullptr) return std::nullopt;
+  }
   const auto cleaning = place_mesh(mesh, given.to_world, faceted || has_edges);
   if (!cleaning) {
     input.plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
@@ -145,6 +179,11 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
   for (const std::string& warning : read.warnings) input.plugin.warn(fmt::format("{}: {}", name, warning));
   warn_about(input.context, input.plugin.object(), *cleaning, read.faces, name);
   return std::move(mesh);
+}
+
+/// Whether a mesh that was read has no triangles at any time.
+bool is_nothing(const ShapeInput& input, const Mesh& mesh) {
+  return mesh.triangles.empty() && (input.deforming == nullptr || input.deforming->rest.triangles.empty());
 }
 
 void warn_of_no_triangles(const ShapeInput& input, const std::string& name) {
@@ -165,8 +204,14 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   }
   // Free the text, which may take more memory than the mesh.
   file.reset();
-  auto mesh = placed_mesh(input, given, std::move(*read));
-  if (mesh && mesh->triangles.empty()) {
+  const auto others = read_later<MeshFile>(input, [&](const SourceFile& text) {
+    return read_file(input.meshes, given, text, mesh_attribute_names(input.context, input.plugin.object()));
+  });
+  if (!others) return std::nullopt;
+  std::vector<Mesh> later;
+  for (const MeshFile& each : *others) later.push_back(each.mesh);
+  auto mesh = placed_mesh(input, given, std::move(*read), std::move(later));
+  if (mesh && is_nothing(input, *mesh)) {
     warn_of_no_triangles(input, given.filename);
     return std::nullopt;
   }
@@ -178,7 +223,8 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
 struct MeshPart {
   std::string material;  ///< the name in `usemtl`; empty: none
   Mesh mesh;
-  bool computed_normals;  ///< see ShapeInput
+  bool computed_normals;                           ///< see ShapeInput
+  std::shared_ptr<const DeformingMesh> deforming;  ///< likewise
 };
 std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   const auto given = read_parameters<ObjShape>(input);
@@ -191,11 +237,31 @@ std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   }
   for (const std::string& warning : model->warnings)
     input.plugin.warn(fmt::format("{}: {}", given.filename, warning));
+  auto later = read_later<ObjModel>(input, read_obj_groups);
+  if (!later) return {};
+  const auto materials = [](const ObjModel& of) {
+    std::vector<std::string> names;
+    for (const ObjGroup& group : of.groups) names.push_back(group.material.name);
+    return names;
+  };
+  for (std::size_t k = 0; k < later->size(); ++k) {
+    if (materials((*later)[k]) == materials(*model)) continue;
+    const auto& [time, name, location] = input.over_time[k + 1];
+    input.context.diagnostics.error(
+        location, fmt::format("'{}' has other objects or materials than '{}' at {} s", name, given.filename,
+                              input.over_time.front().time));
+    return {};
+  }
   std::vector<MeshPart> parts;
-  for (ObjGroup& group : model->groups) {
-    auto mesh = placed_mesh(input, given, {.mesh = std::move(group.mesh), .faces = std::move(group.faces)});
-    if (mesh && !mesh->triangles.empty())
-      parts.push_back({group.material.name, std::move(*mesh), input.computed_normals});
+  for (std::size_t g = 0; g < model->groups.size(); ++g) {
+    ObjGroup& group = model->groups[g];
+    std::vector<Mesh> others;
+    for (ObjModel& each : *later) others.push_back(std::move(each.groups[g].mesh));
+    input.deforming = nullptr;
+    auto mesh = placed_mesh(input, given, {.mesh = std::move(group.mesh), .faces = std::move(group.faces)},
+                            std::move(others));
+    if (mesh && !is_nothing(input, *mesh))
+      parts.push_back({group.material.name, std::move(*mesh), input.computed_normals, input.deforming});
   }
   if (parts.empty() && !input.context.diagnostics.failed()) warn_of_no_triangles(input, given.filename);
   return parts;
@@ -406,8 +472,12 @@ std::vector<MeshRequest> ShapeReader::meshes_named() const {
     for (const Parameter& parameter : object.parameters) {
       const auto* name = std::get_if<std::string>(&parameter.value);
       if (parameter.name != "filename" || name == nullptr) continue;
-      if (auto path = files.find(*name, context_.folders(object)))
-        meshes.push_back({*path, is_ply ? MeshRequest::Format::kPly : MeshRequest::Format::kObj});
+      std::vector<std::string> named{*name};
+      const auto over_time = animations_.files_of(object);
+      for (std::size_t k = 1; k < over_time.size(); ++k) named.push_back(over_time[k].text);
+      for (const std::string& each : named)
+        if (auto path = files.find(each, context_.folders(object)))
+          meshes.push_back({*path, is_ply ? MeshRequest::Format::kPly : MeshRequest::Format::kObj});
     }
   }
   return meshes;
@@ -514,8 +584,9 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   shape.name = name_of(object);
   shape.id = object.id;
   Source source{&object};
-  auto geometry = known->read({context_, files_, meshes_, plugin, shape.flip_normals,
-                               animations_.keys_of(object), source.computed_normals});
+  auto geometry =
+      known->read({context_, files_, meshes_, plugin, shape.flip_normals, animations_.keys_of(object),
+                   source.computed_normals, animations_.files_of(object), source.deforming});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, shape, scene_);
@@ -554,8 +625,9 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   whole.name = name_of(object);
   whole.id = object.id;
   Source source{&object};
-  std::vector<MeshPart> parts = read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals,
-                                                animations_.keys_of(object), source.computed_normals});
+  std::vector<MeshPart> parts =
+      read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals, animations_.keys_of(object),
+                      source.computed_normals, animations_.files_of(object), source.deforming});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, whole, scene_);
@@ -583,7 +655,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
     std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
     shape.material = materials_.id_of(bsdf);
     holder.shapes.push_back(std::move(shape));
-    holder.sources.push_back({&object, part.computed_normals});
+    holder.sources.push_back({&object, part.computed_normals, part.deforming});
   }
   for (const auto& [name, bsdf] : by_name)
     if (!parts.empty() && !used.contains(name))
@@ -622,7 +694,8 @@ void ShapeReader::check_textures() const {
 void ShapeReader::add_motion() {
   const auto add = [&](int group, const std::vector<Source>& sources) {
     for (std::size_t i = 0; i < sources.size(); ++i)
-      animations_.add_shape(*sources[i].object, group, i, sources[i].computed_normals);
+      animations_.add_shape(*sources[i].object, group, i, sources[i].computed_normals,
+                            sources[i].deforming.get());
   };
   add(-1, sources_);
   for (std::size_t g = 0; g < group_sources_.size(); ++g) add(int(g), group_sources_[g]);

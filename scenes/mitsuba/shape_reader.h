@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -34,7 +35,8 @@ class ShapeReader {
   /// The object from which a shape or an instance was read.
   struct Source {
     const Object* object = nullptr;
-    bool computed_normals = false;  ///< those of a mesh are not its file's
+    bool computed_normals = false;                        ///< those of a mesh are not its file's
+    std::shared_ptr<const DeformingMesh> deforming = {};  ///< of a mesh of several files over time
   };
   /// The container to which shapes and instances are added: the scene or a group.
   struct Holder {

@@ -130,30 +130,49 @@ std::optional<glm::dmat4> read_transform(const ElementReader& element) {
   return result;
 }
 
-std::optional<AnimationValue> read_animation(const ElementReader& element) {
+std::optional<Value> read_animation(const ElementReader& element) {
   constexpr std::size_t kMostKeys = 4096;
-  AnimationValue animation;
+  constexpr std::string_view kHolds = "<transform time=\"…\"> or <string time=\"…\" value=\"…\">";
+  AnimationValue transforms;
+  TextAnimationValue texts;
+  std::vector<double> times;
+  std::string kind;
   bool good = true;
   for (const pugi::xml_node& node : element.element().children()) {
     if (node.type() != pugi::node_element) continue;
     const ElementReader child = element.child(node);
-    if (to_snake_case(node.name()) != "transform")
-      return child.wrong(fmt::format("<animation> holds <transform time=\"…\">, no <{}>", node.name()));
-    if (animation.keys.size() >= kMostKeys)
-      return child.wrong(fmt::format("<animation> has more than {} transforms", kMostKeys));
-    if (!child.check_attributes({"time"}) || !child.required("time")) return std::nullopt;
+    const std::string tag = to_snake_case(node.name());
+    if (tag != "transform" && tag != "string")
+      return child.wrong(fmt::format("<animation> holds {}, no <{}>", kHolds, node.name()));
+    if (kind.empty()) kind = tag;
+    if (tag != kind) return child.wrong(fmt::format("<animation> holds either {}, not both", kHolds));
+    if (times.size() >= kMostKeys)
+      return child.wrong(fmt::format("<animation> has more than {} keys", kMostKeys));
+    const bool is_text = kind == "string";
+    if (!(is_text ? child.check_attributes({"time", "value"}) : child.check_attributes({"time"})))
+      return std::nullopt;
+    if (!child.required("time")) return std::nullopt;
     const auto time = read_number(child, "time", 0.0);
-    const auto transform = read_transform(child);
-    if (time && !animation.keys.empty() && !(*time > animation.keys.back().time))
-      return child.wrong_value("time", fmt::format("the times of an animation must ascend; {} follows {}",
-                                                   *time, animation.keys.back().time));
-    good = good && time && transform;
-    if (good) animation.keys.push_back({*time, *transform});
+    if (time && !times.empty() && !(*time > times.back()))
+      return child.wrong_value(
+          "time", fmt::format("the times of an animation must ascend; {} follows {}", *time, times.back()));
+    if (time) times.push_back(*time);
+    if (is_text) {
+      auto text = child.required("value");
+      good = good && time && text;
+      if (good) texts.keys.push_back({*time, std::move(*text), child.value_location("value")});
+    } else {
+      const auto transform = read_transform(child);
+      good = good && time && transform;
+      if (good) transforms.keys.push_back({*time, *transform});
+    }
   }
   if (!good) return std::nullopt;
-  if (animation.keys.empty()) return element.wrong("<animation> holds at least one <transform time=\"…\">");
-  if (const auto keyed = keyed_transform(animation.keys); !keyed) return element.wrong(keyed.error().message);
-  return animation;
+  if (times.empty()) return element.wrong(fmt::format("<animation> holds at least one {}", kHolds));
+  if (kind == "string") return Value(std::move(texts));
+  if (const auto keyed = keyed_transform(transforms.keys); !keyed)
+    return element.wrong(keyed.error().message);
+  return Value(std::move(transforms));
 }
 
 }  // namespace penumbra::mitsuba

@@ -199,7 +199,7 @@ std::optional<Parameter> read_value(const ElementReader& element) {
     if (const auto matrix = read_transform(element)) value = *matrix;
   } else if (result.tag == "animation") {
     if (!element.check_attributes({"name"})) return std::nullopt;
-    if (auto animation = read_animation(element)) value = std::move(*animation);
+    value = read_animation(element);
   } else {
     const bool triple = result.tag == "point" || result.tag == "vector";
     const bool known =

@@ -56,8 +56,8 @@ const std::vector<std::string>& value_tags();
 /// Reads one value. Returns nothing after a reported error.
 std::optional<Parameter> read_value(const ElementReader& element);
 
-/// Reads the <transform time="…"> of an <animation>.
-std::optional<AnimationValue> read_animation(const ElementReader& element);
+/// Reads the <transform time="…">, or the <string time="…" value="…">, of an <animation>.
+std::optional<Value> read_animation(const ElementReader& element);
 
 /// Reads the steps of a <transform>, each applied after those before it.
 std::optional<glm::dmat4> read_transform(const ElementReader& element);

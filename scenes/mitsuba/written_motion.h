@@ -35,4 +35,19 @@ constexpr double kSameTransform = 1e-10, kNearTransform = 1e-4;
 Expected<WrittenKeys> written_keys(const std::function<glm::dmat4(double)>& at,
                                    std::span<const double> times);
 
+/// A mesh that deforms, in its own space, at a time.
+struct MeshKey {
+  double time = 0.0;  ///< in seconds
+  Mesh mesh;
+};
+
+struct WrittenMeshes {
+  std::vector<MeshKey> keys;
+  bool exact = true;  ///< whether vertices go evenly from key to key
+};
+
+/// Keys of a mesh that deforms, from one time to a later one: at both, at its own keys between them, and as
+/// for transforms. The size is the extent of the mesh. Its triangles are those at rest.
+WrittenMeshes written_meshes(const SceneMotion& motion, const MovingShape& moving, double from, double to);
+
 }  // namespace penumbra::mitsuba

@@ -7,6 +7,35 @@
 
 namespace penumbra {
 
+MeshDeformation deformation_between(std::span<const Mesh> meshes, std::span<const double> times) {
+  const Mesh& rest = meshes.front();
+  // Empty if nothing changes.
+  const auto changes = [](const auto& from, const auto& to) {
+    std::vector<glm::dvec3> all;
+    if (from == to) return all;
+    for (std::size_t i = 0; i < from.size(); ++i) all.push_back(glm::dvec3(to[i]) - glm::dvec3(from[i]));
+    return all;
+  };
+  MeshDeformation made;
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    made.weights.times.push_back(times[k]);
+    Weights& weights = made.weights.values.emplace_back(meshes.size() - 1, 0.0);
+    if (k == 0) continue;
+    weights[k - 1] = 1.0;
+    made.targets.push_back(
+        {changes(rest.positions, meshes[k].positions), changes(rest.normals, meshes[k].normals)});
+  }
+  return made;
+}
+
+void deform(const MeshDeformation& deformation, double time, std::span<const glm::dmat4> nodes, Mesh& mesh) {
+  if (!deformation.targets.empty()) morph(deformation.targets, value_at(deformation.weights, time), mesh);
+  if (!deformation.has_skin()) return;
+  std::vector<glm::dmat4> joints;
+  for (const int joint : deformation.skin.joints) joints.push_back(nodes[std::size_t(joint)]);
+  apply_skin(deformation.skin, joints, mesh);
+}
+
 void morph(std::span<const MorphTarget> targets, const Weights& weights, Mesh& mesh) {
   const auto add = [](const std::vector<glm::dvec3>& changes, double weight, auto& to) {
     using Vector = std::decay_t<decltype(to[0])>;

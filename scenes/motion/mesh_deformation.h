@@ -38,6 +38,13 @@ struct MeshDeformation {
   [[nodiscard]] bool has_skin() const { return !skin.joints.empty(); }
 };
 
+/// Takes the first of these meshes, at rest, evenly from each to the next. They have equally many vertices,
+/// and all have normals or none has. `times`: of each, in seconds, finite and ascending.
+MeshDeformation deformation_between(std::span<const Mesh> meshes, std::span<const double> times);
+
+/// The mesh at rest becomes that of a time. `nodes`: of SceneMotion, to the world, at that time.
+void deform(const MeshDeformation& deformation, double time, std::span<const glm::dmat4> nodes, Mesh& mesh);
+
 /// Adds the targets times their weights. Missing weights are 0.
 void morph(std::span<const MorphTarget> targets, const Weights& weights, Mesh& mesh);
 

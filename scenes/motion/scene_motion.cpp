@@ -71,15 +71,7 @@ class Pose {
   [[nodiscard]] Expected<Mesh> posed(const Mesh& rest, const MovingShape& moving,
                                      const glm::dmat4& placed) const {
     Mesh mesh = rest;
-    if (const MeshDeformation* deformation = moving.deformation.get()) {
-      if (!deformation->targets.empty())
-        morph(deformation->targets, value_at(deformation->weights, time_), mesh);
-      if (deformation->has_skin()) {
-        std::vector<glm::dmat4> joints;
-        for (const int joint : deformation->skin.joints) joints.push_back(nodes_.at(std::size_t(joint)));
-        apply_skin(deformation->skin, joints, mesh);
-      }
-    }
+    if (moving.deformation != nullptr) deform(*moving.deformation, time_, nodes_, mesh);
     const auto vanishes = [&](const glm::uvec3& t) {
       const glm::dvec3 a = transform_point(placed, mesh.positions[t.x]);
       return glm::length(glm::cross(transform_point(placed, mesh.positions[t.y]) - a,

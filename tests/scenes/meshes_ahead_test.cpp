@@ -76,6 +76,9 @@ TEST_F(MeshesReadAhead, MayBeAskedForAsOftenAsRequestedAndMore) {
   MeshesAhead meshes({request(0), request(1), request(0)}, files_, 1);
   const SourceFile file = source(0, text(0));
   for (int turn = 0; turn < 4; ++turn) expect_same(meshes.read(request(0), file), read_obj(file));
+  MeshesAhead alone({request(1)}, files_, 0);
+  const SourceFile other = source(1, text(1));
+  for (int turn = 0; turn < 3; ++turn) expect_same(alone.read(request(1), other), read_obj(other));
 }
 
 TEST_F(MeshesReadAhead, NeedNotBeAskedFor) {

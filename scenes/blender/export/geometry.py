@@ -2,12 +2,13 @@
 """The geometry of objects as <shape> elements, one for each material, made once for all objects that show it."""
 
 import dataclasses
+from xml.etree import ElementTree
 
 from .curves import curve_parts, strand_parts
-from .elements import add_value, plugin
+from .elements import add_value, number, plugin
 from .materials import export_material
 from .materials.dependencies import is_of_object
-from .meshes import colours_of_corners, read_mesh, uvs_of_corners, write_part
+from .meshes import colours_of_corners, mesh_of, read_mesh, uvs_of_corners, write_part
 from .surfaces import Part
 from .volumes import volume_parts
 
@@ -36,40 +37,43 @@ def _identity(obj, materials):
     """Equal for objects with the same geometry and materials, and whether that is so in other frames, too."""
     uids = tuple(material.session_uid if material is not None else 0 for material in materials)
     data, original = obj.data, obj.original
-    if data.original != original.data:  # made by geometry nodes, and lives as long as their result
+    if data.original != original.data:  # made by modifiers, and lives as long as their result
         return ("made", data.as_pointer(), uids)
-    if not original.modifiers and not differs(materials) and getattr(original.data, "shape_keys", None) is None and obj.type == original.type:
+    is_as_made = not original.modifiers and getattr(original.data, "shape_keys", None) is None
+    if is_as_made and not differs(materials) and obj.type == original.type:
         return ("data", original.data.session_uid, uids)
     return ("object", original.session_uid, uids)
 
 
-def geometry_of(context, obj, has_surface=True, has_strands=True):
-    """The Geometry of an evaluated object: its surface or what it is else, and the hair of its particle systems."""
+def geometry_of(context, obj, has_surface=True, has_strands=True, states=None):
+    """The Geometry of an evaluated object: its surface or what it is else, and the hair of its particle systems.
+    states: of a mesh that deforms: {seconds: MeshArrays}."""
     materials = _materials(context, obj)
-    identity = (*_identity(obj, materials), has_surface, has_strands)
+    identity = (*_identity(obj, materials), has_surface, has_strands, tuple(states or ()))
     known = context.geometry.get(identity)
     if known is None:
         made_of = {block.session_uid for block in [obj.original, obj.original.data, *materials] if block is not None}
-        known = Geometry(_parts(context, obj, materials, has_surface, has_strands), made_of)
+        known = Geometry(_parts(context, obj, materials, has_surface, has_strands, states), made_of)
         context.geometry[identity] = known
     return known
 
 
-def _parts(context, obj, materials, has_surface, has_strands):
+def _parts(context, obj, materials, has_surface, has_strands, states):
     if obj.type == "CURVES":
         return curve_parts(context, obj, materials)
     if obj.type == "VOLUME":
         return volume_parts(context, obj, materials)
-    if obj.type == "MESH":
-        surface = _mesh_parts(context, obj, obj.data, materials) if has_surface else []
-        return surface + (strand_parts(context, obj, materials) if has_strands else [])
-    mesh = obj.to_mesh()
-    parts = _mesh_parts(context, obj, mesh, materials) if mesh is not None else []
-    obj.to_mesh_clear()
-    return parts
+    parts = []
+    if has_surface or obj.type != "MESH":
+        with mesh_of(obj) as mesh:
+            parts = _mesh_parts(context, obj, mesh, materials, states) if mesh is not None else []
+    strands = strand_parts(context, obj, materials) if has_strands and obj.type == "MESH" else []
+    if strands and states:
+        context.report.add("the motion of its hair while the shutter is open is not exported", obj.name)
+    return parts + strands
 
 
-def _mesh_parts(context, obj, mesh, materials):
+def _mesh_parts(context, obj, mesh, materials, states):
     arrays = read_mesh(mesh)
     parts = []
     for index, material in enumerate(materials):
@@ -85,7 +89,7 @@ def _mesh_parts(context, obj, mesh, materials):
             context.report.add(f'the mesh has no colours "{name}"', obj.name)
             del colours[name]
         shape = plugin("shape", "ply")
-        add_value(shape, "string", "filename", write_part(context, arrays, triangles, uvs, colours))
+        _add_files(shape, write_part(context, arrays, triangles, uvs, colours, list((states or {}).values())), states)
         if arrays.normals is None:
             add_value(shape, "boolean", "face_normals", True)
         outline = None
@@ -93,3 +97,13 @@ def _mesh_parts(context, obj, mesh, materials):
             outline = arrays.positions, arrays.corners[arrays.triangles]
         parts.append(Part(shape, surface, material.name if material is not None else "default", outline))
     return parts
+
+
+def _add_files(shape, paths, states):
+    """The shape's file, or those by time, in seconds."""
+    if not states:
+        add_value(shape, "string", "filename", paths[0])
+        return
+    animation = ElementTree.SubElement(shape, "animation", {"name": "filename"})
+    for time, path in zip(states, paths, strict=True):
+        ElementTree.SubElement(animation, "string", {"time": number(time), "value": path})

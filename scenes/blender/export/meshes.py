@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluated meshes as arrays, and their parts of one material each as PLY files."""
 
+import contextlib
 import dataclasses
 import hashlib
 
@@ -25,6 +26,18 @@ class MeshArrays:
     triangles: numpy.ndarray
     slots: numpy.ndarray
     normals: object
+
+
+@contextlib.contextmanager
+def mesh_of(obj):
+    """The bpy.types.Mesh of an evaluated object with a surface, or None."""
+    if obj.type == "MESH":
+        yield obj.data
+        return
+    try:
+        yield obj.to_mesh()
+    finally:
+        obj.to_mesh_clear()
 
 
 def read_mesh(mesh):
@@ -92,13 +105,15 @@ def split_vertices(corners, values):
     return vertex, numpy.concatenate(chosen) if chosen else rest
 
 
-def write_part(context, arrays, triangles, uvs=None, colours=None):
-    """Writes the triangles (indices of loops) and returns the file's path in the folder.
+def write_part(context, arrays, triangles, uvs=None, colours=None, states=None):
+    """Writes the triangles (indices of loops) and returns the paths of files in the folder, one for each state.
 
-    uvs: (loops, 2) or None. colours: {name: (loops, 3)}.
+    uvs: (loops, 2) or None. colours: {name: (loops, 3)}. states: MeshArrays of a mesh that deforms, at several times;
+    without them there is one, `arrays`.
     """
+    states = states or [arrays]
     colours = colours or {}
-    tables = [table for table in [arrays.normals, uvs, *colours.values()] if table is not None]
+    tables = [table for table in [*(state.normals for state in states), uvs, *colours.values()] if table is not None]
     corners = triangles.reshape(-1)
     is_used = numpy.zeros(len(arrays.corners), bool)
     is_used[corners] = True
@@ -108,9 +123,13 @@ def write_part(context, arrays, triangles, uvs=None, colours=None):
     place = numpy.empty(len(arrays.corners), numpy.int64)
     place[loops] = vertex
     source = loops[chosen]
-    parts = ply_bytes(arrays.positions[arrays.corners[source]], place[triangles],
-                      None if arrays.normals is None else arrays.normals[source],
-                      None if uvs is None else uvs[source], {name: table[source] for name, table in colours.items()})
+    return [_write(context, ply_bytes(state.positions[arrays.corners[source]], place[triangles],
+                                      None if state.normals is None else state.normals[source],
+                                      None if uvs is None else uvs[source],
+                                      {name: table[source] for name, table in colours.items()})) for state in states]
+
+
+def _write(context, parts):
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part)

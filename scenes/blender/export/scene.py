@@ -2,15 +2,18 @@
 """Walks the evaluated scene and writes it."""
 
 import copy
+import dataclasses
 
+import bpy
 import numpy
 
 from ..properties import settings_of
 from .cameras import export_camera
+from .deformation import has_own_data, meshes_at_keys
 from .elements import Element, add_reference, add_value, plugin, write_scene
 from .geometry import differs, geometry_of
 from .lights import export_light
-from .motion import Place, Shutter
+from .motion import Place, Shutter, blur_of
 from .nesting import Regions
 from .surfaces import Surfaces
 from .world import export_world
@@ -32,19 +35,35 @@ def _is_shown(context, instance):
     return instance.show_self or (instance.show_particles and instance.object.type == "MESH")
 
 
-def _places_at_keys(context, shutter):
-    """{key of an instance: [matrix at each key]}, and the camera's matrices. None where the instance was not there."""
-    matrices, camera = {}, []
+def _blur(instance):
+    return blur_of(instance.object, instance.parent if instance.is_instance else None)
+
+
+@dataclasses.dataclass
+class _Keyed:
+    """What happens while the shutter is open. matrices: {key of an instance: matrix at each key of the shutter}, None
+    where it was not there. camera: its matrices. meshes: see meshes_at_keys."""
+    matrices: dict = dataclasses.field(default_factory=dict)
+    camera: list = dataclasses.field(default_factory=list)
+    meshes: dict = dataclasses.field(default_factory=dict)
+
+
+def _at_keys(context, shutter):
+    """The _Keyed of the shutter. Takes the depsgraph through its time."""
+    keyed, deformed = _Keyed(), set()
     for index, frame in enumerate(shutter.frames):
-        deformed = context.go_to(frame)
+        changed = context.go_to(frame)
         if index > 0:
-            for name in sorted(deformed):
-                context.report.add("its deformation while the shutter is open is not exported", name)
+            deformed |= changed
         for instance in context.depsgraph.object_instances:
-            known = matrices.setdefault(_instance_key(instance), [None] * len(shutter.frames))
+            known = keyed.matrices.setdefault(_instance_key(instance), [None] * len(shutter.frames))
             known[index] = instance.matrix_world.copy()
-        camera.append(context.camera_now().matrix_world.copy())
-    return matrices, camera
+        keyed.camera.append(context.camera_now().matrix_world.copy())
+    deformed = {name for name in deformed
+                if bpy.data.objects[name].type in _SHOWN and blur_of(bpy.data.objects[name]).deforms}
+    if deformed:
+        keyed.meshes = meshes_at_keys(context, shutter, deformed)
+    return keyed
 
 
 class _SceneWriter:
@@ -60,20 +79,29 @@ class _SceneWriter:
         self.regions = None  # with media, once all are collected
 
     def walk(self, keyed):
-        """Collects what the depsgraph shows. keyed: see _places_at_keys."""
+        """Collects what the depsgraph shows. keyed: a _Keyed."""
         for instance in self.context.depsgraph.object_instances:
             obj = instance.object
             if obj.type in _NOTHING or not _is_shown(self.context, instance):
                 continue
-            now = instance.matrix_world.copy()
-            matrices = [matrix or now for matrix in keyed.get(_instance_key(instance), [now])]
+            now, blur = instance.matrix_world.copy(), _blur(instance)
+            matrices = [now]
+            if blur.keys > 1:
+                known = keyed.matrices.get(_instance_key(instance), [now])
+                matrices = [matrix or now for matrix in self.shutter.some(known, blur.keys)]
             place = Place(self.shutter, matrices)
             if obj.type == "LIGHT":
                 self.lights += export_light(self.context, obj, place)
             elif obj.type in _SHOWN:
                 self._report(obj, instance.is_instance)
                 self.context.go_on()
-                geometry = geometry_of(self.context, obj, instance.show_self, instance.show_particles)
+                states = keyed.meshes.get(obj.original.session_uid) if blur.deforms else None
+                if states and not has_own_data(self.context, obj):
+                    states = None
+                if states:
+                    states = dict(zip(self.shutter.some(self.shutter.seconds, blur.keys),
+                                      self.shutter.some(states, blur.keys), strict=True))
+                geometry = geometry_of(self.context, obj, instance.show_self, instance.show_particles, states)
                 if geometry.parts:
                     self.placed.setdefault(geometry, []).append(place)
             else:
@@ -152,14 +180,15 @@ def export_scene(context, scene, name="scene"):
 
     With motion blur the depsgraph is taken through the time of the shutter, and back, if the context can do so.
     """
-    shutter = Shutter(scene, context.frame_set is not None)
-    keyed, camera_keys = {}, None
     context.note_updates()
     camera = context.camera_now()
-    if shutter.is_open and camera is not None:
-        now = scene.frame_current
-        keyed, camera_keys = _places_at_keys(context, shutter)
-        context.go_to(now)
+    keys = 1
+    if context.frame_set is not None and camera is not None and scene.render.use_motion_blur:
+        keys = max([blur_of(camera).keys, *(_blur(instance).keys for instance in context.depsgraph.object_instances)])
+    shutter, keyed, now = Shutter(scene, keys), _Keyed(), scene.frame_current
+    if shutter.is_open:
+        keyed = _at_keys(context, shutter)
+        context.go_to(shutter.middle)
         camera = context.camera_now()
     writer = _SceneWriter(context, shutter)
     writer.walk(keyed)
@@ -169,7 +198,9 @@ def export_scene(context, scene, name="scene"):
     if camera is None:
         context.report.add("the scene has no camera")
     else:
-        place = Place(shutter, camera_keys or [camera.matrix_world.copy()])
+        keys = blur_of(camera).keys
+        blurred = shutter.is_open and keys > 1
+        place = Place(shutter, shutter.some(keyed.camera, keys) if blurred else [camera.matrix_world.copy()])
         sensor = export_camera(context, scene, camera, place)
         writer.add_camera_medium(sensor, camera)
         element.append(sensor)
@@ -177,6 +208,8 @@ def export_scene(context, scene, name="scene"):
     element.extend(writer.surfaces.elements)
     element.extend(writer.lights)
     element.extend(shapes)
+    if shutter.is_open:
+        context.go_to(now)
     path = context.folder / f"{name}.xml"
     path.parent.mkdir(parents=True, exist_ok=True)
     write_scene(element, path)

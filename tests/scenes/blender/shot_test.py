@@ -7,6 +7,7 @@ from unittest import mock
 from xml.etree import ElementTree
 
 import bpy
+import numpy
 
 from cycles_comparison import add_camera, empty_scene
 from unit_scenes import add_light, diffuse, keyed, particle_system
@@ -16,6 +17,14 @@ from blender.export.shot import export_shot
 
 STILL = 6
 FRAMES = range(1, 25)
+
+
+def ply_positions(path):
+    """(n, 3)"""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    count = int(header.split(b"element vertex ")[1].split()[0])
+    width = header.split(b"element face")[0].count(b"property float")
+    return numpy.frombuffer(body, "<f4", count * width).reshape(count, width)[:, :3]
 
 
 class Shots(unittest.TestCase):
@@ -134,6 +143,45 @@ class Shots(unittest.TestCase):
         for found, wanted in zip(times, (11.75, 12, 12.25), strict=True):
             self.assertAlmostEqual(found, wanted, 6)
         self.assertEqual(reads, STILL + 1)
+
+    def test_motion_blur_has_files_of_what_deforms(self):
+        self.scene.render.use_motion_blur, self.scene.render.motion_blur_shutter = True, 0.5
+        self.moving.shape_key_add(name="Basis")
+        key = self.moving.shape_key_add(name="taller")
+        key.data[0].co.z -= 2
+        keyed(key, "value", 0.0, 1.0, (11, 13))
+        self.moving.cycles.motion_steps = 2
+        # Nothing moves here in spite of a modifier.
+        still = bpy.data.objects["Sphere"]
+        still.modifiers.new("wave", "WAVE").height = 0
+        paths, _ = self.export([12, 20])
+        root = ElementTree.parse(paths[0]).getroot()
+        (files,) = [found for found in root.findall("shape/animation") if found.get("name") == "filename"]
+        rate = self.scene.render.fps
+        for found, wanted in zip(files, (11.75, 11.875, 12, 12.125, 12.25), strict=True):
+            self.assertAlmostEqual(float(found.get("time")) * rate, wanted, 6)
+        heights = [ply_positions(pathlib.Path(self.folder.name, file.get("value")))[:, 2].min() for file in files]
+        values = []
+        for file in files:
+            frame = float(file.get("time")) * rate
+            self.scene.frame_set(int(frame), subframe=frame % 1)
+            values.append(key.value)
+        numpy.testing.assert_allclose(heights, [-1 - 2 * value for value in values], 1e-5)  # in single precision
+        self.assertGreater(values[-1] - values[0], 0.2)
+        # It stands still then.
+        self.assertEqual([found.get("name") for found in ElementTree.parse(paths[1]).getroot().findall(
+            "shape/animation")], ["to_world"])
+        self.assertEqual(self.report.lines, [])
+
+    def test_what_changes_its_faces_is_named(self):
+        self.scene.render.use_motion_blur = True
+        modifier = self.moving.modifiers.new("build", "BUILD")
+        modifier.frame_start, modifier.frame_duration = 10, 6  # one of its faces a frame
+        paths, _ = self.export([12])
+        self.assertEqual(self.report.lines, [
+            'object "Cube": its faces change while the shutter is open; they are those of the frame'])
+        files = [found.get("name") for found in ElementTree.parse(paths[0]).getroot().findall("shape/animation")]
+        self.assertEqual(files, ["to_world"])
 
     def test_errors_arrive(self):
         with self.assertRaises(KeyError):

@@ -697,6 +697,72 @@ def moving_camera(scene):
     scene.render.motion_blur_position = "START"
 
 
+def strip(scene):
+    """A row of emitting squares over a floor, lit from above, so that shading tells normals, too."""
+    floor(8, (0.5, 0.5, 0.5))
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=12, size=1, location=(0, 0, 0.3))
+    obj = active(diffuse((0.9, 0.3, 0.1)), emission((0.1, 0.4, 0.9), 0.5))
+    obj.scale = (0.8, 3, 1)
+    for index, face in enumerate(obj.data.polygons):
+        face.material_index = index % 3 == 0
+    sunny(scene)
+    add_camera(scene, (0, -1, 7), (0, 0, 0), 40)
+    return obj
+
+
+@unit_scene
+def armature(scene):
+    """Bones that turn, by 69 degrees while the shutter is open, in an object that turns, too."""
+    obj = strip(scene)
+    bpy.ops.object.shade_smooth()
+    bpy.ops.object.transform_apply(location=False, rotation=False)
+    bpy.ops.object.armature_add(location=(0, -1.5, 0.3))
+    rig = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    lower = rig.data.edit_bones[0]
+    lower.head, lower.tail = (0, 0, 0), (0, 1.5, 0)
+    upper = rig.data.edit_bones.new("upper")
+    upper.head, upper.tail, upper.parent = (0, 1.5, 0), (0, 3, 0), lower
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for bone in rig.data.bones:
+        group = obj.vertex_groups.new(name=bone.name)
+        for vertex in obj.data.vertices:
+            share = min(max(0.5 + vertex.co.y / 0.8, 0), 1)
+            group.add([vertex.index], share if bone.name == "upper" else 1 - share, "REPLACE")
+    obj.modifiers.new("rig", "ARMATURE").object = rig
+    bone = rig.pose.bones["upper"]
+    bone.rotation_mode = "XYZ"
+    keyed(bone, "rotation_euler", (0, 0, -2.4), (0.6, 0, 2.4))
+    keyed(obj, "rotation_euler", (0, 0, 0), (0, 0, 0.8))
+    obj.cycles.motion_steps = 3
+    blurred(scene)
+
+
+@unit_scene
+def shape_key(scene):
+    obj = strip(scene)
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="wide")
+    for point in key.data:
+        point.co.x *= 3
+        point.co.y *= 0.4
+        point.co.z += 0.5 * point.co.x
+    keyed(key, "value", 0.0, 2.0)
+    blurred(scene)
+    scene.render.motion_blur_position = "START"
+
+
+@unit_scene
+def without_deformation_blur(scene):
+    """A shape key that is not blurred, for its object's settings, and an object that is not."""
+    shape_key(scene)
+    bpy.context.object.cycles.use_deform_motion = False
+    bpy.ops.mesh.primitive_cube_add(size=0.6)
+    cube = active(diffuse((0.2, 0.8, 0.2)))
+    keyed(cube, "location", (-2, 0, 0.5), (4, 1, 0.5))
+    cube.cycles.use_motion_blur = False
+
+
 @unit_scene
 def region(scene):
     markers(scene)
