@@ -9,10 +9,10 @@ namespace penumbra {
 namespace {
 
 constexpr int kSide = 32;
-constexpr SheenCell kCells[] = {
+constexpr SheenCell kSheenCells[] = {
 #include "scenes/bsdfs/sheen_table.inc"
 };
-static_assert(std::size(kCells) == kSide * kSide);
+static_assert(std::size(kSheenCells) == kSide * kSide);
 
 SheenCell between(const SheenCell& a, const SheenCell& b, double w) {
   const float t = float(w);
@@ -27,7 +27,7 @@ SheenCell sheen_cell(double roughness, double cosine) {
                x = std::clamp(cosine, 0.0, 1.0) * (kSide - 1);
   const int row = std::min(int(y), kSide - 2), column = std::min(int(x), kSide - 2);
   const auto in_row = [&](int r) {
-    const SheenCell* const cell = kCells + std::size_t(r * kSide + column);
+    const SheenCell* const cell = kSheenCells + std::size_t(r * kSide + column);
     return between(cell[0], cell[1], x - column);
   };
   return between(in_row(row), in_row(row + 1), y - row);

@@ -107,8 +107,7 @@ class PythonPage : public testing::TestWithParam<const char*> {
     std::filesystem::create_directory_symlink(source_path("scenes"), folder_ / "scenes");
     find_python();
     if (python_.empty())
-      GTEST_SKIP() << "no Python here has numpy and " << GetParam()
-                   << "; PENUMBRA_PYTHON may name one\n"
+      GTEST_SKIP() << "no Python here has numpy and " << GetParam() << "; PENUMBRA_PYTHON may name one\n"
                    << missing_;
   }
 
@@ -117,8 +116,7 @@ class PythonPage : public testing::TestWithParam<const char*> {
     const char* named = std::getenv("PENUMBRA_PYTHON");
     for (const std::string candidate : {named != nullptr ? named : "", "python3", "/usr/bin/python3"}) {
       if (candidate.empty()) continue;
-      const ProgramResult result =
-          run(fmt::format("'{}' -c 'import numpy, {}'", candidate, GetParam()));
+      const ProgramResult result = run(fmt::format("'{}' -c 'import numpy, {}'", candidate, GetParam()));
       if (result.exit_code == 0) {
         python_ = candidate;
         return;

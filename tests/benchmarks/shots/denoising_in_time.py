@@ -3,8 +3,8 @@
 
     denoising_in_time.py OUT [--frames 24] [--spp 16 64] [--reference-spp 2048] [--methods nfor nlmeans] [--shots ...]
 
-Renders are kept: what is there is not rendered again. Prints relMSE, FLIP and flicker (penumbra compare --help), means over
-the frames, in time over still.
+Renders are kept: what is there is not rendered again. Prints relMSE, FLIP and flicker (penumbra compare --help) of frames
+denoised in time, means over the frames, and their ratios to those of frames denoised by themselves.
 """
 
 import argparse
@@ -58,7 +58,8 @@ def lamp(radiance):
     return f'<emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter>'
 
 
-FLOOR = shape("rectangle", '<scale value="5"/><rotate x="1" angle="-90"/>', f'<bsdf type="diffuse">{checkers(16)}</bsdf>')
+FLOOR = shape("rectangle", '<scale value="5"/><rotate x="1" angle="-90"/>',
+              f'<bsdf type="diffuse">{checkers(16)}</bsdf>')
 WALL = shape("rectangle", '<scale value="5"/><translate z="-3"/>', grey("0.6, 0.3, 0.2"))
 ROOM = FLOOR + WALL + shape("rectangle", '<scale value="5"/><rotate y="1" angle="90"/><translate x="-3"/>', grey(0.5))
 SKY = '<emitter type="constant"><rgb name="radiance" value="0.15, 0.2, 0.3"/></emitter>'

@@ -196,7 +196,8 @@ class Exports(Materials):
 
         def state():
             return (bpy.context.active_object, list(bpy.context.selected_objects), bpy.context.scene.render.engine,
-                    [[each.name for each in getattr(bpy.data, kind)] for kind in ("meshes", "objects", "images", "materials")],
+                    [[each.name for each in getattr(bpy.data, kind)]
+                     for kind in ("meshes", "objects", "images", "materials")],
                     [node.name for node in made.node_tree.nodes], [uv.name for uv in obj.data.uv_layers])
 
         before = state()

@@ -342,7 +342,8 @@ def foliage(scene, folder):
                                                 (6, 6, 1), "ShaderNodeBsdfDiffuse"))
     leaf = card("leaf", leaf_material())
     bark = plain(Base_Color=(0.2, 0.13, 0.08), Roughness=0.9)
-    for number, (place, size, count) in enumerate((((-1.6, 1.0, 2.6), (2.2, 2.0, 1.9), 4000), ((1.7, 2.2, 2.9), (2.4, 2.2, 2.2), 4000),
+    for number, (place, size, count) in enumerate((((-1.6, 1.0, 2.6), (2.2, 2.0, 1.9), 4000),
+                                                   ((1.7, 2.2, 2.9), (2.4, 2.2, 2.2), 4000),
                                                    ((0.2, -0.2, 0.45), (4.4, 0.6, 0.8), 2000))):
         crown = add_shape(bpy.ops.mesh.primitive_cube_add, bark, size=1, location=place)
         for vertex in crown.data.vertices:

@@ -12,8 +12,8 @@ from .nodes import Input, source_of
 # Of a surface as it is met by a ray, or of what a bake does not know. None: all outputs.
 _VIEW = {"ShaderNodeLightPath": None, "ShaderNodeCameraData": None, "ShaderNodeFresnel": None,
          "ShaderNodeLayerWeight": None, "ShaderNodeNewGeometry": {"Incoming", "Backfacing"},
-         "ShaderNodeTexCoord": {"Camera", "Window", "Reflection"}, "ShaderNodeParticleInfo": None, "ShaderNodeHairInfo": None, "ShaderNodePointInfo": None,
-         "ShaderNodeVolumeInfo": None}
+         "ShaderNodeTexCoord": {"Camera", "Window", "Reflection"}, "ShaderNodeParticleInfo": None,
+         "ShaderNodeHairInfo": None, "ShaderNodePointInfo": None, "ShaderNodeVolumeInfo": None}
 # Of the place on the mesh.
 _MESH = {"ShaderNodeNewGeometry", "ShaderNodeVertexColor", "ShaderNodeAttribute", "ShaderNodeObjectInfo", "ShaderNodeBump",
          "ShaderNodeNormalMap", "ShaderNodeBevel", "ShaderNodeAmbientOcclusion", "ShaderNodeWireframe",

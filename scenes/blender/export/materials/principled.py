@@ -35,8 +35,8 @@ def principled(reading, source):
     turn = None
     if not reading.number(source, "Anisotropic", low=0.0, high=1.0).is_value(0.0):
         turn = turn_of(reading, source, "Anisotropic Rotation")
-    opaque, glass = (None if unused else Leaf("openpbr", _parameters(reading, source, transmits, opaque_metal), (), transmits,
-                                              bend, turn=None if transmits else turn)
+    opaque, glass = (None if unused else Leaf("openpbr", _parameters(reading, source, transmits, opaque_metal), (),
+                                              transmits, bend, turn=None if transmits else turn)
                      for transmits, unused in ((False, transmission.is_value(1.0)), (True, transmission.is_value(0.0))))
     bsdf = blended(transmission, opaque, glass)
     emission = multiplied(reading, reading.colour(source, "Emission Color"),
