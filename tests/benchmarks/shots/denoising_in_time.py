@@ -75,12 +75,14 @@ def leaves():
     chance = random.Random(1)
     bsdf = f'<bsdf type="mask" id="leaf"><texture type="checkerboard" name="opacity"><float name="color0" value="1"/>' \
            f'<float name="color1" value="0"/><transform name="to_uv"><scale value="2"/></transform></texture>' \
-           f'<bsdf type="twosided"><bsdf type="diffuse">{checkers(8, "0.2, 0.5, 0.1", "0.05, 0.2, 0.05")}</bsdf></bsdf></bsdf>'
+           '<bsdf type="twosided"><bsdf type="diffuse">' + checkers(8, "0.2, 0.5, 0.1", "0.05, 0.2, 0.05") + \
+           '</bsdf></bsdf></bsdf>'
     made = []
     for _ in range(300):
         turn = f'<scale value="0.16"/><rotate x="1" angle="{chance.uniform(-90, 90):.3f}"/>' \
                f'<rotate y="1" angle="{chance.uniform(0, 360):.3f}"/>'
-        where = f'<translate x="{chance.gauss(0, 0.8):.3f}" y="{0.9 + chance.gauss(0, 0.4):.3f}" z="{chance.gauss(0, 0.6):.3f}"/>'
+        x, y, z = (chance.gauss(0, spread) for spread in (0.8, 0.4, 0.6))
+        where = f'<translate x="{x:.3f}" y="{0.9 + y:.3f}" z="{z:.3f}"/>'
         made.append(shape("rectangle", turn + where, '<ref id="leaf"/>'))
     return bsdf + "".join(made)
 
@@ -89,14 +91,17 @@ def leaves():
 SHOTS = {
     "camera": ("path", camera(look(-1.5, 2, 4.5), look(1.5, 1.4, 3.8)) + SKY + ROOM + BOX + BALL + HIGH),
     "object": ("path", STILL_CAMERA + SKY + ROOM + HIGH +
-               shape("cube", moving("to_world", at(-1.6, 0.5, -0.8, 0.5, 0), at(-0.4, 0.5, -0.2, 0.5, 90)), grey("0.2, 0.5, 0.3")) +
+               shape("cube", moving("to_world", at(-1.6, 0.5, -0.8, 0.5, 0), at(-0.4, 0.5, -0.2, 0.5, 90)),
+                     grey("0.2, 0.5, 0.3")) +
                shape("sphere", moving("to_world", at(1.6, 0.45, -0.6, 0.45), at(0.3, 0.45, 0.8, 0.45)), METAL)),
     "light": ("path", STILL_CAMERA + SKY + ROOM + BOX + BALL +
               shape("sphere", moving("to_world", at(-1.5, 2.2, 1.5, 0.3), at(1.8, 2.6, 1.2, 0.3)), lamp("30, 27, 22"))),
     "caustics": ("ppm", STILL_CAMERA + ROOM + shape("sphere", at(1.5, 3, 2, 0.1), lamp("300, 270, 220")) +
-                 shape("sphere", moving("to_world", at(-0.9, 0.7, 0.4, 0.6), at(0.9, 0.7, 0.2, 0.6)), '<bsdf type="dielectric"/>')),
+                 shape("sphere", moving("to_world", at(-0.9, 0.7, 0.4, 0.6), at(0.9, 0.7, 0.2, 0.6)),
+                       '<bsdf type="dielectric"/>')),
     "fog": ("volpath", '<medium type="homogeneous" id="fog"><rgb name="sigma_t" value="0.12"/>'
-            '<rgb name="albedo" value="0.9"/></medium>' + camera(look(0.5, 1.8, 4.5), inside='<ref name="medium" id="fog"/>') +
+            '<rgb name="albedo" value="0.9"/></medium>' +
+            camera(look(0.5, 1.8, 4.5), inside='<ref name="medium" id="fog"/>') +
             ROOM + BOX + shape("sphere", moving("to_world", at(-1.2, 1.6, 0, 0.15), at(1.4, 1.8, 0.4, 0.15)),
                                '<ref name="exterior" id="fog"/>' + lamp("60, 54, 44"))),
     "foliage": ("path", camera(look(-1, 1.5, 3.6, 0.9), look(1, 1.2, 3.2, 0.9)) + SKY + FLOOR + HIGH + leaves()),
@@ -126,14 +131,14 @@ def main():
         done = subprocess.run([arguments.penumbra, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True)
         return done.stdout
 
-    print(f'{"shot":9} {"spp":>4} {"method":8} {"relMSE":>9} {"ratio":>6} {"FLIP":>7} {"ratio":>6} {"flicker":>9} {"ratio":>6}')
+    print(f'{"shot":9} {"spp":>4} {"method":8}' + "".join(f" {key:>9}  ratio" for key in ("relMSE", "FLIP", "flicker")))
     for name in arguments.shots:
         folder = os.path.join(arguments.out, name)
         os.makedirs(folder, exist_ok=True)
         scene = os.path.join(folder, "scene.xml")
         write_scene(scene, *SHOTS[name])
-        frames = ["--frames", f"0-{arguments.frames - 1}", "--fps", FPS, "--sampler", "sobol", "--layers", "motion", "--quiet",
-                  "--no-contact-sheet", "--seed-per-frame", "frame"]
+        frames = ["--frames", f"0-{arguments.frames - 1}", "--fps", FPS, "--sampler", "sobol", "--layers", "motion",
+                  "--quiet", "--no-contact-sheet", "--seed-per-frame", "frame"]
         reference = os.path.join(folder, f"reference-{arguments.reference_spp}.####.exr")
         penumbra("render", scene, *frames, "--spp", arguments.reference_spp, "--seed", 1000, "-o", reference)
         for spp in arguments.spp:
