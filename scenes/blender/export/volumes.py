@@ -22,10 +22,11 @@ _SIDES = numpy.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0,
 
 @dataclasses.dataclass
 class GridMedium:
-    """The Medium that is where the grid of a file has the density 1. in_object: whether it is as dense on the whole when
-    the object is scaled, not for a unit of length."""
+    """The Medium that is where the grid of a file has the density 1. shift: of the grid in the space of the object.
+    in_object: whether it is as dense on the whole when the object is scaled, not for a unit of length."""
     medium: object
     path: str
+    shift: object
     in_object: bool
 
     def element(self, matrix):
@@ -37,7 +38,7 @@ class GridMedium:
         grid = Element("volume", {"type": "gridvolume", "name": "sigma_t"})
         add_value(grid, "string", "filename", self.path)
         add_value(grid, "boolean", "use_grid_bbox", True)
-        add_matrix(grid, matrix)
+        add_matrix(grid, matrix @ mathutils.Matrix.Translation(self.shift))
         element.append(grid)
         add_value(element, "float", "scale", most / (_scale(matrix) if self.in_object else 1))
         add_value(element, "rgb", "albedo", numpy.divide(scattered, extinction, out=numpy.zeros(3), where=extinction > 0))
@@ -57,6 +58,13 @@ def _note_losses(context, medium, name):
         context.report.add("a grid's extinction is exported as that of the channel with the most", name)
     if medium.emitted.any():
         context.report.add("the emission of a volume object is not exported", name)
+
+
+def _shift_of(grid):
+    """Before Blender 5.0, Cycles shows values half a cell further along all axes than OpenVDB, where they are at the corners
+    of the lattice."""
+    half = 0.5 if bpy.app.version < (5, 0) else 0.0
+    return grid.matrix_object.to_3x3() @ mathutils.Vector((half, half, half))
 
 
 def _box_of(obj, grid):
@@ -106,7 +114,7 @@ def volume_parts(context, obj, materials):
         return []
     surface.bsdf = surface.emission = None
     _note_losses(context, surface.interior, name)
-    surface.interior = GridMedium(surface.interior, path, volume.render.space == "OBJECT")
+    surface.interior = GridMedium(surface.interior, path, _shift_of(grids["density"]), volume.render.space == "OBJECT")
     within = _box_of(obj, grids["density"])
     outline = _BOX @ numpy.array(within.to_3x3()).T + numpy.array(within.translation), _SIDES
     return [Part(plugin("shape", "cube"), surface, materials[0].name, outline, within)]

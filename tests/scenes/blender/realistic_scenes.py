@@ -17,13 +17,13 @@ SUN_ANGLE = 0.0
 SPOT_RADIUS = 0.0
 
 REALISTIC_SCENES = {}
-SAMPLES = {}  # per pixel of a picture, chosen by the noise of both programs
+SAMPLES = {}  # per pixel of a picture, of Penumbra and Cycles, chosen by their noise
 
 
-def realistic_scene(spp):
+def realistic_scene(spp, of_cycles=None):
     def register(make):
         REALISTIC_SCENES[make.__name__] = make
-        SAMPLES[make.__name__] = spp
+        SAMPLES[make.__name__] = spp, of_cycles or spp
         return make
     return register
 
@@ -404,16 +404,17 @@ def hair(scene, folder):
     add_camera(scene, (0.3, -4.6, 1.5), (0.15, 0, 0.9), 34)
 
 
-@realistic_scene(256)
+@realistic_scene(1024, 192)
 def volume(scene, folder):
-    """A hall in thin fog with beams of spots, a block of milky liquid, and a cloud of a grid."""
+    """A hall whose rear is in thin fog, with beams of spots; before it a block of milky liquid, and a cloud of a grid. The box
+    of a grid must be outside of the fog: within it there is no other medium."""
     box((-4, -3, -0.1), (4, 5, 0), diffuse((0.45, 0.42, 0.4)))
     box((-4, 4, 0), (4, 4.1, 4), textured(bricks(), (4, 4, 1), "ShaderNodeBsdfDiffuse"))
     fog, shader, output = material("fog", "ShaderNodeBsdfDiffuse")
     fog.node_tree.nodes.remove(shader)
-    scatter = add_node(fog, "ShaderNodeVolumeScatter", {"Color": (0.9, 0.92, 1.0), "Density": 0.06, "Anisotropy": 0.3})
+    scatter = add_node(fog, "ShaderNodeVolumeScatter", {"Color": (0.9, 0.92, 1.0), "Density": 0.1, "Anisotropy": 0.3})
     link(fog, scatter.outputs[0], output.inputs["Volume"])
-    box((-3.9, -2.5, 0.01), (3.9, 3.9, 3.8), fog)
+    box((-3.9, 1.2, 0.01), (3.9, 3.9, 3.8), fog)
     for x in (-1.6, 0.2, 1.9):
         cylinder(0.22, 3.6, (x, 2.6, 1.8), diffuse((0.6, 0.55, 0.5)))
     milk, _, output = material("milk", "ShaderNodeBsdfGlass", {"IOR": 1.33, "Roughness": 0.0})
@@ -423,7 +424,7 @@ def volume(scene, folder):
     sphere(0.35, (-0.2, 0.3, 0.35), plain(Base_Color=(0.2, 0.5, 0.25), Roughness=0.3))
     cloud(scene, folder, (-1.5, 0.3, 0.9))
     for x, colour in ((-2.6, (1, 0.6, 0.3)), (2.8, (0.4, 0.6, 1))):
-        add_light(scene, "SPOT", (x, 0.5, 3.6), (0.1 * x, 0.8, 0), energy=400, shadow_soft_size=SPOT_RADIUS, spot_size=0.7,
+        add_light(scene, "SPOT", (x, 1.9, 3.6), (0.1 * x, 2.0, 0), energy=400, shadow_soft_size=SPOT_RADIUS, spot_size=0.7,
                   spot_blend=0.3, color=colour)
     add_light(scene, "AREA", (0, -2.4, 3.5), (0, 1, 0.5), energy=60, shape="SQUARE", size=1.0)
     set_world(scene, (0.02, 0.02, 0.025))

@@ -42,7 +42,7 @@ def _test_of(name):
         with tempfile.TemporaryDirectory() as folder:
             scene = empty_scene(WIDTH, HEIGHT)
             REALISTIC_SCENES[name](scene, folder)
-            found = compare(scene, SAMPLES[name], batches=BATCHES)
+            found = compare(scene, *SAMPLES[name], batches=BATCHES)
         theirs, ours = found.cycles, found.penumbra
         kept = os.environ.get("PENUMBRA_PICTURES")
         with tempfile.TemporaryDirectory() as temporary:
@@ -54,7 +54,7 @@ def _test_of(name):
         errors = numpy.hypot(ours.error, theirs.error) / mean
         print(f"{name} | mean / Cycles' {ours.image.mean() / scale:.4f} | FLIP {seen:.3f} | noise of a pixel "
               f"{theirs.pixel_error / scale:.3f} in Cycles, {ours.pixel_error / scale:.3f} here | seconds "
-              f"{theirs.seconds:.0f} in Cycles, {ours.seconds:.0f} here | {SAMPLES[name]} spp", flush=True)
+              f"{theirs.seconds:.0f} in Cycles, {ours.seconds:.0f} here | samples {SAMPLES[name]}", flush=True)
         self.assertEqual(found.report.lines, [])
         self.assertLess(errors.max(), CONVERGED)
         self.assertLess(abs(ratios - 1).max(), MEANS_AGREE, f"means per channel over Cycles': {ratios}")
