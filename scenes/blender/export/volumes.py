@@ -61,8 +61,7 @@ def _note_losses(context, medium, name):
 
 
 def _shift_of(grid):
-    """Before Blender 5.0, Cycles shows values half a cell further along all axes than OpenVDB, where they are at the corners
-    of the lattice."""
+    """Before Blender 5.0, Cycles shows values half a cell further along all axes than OpenVDB has them."""
     half = 0.5 if bpy.app.version < (5, 0) else 0.0
     return grid.matrix_object.to_3x3() @ mathutils.Vector((half, half, half))
 
@@ -78,7 +77,8 @@ def _box_of(obj, grid):
 def _file_of(context, obj):
     """The path of a file with the grids: the volume's own, or what its modifiers make, saved. None where that fails."""
     volume = obj.data
-    path = os.path.abspath(bpy.path.abspath(volume.grids.frame_filepath or volume.filepath, library=volume.original.library))
+    path = volume.grids.frame_filepath or volume.filepath
+    path = os.path.abspath(bpy.path.abspath(path, library=volume.original.library))
     if os.path.isfile(path) and not obj.modifiers:
         return path
     with tempfile.TemporaryDirectory() as folder:

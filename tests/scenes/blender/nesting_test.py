@@ -36,8 +36,10 @@ class Nesting(unittest.TestCase):
         root, lines = exported(self.scene)
         absorbed = {medium.get("id"): medium.find("rgb[@name='sigma_a']").get("value").split(",")[0]
                     for medium in root.findall("medium")}
-        sides = {tuple(absorbed[shape.find(f"ref[@name='{side}']").get("id")] if shape.find(f"ref[@name='{side}']") is not None
-                       else None for side in ("interior", "exterior")) for shape in root.findall("shape")}
+        sides = set()
+        for shape in root.findall("shape"):
+            media = {ref.get("name"): absorbed[ref.get("id")] for ref in shape.findall("ref") if ref.get("name")}
+            sides.add((media.get("interior"), media.get("exterior")))
         self.assertEqual(sides, {("0.25", None), ("0.75", "0.25")})
         self.assertEqual(lines, [])
 
@@ -49,8 +51,8 @@ class Nesting(unittest.TestCase):
     def test_crossing_surfaces_are_named(self):
         fog(2)
         fog(2, (0.5, 0.3, 0.2))
-        self.assertIn('material "volume": its surface crosses that of the volume "volume.001"; where both are, one counts',
-                      exported(self.scene)[1])
+        line = 'material "volume": its surface crosses that of the volume "volume.001"; where both are, one counts'
+        self.assertIn(line, exported(self.scene)[1])
 
     def test_media_around_grids_are_named(self):
         density_grid(self.scene, "grid")

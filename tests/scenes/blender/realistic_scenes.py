@@ -55,7 +55,7 @@ def sphere(radius, location, made, segments=48):
 def cylinder(radius, depth, location, made, **placement):
     obj = add_shape(bpy.ops.mesh.primitive_cylinder_add, made, vertices=48, radius=radius, depth=depth,
                     location=location, **placement)
-    bpy.ops.object.shade_smooth_by_angle(angle=0.6) if hasattr(bpy.ops.object, "shade_smooth_by_angle") else None
+    bpy.ops.object.shade_smooth_by_angle(angle=0.6)
     return obj
 
 
@@ -282,17 +282,16 @@ def leaf_material():
 
 
 def scattered(obj, instance, count, seed, scale):
-    """Instances of an object on the faces of another, by geometry nodes, turned and scaled at random."""
+    """Instances of an object in the box of another, instead of it, by geometry nodes, turned and scaled at random."""
     tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
     tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     nodes = {name: tree.nodes.new(kind) for name, kind in (
         ("given", "NodeGroupInput"), ("result", "NodeGroupOutput"), ("points", "GeometryNodeMeshToPoints"),
-        ("line", "GeometryNodeMeshLine"), ("sample", "GeometryNodeSampleNearestSurface"),
+        ("line", "GeometryNodeMeshLine"),
         ("place", "FunctionNodeRandomValue"), ("set", "GeometryNodeSetPosition"), ("turn", "FunctionNodeRandomValue"),
         ("size", "FunctionNodeRandomValue"), ("instances", "GeometryNodeInstanceOnPoints"),
         ("object", "GeometryNodeObjectInfo"), ("join", "GeometryNodeJoinGeometry"))}
-    tree.nodes.remove(nodes.pop("sample"))
     nodes["line"].inputs["Count"].default_value = count
     half = [side / 2 for side in obj.dimensions]
     for name, kind, low, high, at in (("place", "FLOAT_VECTOR", [-side for side in half], half, seed),
@@ -342,9 +341,9 @@ def foliage(scene, folder):
                                                 (6, 6, 1), "ShaderNodeBsdfDiffuse"))
     leaf = card("leaf", leaf_material())
     bark = plain(Base_Color=(0.2, 0.13, 0.08), Roughness=0.9)
-    for number, (place, size, count) in enumerate((((-1.6, 1.0, 2.6), (2.2, 2.0, 1.9), 4000),
-                                                   ((1.7, 2.2, 2.9), (2.4, 2.2, 2.2), 4000),
-                                                   ((0.2, -0.2, 0.45), (4.4, 0.6, 0.8), 2000))):
+    crowns = (((-1.6, 1.0, 2.6), (2.2, 2.0, 1.9), 4000), ((1.7, 2.2, 2.9), (2.4, 2.2, 2.2), 4000),
+              ((0.2, -0.2, 0.45), (4.4, 0.6, 0.8), 2000))
+    for number, (place, size, count) in enumerate(crowns):
         crown = add_shape(bpy.ops.mesh.primitive_cube_add, bark, size=1, location=place)
         for vertex in crown.data.vertices:
             vertex.co = [coordinate * side for coordinate, side in zip(vertex.co, size)]
@@ -360,8 +359,8 @@ def foliage(scene, folder):
 
 @realistic_scene(512)
 def hair(scene, folder):
-    """A head with hair of particles, and a brush of hair curves. They are thin: Cycles sees fibres that overlap from inside,
-    too, and they absorb more there."""
+    """A head with hair of particles, and a brush of hair curves. They are thin: Cycles sees fibres that overlap from
+    inside, too, and they absorb more there."""
     if hasattr(scene, "cycles_curves"):
         scene.cycles_curves.shape = "THICK"
     set_world(scene, (0.25, 0.28, 0.33))
@@ -406,8 +405,8 @@ def hair(scene, folder):
 
 @realistic_scene(1024, 192)
 def volume(scene, folder):
-    """A hall whose rear is in thin fog, with beams of spots; before it a block of milky liquid, and a cloud of a grid. The box
-    of a grid must be outside of the fog: within it there is no other medium."""
+    """A hall whose rear is in thin fog, with beams of spots; before it a block of milky liquid, and a cloud of a grid.
+    The box of a grid must be outside of the fog: within it there is no other medium."""
     box((-4, -3, -0.1), (4, 5, 0), diffuse((0.45, 0.42, 0.4)))
     box((-4, 4, 0), (4, 4.1, 4), textured(bricks(), (4, 4, 1), "ShaderNodeBsdfDiffuse"))
     fog, shader, output = material("fog", "ShaderNodeBsdfDiffuse")
@@ -529,7 +528,8 @@ def robot(scene, made):
     bpy.ops.object.mode_set(mode="OBJECT")
     for bone in rig.data.bones:
         length = bone.length
-        part = box((-0.3 if bone.name == "body" else -0.11, 0, -0.12), (0.3 if bone.name == "body" else 0.11, length * 0.96, 0.12), made)
+        half = 0.3 if bone.name == "body" else 0.11
+        part = box((-half, 0, -0.12), (half, length * 0.96, 0.12), made)
         # Children of bones are placed from the tail.
         part.location.y -= length
         part.parent, part.parent_type, part.parent_bone = rig, "BONE", bone.name
@@ -550,8 +550,8 @@ def animated_rig(scene, folder):
         keyed(bone, "rotation_euler", [first if i == axis else 0 for i in range(3)],
               [last if i == axis else 0 for i in range(3)])
     keyed(rig, "location", (-0.35, 0, 0), (0.25, 0.1, 0))
-    ball = sphere(0.35, (0, 0, 0.35), textured(image_of("ball", numpy.stack([grain(64, 70 + i) for i in range(3)], axis=-1)),
-                                               Roughness=0.3))
+    colours = image_of("ball", numpy.stack([grain(64, 70 + i) for i in range(3)], axis=-1))
+    ball = sphere(0.35, (0, 0, 0.35), textured(colours, Roughness=0.3))
     keyed(ball, "location", (-1.5, -1.0, 0.35), (-0.9, -1.1, 0.35))
     keyed(ball, "rotation_euler", (0, 0, 0), (0, 1.7, 0))
     camera = add_camera(scene, (0.4, -5.5, 1.7), (0, 0, 1.1), 38)
@@ -634,7 +634,8 @@ def procedural(scene, folder):
     add_shape(bpy.ops.mesh.primitive_torus_add, stone, major_radius=0.5, minor_radius=0.22, location=(-0.9, 0.3, 0.6),
               rotation=(1.2, 0.2, 0.4))
     bpy.ops.object.shade_smooth()
-    lathe([(0.0, 0), (0.3, 0.01), (0.2, 0.15), (0.35, 0.5), (0.3, 0.85), (0.12, 1.0), (0.17, 1.15)], (0.15, 0.9, 0.002), stone)
+    lathe([(0.0, 0), (0.3, 0.01), (0.2, 0.15), (0.35, 0.5), (0.3, 0.85), (0.12, 1.0), (0.17, 1.15)], (0.15, 0.9, 0.002),
+          stone)
     sphere(0.5, (0.9, -0.1, 0.5), rust())
     box((-0.4, -1.0, 0), (0.15, -0.55, 0.4), rust())
     add_light(scene, "AREA", (2, -2.5, 3.5), (0, 0, 0.5), energy=200, shape="SQUARE", size=1.5)

@@ -559,10 +559,10 @@ def volume(bl_idname, values):
 def media_within_each_other(scene):
     """The camera is in the outer one."""
     floor()
-    for size, place, kind, values in ((8, (0, -1, 2), "ShaderNodeVolumeAbsorption", {"Color": (0.9, 0.6, 0.3), "Density": 0.3}),
-                                      (1, (0.3, 0, 0.7), "ShaderNodeVolumeAbsorption", {"Color": (0.2, 0.6, 0.8)})):
+    for size, place, values in ((8, (0, -1, 2), {"Color": (0.9, 0.6, 0.3), "Density": 0.3}),
+                                (1, (0.3, 0, 0.7), {"Color": (0.2, 0.6, 0.8)})):
         bpy.ops.mesh.primitive_cube_add(size=size, location=place)
-        active(volume(kind, values))
+        active(volume("ShaderNodeVolumeAbsorption", values))
     set_world(scene, (1, 1, 1))
     add_camera(scene, (0, -4, 2), (0, 0, 0.3), 40)
 
