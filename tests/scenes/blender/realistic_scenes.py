@@ -184,7 +184,7 @@ def interior(scene, folder):
         [grain(64, seed) for seed in (1, 2, 3)], axis=-1)), Roughness=0.6))
     cylinder(0.02, 1.5, (-1.9, 2.5, 0.75), plain(Base_Color=(0.6, 0.6, 0.6), Metallic=1.0, Roughness=0.3))
     sphere(0.17, (-1.9, 2.5, 1.6), emission((1, 0.75, 0.45), 6))
-    add_light(scene, "AREA", (1.2, -2.2, 2.5), (0.5, 0.5, 0), energy=70, shape="RECTANGLE", size=0.6, size_y=1.2)
+    add_light(scene, "AREA", (1.2, -2.7, 2.55), (0.5, 0.5, 0), energy=70, shape="RECTANGLE", size=1.0, size_y=0.4)
     add_light(scene, "AREA", (-2.0, -2.5, 1.8), (0, 2, 1), energy=25, shape="DISK", size=0.5, color=(1, 0.85, 0.7))
     add_light(scene, "SUN", (-4, -0.6, 3.2), energy=4, angle=SUN_ANGLE, color=(1, 0.9, 0.75))
     sky(scene, folder, strength=0.6)
@@ -421,7 +421,7 @@ def volume(scene, folder):
     link(milk, body.outputs[0], output.inputs["Volume"])
     box((0.5, -0.6, 0.02), (1.3, 0.1, 0.9), milk)
     sphere(0.35, (-0.2, 0.3, 0.35), plain(Base_Color=(0.2, 0.5, 0.25), Roughness=0.3))
-    cloud(scene, folder, (-1.5, 0.3, 0.9))
+    cloud(scene, folder, (-1.5, 0, 0.9))
     for x, colour in ((-2.6, (1, 0.6, 0.3)), (2.8, (0.4, 0.6, 1))):
         add_light(scene, "SPOT", (x, 1.9, 3.6), (0.1 * x, 2.0, 0), energy=400, shadow_soft_size=SPOT_RADIUS, spot_size=0.7,
                   spot_blend=0.3, color=colour)
