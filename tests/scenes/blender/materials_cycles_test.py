@@ -17,7 +17,7 @@ SPP, SEEDS = 48, 4
 TOLERANCE = 0.01  # of the mean, for differences of models
 # Blender 4.2 shades bumps by another formula (Chiang et al. 2019) than 4.5 and we (Estevez et al. 2019).
 TOLERANCE_OF_OTHER_BUMPS = 0.02
-BUMPS = {"normal map", "bump", "bump of noise"}
+BUMPS = {"normal map", "bump", "bump of noise", "displacement of noise"}
 ERRORS = 4.0  # standard errors besides; of some 250 comparisons with fixed seeds one would be beyond by chance
 
 
