@@ -49,7 +49,8 @@ std::vector<FrameError> compare_shots(
   std::vector<FrameError> errors;
   std::optional<std::pair<Image, Image>> before;  // the frame before, and its reference
   for (const int number : numbers) {
-    FrameError error{.frame = number};
+    FrameError error;
+    error.frame = number;
     auto image = read_image(images.file(number)), truth = read_image(reference.file(number));
     const auto compared = !image   ? std::unexpected(image.error())
                           : !truth ? std::unexpected(truth.error())
