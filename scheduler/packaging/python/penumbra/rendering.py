@@ -37,11 +37,11 @@ def render_all_keywords() -> set[str]:
 
 
 @contextlib.contextmanager
-def scene_file(scene: Scene) -> Iterator[Path]:
+def scene_file(scene: Scene, name: str = "scene") -> Iterator[Path]:
     """The file of a scene; a dict is written into a temporary folder."""
     if isinstance(scene, Mapping):
         with tempfile.TemporaryDirectory(prefix="penumbra-scene-") as folder:
-            yield write_scene(scene, folder)
+            yield write_scene(scene, folder, name)
     elif isinstance(scene, (str, os.PathLike)):
         yield Path(scene)
     else:
@@ -122,7 +122,7 @@ def render_all(scenes: Scene | Sequence[Scene], *, progress: Progress = None, **
         out = folder / ("{frame:04}.exr" if options.get("frames") is not None and len(several) == 1 else "")
     arguments = words("render", options, render_all_keywords())
     with contextlib.ExitStack() as files:
-        paths = [files.enter_context(scene_file(scene)) for scene in several]
+        paths = [files.enter_context(scene_file(scene, f"scene-{i}")) for i, scene in enumerate(several)]
         output = [] if out is None else ["--out", f"{os.fspath(out)}{'/' if out == folder else ''}"]
         finished = run_render([*paths, *arguments, *output, "--summary", summary], progress)
     if finished.code not in (0, 1) or not summary.exists():

@@ -25,8 +25,9 @@ class Image:
     """An EXR file. Its arrays are read when they are asked for first.
 
     `path`: the file. `layers`: all layers by name as arrays with one row per row of pixels, the topmost first, of the
-    shape (height, width) or (height, width, channels). Of a crop they have the pixels of the crop. `metadata`: the
-    attributes of the header.
+    shape (height, width) or (height, width, channels); of a crop the pixels of the crop. "albedo", "normal" (in the
+    world) and "depth" (in the scene's unit) are means over the first hits, "samples" are numbers of samples, "variance"
+    is that of the mean; scheduler/record/README.md has the others. `metadata`: the attributes of the header.
     """
 
     def __init__(self, path: Path, *, keep: object = None):

@@ -270,8 +270,8 @@ def _tags() -> dict[str, list[str]]:
     return tags
 
 
-def write_scene(scene: Mapping[str, Any], folder: str | os.PathLike[str]) -> Path:
-    """Writes a scene into a folder as scene.xml with the files of its arrays, and returns its path.
+def write_scene(scene: Mapping[str, Any], folder: str | os.PathLike[str], name: str = "scene") -> Path:
+    """Writes a scene into a folder as NAME.xml with the files of its arrays, and returns its path.
 
     The dict is that of Mitsuba 3's load_dict; matrices may be numpy arrays. Besides, {"type": "ply", "vertices": …,
     "faces": …, "normals": …, "texcoords": …, "colors": …} is a mesh, {"type": "bitmap", "data": array} a texture
@@ -290,7 +290,7 @@ def write_scene(scene: Mapping[str, Any], folder: str | os.PathLike[str]) -> Pat
     for key, value in entries:
         writer.parameter(root, key, value)
     ElementTree.indent(root)
-    path = place / "scene.xml"
+    path = place / f"{name}.xml"
     ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
     return path
 

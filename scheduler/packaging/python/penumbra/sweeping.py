@@ -13,7 +13,8 @@ from typing import Any, Union
 from .errors import UsageError, error_of
 from .options import of_command, text_of, unknown, with_device, words
 from .progress import Progress
-from .rendering import Scene, render_all_keywords, render_keywords, run_render, scene_file
+from .rendering import Scene, render_all_keywords, render_keywords, run_render
+from .scenes import write_scene
 
 Repeat = Union[int, Iterable[int], None]
 
@@ -68,9 +69,10 @@ def sweep(
     settings, defines = options.pop("settings", {}), options.pop("defines", {})
     arguments = words("render", with_device(dict(options)), render_all_keywords() - {"out", "summary"})
     arguments += words("render", {"settings": settings, "defines": defines})
-    with tempfile.TemporaryDirectory(prefix="penumbra-sweep-") as temporary, scene_file(scene) as file:
+    with tempfile.TemporaryDirectory(prefix="penumbra-sweep-") as temporary:
         folder = Path(out if out is not None else temporary).absolute()
         folder.mkdir(parents=True, exist_ok=True)
+        file = write_scene(scene, folder / "scene") if isinstance(scene, Mapping) else Path(scene)
         name = "-".join("{" + re.sub(r"^(define|set)\.", "", each) + "}" for each in lines) or "image"
         text = f"[[render]]\nscene = {_toml(file.absolute())}\nout = {_toml(f'{name}.exr')}\n"
         text += "".join(f"{each} = [{', '.join(map(_toml, values))}]\n" for each, values in lines.items())

@@ -30,7 +30,7 @@ def test_the_notebook_runs(tmp_path):
     assert shown.count("text/html") == 1, "the table"
     printed = "".join(output.get("text", "") for output in outputs)
     slopes = [float(slope) for slope in re.findall(r"error ~ spp\^(-?[\d.]+)", printed)]
-    # Independent samples: -1/2. The error of each mean of four images of 48^2 pixels is far below 5 %, which over a factor
-    # of 64 in samples changes the slope by less than 0.03; path_mats, which finds the lamp by chance, has some ten times that.
-    assert len(slopes) == 3 and all(abs(slope + 0.5) < 0.1 for slope in slopes[1:]), printed
+    # Independent samples: -1/2, with a standard deviation of 0.006 (of twelve such sweeps). path_mats finds the lamp by
+    # chance, so that errors of its few samples are far from normal.
+    assert len(slopes) == 3 and all(abs(slope + 0.5) < 5 * 0.006 for slope in slopes[1:]), printed
     assert Path(folder / "sweep/sweep.toml").exists()

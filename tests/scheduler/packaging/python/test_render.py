@@ -73,7 +73,7 @@ def test_files_are_where_they_are_asked_for(cornell, tmp_path):
     assert not (tmp_path / "b.json").exists() and not (tmp_path / "b.exr").exists()
     assert picture._repr_png_() == (tmp_path / "b.png").read_bytes()
     with pytest.raises(penumbra.UsageError, match="no layers.*b.png"):
-        picture.image
+        picture.load()
 
 
 def test_temporary_files_end_with_the_result(cornell, tmp_path):

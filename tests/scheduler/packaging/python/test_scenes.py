@@ -175,3 +175,14 @@ def test_a_volume_is_an_array():
 def test_bad_arrays_are_errors(entry, message):
     with pytest.raises(penumbra.PenumbraError, match=message):
         penumbra.render(scene(entry=entry), spp=1)
+
+
+def test_dicts_are_scenes_everywhere(tmp_path):
+    shapes = [scene(entry=square()), scene(entry=square(vertices=SQUARE * 0.5))]
+    assert [result.image.shape for result in penumbra.render_all(shapes, spp=1)] == [(16, 16, 3)] * 2
+    assert penumbra.info(shapes[0])["triangles"] == 2
+    for expected in ("done", "unchanged"):
+        rows = penumbra.sweep(shapes[0], {"spp": [1, 2]}, out=tmp_path)
+        assert list(rows["state"] if hasattr(rows, "columns") else [row["state"] for row in rows]) == [expected] * 2
+    with penumbra.Session() as session:
+        assert session.render(shapes[1], spp=1).image.shape == (16, 16, 3)
