@@ -87,4 +87,4 @@ def error_of(code: int, text: str, *, of_input: bool = False) -> PenumbraError:
         return ProgramError(said, errors)
     if code == 2 or of_input:
         return (SceneError if any(error.file for error in errors) else UsageError)(said or "bad usage", errors)
-    return RenderError(said or f"the program ended with exit code {code}", errors)
+    return RenderError(text.strip() or f"the program ended with exit code {code}", errors)

@@ -31,7 +31,7 @@ def find() -> Path:
     if _OWN.exists():
         return _OWN
     found = shutil.which("penumbra")
-    if found is None:
+    if found is None or Path(found).read_bytes()[:2] == b"#!":  # the script that starts main()
         raise ProgramError(
             "there is no program penumbra: neither in the package nor in PATH; PENUMBRA_PROGRAM may name it"
         )

@@ -2,6 +2,7 @@
 
 import _thread
 import os
+import shutil
 import time
 
 import numpy
@@ -142,10 +143,33 @@ def test_warnings_are_kept(cornell, tmp_path):
     assert any("oddity" in str(warning) and warning.file == str(odd) for warning in result.warnings)
 
 
-def test_what_failed_has_what_was_written(cornell, tmp_path):
-    (tmp_path / "full").mkdir(mode=0o700)
-    with pytest.raises(penumbra.PenumbraError):
+def test_what_was_written_elsewhere_is_told(cornell, tmp_path, monkeypatch):
+    """Images whose folder is gone go to the folder of temporary files."""
+    place = tmp_path / "place"
+    place.mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+
+    def remove(state):
+        if place.is_dir():
+            shutil.rmtree(place)
+            place.write_text("no folder any more")
+
+    with pytest.raises(penumbra.RenderError, match="place") as failed:
+        penumbra.render(cornell, out=place / "a.exr", progress=remove, **SMALL)
+    (saved,) = tmp_path.glob("penumbra-image-*/*.exr")
+    assert str(saved.parent) in str(failed.value)
+    assert (penumbra.read(saved).image == penumbra.render(cornell, **SMALL).image).all()
+    with pytest.raises(penumbra.PenumbraError, match="nowhere"):
         penumbra.render(cornell, out="/proc/nowhere/a.exr", **SMALL)
+
+
+def test_what_failed_has_what_was_written(cornell, tmp_path):
+    """Samples that overflow are an error with strict_numerics, but there is an image."""
+    light = cornell.read_text().replace('value="17, 12, 4"', 'value="1e38, 1e38, 1e38"')
+    (tmp_path / "bright.xml").write_text(light)
+    with pytest.raises(penumbra.RenderError, match="infinite|NaN") as failed:
+        penumbra.render(tmp_path / "bright.xml", strict_numerics=True, **SMALL)
+    assert failed.value.result.statistics["samples"]["infinite"]["count"] > 0
 
 
 def test_progress_is_told(cornell):
