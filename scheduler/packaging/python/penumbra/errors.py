@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Any
 
 _MESSAGE = re.compile(
     r"^(?:.+?: )?(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): (?:(?P<kind>error|warning): )?(?P<text>.*)$"
@@ -68,7 +69,11 @@ class SceneError(PenumbraError, ValueError):
 
 
 class RenderError(PenumbraError, RuntimeError):
-    """What was asked for failed or is incomplete."""
+    """What was asked for failed or is incomplete. `result` is a Result of what was written all the same, or None; of
+    several renders `results` are those that did not fail."""
+
+    result: Any = None
+    results: Any = ()
 
 
 class ProgramError(PenumbraError, RuntimeError):

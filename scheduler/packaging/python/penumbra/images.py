@@ -61,10 +61,15 @@ def write(path: str | os.PathLike[str], image: Array, layers: Mapping[str, Array
     OpenEXR.File(header, channels).write(os.fspath(path))
 
 
+def no_option(path: Path) -> Path:
+    """The same file, whose name does not begin like an option."""
+    return path.absolute() if str(path).startswith("-") else path
+
+
 def path_of(image: Any, folder: Path, name: str) -> Path:
     """The file of an image: of a result, a path, or an array, which is written into the folder."""
     if isinstance(image, (str, os.PathLike)):
-        return Path(image)
+        return no_option(Path(image))
     if hasattr(image, "path"):
         return Path(image.path)
     path = folder / f"{name}.exr"

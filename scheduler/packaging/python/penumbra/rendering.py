@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
 
+from . import images
 from .errors import RenderError, UsageError, error_of, messages_of
 from .options import of_command, with_device, words
 from .program import Finished, Running, answer
@@ -43,7 +44,7 @@ def scene_file(scene: Scene, name: str = "scene") -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="penumbra-scene-") as folder:
             yield write_scene(scene, folder, name)
     elif isinstance(scene, (str, os.PathLike)):
-        yield Path(scene)
+        yield images.no_option(Path(scene))
     else:
         raise UsageError(f"a scene is a file or a dict, not {type(scene).__name__}")
 
@@ -71,7 +72,7 @@ def result_of(finished: Finished, statistics: Path, files: Sequence[Path] = (), 
         if finished.interrupted:
             raise KeyboardInterrupt
         if isinstance(error, RenderError) and written:
-            error.result = Result(written, told, messages_of(finished.err), keep=keep)  # type: ignore[attr-defined]
+            error.result = Result(written, told, messages_of(finished.err), keep=keep)
         raise error
     return Result(written, told, messages_of(finished.err), interrupted=finished.interrupted, keep=keep)
 
@@ -133,7 +134,8 @@ def render_all(scenes: Scene | Sequence[Scene], *, progress: Progress = None, **
     ]
     if finished.code != 0 and not finished.interrupted:
         error = error_of(finished.code, finished.err)
-        error.results = results  # type: ignore[attr-defined]
+        if isinstance(error, RenderError):
+            error.results = results
         raise error
     return results
 

@@ -131,7 +131,7 @@ def test_errors_say_where_and_what_is_right(cornell, tmp_path):
     ):
         with pytest.raises(penumbra.UsageError, match=error):
             penumbra.render(cornell, **options)
-    for scene in ("nothere.xml", "", tmp_path, "a\0b", 3, {"type": "bsdf"}):
+    for scene in ("nothere.xml", "", "--help", tmp_path, "a\0b", 3, {"type": "bsdf"}):
         with pytest.raises(penumbra.PenumbraError):
             penumbra.render(scene)
 
