@@ -113,13 +113,13 @@ JobExpected<std::vector<JobQueue::Entry*>> JobQueue::find_own(JobId number, cons
 bool JobQueue::has_scene(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   if (!spool_.has_scene(hash)) return false;
-  scenes_that_came_[hash] = std::chrono::steady_clock::now();  // a job that uses it is expected soon
+  scenes_that_came_.emplace(hash, std::chrono::steady_clock::now());  // a job that uses it is expected soon
   return true;
 }
 
 void JobQueue::scene_came(const std::string& hash) {
   const std::lock_guard lock(mutex_);
-  scenes_that_came_[hash] = std::chrono::steady_clock::now();
+  scenes_that_came_.emplace(hash, std::chrono::steady_clock::now());
 }
 
 JobExpected<void> JobQueue::check(const wire::Submission& message) {
@@ -199,6 +199,8 @@ JobExpected<JobQueue::Submitted> JobQueue::submit(const wire::Submission& messag
     if (is_new_group) spool_.remove_group(group);
     return job_error(JobErrorKind::kFull, "the job cannot be kept: " + kept.error().message);
   }
+  if (const auto awaited = scenes_that_came_.find(message.scene()); awaited != scenes_that_came_.end())
+    scenes_that_came_.erase(awaited);
   next_ = number + 1;
   entries_.emplace(number, std::move(entry));
   if (group > 0) {

@@ -176,7 +176,8 @@ class JobQueue {
   std::vector<JobChange> changes_;
   std::vector<FarmWorker> workers_;
   std::deque<std::string> messages_;
-  std::map<std::string, std::chrono::steady_clock::time_point> scenes_that_came_;
+  /// By hash, once for each job that is expected.
+  std::multimap<std::string, std::chrono::steady_clock::time_point> scenes_that_came_;
 };
 
 }  // namespace penumbra

@@ -204,7 +204,14 @@ TEST_F(JobQueueTest, AScenesThatHasJustComeIsKeptForItsJob) {
   take();
   queue_->end(job, wire::JOB_DONE, "");  // which looks for scenes that nobody needs
   EXPECT_TRUE(spool_->has_scene(hash_of(other)));
-  EXPECT_TRUE(queue_->submit(encode(small_submission(other))));
+  EXPECT_TRUE(queue_->has_scene(hash_of(other))) << "another client asks";
+  for (const bool is_awaited : {true, false}) {
+    const auto awaited = queue_->submit(encode(small_submission(other)));
+    ASSERT_TRUE(awaited);
+    take();
+    queue_->end(awaited->job, wire::JOB_DONE, "");
+    EXPECT_EQ(spool_->has_scene(hash_of(other)), is_awaited) << "each job was awaited once";
+  }
 }
 
 TEST_F(JobQueueTest, NonsenseIsRefusedAndLeavesNothing) {

@@ -204,3 +204,11 @@ def test_a_service_has_jobs(session, cornell):
         endless.fetch()
     with pytest.raises(penumbra.ProgramError, match="nowhere"):
         penumbra.Service("unix:/nowhere/socket").status()
+
+
+def test_no_file_is_kept(session, cornell):
+    """Neither images nor scenes, of which each seed has its own."""
+    for seed in range(3):
+        session.render(cornell, seed=seed, **CORNELL)
+    spool = Path(session.address.removeprefix("unix:")).parent / "spool"
+    assert not any((spool / "scenes").iterdir()) and not any((spool / "jobs").iterdir())
