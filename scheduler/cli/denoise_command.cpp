@@ -92,7 +92,7 @@ ExitCode denoise_still(const DenoiseCommandOptions& options) {
 
 /// A shot's frames, ascending, and which of them are asked for.
 struct Shot {
-  std::vector<ShotFrame> frames;  ///< all that are there, and those that are asked for
+  std::vector<NoisyFrame> frames;  ///< all that are there, and those that are asked for
   std::vector<std::size_t> asked;
   std::vector<OutputFiles> files;  ///< of those
 };

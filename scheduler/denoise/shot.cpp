@@ -26,7 +26,7 @@ std::string problem_beside(const Expected<Image>& image, const Image& own) {
 
 }  // namespace
 
-ShotDenoiser::ShotDenoiser(std::vector<ShotFrame> frames, DenoiseOptions options, int time_radius)
+ShotDenoiser::ShotDenoiser(std::vector<NoisyFrame> frames, DenoiseOptions options, int time_radius)
     : frames_(std::move(frames)), options_(std::move(options)), time_radius_(time_radius) {
   options_.estimates_error = true;
 }
@@ -61,7 +61,7 @@ bool ShotDenoiser::is_up_to_date(std::size_t index) const {
   return true;
 }
 
-ShotDenoiser::Still ShotDenoiser::make_still(const ShotFrame& frame) const {
+ShotDenoiser::Still ShotDenoiser::make_still(const NoisyFrame& frame) const {
   const auto fails = [&](const std::string& text) -> Still {
     return {fail(fmt::format("{}: {}", frame.noisy.string(), text)), {}};
   };

@@ -16,7 +16,7 @@
 namespace penumbra {
 
 /// A frame's image, and the one that becomes of it. An image without a name is not there.
-struct ShotFrame {
+struct NoisyFrame {
   int number = 0;
   std::filesystem::path noisy, denoised;
 };
@@ -38,7 +38,7 @@ struct FrameOutcome {
 class ShotDenoiser {
  public:
   /// `frames`: ascending. `time_radius`: frames on each side, at most kMostTimeRadius.
-  ShotDenoiser(std::vector<ShotFrame> frames, DenoiseOptions options, int time_radius);
+  ShotDenoiser(std::vector<NoisyFrame> frames, DenoiseOptions options, int time_radius);
 
   /// The outcome of frame `index`. In ascending order each image is read and denoised once, and at most
   /// 2 time_radius + 1 are in memory. It is a function of the images of the frame and those beside it,
@@ -56,10 +56,10 @@ class ShotDenoiser {
   /// The indices of the frames beside one, nearest first, in a direction of 1 or -1.
   [[nodiscard]] std::vector<std::size_t> beside(std::size_t index, int direction) const;
   [[nodiscard]] bool is_up_to_date(std::size_t index) const;
-  [[nodiscard]] Still make_still(const ShotFrame& frame) const;
+  [[nodiscard]] Still make_still(const NoisyFrame& frame) const;
   const Still& still(std::size_t index);
 
-  std::vector<ShotFrame> frames_;
+  std::vector<NoisyFrame> frames_;
   DenoiseOptions options_;
   int time_radius_;
   std::map<std::size_t, Still> stills_;

@@ -57,7 +57,7 @@ bool ShotDenoising::blend(const Frame& frame) {
   const std::vector<std::size_t>& members = shots_[frame.shot];
   std::optional<ShotDenoiser>& denoiser = denoisers_[frame.shot];
   if (!denoiser) {
-    std::vector<ShotFrame> frames;
+    std::vector<NoisyFrame> frames;
     for (const std::size_t member : members)
       frames.push_back(
           {frames_[member]->number, *frames_[member]->files.exr, *frames_[member]->files.denoised_exr});

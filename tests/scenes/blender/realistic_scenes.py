@@ -13,8 +13,8 @@ from material_scenes import add_node, add_shape, link, material
 from unit_scenes import add_light, blurred, diffuse, emission, keyed, particle_system
 
 # Of light sources whose edges are soft in Cycles.
-SUN_ANGLE = 0.0
-SPOT_RADIUS = 0.0
+SUN_ANGLE = math.radians(2)
+SPOT_RADIUS = 0.05
 
 REALISTIC_SCENES = {}
 SAMPLES = {}  # per pixel of a picture, of Penumbra and Cycles, chosen by their noise

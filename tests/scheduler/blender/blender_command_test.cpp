@@ -123,7 +123,7 @@ TEST_F(BlenderCommand, SaysWhatIsWrong) {
   write_small_scene(folder_ / "s.xml");
   result = run({"render", "s.xml", "--scene", "Room"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("--blender-scene Room is of Blender's files; this one is Mitsuba XML"));
+  EXPECT_THAT(result.err, HasSubstr("--scene Room is of Blender's files; this one is Mitsuba XML"));
   EXPECT_EQ(run({"render", "s.xml", "--blender", "/none"}).exit_code, 0) << "where it is not needed";
   result = run({"render", "none.blend"});
   EXPECT_EQ(result.exit_code, 2);
