@@ -241,6 +241,7 @@ const std::vector<PrincipledInput> kInputs{
        b.specular_roughness.value = both.roughness;
        b.specular_anisotropy = both.anisotropy;
      },
+     {1, 1.1},
      {1, 1.1}},
     {"Transmission Weight",
      R"("Base Color": [0.9, 0.9, 0.9, 1], "Thickness": 1)",
