@@ -157,7 +157,7 @@ def sky(scene, folder, softboxes=(), horizon=(0.9, 0.95, 1.0), zenith=(0.25, 0.4
     tree.links.new(texture.outputs[0], background.inputs["Color"])
 
 
-@realistic_scene(384)
+@realistic_scene(384, 1024)
 def interior(scene, folder):
     """A living room by day: a window to the sky and the sun, two area lamps, and a standing lamp."""
     wall, white = diffuse((0.75, 0.72, 0.66)), diffuse((0.85, 0.85, 0.85))
