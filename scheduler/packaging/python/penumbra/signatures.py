@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import sys
 import textwrap
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -159,7 +158,3 @@ def write_all(folder: Path) -> None:
     (folder / "options.json").write_text(json.dumps(options.described_by_program()) + "\n")
     for module in sorted({name for name, *_ in functions()}):
         (folder / f"{module}.pyi").write_text(stub_of(module))
-
-
-if __name__ == "__main__":
-    write_all(Path(sys.argv[1]))
