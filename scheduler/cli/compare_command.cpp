@@ -297,13 +297,11 @@ ExitCode compare_frames(const CompareCommandOptions& options, const FrameFiles& 
   return std::max(code, write_json(options.json, json));
 }
 
-/// The shots, if the names are of shots: they have a field for the frame, and no file has that very name.
+/// The shots, if both names are of shots.
 std::optional<std::pair<FrameFiles, FrameFiles>> shots_of(const CompareCommandOptions& options) {
   if (options.others.size() != 1) return std::nullopt;
-  const auto files_of = [](const std::string& name) {
-    return std::filesystem::exists(name) ? std::nullopt : FrameFiles::of(name);
-  };
-  const auto images = files_of(options.image), reference = files_of(options.others.back());
+  const auto images = FrameFiles::unless_file(options.image);
+  const auto reference = FrameFiles::unless_file(options.others.back());
   if (!images || !reference) return std::nullopt;
   return std::pair(*images, *reference);
 }

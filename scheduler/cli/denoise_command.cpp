@@ -102,7 +102,7 @@ Expected<Shot> shot_of(const DenoiseCommandOptions& options, const FrameFiles& i
   if (!out)
     return fail(fmt::format("-o {}: the name has no field for the frame, such as {}", options.out,
                             with_hashes(with_frame_field(options.out))));
-  std::vector<int> there = images.find();
+  const std::vector<int> there = images.find();
   std::set<int> asked(there.begin(), there.end());
   if (!options.frames.empty()) {
     const auto frames = frames_of(options.frames);
@@ -163,9 +163,7 @@ ExitCode denoise(DenoiseCommandOptions options) {
   options.denoise.device = device_of(options.device);
   if (const auto checked = check_radiance(options.image); !checked)
     return print_error(checked.error()), kBadInput;
-  // A file of that very name is one image.
-  const auto images = std::filesystem::exists(options.image) ? std::nullopt : FrameFiles::of(options.image);
-  if (images) return denoise_shot(options, *images);
+  if (const auto images = FrameFiles::unless_file(options.image)) return denoise_shot(options, *images);
   if (!options.frames.empty())
     return print_error({fmt::format("--frames: {} has no field for the frame, such as ####", options.image)}),
            kBadInput;

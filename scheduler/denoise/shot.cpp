@@ -65,10 +65,11 @@ ShotDenoiser::Still ShotDenoiser::make_still(const NoisyFrame& frame) const {
   const auto fails = [&](const std::string& text) -> Still {
     return {fail(fmt::format("{}: {}", frame.noisy.string(), text)), {}};
   };
-  auto noisy = read_image(frame.noisy);
-  if (!noisy) return {std::unexpected(noisy.error()), {}};
-  if (const auto known = read_image_header(frame.denoised); known && is_denoised_of(*known, *noisy, options_))
+  if (const auto header = read_image_header(frame.noisy), known = read_image_header(frame.denoised);
+      header && known && is_denoised_of(*known, *header, options_))
     if (auto denoised = read_image(frame.denoised)) return {std::move(*denoised), {}};
+  const auto noisy = read_image(frame.noisy);
+  if (!noisy) return {std::unexpected(noisy.error()), {}};
   auto outcome = denoise_image(*noisy, options_);
   if (!outcome) return fails(outcome.error().message);
   return {std::move(outcome->image), std::move(outcome->remarks)};

@@ -67,6 +67,11 @@ std::optional<FrameFiles> FrameFiles::of(std::string_view name) {
   return FrameFiles(std::string(name.substr(0, last.begin)), std::string(name.substr(last.end)), last.digits);
 }
 
+std::optional<FrameFiles> FrameFiles::unless_file(const std::string& name) {
+  std::error_code ignored;
+  return fs::exists(name, ignored) ? std::nullopt : of(name);
+}
+
 fs::path FrameFiles::file(int frame) const {
   return fmt::format("{}{:0{}}{}", before_, frame, digits_, after_);
 }

@@ -16,6 +16,9 @@ class FrameFiles {
   /// is none.
   static std::optional<FrameFiles> of(std::string_view name);
 
+  /// The same; nothing where a file has that very name, which is then one image.
+  static std::optional<FrameFiles> unless_file(const std::string& name);
+
   [[nodiscard]] std::filesystem::path file(int frame) const;
   /// The frame of a file of this shot; nothing for others. Only the text of the path counts.
   [[nodiscard]] std::optional<int> frame_of(const std::filesystem::path& file) const;

@@ -216,8 +216,9 @@ class SceneSet final : public JobSource {
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   ShotDenoising denoising_;
   bool has_blended_all_ = true;
-  std::map<std::size_t, Film> films_;  // of each scene that was read; under mutex_
-  std::map<std::size_t, double> fps_;  // of each scene that was read; used by the thread that reads them
+  std::map<std::size_t, Film> films_;    // of each scene that was read; under mutex_
+  std::vector<std::size_t> just_ended_;  // since frames were blended last; under mutex_
+  std::map<std::size_t, double> fps_;    // of each scene that was read; used by the thread that reads them
   std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
   std::vector<ReadyRender> again_;  // renders to be repeated because the automatically chosen device failed
@@ -401,9 +402,8 @@ void SceneSet::write_images() {
 void SceneSet::blend_frames() {
   {
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < entries_.size(); ++i)
-      if (entries_[i].state != SetState::kWaiting)
-        denoising_.ended(i, is_rendered(entries_[i]) ? std::optional(films_.at(i)) : std::nullopt);
+    for (const std::size_t i : std::exchange(just_ended_, {}))
+      denoising_.ended(i, is_rendered(entries_[i]) ? std::optional(films_.at(i)) : std::nullopt);
   }
   if (!stop_ && !denoising_.blend()) has_blended_all_ = false;
 }
@@ -447,6 +447,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error, 
 
 void SceneSet::end_now(std::size_t index, SetState state, const std::string& error, bool is_told) {
   may_try_again_[index] = false;
+  just_ended_.push_back(index);
   entries_[index].state = state;
   entries_[index].error = error;
   ++ended_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "kernels/host/console.h"
@@ -34,12 +35,19 @@ void ShotDenoising::ended(std::size_t member, const std::optional<Film>& film) {
   frame->film = film;
 }
 
+std::vector<const ShotDenoising::Frame*> ShotDenoising::around(const Frame& frame) const {
+  const std::vector<std::size_t>& members = shots_[frame.shot];
+  const auto radius = std::size_t(time_radius_);
+  std::vector<const Frame*> found;
+  for (std::size_t i = frame.index - std::min(frame.index, radius);
+       i < members.size() && i <= frame.index + radius; ++i)
+    if (const Frame& other = *frames_[members[i]]; std::abs(other.number - frame.number) <= time_radius_)
+      found.push_back(&other);
+  return found;
+}
+
 bool ShotDenoising::is_ready(const Frame& frame) const {
-  if (!frame.film || frame.is_blended) return false;
-  for (const std::size_t other : shots_[frame.shot])
-    if (!frames_[other]->is_over && std::abs(frames_[other]->number - frame.number) <= time_radius_)
-      return false;
-  return true;
+  return frame.film && !frame.is_blended && std::ranges::all_of(around(frame), &Frame::is_over);
 }
 
 bool ShotDenoising::blend() {
@@ -63,8 +71,8 @@ bool ShotDenoising::blend(const Frame& frame) {
           {frames_[member]->number, *frames_[member]->files.exr, *frames_[member]->files.denoised_exr});
     denoiser.emplace(std::move(frames), denoise_options(*frame.film), time_radius_);
   }
-  for (const std::size_t member : members)
-    if (frames_[member]->is_over && !frames_[member]->film) denoiser->leave_out(frames_[member]->index);
+  for (const Frame* other : around(frame))
+    if (!other->film) denoiser->leave_out(other->index);
   const FrameOutcome outcome = denoiser->denoise(frame.index);
   for (const std::string& remark : outcome.remarks)
     print_warning(fmt::format("{}: {}", frame.files.denoised_exr->string(), remark));

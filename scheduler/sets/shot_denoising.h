@@ -30,6 +30,8 @@ class ShotDenoising {
     std::optional<Film> film = {};
     bool is_over = false, is_blended = false;
   };
+  /// The frame and those within the radius. Frames are ascending, so they are that near in the shot, too.
+  [[nodiscard]] std::vector<const Frame*> around(const Frame& frame) const;
   [[nodiscard]] bool is_ready(const Frame& frame) const;
   bool blend(const Frame& frame);
 
