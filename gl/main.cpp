@@ -54,10 +54,9 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
   return commands;
 }
 
-/// Whether the name is that of a shot's image files. A file of that very name is itself.
+/// Whether the name is that of a shot's image files.
 bool is_shot_name(const std::string& name) {
-  std::error_code ignored;
-  return is_image_name(name) && FrameFiles::of(name) && !std::filesystem::exists(name, ignored);
+  return is_image_name(name) && FrameFiles::unless_file(name).has_value();
 }
 
 /// The arguments without the options of these names, and their values.
