@@ -42,10 +42,8 @@ std::vector<ListedFrame> list_shot(const FrameFiles& files) {
     // What is done and has no file any more is missing.
     frames[number] = {number, state == FrameState::kThere ? FrameState::kMissing : state};
   for (const int number : files.find()) {
-    std::error_code gone;
-    const fs::path file = files.file(number);
-    const FileStamp stamp{fs::last_write_time(file, gone), fs::file_size(file, gone)};
-    if (gone) continue;
+    const FileStamp stamp = stamp_of(files.file(number));
+    if (stamp == FileStamp{}) continue;
     ListedFrame& frame = frames.try_emplace(number, ListedFrame{number}).first->second;
     if (frame.state == FrameState::kMissing) frame.state = FrameState::kThere;
     frame.has_file = true;

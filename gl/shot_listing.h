@@ -1,21 +1,13 @@
 // Which frames of a shot are there, by its folder and by the summary of the renders in it.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <vector>
 
 #include "gl/view_model.h"
+#include "kernels/host/file_stamp.h"
 #include "scheduler/render/frame_files.h"
 
 namespace penumbra {
-
-/// By which a file that has changed is told from what it was.
-struct FileStamp {
-  std::filesystem::file_time_type time{};
-  std::uintmax_t size = 0;
-  bool operator==(const FileStamp&) const = default;
-};
 
 struct ListedFrame {
   int number = 0;

@@ -207,7 +207,7 @@ Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOpt
   return std::unexpected(source ? Error{fmt::format("cannot read '{}'", file.string())} : source.error());
 }
 
-Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, const ReadOptions& options) {
   // Check this first, before any message about the format.
   if (const auto found = check_scene_file(file, options); !found) return std::unexpected(found.error());
   const Format* format = format_of(file);
@@ -224,20 +224,24 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   if (!options.export_options.empty() && !format->is_exported)
     return fail(fmt::format("{}: {} is of Blender's files; this one is {}", file.string(),
                             options.export_options, format->name));
-  if (format->is_exported) {
-    auto scene = read_exported(file, options);
-    if (scene)
-      if (auto checked = check_warnings(*scene, options); !checked) return std::unexpected(checked.error());
-    return scene;
-  }
-  auto scene = format->read(file, options);
+  return format->is_exported ? read_exported(file, options) : format->read(file, options);
+}
+
+Expected<void> complete_scene(SceneDescription& scene, const ReadOptions& options) {
+  scene.frame_duration = 1.0 / options.fps.value_or(kFramesPerSecond);
+  auto done = show_at(scene, options.time);
+  if (done) done = apply_all(scene, options);
+  if (!done) return fail(fmt::format("{}: {}", scene.source, done.error().message));
+  report_time(scene, options);
+  return check_warnings(scene, options);
+}
+
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  auto scene = read_scene_file(file, options);
   if (!scene) return scene;
-  scene->frame_duration = 1.0 / options.fps.value_or(kFramesPerSecond);
-  auto done = show_at(*scene, options.time);
-  if (done) done = apply_all(*scene, options);
-  if (!done) return fail(fmt::format("{}: {}", file.string(), done.error().message));
-  report_time(*scene, options);
-  if (auto checked = check_warnings(*scene, options); !checked) return std::unexpected(checked.error());
+  // What another program exported is complete.
+  auto done = is_exported_scene(file) ? check_warnings(*scene, options) : complete_scene(*scene, options);
+  if (!done) return std::unexpected(done.error());
   return scene;
 }
 

@@ -57,6 +57,13 @@ std::vector<std::string> scene_formats();
 /// line, column, the source line and a caret.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
+/// The first part of read_scene: what the file says. Of the settings, readers look only at which of them are
+/// given, and at the value of integrator.type.
+Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, const ReadOptions& options);
+
+/// The second part, for scenes that no other program exported: the time, the settings, warnings.
+Expected<void> complete_scene(SceneDescription& scene, const ReadOptions& options);
+
 /// Takes a scene that was read with these options to another time; see set_time.
 Expected<void> set_time(SceneDescription& scene, double time, const ReadOptions& options);
 

@@ -24,7 +24,8 @@ struct Console {
   std::string name = "penumbra";
   bool line_is_drawn = false;
   bool has_answered = false;
-  int answer_error = 0;  ///< errno of the first answer that could not be written
+  std::string* captured = nullptr;  ///< takes messages in place of stderr
+  int answer_error = 0;             ///< errno of the first answer that could not be written
 };
 
 /// Never destroyed: threads of libraries may print while the program ends.
@@ -53,6 +54,10 @@ int write_all(int descriptor, std::string_view bytes) {
 void write_message(std::string_view text) {
   Console& c = console();
   const std::lock_guard lock(c.mutex);
+  if (c.captured != nullptr) {
+    c.captured->append(text);
+    return;
+  }
   write_all(STDERR_FILENO, c.line_is_drawn ? std::string(kClearLine).append(text) : std::string(text));
   c.line_is_drawn = false;
 }
@@ -74,6 +79,21 @@ void print_kind(std::string_view text, std::string_view kind) noexcept {
 }
 
 }  // namespace
+
+CapturedMessages::CapturedMessages() {
+  const std::lock_guard lock(console().mutex);
+  console().captured = &text_;
+}
+
+CapturedMessages::~CapturedMessages() {
+  const std::lock_guard lock(console().mutex);
+  console().captured = nullptr;
+}
+
+std::string CapturedMessages::text() const {
+  const std::lock_guard lock(console().mutex);
+  return text_;
+}
 
 void begin_program(std::string_view name) {
   console().name = name;

@@ -25,6 +25,19 @@ void print_error(const Error& error) noexcept;
 /// Prints the text after `NAME: warning: `, unless it starts with a file position itself.
 void print_warning(std::string_view text) noexcept;
 
+/// Collects what is printed to stderr instead, from its construction to its destruction. One at a time.
+class CapturedMessages {
+ public:
+  CapturedMessages();
+  ~CapturedMessages();
+  CapturedMessages(const CapturedMessages&) = delete;
+  CapturedMessages& operator=(const CapturedMessages&) = delete;
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::string text_;
+};
+
 /// Prints requested output to stdout.
 void print_answer(std::string_view text);
 /// Prints unrequested output to stdout, such as a render's summary. Write errors are ignored.

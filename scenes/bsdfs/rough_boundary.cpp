@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <map>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -176,21 +178,35 @@ std::array<double, CURVE_KNOTS> RoughBoundary::transmittance() const {
   return curve;
 }
 
-double RoughBoundary::internal_reflectance() const {
-  if (smooth_base) return 1 - 1 / (ior * ior);
-  const RoughBoundary beneath{distribution, alpha, 1 / ior};
+namespace {
+
+double computed_internal_reflectance(const RoughBoundary& boundary) {
+  const RoughBoundary beneath{boundary.distribution, boundary.alpha, 1 / boundary.ior};
   const auto back = [&](const glm::dvec3& wo, const glm::dvec3& m) {
     const double cosine = glm::dot(wo, m);
     const glm::dvec3 wi = 2 * cosine * m - wo;
     if (!(wi.z > 0)) return 0.0;
     return smooth_refraction(cosine, beneath.ior).reflected * masking(beneath, wi, m) *
-           std::exp(-optical_depth * (1 / wo.z + 1 / wi.z));
+           std::exp(-boundary.optical_depth * (1 / wo.z + 1 / wi.z));
   };
   // 2 int R(mu) mu dmu as the mean over all knots including both ends, as in Mitsuba 3.
   double sum = 0;
   for (int i = 0; i < CURVE_KNOTS; ++i)
     sum += 2 * knot_cosine(i) * mean_over_normals(beneath, knot_cosine(i), back);
   return sum / CURVE_KNOTS;
+}
+
+}  // namespace
+
+double RoughBoundary::internal_reflectance() const {
+  if (smooth_base) return 1 - 1 / (ior * ior);
+  // A quarter of the time in which a scene of many coats that has been read is built again.
+  static std::mutex mutex;
+  static std::map<RoughBoundary, double> known;
+  const std::lock_guard lock(mutex);
+  const auto [found, is_new] = known.try_emplace(*this);
+  if (is_new) found->second = computed_internal_reflectance(*this);
+  return found->second;
 }
 
 double smooth_internal_reflectance(double ior, double optical_depth) {

@@ -112,30 +112,39 @@ Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options)
   return set_time(scene, frame_seconds(options), *read);
 }
 
+namespace {
+
+/// Options that a reader does not apply.
+Expected<void> apply_other_options(SceneDescription& scene, const SceneOptions& options) {
+  scene.sampler.seed += frame_in_seed(options);
+  if (options.blends_frames && is_denoised(scene.film)) {
+    std::vector<AskedLayer>& layers = scene.film.layers;
+    if (std::ranges::find(layers, AskedLayer::kMotion) == layers.end()) layers.push_back(AskedLayer::kMotion);
+    std::ranges::sort(layers);
+  }
+  if (options.frame && !options.frame_is_a_file && scene.motion == nullptr && !scene.uses_variables)
+    scene.warnings.push_back(
+        fmt::format("{}: warning: nothing moves in the scene, and its file has neither $frame nor $time: all "
+                    "frames are alike",
+                    options.file));
+  if (!options.scale) return {};
+  scene.film = scaled_film(scene.film, *options.scale);
+  const Film& film = scene.film;
+  if (std::max(film.width, film.height) > kMaxFilmSide)
+    return fail(fmt::format("--scale: {} x {} pixels are more than {} a side", film.width, film.height,
+                            kMaxFilmSide));
+  if (auto checked = check_settings(scene); !checked) return fail("--scale: " + checked.error().message);
+  return {};
+}
+
+}  // namespace
+
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
   const auto read = read_options_of(options);
   if (!read) return std::unexpected(read.error());
   auto scene = read_scene(options.file, *read);
-  if (scene) scene->sampler.seed += frame_in_seed(options);
-  if (scene && options.blends_frames && is_denoised(scene->film)) {
-    std::vector<AskedLayer>& layers = scene->film.layers;
-    if (std::ranges::find(layers, AskedLayer::kMotion) == layers.end()) layers.push_back(AskedLayer::kMotion);
-    std::ranges::sort(layers);
-  }
-  if (scene && options.frame && !options.frame_is_a_file && scene->motion == nullptr &&
-      !scene->uses_variables)
-    scene->warnings.push_back(
-        fmt::format("{}: warning: nothing moves in the scene, and its file has neither $frame nor $time: all "
-                    "frames are alike",
-                    options.file));
-  if (scene && options.scale) {
-    scene->film = scaled_film(scene->film, *options.scale);
-    const Film& film = scene->film;
-    if (std::max(film.width, film.height) > kMaxFilmSide)
-      return fail(fmt::format("--scale: {} x {} pixels are more than {} a side", film.width, film.height,
-                              kMaxFilmSide));
-    if (auto checked = check_settings(*scene); !checked) return fail("--scale: " + checked.error().message);
-  }
+  if (!scene) return scene;
+  if (auto applied = apply_other_options(*scene, options); !applied) return std::unexpected(applied.error());
   return scene;
 }
 
@@ -144,6 +153,23 @@ Expected<ReadScene> read_scene_to_render(const SceneOptions& options) {
   if (!description) return std::unexpected(description.error());
   const bool sampler_replaced = replace_independent_sampler(options, *description);
   return ReadScene{std::move(*description), sampler_replaced};
+}
+
+Expected<ReadScene> read_scene_file(const SceneOptions& options) {
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  auto description = read_scene_file(options.file, *read);
+  if (!description) return std::unexpected(description.error());
+  return ReadScene{std::move(*description)};
+}
+
+Expected<void> complete_scene(ReadScene& scene, const SceneOptions& options) {
+  const auto read = read_options_of(options);
+  if (!read) return std::unexpected(read.error());
+  auto done = complete_scene(scene.description, *read);
+  if (done) done = apply_other_options(scene.description, options);
+  if (done) scene.sampler_replaced = replace_independent_sampler(options, scene.description);
+  return done;
 }
 
 namespace {

@@ -60,6 +60,11 @@ struct ReadScene {
 /// The same as read_scene_with_options, and replaces an independent sampler that no option asks for.
 Expected<ReadScene> read_scene_to_render(const SceneOptions& options);
 
+/// What the scene's file says, which complete_scene gives the settings of these options, or of others that
+/// differ in settings alone (scene_file.h).
+Expected<ReadScene> read_scene_file(const SceneOptions& options);
+Expected<void> complete_scene(ReadScene& scene, const SceneOptions& options);
+
 /// Builds the device scene. The result has no description. `kept`: a frame of the same shot, or null.
 Expected<LoadedScene> build_scene(const ReadScene& scene, const SceneOptions& options,
                                   std::shared_ptr<const KeptFrame> kept = {});

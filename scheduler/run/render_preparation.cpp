@@ -168,7 +168,7 @@ Expected<LoadedScene> load_reduced(const RenderOptions& options) {
 
 }  // namespace
 
-Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared) {
+Expected<PreparedRender> prepare_render(const RenderOptions& options, const SceneLoader& load) {
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
   // Check what is possible before the scene, which may be large, is read.
@@ -182,7 +182,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScen
   if (!options.tev.empty())
     if (auto address = parse_tev_address(options.tev); !address)
       return fail("--tev: " + address.error().message);
-  auto scene = shared != nullptr ? shared->load(options.scene) : load_reduced(options);
+  auto scene = load ? load(options.scene) : load_reduced(options);
   if (!scene) return std::unexpected(scene.error());
   if (is_denoised(scene->description.film)) add_denoised_files(*files);
   if (auto checked = check_files(scene->description.files); !checked) return std::unexpected(checked.error());

@@ -1,6 +1,7 @@
 // Prepares a render: everything is checked before rendering begins.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "scheduler/checkpoint/checkpoint_file.h"
@@ -9,7 +10,6 @@
 #include "scheduler/run/loaded_scene.h"
 #include "scheduler/run/output_files.h"
 #include "scheduler/run/render_options.h"
-#include "scheduler/run/shared_scenes.h"
 #include "worker/cli/exit_code.h"
 
 namespace penumbra {
@@ -25,11 +25,14 @@ struct PreparedRender {
   std::shared_ptr<CheckpointFile> checkpoint;
 };
 
+/// Gives the result of load_scene and reduce.
+using SceneLoader = std::function<Expected<LoadedScene>(const SceneOptions&)>;
+
 /// Chooses the files, reads the scene, applies the options. All errors are errors of the input: an output
 /// that cannot be written or would overwrite an input, an invalid scene, more pixels than fit into memory, a
-/// crop outside the film, options that exclude each other or that this machine does not support. `shared`:
-/// provides the scene if the render is one of a set.
-Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared = nullptr);
+/// crop outside the film, options that exclude each other or that this machine does not support. `load`:
+/// provides the scene if the render is one of several.
+Expected<PreparedRender> prepare_render(const RenderOptions& options, const SceneLoader& load = {});
 
 /// The job for a record. `manifest` is the scene's.
 RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene,

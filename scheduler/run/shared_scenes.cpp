@@ -26,35 +26,6 @@ SceneOptions shot_of(const SceneOptions& options) {
   return key;
 }
 
-std::uint64_t bytes_of_geometry(const Geometry& geometry) {
-  if (const auto* curves = std::get_if<Curves>(&geometry)) {
-    std::uint64_t points = 0;
-    for (const Curve& curve : curves->curves) points += sizeof curve + curve.size() * sizeof curve[0];
-    return points;
-  }
-  const auto* mesh = std::get_if<Mesh>(&geometry);
-  if (mesh == nullptr) return sizeof geometry;
-  const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };
-  return bytes(mesh->positions) + bytes(mesh->normals) + bytes(mesh->texcoords) + bytes(mesh->colours) +
-         bytes(mesh->triangles) + bytes(mesh->face_colours);
-}
-
-/// The size of the description's large parts.
-std::uint64_t bytes_of(const SceneDescription& scene) {
-  std::uint64_t bytes = 0;
-  each_shape(scene, [&](const Shape& shape) { bytes += bytes_of_geometry(shape.geometry); });
-  if (scene.motion != nullptr)
-    for (const MovingShape& moving : scene.motion->shapes) {
-      bytes += bytes_of_geometry(moving.rest);
-      if (moving.deformation == nullptr) continue;
-      bytes += moving.deformation->skin.influences.size() * sizeof(Skin::Influence);
-      for (const MorphTarget& target : moving.deformation->targets)
-        bytes += (target.positions.size() + target.normals.size()) * sizeof(glm::dvec3);
-    }
-  for (const auto& bitmap : scene.bitmaps) bytes += bitmap->words.size() * sizeof bitmap->words[0];
-  return bytes;
-}
-
 /// The size of the scene's large parts.
 std::uint64_t bytes_of_scene(const LoadedScene& scene) {
   std::uint64_t bytes = scene.device.words.size() * sizeof(std::uint32_t);
@@ -87,7 +58,8 @@ Expected<void> take_samples(LoadedScene& scene, const SceneOptions& options) {
 SharedScenes::SharedScenes(const std::vector<const SceneOptions*>& renders, std::uint64_t most_bytes)
     : most_bytes_(most_bytes) {
   for (const SceneOptions* each : renders) {
-    ++scenes_[key_of(*each)].renders_to_come;
+    const bool is_first = ++scenes_[key_of(*each)].renders_to_come == 1;
+    if (is_first && SceneFile::is_shareable(*each)) ++files_[SceneFile::reading_of(*each)].scenes_to_come;
     if (each->frame) ++shots_[shot_of(*each)].renders_to_come;
   }
   blender_shots().expect(renders);
@@ -139,6 +111,27 @@ Expected<LoadedScene> SharedScenes::load_frame(const SceneOptions& options, Shot
   return loaded;
 }
 
+Expected<LoadedScene> SharedScenes::load_from(File& file, const SceneOptions& options) {
+  if (!file.content) {
+    ++reads_;
+    if (file.scenes_to_come > 0)
+      if (auto content = SceneFile::read(options)) file.content.emplace(std::move(*content));
+    if (!file.content) {
+      auto loaded = load_scene(options);
+      if (loaded) reduce(*loaded);
+      return loaded;
+    }
+  }
+  auto loaded = file.content->load(options);
+  kept_bytes_ -= std::exchange(file.bytes, file.content->bytes());
+  kept_bytes_ += file.bytes;
+  if (file.scenes_to_come <= 0 || kept_bytes_ > most_bytes_) {
+    kept_bytes_ -= std::exchange(file.bytes, 0);
+    file.content.reset();
+  }
+  return loaded;
+}
+
 Expected<LoadedScene> SharedScenes::load(const SceneOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Scene& scene = scenes_[key_of(options)];
@@ -146,11 +139,11 @@ Expected<LoadedScene> SharedScenes::load(const SceneOptions& options) {
   Shot* shot = options.frame ? &shots_[shot_of(options)] : nullptr;
   if (shot != nullptr) --shot->renders_to_come;
   if (!scene.loaded) {
-    if (shot == nullptr) ++reads_;
-    auto loaded = shot != nullptr ? load_frame(options, *shot) : load_scene(options);
+    File& file = files_[SceneFile::reading_of(options)];
+    if (!std::exchange(scene.was_loaded, true)) --file.scenes_to_come;
+    auto loaded = shot != nullptr ? load_frame(options, *shot) : load_from(file, options);
     if (shot != nullptr && shot->renders_to_come <= 0) forget(*shot);
     if (!loaded) return loaded;
-    if (shot == nullptr) reduce(*loaded);
     const std::uint64_t bytes = bytes_of_scene(*loaded);
     if (!is_last && bytes <= most_bytes_ - kept_bytes_) {
       scene.loaded = *loaded;

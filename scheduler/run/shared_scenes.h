@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scheduler/run/loaded_scene.h"
+#include "scheduler/run/scene_file.h"
 
 namespace penumbra {
 
@@ -14,8 +15,9 @@ namespace penumbra {
 constexpr std::uint64_t kMostSharedBytes = std::uint64_t(2) << 30;
 
 /// Renders that differ only in their samples or seed share a device scene, which depends on these only in two
-/// numbers of its header. Frames of a shot share its description, unless the file has $frame or $time. Both
-/// are kept from the first of these renders to the last.
+/// numbers of its header. Frames of a shot share its description, unless the file has $frame or $time, and
+/// renders that differ in settings what the file says. All are kept from the first of these renders to the
+/// last.
 class SharedScenes {
  public:
   /// `renders`: the options of all renders of the set.
@@ -41,14 +43,23 @@ class SharedScenes {
   void keep(const SceneOptions& options, Shot& shot, ReadScene scene);
   void forget(Shot& shot);
 
+  struct File {
+    int scenes_to_come = 0;
+    std::optional<SceneFile> content = {};
+    std::uint64_t bytes = 0;
+  };
+  Expected<LoadedScene> load_from(File& file, const SceneOptions& options);
+
   struct Scene {
     int renders_to_come = 0;
+    bool was_loaded = false;
     std::optional<LoadedScene> loaded = {};
     std::uint64_t bytes = 0;
   };
 
   std::map<SceneOptions, Scene> scenes_;  // keyed by everything on which they depend
   std::map<SceneOptions, Shot> shots_;    // keyed by all of that but the frame
+  std::map<SceneOptions, File> files_;    // keyed by SceneFile::reading_of
   std::uint64_t most_bytes_, kept_bytes_ = 0;
   int reads_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -30,6 +31,7 @@
 #include "scheduler/run/render_checkpoint.h"
 #include "scheduler/run/render_outputs.h"
 #include "scheduler/run/render_preparation.h"
+#include "scheduler/run/shared_scenes.h"
 #include "scheduler/sets/failure_reasons.h"
 #include "scheduler/sets/set_plan.h"
 #include "scheduler/sets/set_summary.h"
@@ -284,7 +286,7 @@ Expected<void> SceneSet::check_earlier(std::size_t index) {
 Expected<void> SceneSet::read_scene(std::size_t index) {
   if (const auto checked = check_earlier(index); !checked) return checked;
   const RenderOptions& options = plan_.members[index].options;
-  auto prepared = prepare_render(options, &scenes_);
+  auto prepared = prepare_render(options, std::bind_front(&SharedScenes::load, &scenes_));
   if (!prepared) return std::unexpected(prepared.error());
   if (const auto device = check_device(prepared->job.device); !device) return device;
   if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser) return denoiser;

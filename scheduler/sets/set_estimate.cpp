@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "scheduler/estimate/estimate_totals.h"
 #include "scheduler/files/program_path.h"
 #include "scheduler/run/render_preparation.h"
+#include "scheduler/run/shared_scenes.h"
 #include "scheduler/sets/failure_reasons.h"
 #include "scheduler/sets/set_plan.h"
 
@@ -74,7 +76,7 @@ class SetEstimator {
   void estimate(const SetMember& member, SetMemberEstimate& estimated) {
     RenderOptions options = member.options;
     options.writes_here = false;
-    auto prepared = prepare_render(options, &scenes_);
+    auto prepared = prepare_render(options, std::bind_front(&SharedScenes::load, &scenes_));
     if (!prepared) return fail_member(estimated, prepared.error(), kBadInput);
     if (const auto device = check_device(prepared->job.device); !device)
       return fail_member(estimated, device.error(), kBadInput);

@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLooks = 10;  // checks of the stop signal between two status requests
+// Between two status requests: a short job is noticed soon, a long one is not asked for often.
+constexpr std::chrono::milliseconds kFirstWait{5}, kLongestWait{1000}, kLongestSleep{100};
 
 struct FetchOptions {
   ServiceAddress service;
@@ -36,7 +37,7 @@ struct FetchOptions {
 Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOptions& options,
                                           const std::vector<JobId>& jobs, const std::atomic<bool>& stop) {
   bool was_reached = false, said = false;
-  for (;;) {
+  for (std::chrono::milliseconds wait = kFirstWait;; wait = std::min(wait * 3 / 2, kLongestWait)) {
     auto status = service.status(jobs);
     if (!status && !(options.wait && was_reached && service.is_away() && !stop)) return status;
     if (status) {
@@ -47,8 +48,8 @@ Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOption
     } else if (!std::exchange(said, true)) {
       print_message(status.error().message + "; trying again");
     }
-    for (auto left = kLooks; left > 0 && !stop; --left)
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (auto left = wait; left > left.zero() && !stop; left -= kLongestSleep)
+      std::this_thread::sleep_for(std::min(left, kLongestSleep));
   }
 }
 

@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <iostream>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "kernels/host/text.h"
@@ -14,6 +17,8 @@
 #include "scheduler/render/option_checks.h"
 #include "scheduler/run/option_hints.h"
 #include "scheduler/run/render_preparation.h"
+#include "scheduler/run/scene_file.h"
+#include "scheduler/run/shared_scenes.h"
 #include "scheduler/sets/render_arguments.h"
 #include "scheduler/sets/set_plan.h"
 
@@ -24,6 +29,7 @@ struct SubmitOptions {
   RenderOptions render;
   ServiceAddress service;
   std::optional<int> priority;
+  bool lines = false;
 };
 
 /// Whether an option of `penumbra render` is not one of a job: the service or `penumbra fetch` determines it.
@@ -49,21 +55,22 @@ Expected<void> check_options(const CommandLine& command) {
 class Submitter {
  public:
   Submitter(const SubmitOptions& options, const SetPlan& plan, JobsClient& service,
-            const std::vector<std::string>& command_line)
+            const std::vector<std::string>& command_line, SceneLoader load)
       : options_(options),
         plan_(plan),
         service_(service),
         command_line_(command_line),
-        scenes_(scenes_of(plan)) {
+        load_(std::move(load)) {
     if (plan.has_job_file || plan.members.size() > 1 || !options.render.frames.empty())
       group_ = {0, plan.name, std::uint32_t(plan.members.size())};
   }
 
-  struct Submitted {
-    std::size_t renders = 0;
-    bool is_closed = true;  ///< the service knows that no more come
-  };
-  Submitted submit_all(const std::atomic<bool>& stop);
+  ExitCode submit_all(const std::atomic<bool>& stop);
+  /// Of the group, or of the only job. 0: nothing was submitted.
+  [[nodiscard]] JobId number() const {
+    if (group_) return group_->number;
+    return jobs_.empty() ? 0 : jobs_.begin()->second;
+  }
 
  private:
   Expected<void> submit(std::size_t index);
@@ -72,7 +79,7 @@ class Submitter {
   const SetPlan& plan_;
   JobsClient& service_;
   const std::vector<std::string>& command_line_;
-  SharedScenes scenes_;
+  SceneLoader load_;
   std::optional<SubmittedGroup> group_;
   std::map<std::size_t, JobId> jobs_;  // of the plan's members
   std::set<std::string> told_warnings_;
@@ -88,7 +95,7 @@ Expected<void> Submitter::submit(std::size_t index) {
       return fail(fmt::format("it comes after {}, which was not submitted", plan_.members[before].name));
     after.push_back(jobs_.at(before));
   }
-  const auto prepared = prepare_render(member.options, &scenes_);
+  const auto prepared = prepare_render(member.options, load_);
   if (!prepared) return std::unexpected(prepared.error());
   for (const std::string& warning : prepared->scene.description.warnings)
     if (told_warnings_.insert(warning).second) print_warning(warning);
@@ -100,8 +107,9 @@ Expected<void> Submitter::submit(std::size_t index) {
   jobs_[index] = reply->job();
   const bool is_new_group = group_ && group_->number == 0;
   if (is_new_group) group_->number = reply->group();
+  if (options_.lines) return {};
   if (options_.render.quiet) {
-    if (!group_ || is_new_group) print_answer(fmt::format("{}\n", group_ ? reply->group() : reply->job()));
+    if (!group_ || is_new_group) print_answer(fmt::format("{}\n", number()));
     return {};
   }
   if (is_new_group)
@@ -111,34 +119,91 @@ Expected<void> Submitter::submit(std::size_t index) {
   return {};
 }
 
-Submitter::Submitted Submitter::submit_all(const std::atomic<bool>& stop) {
+ExitCode Submitter::submit_all(const std::atomic<bool>& stop) {
   for (std::size_t i = 0; i < plan_.members.size() && !stop; ++i) {
     const auto submitted = submit(i);
     if (submitted) continue;
     print_error({fmt::format("{}: {}", plan_.members[i].name, submitted.error().message)});
     if (service_.is_away()) break;
   }
+  ExitCode code = kAllDone;
   if (group_ && group_->number > 0)
     if (const auto closed = service_.close_group(group_->number); !closed)
-      return print_error(closed.error()), Submitted{jobs_.size(), false};
-  return {jobs_.size()};
+      print_error(closed.error()), code = kIncomplete;
+  if (jobs_.size() == plan_.members.size()) return code;
+  print_error({fmt::format("{} of {} not submitted", plan_.members.size() - jobs_.size(),
+                           counted(plan_.members.size(), "render"))});
+  return kIncomplete;
+}
+
+Expected<SetPlan> plan_of(const SubmitOptions& options, const CommandLine& command) {
+  if (options.render.scenes.empty()) return fail("say which SCENE to submit, or --lines");
+  if (const auto checked = check_options(command); !checked) return std::unexpected(checked.error());
+  if (const auto checked = check_no_value_is_a_scene(command, options.render.scenes); !checked)
+    return std::unexpected(checked.error());
+  return plan_set(options.render, command);
+}
+
+void add_options(CommandLine& command, SubmitOptions& options) {
+  add_render_options(command, options.render);
+  command
+      .add_option("--priority", options.priority,
+                  "The highest priority is rendered first (default: the job file's, or 0)")
+      ->type_name("P")
+      ->check(whole_number(-kMostUrgent, kMostUrgent))
+      ->group("Jobs");
+}
+
+/// Submits what a line asks for. Its number is 0 where nothing was submitted.
+std::pair<JobId, ExitCode> submit_line(const std::string& line, JobsClient& service, const SceneLoader& load,
+                                       const std::atomic<bool>& stop) {
+  const auto refused = [](const Error& error) { return print_error(error), std::pair{JobId{0}, kBadInput}; };
+  const auto json = nlohmann::json::parse(line, nullptr, false);
+  const auto is_text = [](const nlohmann::json& word) { return word.is_string(); };
+  if (!json.is_array() || !std::ranges::all_of(json, is_text))
+    return refused({"a line is a JSON array of words, such as [\"scene.xml\", \"--spp\", \"64\"]"});
+  const auto words = json.get<std::vector<std::string>>();
+  CommandLine command("submit", "submit");
+  SubmitOptions options;
+  options.lines = true;
+  add_options(command, options);
+  if (const auto parsed = command.parse(words); !parsed) return refused(parsed.error());
+  const auto plan = plan_of(options, command);
+  if (!plan) return refused(plan.error());
+  std::vector<std::string> command_line = {"penumbra", "submit"};
+  command_line.insert(command_line.end(), words.begin(), words.end());
+  Submitter submitter(options, *plan, service, command_line, load);
+  const ExitCode code = submitter.submit_all(stop);
+  return {submitter.number(), code};
+}
+
+/// Answers each line of standard input with one of standard output.
+ExitCode submit_lines(JobsClient& service, const std::atomic<bool>& stop) {
+  KeptSceneFiles scenes(kMostSharedBytes);
+  const SceneLoader load = std::bind_front(&KeptSceneFiles::load, &scenes);
+  std::string line;
+  while (!stop && std::getline(std::cin, line)) {
+    const CapturedMessages messages;
+    const auto [number, code] = submit_line(line, service, load, stop);
+    const nlohmann::json answer = {{"number", number}, {"exit_code", code}, {"messages", messages.text()}};
+    print_answer(answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  }
+  return kAllDone;
 }
 
 ExitCode submit(const SubmitOptions& options, const CommandLine& command,
                 const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
-  if (const auto checked = check_options(command); !checked) return print_error(checked.error()), kBadInput;
-  if (const auto checked = check_no_value_is_a_scene(command, options.render.scenes); !checked)
-    return print_error(checked.error()), kBadInput;
-  const auto plan = plan_set(options.render, command);
+  if (options.lines && !options.render.scenes.empty())
+    return print_error({"--lines: the scenes are on the lines of standard input"}), kBadInput;
+  const auto plan = options.lines ? Expected<SetPlan>() : plan_of(options, command);
   if (!plan) return print_error(plan.error()), kBadInput;
   const auto connected = connect_to_service({options.service.to, options.render.keys});
   if (!connected) return print_error(connected.error()), kBadInput;
-  const auto [submitted, is_closed] = Submitter(options, *plan, **connected, command_line).submit_all(stop);
-  if (submitted == plan->members.size()) return is_closed ? kAllDone : kIncomplete;
-  print_error({fmt::format("{} of {} not submitted", plan->members.size() - submitted,
-                           counted(plan->members.size(), "render"))});
-  return kIncomplete;
+  if (options.lines) return submit_lines(**connected, stop);
+  SharedScenes scenes(scenes_of(*plan));
+  return Submitter(options, *plan, **connected, command_line, std::bind_front(&SharedScenes::load, &scenes))
+      .submit_all(stop);
 }
 
 }  // namespace
@@ -146,19 +211,19 @@ ExitCode submit(const SubmitOptions& options, const CommandLine& command,
 void add_submit_command(CommandLine& app, const std::vector<std::string>& command_line, Command& chosen) {
   CommandLine* command = app.add_command("submit", "Submit renders to a service");
   const auto options = std::make_shared<SubmitOptions>();
-  add_render_options(*command, options->render);
+  add_options(*command, *options);
   for (Option* option : command->options())
     if (is_refused(*option)) option->group("");  // not in the help
+  command->option("SCENE")->required(false);
+  command
+      ->add_flag("--lines", options->lines,
+                 "Read submissions from standard input, a JSON array of words on each line, and answer each "
+                 "with a line of JSON. Scenes stay in memory while their files do not change")
+      ->group("Jobs");
   add_service_address(*command, options->service, false);
   command->option("--keys")->description(
       "For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "
       "or its part for users");
-  command
-      ->add_option("--priority", options->priority,
-                   "The highest priority is rendered first (default: the job file's, or 0)")
-      ->type_name("P")
-      ->check(whole_number(-kMostUrgent, kMostUrgent))
-      ->group("Jobs");
   show_common_render_options(*command);
   command->short_help({"--to", "--priority", "--keys"});
   command->footer(

@@ -75,7 +75,7 @@ TEST_F(SharedScenesTest, AMatrixOfSamplesAndSeedsReadsItsSceneOnce) {
   }
 }
 
-TEST_F(SharedScenesTest, WhateverElseDiffersIsReadForItself) {
+TEST_F(SharedScenesTest, WhateverElseDiffersIsBuiltForItself) {
   std::vector<SceneOptions> renders(10, scene());
   renders[1] = scene("t.xml");
   renders[2].defines = {"albedo=0.25"};
@@ -92,8 +92,69 @@ TEST_F(SharedScenesTest, WhateverElseDiffersIsReadForItself) {
   for (const SceneOptions& render : renders) {
     load_as_its_own(scenes, render);
   }
-  EXPECT_EQ(scenes.reads(), 10);
+  EXPECT_EQ(scenes.reads(), 5) << "another file, value of a variable, integrator, sampler";
   EXPECT_EQ(scenes.kept_bytes(), 0u);
+}
+
+/// Each setting of the small scene after all others have been applied to it.
+TEST_F(SharedScenesTest, SettingsDoNotOutliveTheirRender) {
+  std::vector<SceneOptions> renders;
+  for (const char* setting :
+       {"integrator.max_depth=2", "integrator.hide_emitters=true", "film.width=9", "film.crop_width=3",
+        "film.rfilter=box", "film.pixel_format=rgb", "camera.fov=70", "camera.origin=1,2,3", "sampler.spp=9",
+        "sampler.seed=4", "sampler.type=halton", "integrator.type=direct", "film.denoise=nfor",
+        "film.height=5"})
+    for (const bool is_alone : {true, false}) {
+      SceneOptions& options = renders.emplace_back(scene());
+      options.settings = {setting};
+      if (!is_alone) options.settings.emplace_back("film.width=8");
+    }
+  renders.push_back(scene());
+  renders.back().scale = 0.5;
+  renders.push_back(scene());
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+  std::filesystem::last_write_time(folder_ / "s.xml", long_ago);
+  SharedScenes scenes = shared(renders);
+  KeptSceneFiles files(kMostSharedBytes);
+  int valid = 0;
+  for (int round = 0; round < 2; ++round)
+    for (const SceneOptions& render : renders) {
+      const auto own = load_scene(render);
+      valid += own.has_value();
+      const auto kept = files.load(render);
+      ASSERT_EQ(kept.has_value(), own.has_value()) << render.settings.front();
+      if (own) expect_same(*kept, *own);
+      if (own)
+        EXPECT_EQ(manifest_of(kept->device).hash,
+                  manifest_of(kept->device, kept->kept->scene, kept->kept->manifest).hash);
+      else
+        EXPECT_EQ(kept.error().message, own.error().message);
+      if (round == 0 && own) load_as_its_own(scenes, render);
+    }
+  EXPECT_GT(valid, 2 * 20);
+  EXPECT_EQ(files.reads(), 3) << "with the file's integrator and sampler, with another of each";
+}
+
+TEST_F(SharedScenesTest, AFileThatChangesIsReadAgain) {
+  KeptSceneFiles files(kMostSharedBytes), none(0);
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+  const auto file = folder_ / "s.xml";
+  std::filesystem::last_write_time(file, long_ago);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(files.load(scene()));
+    ASSERT_TRUE(none.load(scene()));
+  }
+  EXPECT_EQ(files.reads(), 1);
+  EXPECT_EQ(none.reads(), 3);
+  std::filesystem::last_write_time(file, long_ago + std::chrono::seconds(1));
+  ASSERT_TRUE(files.load(scene()));
+  EXPECT_EQ(files.reads(), 2);
+  // Its time does not tell whether it was written after it was read.
+  std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now());
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(files.load(scene()));
+  EXPECT_EQ(files.reads(), 4);
+  std::filesystem::remove(file);
+  EXPECT_FALSE(files.load(scene()));
 }
 
 TEST_F(SharedScenesTest, NoMoreIsKeptThanThereIsRoomFor) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/scheduler/cli/moving_scene.h"
@@ -137,6 +138,49 @@ TEST_F(Service, TheSameBytesAsRender) {
   EXPECT_EQ(statistics["complete"], true);
   EXPECT_EQ(statistics["settings"]["seed"], 7);
   EXPECT_EQ(statistics["command_line"][1], "submit");
+}
+
+TEST_F(Service, LinesOfInputAreAnsweredInTurn) {
+  serve();
+  write_small_scene(folder_ / "u.xml");
+  write_text(folder_ / "lines", R"(["s.xml", "--spp", "4", "-D", "albedo=0.3", "-o", "a.exr"]
+["s.xml", "--spp", "4", "--set", "integrator.max_depth=2", "-o", "b.exr"]
+["s.xml", "u.xml", "--spp", "4", "--seed", "2", "-o", "{scene}.exr"]
+["t.xml"]
+["s.xml", "--sp", "4"]
+["s.xml", "--workers", "2"]
+{"scene": "s.xml"}
+["s.xml", "--spp", "3"])");
+  const ProgramResult result =
+      run_shell(folder_.path(), "penumbra submit --lines --to " + address_ + " <lines");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  std::istringstream lines(result.out);
+  std::vector<nlohmann::json> answers;
+  for (std::string line; std::getline(lines, line);) answers.push_back(nlohmann::json::parse(line));
+  const std::tuple<int, int, std::string> expected[] = {{1, 0, ""},
+                                                        {2, 0, ""},
+                                                        {3, 0, ""},
+                                                        {0, 1, "no file 't.xml'"},
+                                                        {0, 2, "--sp"},
+                                                        {0, 2, "--workers is not of a job"},
+                                                        {0, 2, "JSON array of words"},
+                                                        {6, 0, ""}};
+  ASSERT_EQ(answers.size(), std::size(expected)) << result.out;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto& [number, code, message] = expected[i];
+    EXPECT_EQ(answers[i]["number"], number) << i;
+    EXPECT_EQ(answers[i]["exit_code"], code) << i;
+    EXPECT_THAT(answers[i]["messages"].get<std::string>(), HasSubstr(message)) << i;
+  }
+  EXPECT_EQ(run({"fetch", "1", "2", "3", "6", "--wait", "-o", "out"}).exit_code, 0);
+  render({"--spp", "4", "-D", "albedo=0.3"}, "a.exr");
+  render({"--spp", "4", "--set", "integrator.max_depth=2"}, "b.exr");
+  render({"--spp", "4", "--seed", "2"}, "s.exr");
+  for (const char* name : {"a.exr", "b.exr", "s.exr"})
+    EXPECT_TRUE(contents(std::string("out/") + name) == contents(name)) << name;
+  EXPECT_EQ(run({"submit", "--lines", "s.xml"}).exit_code, 2);
+  EXPECT_THAT(run({"submit"}).err, HasSubstr("say which SCENE to submit"));
 }
 
 TEST_F(Service, AJobWithPhotonMapsHasTheirPassesAndTiles) {

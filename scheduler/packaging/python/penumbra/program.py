@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
@@ -51,7 +52,7 @@ class Finished:
 
 class Running:
     """A program that has been started. It gets a Ctrl-C only from interrupt(), and ends when this process does.
-    `on_line` gets the lines of its standard output in another thread."""
+    `on_line` gets the lines of its standard output in another thread; those that write() gives it are its input."""
 
     def __init__(
         self,
@@ -59,13 +60,14 @@ class Running:
         *,
         environment: Mapping[str, str] | None = None,
         on_line: Callable[[str], None] | None = None,
+        reads_input: bool = False,
     ):
         self.words = [os.fspath(find()), *(os.fspath(word) for word in words)]
         reading, self._owner = os.pipe()
         try:
             self._process = subprocess.Popen(
                 self.words,
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE if reads_input else subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 pass_fds=[reading],
@@ -104,6 +106,12 @@ class Running:
         """What it wrote to its standard error so far."""
         return "".join(self._err)
 
+    def write(self, line: str) -> None:
+        """Gives it a line of input. Raises BrokenPipeError if it has ended."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(line.encode() + b"\n")
+        self._process.stdin.flush()
+
     def interrupt(self) -> None:
         """Asks it to end with what it has; the second time it ends at once."""
         if self.is_running:
@@ -133,6 +141,9 @@ class Running:
     def end(self, seconds: float = _SECONDS_TO_END) -> None:
         """Ends it, by force if it is not over after so long."""
         until = time.monotonic() + seconds
+        if self._process.stdin is not None:
+            with contextlib.suppress(BrokenPipeError):
+                self._process.stdin.close()
         if self.is_running and seconds > 0:
             self._process.terminate()
         try:

@@ -22,7 +22,7 @@ _SECONDS_BETWEEN_STATES = 0.2
 
 def submit_keywords() -> set[str]:
     """Options of a submitted render."""
-    return set(of_command("submit")) - GENERAL - {"to", "keys", "out", "frames", "order", "priority"}
+    return set(of_command("submit")) - GENERAL - {"to", "keys", "out", "frames", "order", "priority", "lines"}
 
 
 class Job:
@@ -103,7 +103,7 @@ class Service:
         """Submits a render: options as those of render, but for those of workers and files."""
         arguments = words("submit", with_device(dict(options)), submit_keywords())
         with scene_file(scene) as file:
-            submitted = self._call(["submit", file, "--quiet", f"--priority={priority}", *arguments], of_input=True)
+            submitted = self._submit([file, f"--priority={priority}", *arguments])
         return Job(self, int(submitted.out), messages_of(submitted.err))
 
     def status(self, *jobs: int) -> dict[str, Any]:
@@ -114,6 +114,9 @@ class Service:
     def job(self, number: int) -> Job:
         """The job of this number."""
         return Job(self, number)
+
+    def _submit(self, words: list[Any]) -> Finished:
+        return self._call(["submit", "--quiet", *words], of_input=True)
 
     def _is_there(self) -> bool:
         return True

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import os
+import queue
 import tempfile
+import threading
 import time
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +22,58 @@ from .result import Result
 from .service import Service
 
 _SECONDS_TO_START = 60.0
+_SECONDS_BETWEEN_LOOKS = 0.1
 
 
-def _end(running: Running, folder: tempfile.TemporaryDirectory[str]) -> None:
+class _Submitter:
+    """One `penumbra submit --lines`, which keeps scenes in memory, for all submissions to an address."""
+
+    def __init__(self, address: str):
+        self._address = address
+        self._lock = threading.Lock()
+        self._answers: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._running: Running | None = None
+
+    def submit(self, words: list[Any], is_needed: Callable[[], bool]) -> Finished:
+        """Of what `penumbra submit --quiet` would print. It is ended, and started anew by the next call, where this
+        one is interrupted."""
+        line = [os.fspath(word) for word in words]
+        with self._lock:
+            try:
+                answer = json.loads(self._answer(json.dumps(line), is_needed))
+            except BaseException:
+                self._end()
+                raise
+        return Finished(line, answer["exit_code"], str(answer["number"]), answer["messages"])
+
+    def _answer(self, line: str, is_needed: Callable[[], bool]) -> str:
+        if self._running is None:
+            words = ["submit", "--lines", "--to", self._address]
+            self._answers = queue.SimpleQueue()
+            self._running = Running(words, on_line=self._answers.put, reads_input=True)
+        try:
+            self._running.write(line)
+        except BrokenPipeError:
+            pass  # it has ended
+        while True:
+            try:
+                return self._answers.get(timeout=_SECONDS_BETWEEN_LOOKS)
+            except queue.Empty:
+                if not (self._running.is_running and is_needed()):
+                    raise ProgramError(f"penumbra submit ended: {self._running.said.strip() or 'killed'}") from None
+
+    def _end(self) -> None:
+        if self._running is not None:
+            self._running.end(0)
+            self._running = None
+
+    def end(self) -> None:
+        with self._lock:
+            self._end()
+
+
+def _end(submitter: _Submitter, running: Running, folder: tempfile.TemporaryDirectory[str]) -> None:
+    submitter.end()
     running.end()
     folder.cleanup()
 
@@ -47,7 +101,8 @@ class Session(Service):
             },
         )
         self._running = Running(["serve", *arguments])
-        self._finalizer = weakref.finalize(self, _end, self._running, folder)
+        self._submitter = _Submitter(self.address)
+        self._finalizer = weakref.finalize(self, _end, self._submitter, self._running, folder)
         until = time.monotonic() + _SECONDS_TO_START
         try:
             while not (Path(folder.name) / "socket").exists():
@@ -73,13 +128,27 @@ class Session(Service):
     def _is_there(self) -> bool:
         return self._running.is_running
 
+    def _submit(self, words: list[Any]) -> Finished:
+        self._check_open()
+        finished = self._submitter.submit(words, self._is_there)
+        self._check_there(finished)
+        if finished.code != 0:
+            raise error_of(finished.code, finished.err, of_input=True)
+        return finished
+
     def _run(self, *arguments: Any) -> Finished:
+        self._check_open()
+        finished = super()._run(*arguments)
+        self._check_there(finished)
+        return finished
+
+    def _check_open(self) -> None:
         if not self._finalizer.alive:
             raise ProgramError("the session is closed")
-        finished = super()._run(*arguments)
+
+    def _check_there(self, finished: Finished) -> None:
         if finished.code != 0 and not self._is_there():
             raise ProgramError(f"the session's service ended: {self._running.said.strip() or 'it was killed'}")
-        return finished
 
     def __enter__(self) -> Session:
         return self

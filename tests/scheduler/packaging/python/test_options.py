@@ -28,6 +28,7 @@ def test_nothing_of_the_program_is_missing(command_line):
         "frames",
         "order",
         "priority",
+        "lines",
     }
 
 
