@@ -22,7 +22,7 @@ case "${1:-}" in
 esac
 
 declare -A lists=(
-  [build]="clang-19 g++ cmake ninja-build ccache pkg-config git
+  [build]="clang-19 lld-19 g++ cmake ninja-build ccache pkg-config git
     libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libnanovdb-dev libpng-dev libjpeg-dev libglm-dev
     libboost-dev ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
     libssl-dev libcpp-httplib-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc

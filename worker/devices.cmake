@@ -1,12 +1,5 @@
 # What computes: native code with or without Embree, or an OpenCL device.
 
-# The loader looks for every symbol in one library after the other, in the order in which a program names them. What most symbols are in
-# comes before the sixty of absl: a start takes 9 ms instead of 12. A sanitizer's own library has to be the first.
-function(penumbra_start_fast program)
-  if(NOT PENUMBRA_SANITIZE)
-    target_link_options(${program} PRIVATE "LINKER:--push-state,--no-as-needed,-lstdc++,-lcrypto,-lprotobuf,--pop-state")
-  endif()
-endfunction()
 include(${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
 
 add_library(penumbra_devices STATIC device.cpp native_device.cpp photon_maps.cpp search_choice.cpp embree_tracer.cpp opencl_device.cpp

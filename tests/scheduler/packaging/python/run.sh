@@ -3,7 +3,8 @@
 #
 #   run.sh BUILD quick      of the source and the programs of a build folder, without slow tests
 #   run.sh BUILD wheel      all of them, with a wheel made of the build folder, in a clean environment
-#   run.sh BUILD bare       a render with that wheel in a Debian 12 that has nothing else; needs root and debootstrap
+#   run.sh BUILD bare       a render with that wheel in a Debian 12 and a Debian 13 that have nothing else; needs root
+#                           and debootstrap
 #
 # Environments are kept in the build folder. Exit code 77: there is none, as where pip reaches no registry.
 set -euo pipefail
@@ -40,12 +41,17 @@ wheel() {
 }
 
 bare() {
-  local system
   [[ $EUID == 0 ]] && command -v debootstrap >/dev/null || skip "needs root and debootstrap"
   compgen -G "$build/dist/*.whl" >/dev/null || skip "no wheel in $build/dist"
+  local suite
+  for suite in bookworm trixie; do bare_debian "$suite"; done
+}
+
+bare_debian() {
+  local system
   system=$(mktemp -d)
-  trap 'umount "$system"/{dev,proc} 2>/dev/null || true; rm -rf --one-file-system "$system"' EXIT
-  debootstrap --variant=minbase --include=python3-venv,ca-certificates bookworm "$system" >/dev/null || skip "no Debian 12"
+  trap 'umount "'"$system"'"/{dev,proc} 2>/dev/null || true; rm -rf --one-file-system "'"$system"'"' EXIT
+  debootstrap --variant=minbase --include=python3-venv,ca-certificates "$1" "$system" >/dev/null || skip "no Debian $1"
   cp "$build"/dist/*.whl "$root/scenes/cornell-small/cornell-small.xml" "$system/root"
   cp /etc/resolv.conf "$system/etc"
   cp /etc/ssl/certs/ca-certificates.crt "$system/etc/ssl/certs"
@@ -58,7 +64,9 @@ result = penumbra.render(\"cornell-small.xml\", spp=4, workers=2)
 print(result, result.statistics[\"film_hash\"])
 result.save(\"a.exr\")"
     venv/bin/penumbra convert a.exr a.png    # by the module that needs most libraries
-    ls -l a.png'
+    ls -l a.png; . /etc/os-release; echo "$PRETTY_NAME"'
+  umount "$system"/{dev,proc}
+  rm -rf --one-file-system "$system"
 }
 
 "$kind"
