@@ -163,24 +163,39 @@ TEST(Coverage, LeavesEverythingElseAsItIs) {
   expect_rest_unchanged(scene);
 }
 
-TEST(Coverage, IsTheSameFromEveryBackend) {
+/// A half plane by paths, and by control variates.
+std::vector<DeviceScene> covered_scenes() {
   SceneDescription scene = half_plane(0);
   add_diffuse(scene, 0.5f);
   scene.film.filter = FilterKind::kGaussian;
+  std::vector<DeviceScene> scenes;
   for (const auto& integrator :
        {path_integrator(DirectSampling::kMis), polygon_cv(std::nullopt, EmitterSampling::kSolidAngle, 1)}) {
     scene.integrator = integrator;
-    const DeviceScene built = build_or_throw(scene);
+    scenes.push_back(build_or_throw(scene));
+  }
+  return scenes;
+}
+
+TEST(Coverage, IsTheSameFromEveryBackend) {
+  std::vector<DeviceScene> scenes = covered_scenes();
+  share_needs(scenes);
+  for (const DeviceScene& scene : scenes) {
     TestDevice device = native_device();
-    const std::uint64_t hash = render_or_throw(built, device).hash();
+    const std::uint64_t hash = render_or_throw(scene, device).hash();
     for (const Isa isa : usable_isas()) {
       device.options.isa = isa;
-      EXPECT_EQ(render_or_throw(built, device).hash(), hash) << isa_name(isa);
+      EXPECT_EQ(render_or_throw(scene, device).hash(), hash) << isa_name(isa);
     }
     device.options.block_of_one = true;
-    EXPECT_EQ(render_or_throw(built, device).hash(), hash);
-    EXPECT_EQ(render_or_throw(built, opencl_device()).hash(), hash) << "OpenCL";
+    EXPECT_EQ(render_or_throw(scene, device).hash(), hash);
+    EXPECT_EQ(render_or_throw(scene, opencl_device()).hash(), hash) << "OpenCL";
   }
+}
+
+TEST(Coverage, IsTheSameFromOpenClKernelsForEachSceneAlone) {
+  for (const DeviceScene& scene : covered_scenes())
+    EXPECT_EQ(render_or_throw(scene, opencl_device()).hash(), render_or_throw(scene).hash());
 }
 
 }  // namespace

@@ -125,7 +125,27 @@ TEST_P(MotionBits, AreThoseOfEveryBackend) {
     tried += std::string(isa_name(isa)) + " ";
   }
   RecordProperty("isas", tried);
-  expect_same(opencl_device(), "OpenCL");
+}
+
+TEST_P(MotionBits, AreThoseOfOpenClKernelsForTheSceneAlone) {
+  SceneDescription description = GetParam().scene();
+  description.sampler.spp = 6;
+  const DeviceScene scene = build_or_throw(description);
+  EXPECT_EQ(render_or_throw(scene, opencl_device()).hash(), render_or_throw(scene).hash());
+}
+
+TEST(MotionBitsOfOpenCl, AreThoseOfNativeKernels) {
+  std::vector<DeviceScene> scenes;
+  for (const Case& each : cases()) {
+    SceneDescription description = each.scene();
+    description.sampler.spp = 6;
+    description.film.layers = {AskedLayer::kMotion};
+    scenes.push_back(build_or_throw(description));
+  }
+  share_needs(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_EQ(render_or_throw(scenes[i], opencl_device()).hash(), render_or_throw(scenes[i]).hash())
+        << cases()[i].name;
 }
 
 TEST_P(MotionBits, DoNotDependOnTiles) {

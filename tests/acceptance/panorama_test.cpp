@@ -290,27 +290,39 @@ TEST(Panorama, DepthIsADistanceAndPositionsAreWhereItIs) {
   }
 }
 
+/// A ball and, but for the cylindrical one, the camera move.
+SceneDescription moving_panorama(Projection projection) {
+  SceneDescription scene = panorama(projection, 16, 12, 8);
+  scene.film.alpha = true;
+  scene.film.layers = {AskedLayer::kPosition, AskedLayer::kMotion};
+  scene.camera.fisheye_fov = 170;
+  scene.camera.aperture_radius = projection == Projection::kCylindrical ? 0.1 : 0.0;
+  if (projection == Projection::kEquirectangular) scene.camera.stereo = StereoPair::kTopBottom;
+  scene.emitters.emplace_back(ConstantEnvironment{.radiance = glm::vec3(0.5f)});
+  scene.shapes.push_back(sphere(glm::dvec3(0.6, 0.2, 2), 0.9));
+  scene.camera.shutter = 1.0f;
+  scene.frame_duration = 1.0;
+  motion_pieces::Mover move(scene);
+  const int node = move.node(glm::dvec3(0.3, 0, 0.1), 20);
+  move.last_shape(node);
+  if (projection != Projection::kCylindrical) move.camera(node);
+  return scene;
+}
+
 TEST(Panorama, OpenClGivesTheSameBits) {
+  std::vector<DeviceScene> scenes;
+  for (const Projection projection : kAll) scenes.push_back(build_or_throw(moving_panorama(projection)));
+  share_needs(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_EQ(render_or_throw(scenes[i], opencl_device()).hash(), render_or_throw(scenes[i]).hash())
+        << projection_name(kAll[i]);
+}
+
+TEST(Panorama, OpenClKernelsForEachAloneGiveTheSameBits) {
   for (const Projection projection : kAll) {
-    SceneDescription scene = panorama(projection, 16, 12, 8);
-    scene.film.alpha = true;
-    scene.film.layers = {AskedLayer::kPosition};
-    scene.camera.fisheye_fov = 170;
-    scene.camera.aperture_radius = projection == Projection::kCylindrical ? 0.1 : 0.0;
-    if (projection == Projection::kEquirectangular) scene.camera.stereo = StereoPair::kTopBottom;
-    scene.emitters.emplace_back(ConstantEnvironment{.radiance = glm::vec3(0.5f)});
-    scene.shapes.push_back(sphere(glm::dvec3(0.6, 0.2, 2), 0.9));
-    scene.film.layers.push_back(AskedLayer::kMotion);
-    scene.camera.shutter = 1.0f;
-    scene.frame_duration = 1.0;
-    {
-      motion_pieces::Mover move(scene);
-      const int node = move.node(glm::dvec3(0.3, 0, 0.1), 20);
-      move.last_shape(node);
-      if (projection != Projection::kCylindrical) move.camera(node);
-    }
-    const auto native = render_or_throw(scene), opencl = render_or_throw(scene, opencl_device());
-    EXPECT_EQ(native.hash(), opencl.hash()) << projection_name(projection);
+    const DeviceScene scene = build_or_throw(moving_panorama(projection));
+    EXPECT_EQ(render_or_throw(scene, opencl_device()).hash(), render_or_throw(scene).hash())
+        << projection_name(projection);
   }
 }
 

@@ -57,6 +57,23 @@ TestDevice opencl_device() {
   return device;
 }
 
+void share_needs(std::span<DeviceScene> scenes) {
+  SceneHeader all = scenes.front().header;
+  for (const DeviceScene& scene : scenes) {
+    all.features |= scene.header.features;
+    all.families |= scene.header.families;
+    all.light_kinds |= scene.header.light_kinds;
+    all.texture_kinds |= scene.header.texture_kinds;
+  }
+  for (DeviceScene& scene : scenes) {
+    scene.header.features =
+        (all.features & ~std::uint64_t(FEATURE_BVH)) | (scene.header.features & FEATURE_BVH);
+    scene.header.families = all.families;
+    scene.header.light_kinds = all.light_kinds;
+    scene.header.texture_kinds = all.texture_kinds;
+  }
+}
+
 FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& test_device) {
   const auto device = value_or_throw(make_device(scene, test_device.options));
   const int width = scene.header.film.width, height = scene.header.film.height;

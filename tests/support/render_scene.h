@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,11 @@ struct TestDevice {
 /// A native device with the widest instruction set and both cores.
 TestDevice native_device();
 TestDevice opencl_device();
+
+/// Lets every scene say that it needs what any of them does, so that OpenCL compiles once for all of those
+/// with a hierarchy, and once for the others. Their films get the layers of all; those of mattes, shapes and
+/// motion must be of every scene or of none.
+void share_needs(std::span<DeviceScene> scenes);
 
 FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& device = native_device());
 FilmAccumulator render_or_throw(const SceneDescription& description,
