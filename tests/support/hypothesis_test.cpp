@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/support/normal_deviates.h"
 #include "tests/support/statistics.h"
 
 namespace penumbra::statistics {
@@ -59,7 +60,7 @@ TEST(TTest, WhatCannotBeJudgedFails) {
 TEST(TTest, FalseAlarmsAreAsRareAsNominal) {
   // Five values each: far from normal limits, where only the right degrees of freedom keep the rate.
   std::mt19937_64 random(1);
-  std::normal_distribution<double> normal(3, 2);
+  NormalDeviates normal(3, 2);
   constexpr int kTrials = 20000;
   int one_sample = 0, two_sample = 0;
   for (int trial = 0; trial < kTrials; ++trial) {

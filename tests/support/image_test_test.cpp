@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/support/normal_deviates.h"
+
 namespace penumbra::statistics::image_test_test {
 namespace {
 
@@ -20,7 +22,7 @@ double truth(int x, int y, int c) { return 0.1 + 0.01 * x + 0.02 * c + 0.005 * y
 
 Image noisy_image(std::mt19937_64& random, double noise, double bias = 0) {
   Image image(kSize, kSize, 3);
-  std::normal_distribution<double> normal;
+  NormalDeviates normal;
   for (int y = 0; y < kSize; ++y) {
     for (int x = 0; x < kSize; ++x) {
       for (int c = 0; c < 3; ++c) {

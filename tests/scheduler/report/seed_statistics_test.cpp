@@ -7,6 +7,7 @@
 #include <random>
 
 #include "scheduler/image/metrics/error_metrics.h"
+#include "tests/support/normal_deviates.h"
 
 namespace penumbra {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kDeviations = 4;
 
 /// kTruth + bias + noise N, the same in all channels, as that of grey light is; sd in radiance.
 Image noisy_image(double bias, double sd, std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
+  NormalDeviates normal;
   Image image{{0, 0, kSide, kSide}, {0, 0, kSide, kSide}, {"R", "G", "B"}, {}, {}};
   for (int i = 0; i < kSide * kSide; ++i)
     image.values.insert(image.values.end(), 3, float(kTruth + bias + sd * normal(random)));

@@ -7,6 +7,7 @@
 
 #include "scheduler/image/metrics/z_test.h"
 #include "tests/scheduler/image/metrics/small_images.h"
+#include "tests/support/normal_deviates.h"
 
 namespace penumbra {
 namespace {
@@ -24,13 +25,12 @@ struct Sampled {
 /// Samples are `base` + a normal deviate of 0.1, and with probability `chance` the light `rare` in addition.
 Sampled sampled(int samples, double chance, double rare, std::uint32_t seed, double scale = 1) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(1.0, 0.1);
-  std::bernoulli_distribution hit(chance);
+  NormalDeviates normal(1.0, 0.1);
   Sampled image;
   for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
     double sum = 0, squares = 0;
     for (int k = 0; k < samples; ++k) {
-      const double value = scale * (normal(random) + (hit(random) ? rare : 0.0));
+      const double value = scale * (normal(random) + (uniform_deviate(random) < chance ? rare : 0.0));
       sum += value;
       squares += value * value;
     }

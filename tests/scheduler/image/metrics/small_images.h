@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scheduler/image/metrics/image_pair.h"
+#include "tests/support/normal_deviates.h"
 
 namespace penumbra {
 
@@ -35,7 +36,7 @@ inline double hashed(std::uint64_t index, std::uint64_t seed) {
 /// mean + deviation * normal deviate, fixed seed.
 inline std::vector<float> noisy(const std::vector<double>& mean, double deviation, std::uint32_t seed) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  NormalDeviates normal;
   std::vector<float> values;
   for (const double m : mean) values.push_back(float(m + deviation * normal(random)));
   return values;
