@@ -87,22 +87,25 @@ std::vector<Case> cases() {
     move.shape(3, move.node({0.4, 0, -0.5}, 75, {0, 0, 1}, {0, 0, 0.6}));
     return scene;
   });
-  add("DeltaLights", [] {
-    SceneDescription scene = scene_of(
-        cube(kGrey) +
-            "<emitter type='point'><point name='position' x='-1.5' y='0.5' z='-1'/>"
-            "<rgb name='intensity' value='2 1 1'/></emitter>"
-            "<emitter type='spot'><transform name='to_world'><lookat origin='2, 2, -2' target='0, -0.5, 0' "
-            "up='0, 1, 0'/></transform><rgb name='intensity' value='3 9 3'/><float name='cutoff_angle' "
-            "value='25'/></emitter>"
-            "<emitter type='directional'><vector name='direction' x='0.5' y='-1' z='0.4'/>"
-            "<rgb name='irradiance' value='0.2 0.2 1'/></emitter>",
-        "<integrator type='path'/>", false);
-    Mover move(scene);
-    for (std::size_t i = 0; i < scene.emitters.size(); ++i)
-      move.emitter(i, move.node({0.8, 0.3, 0.5}, 25, {0.2, 0.5, 1}));
-    return scene;
-  });
+  const std::string point =
+      "<emitter type='point'><point name='position' x='-1.5' y='0.5' z='-1'/>"
+      "<rgb name='intensity' value='2 1 1'/></emitter>"
+      "<emitter type='spot'><transform name='to_world'><lookat origin='2, 2, -2' target='0, -0.5, 0' "
+      "up='0, 1, 0'/></transform><rgb name='intensity' value='3 9 3'/><float name='cutoff_angle' value='25'/>"
+      "</emitter>";
+  const std::string directional =
+      "<emitter type='directional'><vector name='direction' x='0.5' y='-1' z='0.4'/>"
+      "<rgb name='irradiance' value='0.2 0.2 1'/></emitter>";
+  for (const auto& [name, lights] :
+       {std::pair("PointLights", point), std::pair("DirectionalLight", directional),
+        std::pair("DeltaLights", point + directional)})
+    add(name, [lights] {
+      SceneDescription scene = scene_of(cube(kGrey) + lights, "<integrator type='path'/>", false);
+      Mover move(scene);
+      for (std::size_t i = 0; i < scene.emitters.size(); ++i)
+        move.emitter(i, move.node({0.8, 0.3, 0.5}, 25, {0.2, 0.5, 1}));
+      return scene;
+    });
   add("Instances", [] {
     SceneDescription scene = scene_of(
         "<shape type='shapegroup' id='pair'>" + cube(kGrey, "<scale value='0.4'/><translate x='-0.4'/>") +

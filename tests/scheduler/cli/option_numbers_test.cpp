@@ -6,6 +6,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <tuple>
 
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -80,14 +81,21 @@ std::vector<Numbered> numbers_of(const std::string& command) {
   return numbers;
 }
 
-class OptionNumbers : public ::testing::TestWithParam<std::string> {};
+/// A command, and whether every one of its options gets every bad value.
+class OptionNumbers : public ::testing::TestWithParam<std::tuple<std::string, bool>> {};
 
 TEST_P(OptionNumbers, AreFiniteAndWithinTheirLimits) {
   const TemporaryFolder folder;
-  for (const auto& [command, option, limits] : numbers_of(GetParam())) {
-    Arguments bad = {"nan", "inf", "-inf", "1e999", "", "5x", "word"};
-    if (!kMayBeNegative.contains(option) && !limits.starts_with("-"))
-      bad.insert(bad.end(), {"-1", "-1e-300"});
+  const auto& [name, whole] = GetParam();
+  // One reader takes the text of all options: the ways of writing no number are for the first. Whether a
+  // value is finite and within limits is for each option to say.
+  bool all_values = true;
+  for (const auto& [command, option, limits] : numbers_of(name)) {
+    const bool may_be_negative = kMayBeNegative.contains(option) || limits.starts_with("-");
+    Arguments bad = {"nan", "inf", "5x", may_be_negative ? "-inf" : "-1"};
+    if (all_values) bad.insert(bad.end(), {"1e999", "", "word"});
+    if (all_values && !may_be_negative) bad.insert(bad.end(), {"-inf", "-1e-300"});
+    all_values = whole;
     if (kMayBeInfinite.contains(option))
       std::erase_if(bad, [](const auto& v) { return v == "inf" || v == "1e999"; });
     static const std::regex range("(-?[0-9]+) to (-?[0-9]+)");
@@ -113,8 +121,12 @@ std::vector<std::string> names() {
   for (const auto& [name, arguments] : kCommands) names.push_back(name);
   return names;
 }
-INSTANTIATE_TEST_SUITE_P(Commands, OptionNumbers, ::testing::ValuesIn(names()),
-                         [](const auto& command) { return command.param; });
+INSTANTIATE_TEST_SUITE_P(Commands, OptionNumbers,
+                         ::testing::Combine(::testing::ValuesIn(names()), ::testing::Values(false)),
+                         [](const auto& tested) { return std::get<0>(tested.param); });
+INSTANTIATE_TEST_SUITE_P(EveryValue, OptionNumbers,
+                         ::testing::Combine(::testing::ValuesIn(names()), ::testing::Values(true)),
+                         [](const auto& tested) { return std::get<0>(tested.param); });
 
 TEST(OptionNumbersOf, KnowEveryCommand) {
   const TemporaryFolder folder;
