@@ -278,8 +278,9 @@ TEST_F(PenumbraViewTest, AnotherCameraShowsItsClosedFormAtOnceAndNothingOfTheLas
 }
 
 TEST_F(PenumbraViewTest, ABatchRenderIsWatchedByTwoToItsEnd) {
-  Program render(path(), {"render", "scene.xml", "-D", "type=path", "--time-budget", "8", "--spp",
-                          "100000000", "--tile", "16", "-o", "batch.exr", "--no-report"});
+  Program render(
+      path(), {"render", "scene.xml", "-D", "type=path", "--time-budget", "8", "--workers", "1", "--threads",
+               "1", "--spp", "100000000", "--tile", "16", "-o", "batch.exr", "--no-report"});
   const auto address = [&] {
     std::smatch found;
     const std::string text = output(".stderr");
@@ -388,8 +389,9 @@ TEST_F(PenumbraViewTest, ACameraThatWasMovedStaysWhereItIsThoughTheSceneGrows) {
 }
 
 TEST_F(PenumbraViewTest, ABatchRenderKeepsItsAlphaAndSaysWhatItDoesNotDo) {
-  Program render(path(), {"render", "scene.xml", "--time-budget", "6", "--spp", "100000000", "--tile", "16",
-                          "--set", "integrator.alpha=1", "-o", "batch.exr", "--no-report"});
+  Program render(
+      path(), {"render", "scene.xml", "--time-budget", "6", "--workers", "1", "--threads", "1", "--spp",
+               "100000000", "--tile", "16", "--set", "integrator.alpha=1", "-o", "batch.exr", "--no-report"});
   std::smatch found;
   std::string text;
   const std::regex printed("penumbra-view --connect (unix:\\S+)");

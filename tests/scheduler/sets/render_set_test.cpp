@@ -192,7 +192,7 @@ TEST_F(RenderSet, AShorterTimeBudgetIsAnotherImage) {
 /// The first line is there while the second render, which takes long, goes on.
 TEST_F(RenderSet, ALineTellsTheEndOfEachRenderAtOnce) {
   Program set(folder_.path(), {"render", "a.xml", "b.xml", "-o", "out/", "--spp", "100000000",
-                               "--time-budget", "4", "--workers", "1"});
+                               "--time-budget", "4", "--workers", "1", "--threads", "1"});
   EXPECT_TRUE(eventually(
       [&] { return file_contents(folder_ / ".stdout").find("1 of 2  a.xml  done") != std::string::npos; },
       60s));
