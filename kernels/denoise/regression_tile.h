@@ -37,28 +37,63 @@ STAGE bool any_weight(const GLOBAL float* RESTRICT weights, int bandwidth) {
   return bits != 0u;
 }
 
-/// Adds a neighbour of LANES pixels to their normal equations. `features` and `colors` point to the pixels;
-/// the neighbour is at `shift`.
-STAGE void add_neighbour(const GLOBAL float* RESTRICT weights, int bandwidth,
-                         const GLOBAL float* RESTRICT features, const GLOBAL float* RESTRICT colors,
-                         int plane, int shift, GLOBAL float* RESTRICT normal) {
+// Neighbours that are added together: sums of the normal equations are read and written once for all.
+#define BATCH 4
+typedef struct {
+  int n[BATCH], shift[BATCH];  ///< numbers of neighbours, and where they are
+  int count;
+} NeighbourBatch;
+
+/// Adds BATCH neighbours of LANES pixels to their normal equations, one after the other. `features` and
+/// `colors` point to the pixels.
+STAGE void add_neighbours(const PRIVATE NeighbourBatch* batch, const GLOBAL float* RESTRICT weights,
+                          int bandwidth, const GLOBAL float* RESTRICT features,
+                          const GLOBAL float* RESTRICT colors, int plane, GLOBAL float* RESTRICT normal) {
+  const int n0 = batch->n[0], n1 = batch->n[1], n2 = batch->n[2], n3 = batch->n[3];
+  const int s0 = batch->shift[0], s1 = batch->shift[1], s2 = batch->shift[2], s3 = batch->shift[3];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float w = weight_at_bandwidth(weights[j], bandwidth);
-      float x[REGRESSION_TERMS];
-      x[0] = 1.0f;
+      const float w[BATCH] = {weight_at_bandwidth(weights[n0 * LANES + j], bandwidth),
+                              weight_at_bandwidth(weights[n1 * LANES + j], bandwidth),
+                              weight_at_bandwidth(weights[n2 * LANES + j], bandwidth),
+                              weight_at_bandwidth(weights[n3 * LANES + j], bandwidth)};
+      float x[BATCH][REGRESSION_TERMS];
+      float y[BATCH][REGRESSION_COLORS];
       UNROLL
-      for (int k = 0; k < REGRESSION_FEATURES; k++)
-        x[1 + k] = features[k * plane + shift + j] - features[k * plane + j];
+      for (int k = 0; k < REGRESSION_FEATURES; k++) {
+        const GLOBAL float* feature = features + k * plane + j;
+        x[0][1 + k] = feature[s0] - feature[0];
+        x[1][1 + k] = feature[s1] - feature[0];
+        x[2][1 + k] = feature[s2] - feature[0];
+        x[3][1 + k] = feature[s3] - feature[0];
+      }
+      UNROLL
+      for (int c = 0; c < REGRESSION_COLORS; c++) {
+        const GLOBAL float* color = colors + c * plane + j;
+        y[0][c] = color[s0];
+        y[1][c] = color[s1];
+        y[2][c] = color[s2];
+        y[3][c] = color[s3];
+      }
       UNROLL
       for (int a = 0; a < REGRESSION_TERMS; a++) {
-        const float wx = a == 0 ? w : w * x[a];
+        float wx[BATCH];
         UNROLL
-        for (int b = a; b < REGRESSION_TERMS; b++)
-          normal[normal_entry(a, b) * LANES + j] += b == 0 ? wx : wx * x[b];
+        for (int i = 0; i < BATCH; i++) wx[i] = a == 0 ? w[i] : w[i] * x[i][a];
         UNROLL
-        for (int c = 0; c < REGRESSION_COLORS; c++)
-          normal[right_entry(c, a) * LANES + j] += wx * colors[c * plane + shift + j];
+        for (int b = a; b < REGRESSION_TERMS; b++) {
+          float sum = normal[normal_entry(a, b) * LANES + j];
+          UNROLL
+          for (int i = 0; i < BATCH; i++) sum += b == 0 ? wx[i] : wx[i] * x[i][b];
+          normal[normal_entry(a, b) * LANES + j] = sum;
+        }
+        UNROLL
+        for (int c = 0; c < REGRESSION_COLORS; c++) {
+          float sum = normal[right_entry(c, a) * LANES + j];
+          UNROLL
+          for (int i = 0; i < BATCH; i++) sum += wx[i] * y[i][c];
+          normal[right_entry(c, a) * LANES + j] = sum;
+        }
       }
     }
 }
@@ -144,16 +179,18 @@ STAGE void add_prediction(const GLOBAL float* RESTRICT weights, int bandwidth,
     }
 }
 
-/// Stores the weights of a tile for neighbour `n` of `neighbours`, so that the weights of LANES pixels for
-/// all neighbours follow each other.
-STAGE void keep_weights(const GLOBAL float* RESTRICT weights, int n, int neighbours,
+/// Stores the weights of a tile for neighbour `n`, so that the weights of LANES pixels for all neighbours
+/// follow each other.
+STAGE void keep_weights(const GLOBAL float* RESTRICT weights, int pitch, int n, int neighbours,
                         GLOBAL float* RESTRICT kept) {
-  for (int group = 0; group < DENOISE_TILE_PIXELS / LANES; group++) {
-    const GLOBAL float* RESTRICT from = weights + group * LANES;
-    GLOBAL float* RESTRICT to = kept + (group * neighbours + n) * LANES;
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) to[j] = from[j];
-  }
+  for (int row = 0; row < DENOISE_TILE_HEIGHT; row++)
+    for (int group = 0; group < DENOISE_TILE_WIDTH / LANES; group++) {
+      const GLOBAL float* RESTRICT from = weights + row * pitch + group * LANES;
+      GLOBAL float* RESTRICT to =
+          kept + ((row * (DENOISE_TILE_WIDTH / LANES) + group) * neighbours + n) * LANES;
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) to[j] = from[j];
+    }
 }
 
 FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
@@ -162,7 +199,7 @@ FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
 
 FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
-  return PATCH_SCRATCH + NORMAL_ROWS * 16 + DENOISE_TILE_PIXELS * (1 + denoise_neighbours(task)) +
+  return PAIR_SCRATCH + NORMAL_ROWS * 16 + DENOISE_TILE_PIXELS * (2 + denoise_neighbours(task) + 1) +
          (GUIDE_PLANES + REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
 }
 
@@ -193,41 +230,69 @@ STAGE void load_models(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile
   }
 }
 
+/// The normal equations of LANES pixels of a tile at one bandwidth. `weights`: theirs, of all neighbours and
+/// then, zeros.
+FN void sum_normal(const PRIVATE DenoiseTile* tile, const GLOBAL float* weights, int search_radius,
+                   int bandwidth, const GLOBAL float* features, const GLOBAL float* colors, int plane,
+                   GLOBAL float* normal) {
+  const int side = 2 * search_radius + 1, neighbours = side * side;
+  NeighbourBatch batch;
+  batch.count = 0;
+  for (int i = 0; i < NORMAL_ROWS * LANES; i++) normal[i] = 0.0f;
+  for (int n = 0; n < neighbours; n++) {
+    if (any_weight(weights + n * LANES, bandwidth)) {
+      batch.n[batch.count] = n;
+      batch.shift[batch.count] = (n / side - search_radius) * tile->pitch + n % side - search_radius;
+      batch.count++;
+    }
+    if (batch.count == BATCH) {
+      add_neighbours(&batch, weights, bandwidth, features, colors, plane, normal);
+      batch.count = 0;
+    }
+  }
+  if (batch.count == 0) return;
+  for (int i = batch.count; i < BATCH; i++) {
+    batch.n[i] = neighbours;
+    batch.shift[i] = 0;
+  }
+  add_neighbours(&batch, weights, bandwidth, features, colors, plane, normal);
+}
+
 /// Fits the models of a tile's pixels. `sources`: the planes of features, then of colours. The
 /// models of tile `number` are written.
 FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
                  const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
   const DenoiseTile tile = denoise_tile(task, number);
-  const int r = task->search_radius, plane = tile.pitch * tile.rows, neighbours = denoise_neighbours(task);
-  GLOBAL float* patches = scratch;
-  GLOBAL float* normal = patches + PATCH_SCRATCH;
-  GLOBAL float* row_weights = normal + NORMAL_ROWS * 16;
+  const int plane = tile.pitch * tile.rows, neighbours = denoise_neighbours(task), centre = neighbours / 2;
+  const int kept = neighbours + 1;
+  GLOBAL float* normal = scratch + PAIR_SCRATCH;
+  GLOBAL float* forward = normal + NORMAL_ROWS * 16;
+  GLOBAL float* opposite = forward + DENOISE_TILE_PIXELS;
   GLOBAL float* weights =
-      row_weights + DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours
-  GLOBAL float* tile_guide = weights + neighbours * DENOISE_TILE_PIXELS;
+      opposite + DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours, and 0
+  GLOBAL float* tile_guide = weights + kept * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_models = models + (ulong)number * (ulong)tile_model_floats();
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
   GLOBAL float* colors = features + REGRESSION_FEATURES * plane;
   load_guide(task, &tile, guide, tile_guide);
   load_planes(&tile, sources, REGRESSION_FEATURES + REGRESSION_COLORS, task->width, 0, task->height,
               features);
-  for (int n = 0; n < neighbours; n++) {
-    const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
-    patch_weights(task, &tile, tile_guide, dx, dy, CENTRE_IS_PIXEL, patches, row_weights);
-    keep_weights(row_weights, n, neighbours, weights);
+  fill_floats(0.0f, DENOISE_TILE_PIXELS, forward);
+  keep_weights(forward, DENOISE_TILE_WIDTH, neighbours, kept, weights);
+  keep_weights(tile_guide + VALID_PLANE * plane + tile.border * tile.pitch + tile.border, tile.pitch, centre,
+               kept, weights);
+  for (int pair = 0; pair < offset_pairs(task); pair++) {
+    const PairOffset offset = pair_offset(task, &tile, pair);
+    pair_weights(task, &tile, tile_guide, &offset, CENTRE_IS_PIXEL, scratch, forward, opposite);
+    keep_weights(forward, DENOISE_TILE_WIDTH, centre + 1 + pair, kept, weights);
+    keep_weights(opposite, DENOISE_TILE_WIDTH, centre - 1 - pair, kept, weights);
   }
   for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
     const int pixel =
         (tile.border + first / DENOISE_TILE_WIDTH) * tile.pitch + tile.border + first % DENOISE_TILE_WIDTH;
-    const GLOBAL float* of_group = weights + first * neighbours;
     for (int bandwidth = 0; bandwidth < REGRESSION_BANDWIDTHS; bandwidth++) {
-      for (int i = 0; i < NORMAL_ROWS * LANES; i++) normal[i] = 0.0f;
-      for (int n = 0; n < neighbours; n++) {
-        const int dx = n % (2 * r + 1) - r, dy = n / (2 * r + 1) - r;
-        if (any_weight(of_group + n * LANES, bandwidth))
-          add_neighbour(of_group + n * LANES, bandwidth, features + pixel, colors + pixel, plane,
-                        dy * tile.pitch + dx, normal);
-      }
+      sum_normal(&tile, weights + first * kept, task->search_radius, bandwidth, features + pixel,
+                 colors + pixel, plane, normal);
       solve_normal(normal);
       const int first_plane = bandwidth * REGRESSION_COLORS * REGRESSION_TERMS;
       for (int k = 0; k < REGRESSION_COLORS * REGRESSION_TERMS; k++)
@@ -240,8 +305,25 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
 
 FN int predict_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
-  return PATCH_SCRATCH + DENOISE_TILE_PIXELS * (1 + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
+  return PAIR_SCRATCH + DENOISE_TILE_PIXELS * (2 + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
          (GUIDE_PLANES + REGRESSION_FEATURES + MODEL_PLANES) * plane;
+}
+
+/// Adds to the sums of a tile, REGRESSION_BANDWIDTHS of weights and then the colours of each, what the models
+/// of neighbours at `shift` predict. `features` and `models` point to the tile's first pixel.
+FN void add_predictions(const GLOBAL float* weights, const GLOBAL float* features, const GLOBAL float* models,
+                        int plane, int pitch, int shift, GLOBAL float* weight_sums) {
+  GLOBAL float* sums = weight_sums + REGRESSION_BANDWIDTHS * DENOISE_TILE_PIXELS;
+  for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
+    if (!any_weight(weights + first, REGRESSION_BANDWIDTHS - 1)) continue;
+    const int pixel = first / DENOISE_TILE_WIDTH * pitch + first % DENOISE_TILE_WIDTH;
+    for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
+      if (any_weight(weights + first, b))
+        add_prediction(weights + first, b, features + pixel,
+                       models + b * REGRESSION_COLORS * REGRESSION_TERMS * plane + pixel, plane, shift,
+                       weight_sums + b * DENOISE_TILE_PIXELS + first,
+                       sums + b * REGRESSION_COLORS * DENOISE_TILE_PIXELS + first);
+  }
 }
 
 /// Computes REGRESSION_COLORS planes for each bandwidth. `sources` as for fit_tile.
@@ -249,10 +331,10 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
                      const GLOBAL float* sources, const GLOBAL float* models, GLOBAL float* scratch,
                      GLOBAL float* out) {
   const DenoiseTile tile = denoise_tile(task, number);
-  const int r = task->search_radius, plane = tile.pitch * tile.rows;
-  GLOBAL float* patches = scratch;
-  GLOBAL float* weights = patches + PATCH_SCRATCH;
-  GLOBAL float* weight_sums = weights + DENOISE_TILE_PIXELS;
+  const int plane = tile.pitch * tile.rows, first_pixel = tile.border * tile.pitch + tile.border;
+  GLOBAL float* forward = scratch + PAIR_SCRATCH;
+  GLOBAL float* opposite = forward + DENOISE_TILE_PIXELS;
+  GLOBAL float* weight_sums = opposite + DENOISE_TILE_PIXELS;
   GLOBAL float* sums = weight_sums + REGRESSION_BANDWIDTHS * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_guide = sums + REGRESSION_BANDWIDTHS * REGRESSION_COLORS * DENOISE_TILE_PIXELS;
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
@@ -260,23 +342,19 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
   load_guide(task, &tile, guide, tile_guide);
   load_planes(&tile, sources, REGRESSION_FEATURES, task->width, 0, task->height, features);
   load_models(task, &tile, models, tile_models);
-  for (int i = 0; i < REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS; i++)
-    weight_sums[i] = 0.0f;
-  for (int dy = -r; dy <= r; dy++)
-    for (int dx = -r; dx <= r; dx++) {
-      patch_weights(task, &tile, tile_guide, dx, dy, CENTRE_IS_NEIGHBOUR, patches, weights);
-      for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
-        if (!any_weight(weights + first, REGRESSION_BANDWIDTHS - 1)) continue;
-        const int pixel = (tile.border + first / DENOISE_TILE_WIDTH) * tile.pitch + tile.border +
-                          first % DENOISE_TILE_WIDTH;
-        for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
-          if (any_weight(weights + first, b))
-            add_prediction(weights + first, b, features + pixel,
-                           tile_models + b * REGRESSION_COLORS * REGRESSION_TERMS * plane + pixel, plane,
-                           dy * tile.pitch + dx, weight_sums + b * DENOISE_TILE_PIXELS + first,
-                           sums + b * REGRESSION_COLORS * DENOISE_TILE_PIXELS + first);
-      }
-    }
+  fill_floats(0.0f, REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS, weight_sums);
+  const GLOBAL float* own_features = features + first_pixel;
+  const GLOBAL float* own_models = tile_models + first_pixel;
+  for (int row = 0; row < DENOISE_TILE_HEIGHT; row++)
+    copy_floats(tile_guide + VALID_PLANE * plane + first_pixel + row * tile.pitch, DENOISE_TILE_WIDTH,
+                forward + row * DENOISE_TILE_WIDTH);
+  add_predictions(forward, own_features, own_models, plane, tile.pitch, 0, weight_sums);
+  for (int pair = 0; pair < offset_pairs(task); pair++) {
+    const PairOffset offset = pair_offset(task, &tile, pair);
+    pair_weights(task, &tile, tile_guide, &offset, CENTRE_IS_NEIGHBOUR, scratch, forward, opposite);
+    add_predictions(forward, own_features, own_models, plane, tile.pitch, offset.shift, weight_sums);
+    add_predictions(opposite, own_features, own_models, plane, tile.pitch, -offset.shift, weight_sums);
+  }
   for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
     for (int c = 0; c < REGRESSION_COLORS; c++) {
       GLOBAL float* means = sums + (b * REGRESSION_COLORS + c) * DENOISE_TILE_PIXELS;
