@@ -1,6 +1,7 @@
 // First-order regression: around each pixel, colour is fitted as a linear function of features (albedo,
 // normal, depth), with the weights of non-local means. Each pixel then becomes the mean of what the models of
-// its neighbourhood predict for it.
+// its neighbourhood predict for it. Models are fitted to every second neighbour, those at even distances |dx|
+// + |dy|; the models that a pixel gets its colour from are around all of its neighbours, odd and even.
 //
 // B. Bitterli et al., "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings"
 // (2016), sections 3 and 5.2.
@@ -154,27 +155,34 @@ STAGE void solve_normal(GLOBAL float* RESTRICT normal) {
   }
 }
 
-/// What the models of LANES neighbours at `shift` predict for pixels, added to `sums` (colours of one
-/// bandwidth, DENOISE_TILE_PIXELS apart). `models`: the planes of the bandwidth.
-STAGE void add_prediction(const GLOBAL float* RESTRICT weights, int bandwidth,
-                          const GLOBAL float* RESTRICT features, const GLOBAL float* RESTRICT models,
-                          int plane, int shift, GLOBAL float* RESTRICT weight_sums,
-                          GLOBAL float* RESTRICT sums) {
+/// What the models of LANES neighbours at `shift` predict for pixels, added to `sums` (colours,
+/// DENOISE_TILE_PIXELS apart), at both bandwidths.
+STAGE void add_prediction(const GLOBAL float* RESTRICT weights, const GLOBAL float* RESTRICT features,
+                          const GLOBAL float* RESTRICT models, int plane, int shift,
+                          GLOBAL float* RESTRICT weight_sums, GLOBAL float* RESTRICT sums) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float w = weight_at_bandwidth(weights[j], bandwidth);
       float x[REGRESSION_TERMS];
       UNROLL
       for (int k = 0; k < REGRESSION_FEATURES; k++)
         x[1 + k] = features[k * plane + j] - features[k * plane + shift + j];
-      weight_sums[j] += w;
       UNROLL
-      for (int c = 0; c < REGRESSION_COLORS; c++) {
-        const GLOBAL float* RESTRICT model = models + c * REGRESSION_TERMS * plane + shift;
-        float color = model[j];
+      for (int b = 0; b < REGRESSION_BANDWIDTHS; b++) {
+        const float w = weight_at_bandwidth(weights[j], b);
+        weight_sums[b * DENOISE_TILE_PIXELS + j] += w;
         UNROLL
-        for (int k = 1; k < REGRESSION_TERMS; k++) color += model[k * plane + j] * x[k];
-        sums[c * DENOISE_TILE_PIXELS + j] += w * color;
+        for (int c = 0; c < REGRESSION_COLORS; c++) {
+          const GLOBAL float* RESTRICT model =
+              models + (b * REGRESSION_COLORS + c) * REGRESSION_TERMS * plane + shift;
+          // Two chains of sums, as one would be slower.
+          float color = model[j], rest = model[plane + j] * x[1];
+          UNROLL
+          for (int k = 2; k + 1 < REGRESSION_TERMS; k += 2) {
+            color += model[k * plane + j] * x[k];
+            rest += model[(k + 1) * plane + j] * x[k + 1];
+          }
+          sums[(b * REGRESSION_COLORS + c) * DENOISE_TILE_PIXELS + j] += w * (color + rest);
+        }
       }
     }
 }
@@ -193,13 +201,41 @@ STAGE void keep_weights(const GLOBAL float* RESTRICT weights, int pitch, int n, 
     }
 }
 
-FN int denoise_neighbours(const GLOBAL DenoiseTask* task) {
-  return (2 * task->search_radius + 1) * (2 * task->search_radius + 1);
+// Models are fitted to every second neighbour.
+#define FIT_STEP 2
+
+/// The number of every `step`-th of (2r + 1)^2 neighbours, row by row, with the pixel itself.
+FN int neighbours_of(int search_radius, int step) {
+  return ((2 * search_radius + 1) * (2 * search_radius + 1) - 1) / step + 1;
+}
+
+/// Where neighbour n of those is in a tile.
+FN int neighbour_shift(const PRIVATE DenoiseTile* tile, int search_radius, int step, int n) {
+  const int side = 2 * search_radius + 1;
+  return (step * n / side - search_radius) * tile->pitch + step * n % side - search_radius;
+}
+
+/// Keeps the weights of a tile for every `step`-th neighbour, `kept` for each pixel. `pair` is memory for
+/// those of two neighbours.
+FN void keep_all_weights(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile* tile,
+                         const GLOBAL float* guide, int centre_is, int step, int kept, GLOBAL float* scratch,
+                         GLOBAL float* pair, GLOBAL float* weights) {
+  const int centre = neighbours_of(task->search_radius, step) / 2;
+  const int own = VALID_PLANE * tile->pitch * tile->rows + tile->border * tile->pitch + tile->border;
+  keep_weights(guide + own, tile->pitch, centre, kept, weights);
+  GLOBAL float* opposite = pair + DENOISE_TILE_PIXELS;
+  for (int k = 1; k <= centre; k++) {
+    const PairOffset offset = pair_offset(task, tile, step * k - 1);
+    pair_weights(task, tile, guide, &offset, centre_is, scratch, pair, opposite);
+    keep_weights(pair, DENOISE_TILE_WIDTH, centre + k, kept, weights);
+    keep_weights(opposite, DENOISE_TILE_WIDTH, centre - k, kept, weights);
+  }
 }
 
 FN int fit_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
-  return PAIR_SCRATCH + NORMAL_ROWS * 16 + DENOISE_TILE_PIXELS * (2 + denoise_neighbours(task) + 1) +
+  return PAIR_SCRATCH + NORMAL_ROWS * 16 +
+         DENOISE_TILE_PIXELS * (2 + neighbours_of(task->search_radius, FIT_STEP) + 1) +
          (GUIDE_PLANES + REGRESSION_FEATURES + REGRESSION_COLORS) * plane;
 }
 
@@ -235,14 +271,14 @@ STAGE void load_models(const GLOBAL DenoiseTask* task, const PRIVATE DenoiseTile
 FN void sum_normal(const PRIVATE DenoiseTile* tile, const GLOBAL float* weights, int search_radius,
                    int bandwidth, const GLOBAL float* features, const GLOBAL float* colors, int plane,
                    GLOBAL float* normal) {
-  const int side = 2 * search_radius + 1, neighbours = side * side;
+  const int neighbours = neighbours_of(search_radius, FIT_STEP);
   NeighbourBatch batch;
   batch.count = 0;
   for (int i = 0; i < NORMAL_ROWS * LANES; i++) normal[i] = 0.0f;
   for (int n = 0; n < neighbours; n++) {
     if (any_weight(weights + n * LANES, bandwidth)) {
       batch.n[batch.count] = n;
-      batch.shift[batch.count] = (n / side - search_radius) * tile->pitch + n % side - search_radius;
+      batch.shift[batch.count] = neighbour_shift(tile, search_radius, FIT_STEP, n);
       batch.count++;
     }
     if (batch.count == BATCH) {
@@ -263,13 +299,12 @@ FN void sum_normal(const PRIVATE DenoiseTile* tile, const GLOBAL float* weights,
 FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float* guide,
                  const GLOBAL float* sources, GLOBAL float* scratch, GLOBAL float* models) {
   const DenoiseTile tile = denoise_tile(task, number);
-  const int plane = tile.pitch * tile.rows, neighbours = denoise_neighbours(task), centre = neighbours / 2;
+  const int plane = tile.pitch * tile.rows, neighbours = neighbours_of(task->search_radius, FIT_STEP);
   const int kept = neighbours + 1;
   GLOBAL float* normal = scratch + PAIR_SCRATCH;
-  GLOBAL float* forward = normal + NORMAL_ROWS * 16;
-  GLOBAL float* opposite = forward + DENOISE_TILE_PIXELS;
-  GLOBAL float* weights =
-      opposite + DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours, and 0
+  GLOBAL float* pair = normal + NORMAL_ROWS * 16;
+  // Of each group of LANES pixels: the weights of all neighbours, and then zeros.
+  GLOBAL float* weights = pair + 2 * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_guide = weights + kept * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_models = models + (ulong)number * (ulong)tile_model_floats();
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
@@ -277,16 +312,9 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
   load_guide(task, &tile, guide, tile_guide);
   load_planes(&tile, sources, REGRESSION_FEATURES + REGRESSION_COLORS, task->width, 0, task->height,
               features);
-  fill_floats(0.0f, DENOISE_TILE_PIXELS, forward);
-  keep_weights(forward, DENOISE_TILE_WIDTH, neighbours, kept, weights);
-  keep_weights(tile_guide + VALID_PLANE * plane + tile.border * tile.pitch + tile.border, tile.pitch, centre,
-               kept, weights);
-  for (int pair = 0; pair < offset_pairs(task); pair++) {
-    const PairOffset offset = pair_offset(task, &tile, pair);
-    pair_weights(task, &tile, tile_guide, &offset, CENTRE_IS_PIXEL, scratch, forward, opposite);
-    keep_weights(forward, DENOISE_TILE_WIDTH, centre + 1 + pair, kept, weights);
-    keep_weights(opposite, DENOISE_TILE_WIDTH, centre - 1 - pair, kept, weights);
-  }
+  fill_floats(0.0f, DENOISE_TILE_PIXELS, pair);
+  keep_weights(pair, DENOISE_TILE_WIDTH, neighbours, kept, weights);
+  keep_all_weights(task, &tile, tile_guide, CENTRE_IS_PIXEL, FIT_STEP, kept, scratch, pair, weights);
   for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
     const int pixel =
         (tile.border + first / DENOISE_TILE_WIDTH) * tile.pitch + tile.border + first % DENOISE_TILE_WIDTH;
@@ -305,25 +333,10 @@ FN void fit_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL float*
 
 FN int predict_scratch_floats(const GLOBAL DenoiseTask* task) {
   const int plane = tile_plane_floats(task);
-  return PAIR_SCRATCH + DENOISE_TILE_PIXELS * (2 + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
+  return PAIR_SCRATCH +
+         DENOISE_TILE_PIXELS *
+             (2 + neighbours_of(task->search_radius, 1) + REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS)) +
          (GUIDE_PLANES + REGRESSION_FEATURES + MODEL_PLANES) * plane;
-}
-
-/// Adds to the sums of a tile, REGRESSION_BANDWIDTHS of weights and then the colours of each, what the models
-/// of neighbours at `shift` predict. `features` and `models` point to the tile's first pixel.
-FN void add_predictions(const GLOBAL float* weights, const GLOBAL float* features, const GLOBAL float* models,
-                        int plane, int pitch, int shift, GLOBAL float* weight_sums) {
-  GLOBAL float* sums = weight_sums + REGRESSION_BANDWIDTHS * DENOISE_TILE_PIXELS;
-  for (int first = 0; first < DENOISE_TILE_PIXELS; first += LANES) {
-    if (!any_weight(weights + first, REGRESSION_BANDWIDTHS - 1)) continue;
-    const int pixel = first / DENOISE_TILE_WIDTH * pitch + first % DENOISE_TILE_WIDTH;
-    for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
-      if (any_weight(weights + first, b))
-        add_prediction(weights + first, b, features + pixel,
-                       models + b * REGRESSION_COLORS * REGRESSION_TERMS * plane + pixel, plane, shift,
-                       weight_sums + b * DENOISE_TILE_PIXELS + first,
-                       sums + b * REGRESSION_COLORS * DENOISE_TILE_PIXELS + first);
-  }
 }
 
 /// Computes REGRESSION_COLORS planes for each bandwidth. `sources` as for fit_tile.
@@ -332,9 +345,10 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
                      GLOBAL float* out) {
   const DenoiseTile tile = denoise_tile(task, number);
   const int plane = tile.pitch * tile.rows, first_pixel = tile.border * tile.pitch + tile.border;
-  GLOBAL float* forward = scratch + PAIR_SCRATCH;
-  GLOBAL float* opposite = forward + DENOISE_TILE_PIXELS;
-  GLOBAL float* weight_sums = opposite + DENOISE_TILE_PIXELS;
+  const int neighbours = neighbours_of(task->search_radius, 1);
+  GLOBAL float* pair = scratch + PAIR_SCRATCH;
+  GLOBAL float* weights = pair + 2 * DENOISE_TILE_PIXELS;  // of each group of LANES pixels: of all neighbours
+  GLOBAL float* weight_sums = weights + neighbours * DENOISE_TILE_PIXELS;
   GLOBAL float* sums = weight_sums + REGRESSION_BANDWIDTHS * DENOISE_TILE_PIXELS;
   GLOBAL float* tile_guide = sums + REGRESSION_BANDWIDTHS * REGRESSION_COLORS * DENOISE_TILE_PIXELS;
   GLOBAL float* features = tile_guide + GUIDE_PLANES * plane;
@@ -343,18 +357,20 @@ FN void predict_tile(const GLOBAL DenoiseTask* task, int number, const GLOBAL fl
   load_planes(&tile, sources, REGRESSION_FEATURES, task->width, 0, task->height, features);
   load_models(task, &tile, models, tile_models);
   fill_floats(0.0f, REGRESSION_BANDWIDTHS * (1 + REGRESSION_COLORS) * DENOISE_TILE_PIXELS, weight_sums);
-  const GLOBAL float* own_features = features + first_pixel;
-  const GLOBAL float* own_models = tile_models + first_pixel;
+  keep_all_weights(task, &tile, tile_guide, CENTRE_IS_NEIGHBOUR, 1, neighbours, scratch, pair, weights);
+  // All pixels of a row with one row of neighbours after the other, whose models stay in the cache.
+  const int side = 2 * task->search_radius + 1;
   for (int row = 0; row < DENOISE_TILE_HEIGHT; row++)
-    copy_floats(tile_guide + VALID_PLANE * plane + first_pixel + row * tile.pitch, DENOISE_TILE_WIDTH,
-                forward + row * DENOISE_TILE_WIDTH);
-  add_predictions(forward, own_features, own_models, plane, tile.pitch, 0, weight_sums);
-  for (int pair = 0; pair < offset_pairs(task); pair++) {
-    const PairOffset offset = pair_offset(task, &tile, pair);
-    pair_weights(task, &tile, tile_guide, &offset, CENTRE_IS_NEIGHBOUR, scratch, forward, opposite);
-    add_predictions(forward, own_features, own_models, plane, tile.pitch, offset.shift, weight_sums);
-    add_predictions(opposite, own_features, own_models, plane, tile.pitch, -offset.shift, weight_sums);
-  }
+    for (int first_of_row = 0; first_of_row < neighbours; first_of_row += side)
+      for (int column = 0; column < DENOISE_TILE_WIDTH; column += LANES) {
+        const int pixel = first_pixel + row * tile.pitch + column, at = row * DENOISE_TILE_WIDTH + column;
+        for (int n = first_of_row; n < first_of_row + side; n++) {
+          const GLOBAL float* of_group = weights + at * neighbours + n * LANES;
+          if (any_weight(of_group, REGRESSION_BANDWIDTHS - 1))
+            add_prediction(of_group, features + pixel, tile_models + pixel, plane,
+                           neighbour_shift(&tile, task->search_radius, 1, n), weight_sums + at, sums + at);
+        }
+      }
   for (int b = 0; b < REGRESSION_BANDWIDTHS; b++)
     for (int c = 0; c < REGRESSION_COLORS; c++) {
       GLOBAL float* means = sums + (b * REGRESSION_COLORS + c) * DENOISE_TILE_PIXELS;

@@ -58,13 +58,12 @@ struct DenoisedImage {
   Planes residual_variance;
 };
 
-/// Each half is filtered with the weights of the other. Without halves the image is filtered with its own
-/// weights. Errors are those of the device.
-Expected<DenoisedImage> nl_means(DenoiseDevice& device, const DenoiseInput& input,
-                                 const NlMeansOptions& options);
+/// Outliers are limited (outliers.h), then each half is filtered with the weights of the other. Without
+/// halves the image is filtered with its own weights. Errors are those of the device.
+Expected<DenoisedImage> nl_means(DenoiseDevice& device, DenoiseInput noisy, const NlMeansOptions& options);
 
-/// First-order regression on the features, which are filtered first. The bandwidth is chosen by the error
-/// that the halves show.
-Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input);
+/// First-order regression, without outliers too, on the features, which are filtered first. The bandwidth is
+/// chosen by the error that the halves show.
+Expected<DenoisedImage> nfor(DenoiseDevice& device, DenoiseInput noisy);
 
 }  // namespace penumbra

@@ -27,12 +27,12 @@ Expected<DenoisedImage> oidn_with_error(const DenoiseInput& input) {
   return whole;
 }
 
-Expected<DenoisedImage> denoise(const DenoiseInput& input, const DenoiseOptions& options) {
+Expected<DenoisedImage> denoise(DenoiseInput input, const DenoiseOptions& options) {
   if (options.method == Denoise::kOidn) return options.estimates_error ? oidn_with_error(input) : oidn(input);
   auto device = make_denoise_device(options.device);
   if (!device) return std::unexpected(device.error());
-  return options.method == Denoise::kNlMeans ? nl_means(**device, input, options.nl_means)
-                                             : nfor(**device, input);
+  return options.method == Denoise::kNlMeans ? nl_means(**device, std::move(input), options.nl_means)
+                                             : nfor(**device, std::move(input));
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ Expected<DenoiseOutcome> denoise_image(const Image& noisy, const DenoiseOptions&
   DenoiseOutcome outcome;
   auto scaled = denoise_input(noisy, &outcome.remarks);
   if (!scaled) return std::unexpected(scaled.error());
-  auto denoised = denoise(scaled->input, options);
+  auto denoised = denoise(std::move(scaled->input), options);
   if (!denoised) return std::unexpected(denoised.error());
   const float back = 1 / scaled->scale;
   if (denoised->residual_variance.count > 0) {

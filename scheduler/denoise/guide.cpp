@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "scheduler/denoise/outliers.h"
+
 namespace penumbra {
 
 Planes make_guide(const Planes& values, const Planes& variances, float variance_scale, const Planes& valid) {
@@ -56,8 +58,8 @@ DenoisedImage joined(const Planes& a, const Planes& b) {
   return {.color = mean_of(a, b), .residual_variance = quarter_of_squared_difference(a, b)};
 }
 
-Expected<DenoisedImage> nl_means(DenoiseDevice& device, const DenoiseInput& input,
-                                 const NlMeansOptions& options) {
+Expected<DenoisedImage> nl_means(DenoiseDevice& device, DenoiseInput noisy, const NlMeansOptions& options) {
+  const DenoiseInput input = without_outliers(std::move(noisy));
   const ColorFilter by_weights = [&](const Planes& guide, const Planes& color) {
     return filter(device, guide, color, options);
   };

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "kernels/denoise/denoise_task.h"
 #include "scheduler/denoise/guide.h"
+#include "scheduler/denoise/outliers.h"
 
 namespace penumbra {
 namespace {
@@ -107,7 +109,8 @@ Planes mix_bandwidths(const Planes& of_both, const Planes& weights) {
 
 }  // namespace
 
-Expected<DenoisedImage> nfor(DenoiseDevice& device, const DenoiseInput& input) {
+Expected<DenoisedImage> nfor(DenoiseDevice& device, DenoiseInput noisy) {
+  const DenoiseInput input = without_outliers(std::move(noisy));
   const auto features = filtered_features(device, input);
   if (!features) return std::unexpected(features.error());
   const ColorFilter by_features = [&](const Planes& guide, const Planes& color) {

@@ -95,8 +95,8 @@ TEST(Nfor, WithoutHalvesAndFeaturesStillRemovesNoise) {
 TEST(Nfor, IsTheSameInAWindowWithItsSurroundings) {
   const DenoiseInput input = noisy_image(200, 190, lit, 0.1f, 6);
   const auto whole = nfor(*test_device(), input);
-  // Filter of features 5 + 3, models and their predictions 7 + 3 and 7, errors and choice 2 (9 + 1), rounded
-  // up.
+  // Outliers 2, filter of features 5 + 3, models and their predictions 7 + 3 and 7, errors and choice
+  // 2 (9 + 1), rounded up.
   const int halo = 48;
   const auto part = nfor(*test_device(), crop(input, 60 - halo, 55 - halo, 70 + 2 * halo, 61 + 2 * halo));
   ASSERT_TRUE(whole && part);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scheduler/denoise/guide.h"
+#include "scheduler/denoise/outliers.h"
 #include "tests/scheduler/denoise/noisy_images.h"
 
 namespace penumbra {
@@ -139,7 +140,7 @@ TEST(NlMeans, FillsPixelsThatAreNotFinite) {
 TEST(NlMeans, IsTheSameInAWindowWithItsSurroundings) {
   const DenoiseInput input = noisy_image(150, 130, edge, 0.1f, 6);
   const NlMeansOptions options;
-  const int halo = options.search_radius + options.patch_radius;
+  const int halo = options.search_radius + options.patch_radius + kOutlierRadius;
   const auto whole = nl_means(*test_device(), input, options);
   const auto part =
       nl_means(*test_device(), crop(input, 37 - halo, 41 - halo, 50 + 2 * halo, 33 + 2 * halo), options);
