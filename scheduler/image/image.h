@@ -79,6 +79,8 @@ bool is_display_image(const Image& image);
 /// written anew must not have them.
 bool describes_file(std::string_view name);
 
+constexpr double kMostImageBytes = 16.0 * 1024 * 1024 * 1024;
+
 /// Reads an image in any format of OpenImageIO: the first part, full resolution, converted to float. Values
 /// are as stored (integers scaled to 0…1, no transfer function applied). Errors: missing, truncated, unknown
 /// format, deep, or larger than 16 GiB in memory.

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "kernels/host/module.h"
 #include "kernels/host/plain_file.h"
+#include "scheduler/image/exr_reader.h"
 
 namespace penumbra {
 
@@ -23,12 +26,14 @@ Expected<const ImageReader*> image_reader(const std::filesystem::path& path) {
 }  // namespace
 
 Expected<Image> read_image(const std::filesystem::path& path) {
+  if (auto plain = read_plain_exr(path, true)) return std::move(*plain);
   const auto reader = image_reader(path);
   if (!reader) return std::unexpected(reader.error());
   return (*reader)->read(path);
 }
 
 Expected<Image> read_image_header(const std::filesystem::path& path) {
+  if (auto plain = read_plain_exr(path, false)) return std::move(*plain);
   const auto reader = image_reader(path);
   if (!reader) return std::unexpected(reader.error());
   return (*reader)->read_header(path);

@@ -10,8 +10,6 @@
 namespace penumbra {
 namespace {
 
-constexpr double kMaxImageBytes = 16.0 * 1024 * 1024 * 1024;
-
 template <std::size_t n>
 std::optional<std::array<float, n>> floats_of(const OIIO::ImageSpec& spec, const char* name) {
   const OIIO::ParamValue* value = spec.find_attribute(name);
@@ -63,7 +61,7 @@ Expected<Image> read(const std::filesystem::path& path, bool with_values) {
     return unreadable("it has no pixels, or is a volume");
   }
   const double bytes = double(spec.width) * spec.height * spec.nchannels * sizeof(float);
-  if (bytes > kMaxImageBytes) {
+  if (bytes > kMostImageBytes) {
     return unreadable(fmt::format("{} x {} pixels of {} channels are more than 16 GiB", spec.width,
                                   spec.height, spec.nchannels));
   }
