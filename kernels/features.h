@@ -56,7 +56,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(EMITTING_MEDIA, "media that emit")                                  \
   X(CURVES, "curves")                                                   \
   X(INTERIORS, "scattering below surfaces, and coloured glass")         \
-  X(SPREAD, "flat lights that shine into a cone")
+  X(SPREAD, "flat lights that shine into a cone")                       \
+  X(TANGENTS, "tangents of vertices")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -154,6 +154,14 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, u2)               \
   F(float, v2)
 
+// Tangents at a triangle's vertices, as coordinates along p1 - p0, along p2 - p0 and along its unit normal, so
+// that they follow it as it moves. Where all are 0, the tangent is that of the texture coordinates.
+#define VERTEX_TANGENTS_FIELDS(F)                                                   \
+  F(vec3, t0)                                                                       \
+  F(vec3, t1)                                                                       \
+  F(vec3, t2)                                                                       \
+  F(float, hand) /* of its normal maps: the bitangent is hand * (normal x tangent) */
+
 // A piece of a curve has its ends in `center` and `x_axis`, its radii there in `radius` and `length`, its
 // unit tangents in `normal` and `y_axis`, of which the second is as long as the curve's parameter grows, from
 // `orientation`.
@@ -628,6 +636,8 @@ enum {
   /* FEATURE_UV: one for each triangle; one for each light. */                             \
   T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                       \
   T(A, light_triangles, LightTriangles, 1, "triangles of lights")                          \
+  /* FEATURE_TANGENTS: one for each triangle. */                                           \
+  T(A, vertex_tangents, VertexTangents, 1, "tangents of triangles")                        \
   /* FEATURE_LIGHT_TREE: nodes of the cut come first, see light_tree_builder.h. */         \
   T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                      \
   T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                         \
@@ -766,6 +776,7 @@ enum {
   X(Triangle, TRIANGLE_FIELDS)                          \
   X(VertexNormals, VERTEX_NORMALS_FIELDS)               \
   X(VertexUvs, VERTEX_UVS_FIELDS)                       \
+  X(VertexTangents, VERTEX_TANGENTS_FIELDS)             \
   X(VertexColours, VERTEX_COLOURS_FIELDS)               \
   X(Quadric, QUADRIC_FIELDS)                            \
   X(Instance, INSTANCE_FIELDS)                          \

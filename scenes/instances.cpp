@@ -132,8 +132,9 @@ Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world) {
     for (glm::dvec3& p : mesh->positions) p = transform_point(to_world, p);
     const glm::dmat3 matrix = normal_matrix(to_world);
     for (glm::vec3& n : mesh->normals) n = glm::vec3(glm::normalize(matrix * glm::dvec3(n)));
+    transform_tangents(*mesh, to_world);
     if (is_mirror(to_world))
-      for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
+      for (std::size_t i = 0; i < mesh->triangles.size(); ++i) turn_over(*mesh, i);
   }
   if (auto* sphere = std::get_if<Sphere>(&placed.geometry)) {
     const auto scale = uniform_scale(to_world);

@@ -25,6 +25,7 @@ struct Property {
   std::optional<Type> count_type;  ///< type of the length of a list
   int field = -1;                  ///< the vertex field that it is; -1: ignored
   bool is_indices = false;         ///< whether it lists the vertices of faces
+  bool is_tangents = false;        ///< whether it lists the tangents of faces' corners
 };
 
 struct Element {
@@ -123,9 +124,10 @@ class PlyReader {
       if (auto done = body(element); !done) return std::unexpected(done.error());
     }
     for (const EarlyFace& face : early_faces_) {
-      if (auto done = finish_face(face.number, face.corners, face.colour); !done)
+      if (auto done = finish_face(face.number, face.corners, face.colour, face.tangents); !done)
         return std::unexpected(done.error());
     }
+    if (!mesh_.tangents.empty()) mesh_.tangents.resize(mesh_.triangles.size());
     MeshFile result{std::move(mesh_), std::move(faces_)};
     if (std::ranges::none_of(elements_, has_faces))
       result.warnings.emplace_back("the file has points without faces, which are not shown");
@@ -233,6 +235,7 @@ class PlyReader {
                       "(a list's count: an integer)");
     }
     result.type = *type;
+    result.is_tangents = list && result.name == "tangents";
     result.is_indices = list && (result.name == "vertex_indices" || result.name == "vertex_index");
     elements_.back().properties.push_back(std::move(result));
     return {};
@@ -368,6 +371,7 @@ class PlyReader {
       std::array<double, kFields> fields{};
       std::array<bool, kFields> has{};
       polygon_.clear();
+      tangents_.clear();
       for (const Property& property : element.properties) {
         const int field = property.field;
         const bool indices = (is_face || is_strips) && property.is_indices;
@@ -392,6 +396,7 @@ class PlyReader {
             has[std::size_t(field)] = true;
           }
           if (indices) polygon_.push_back(*item);
+          if (is_face && property.is_tangents) tangents_.push_back(float(*item));
         }
       }
       if (is_vertex) add_vertex(fields, has);
@@ -433,8 +438,12 @@ class PlyReader {
       }
     }
     corners_.assign(polygon_.begin(), polygon_.end());
-    if (mesh_.positions.size() == vertices_) return finish_face(number, corners_, face_colour_);
-    early_faces_.push_back({number, corners_, face_colour_});
+    if (!tangents_.empty() && (tangents_.size() != 12 || corners_.size() != 3))
+      return wrong(element, number, "tangents are four numbers for each corner of a triangle");
+    if (!std::ranges::all_of(tangents_, [](float x) { return std::isfinite(x); }))
+      return wrong(element, number, "a tangent is not finite");
+    if (mesh_.positions.size() == vertices_) return finish_face(number, corners_, face_colour_, tangents_);
+    early_faces_.push_back({number, corners_, face_colour_, tangents_});
     return {};
   }
 
@@ -454,14 +463,19 @@ class PlyReader {
     return {};
   }
 
+  /// `tangents`: of a triangle's corners, or empty.
   Expected<void> finish_face(std::uint64_t number, const std::vector<std::uint32_t>& corners,
-                             const std::optional<glm::vec3>& colour) {
+                             const std::optional<glm::vec3>& colour, const std::vector<float>& tangents) {
     outline_.clear();
     for (const std::uint32_t corner : corners) outline_.push_back(mesh_.positions[corner]);
     const std::string name = corners.size() != 3 ? fmt::format("face {}", number) : "";
+    const std::size_t first = mesh_.triangles.size();
     if (const auto done = cut_face(outline_, corners, {}, name, mesh_.triangles, faces_); !done)
       return fail(fmt::format("{}: error: {}: {}", file_.path.string(), name, done.error().message));
     if (colour) mesh_.face_colours.resize(mesh_.triangles.size(), *colour);
+    if (tangents.empty() || mesh_.triangles.size() != first + 1) return {};
+    mesh_.tangents.resize(first + 1);
+    for (std::size_t i = 0; i < 12; ++i) mesh_.tangents.back()[i / 4][int(i % 4)] = tangents[i];
     return {};
   }
 
@@ -480,10 +494,12 @@ class PlyReader {
     std::uint64_t number;
     std::vector<std::uint32_t> corners;
     std::optional<glm::vec3> colour;
+    std::vector<float> tangents;
   };
 
   std::optional<glm::vec3> face_colour_;  ///< of the last face
   std::vector<double> polygon_;
+  std::vector<float> tangents_;  ///< of the last face
   std::vector<std::uint32_t> corners_;
   std::vector<glm::dvec3> outline_;
   std::vector<EarlyFace> early_faces_;

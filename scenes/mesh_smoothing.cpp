@@ -58,6 +58,7 @@ void smooth_up_to(Mesh& mesh, double degrees) {
   Mesh result;
   result.triangles = mesh.triangles;
   result.face_colours = mesh.face_colours;
+  result.tangents = mesh.tangents;
   const auto add_vertex = [&](std::uint32_t from, const glm::dvec3& normal) {
     result.positions.push_back(mesh.positions[from]);
     result.normals.emplace_back(normal);

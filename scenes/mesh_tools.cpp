@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "scenes/mikktspace.h"
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
 
@@ -37,11 +38,13 @@ std::size_t drop_flat_triangles(Mesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (is_flat(mesh, mesh.triangles[i]) || is_tiny(mesh, mesh.triangles[i])) continue;
     if (!mesh.face_colours.empty()) mesh.face_colours[kept] = mesh.face_colours[i];
+    if (!mesh.tangents.empty()) mesh.tangents[kept] = mesh.tangents[i];
     mesh.triangles[kept++] = mesh.triangles[i];
   }
   const std::size_t dropped = mesh.triangles.size() - kept;
   mesh.triangles.resize(kept);
   if (!mesh.face_colours.empty()) mesh.face_colours.resize(kept);
+  if (!mesh.tangents.empty()) mesh.tangents.resize(kept);
   return dropped;
 }
 
@@ -94,10 +97,11 @@ std::size_t transform_normals(Mesh& mesh, const glm::dmat3& matrix) {
 }
 
 void wind_with_normals(Mesh& mesh) {
-  for (glm::uvec3& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
     const glm::dvec3 mean =
         glm::dvec3(mesh.normals[t.x]) + glm::dvec3(mesh.normals[t.y]) + glm::dvec3(mesh.normals[t.z]);
-    if (glm::dot(face_vector(mesh, t), mean) < 0.0) std::swap(t.y, t.z);
+    if (glm::dot(face_vector(mesh, t), mean) < 0.0) turn_over(mesh, i);
   }
 }
 
@@ -137,8 +141,27 @@ std::vector<std::string> describe(const MeshCleaning& cleaning) {
   return texts;
 }
 
+void turn_over(Mesh& mesh, std::size_t triangle) {
+  std::swap(mesh.triangles[triangle].y, mesh.triangles[triangle].z);
+  if (!mesh.tangents.empty()) std::swap(mesh.tangents[triangle][1], mesh.tangents[triangle][2]);
+}
+
+void transform_tangents(Mesh& mesh, const glm::dmat4& to_world) {
+  const float side = is_mirror(to_world) ? -1.0f : 1.0f;
+  for (auto& corners : mesh.tangents)
+    for (glm::vec4& t : corners) {
+      t = glm::vec4(glm::vec3(transform_vector(to_world, glm::dvec3(t))), side * t.w);
+    }
+}
+
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals) {
   MeshCleaning cleaning;
+  if (face_normals) mesh.normals.clear();
+  const bool computes_tangents = mesh.computes_tangents && !mesh.texcoords.empty();
+  mesh.computes_tangents = false;
+  const bool makes_normals = mesh.normals.empty() && !face_normals;
+  if (computes_tangents && !makes_normals) mesh.tangents = mikktspace_tangents(mesh);
+  transform_tangents(mesh, to_world);
   for (glm::dvec3& p : mesh.positions) p = transform_point(to_world, p);
   if (auto near = check_vertices(mesh); !near) return std::unexpected(near.error());
   for (std::size_t i = 0; i < mesh.texcoords.size(); ++i) {
@@ -153,13 +176,13 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
     return fail("the mesh is too small for single precision: none of its triangles has twice an area above " +
                 fmt::to_string(kSmallestCross));
   if (auto faces = check_faces(mesh); !faces) return std::unexpected(faces.error());
-  if (face_normals) mesh.normals.clear();
   if (!mesh.normals.empty()) {
     cleaning.bad_normals = transform_normals(mesh, normal_matrix(to_world));
     wind_with_normals(mesh);
   } else if (!face_normals) {
     add_smooth_normals(mesh);
   }
+  if (computes_tangents && makes_normals) mesh.tangents = mikktspace_tangents(mesh);
   return cleaning;
 }
 
@@ -173,6 +196,7 @@ std::uint32_t copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh& to) {
 
 Mesh part_of(const Mesh& mesh, std::span<const std::size_t> triangles) {
   Mesh part;
+  part.computes_tangents = mesh.computes_tangents;
   std::map<std::uint32_t, std::uint32_t> copied;
   for (const std::size_t index : triangles) {
     glm::uvec3 t = mesh.triangles[index];
@@ -183,6 +207,7 @@ Mesh part_of(const Mesh& mesh, std::span<const std::size_t> triangles) {
     }
     part.triangles.push_back(t);
     if (!mesh.face_colours.empty()) part.face_colours.push_back(mesh.face_colours[index]);
+    if (!mesh.tangents.empty()) part.tangents.push_back(mesh.tangents[index]);
   }
   return part;
 }

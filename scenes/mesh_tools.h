@@ -29,6 +29,8 @@ std::vector<std::string> describe(const MeshCleaning& cleaning);
 ///     the shading normal agree. A triangle without normals keeps its winding, so a mirroring transform swaps
 ///     its front and back.
 ///   - Triangles without area, or with an area too small for single precision, are left out.
+///   - Tangents are transformed, or computed if the mesh says so: in its own space, or in world space if its
+///     normals are computed, too.
 /// `to_world` must not be singular. Errors: those of check_traceable; no triangle is left.
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
 
@@ -37,6 +39,12 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
 /// the first of the remaining faces starts the next group, and so on. Vertices are split where necessary. A
 /// mesh without a smooth vertex stays faceted. All triangles must have area.
 void smooth_up_to(Mesh& mesh, double degrees);
+
+/// Reverses the winding of a triangle.
+void turn_over(Mesh& mesh, std::size_t triangle);
+
+/// Transforms the tangents of a mesh; they keep no length.
+void transform_tangents(Mesh& mesh, const glm::dmat4& to_world);
 
 /// Appends a vertex of `from`, with all that belongs to it. Returns its index.
 std::uint32_t copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh& to);

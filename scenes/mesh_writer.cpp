@@ -12,6 +12,7 @@ namespace penumbra {
 std::string ply_of(const Mesh& mesh) {
   const bool normals = !mesh.normals.empty(), uvs = !mesh.texcoords.empty();
   const bool colours = !mesh.colours.empty(), faces = !mesh.face_colours.empty();
+  const bool tangents = !mesh.tangents.empty();
   std::string out =
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.size());
   const auto properties = [&](const char* type, std::initializer_list<const char*> names) {
@@ -23,6 +24,7 @@ std::string ply_of(const Mesh& mesh) {
   if (colours) properties("float", {"r", "g", "b"});
   out += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangles.size());
   if (faces) properties("float", {"r", "g", "b"});
+  if (tangents) properties("list uchar float", {"tangents"});
   out += "end_header\n";
   const auto bytes = [&](const auto& value) {
     auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
@@ -42,6 +44,9 @@ std::string ply_of(const Mesh& mesh) {
     out += char(3);
     vector(mesh.triangles[i]);
     if (faces) vector(mesh.face_colours[i]);
+    if (!tangents) continue;
+    out += char(12);
+    for (const glm::vec4& tangent : mesh.tangents[i]) vector(tangent);
   }
   return out;
 }

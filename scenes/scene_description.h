@@ -4,6 +4,7 @@
 // (p' = M p) and are in double precision, so that scenes far from the origin keep their precision.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -32,6 +33,11 @@ struct Mesh {
   std::vector<glm::vec3> colours{};  ///< linear, one per position, or empty
   std::vector<glm::uvec3> triangles;
   std::vector<glm::vec3> face_colours{};  ///< linear, one per triangle, or empty
+  /// Of the corners of each triangle: a tangent of any length, or 0 for that of the triangle's texture
+  /// coordinates, and in w the sign of the bitangent sign * cross(normal, tangent). Empty: all are those of
+  /// texture coordinates.
+  std::vector<std::array<glm::vec4, 3>> tangents{};
+  bool computes_tangents = false;  ///< tangents are MikkTSpace's, once the mesh is in its place
 };
 
 /// The front, which emits, is the outside unless `Shape::flip_normals`.
@@ -80,6 +86,8 @@ struct Shape {
   /// How points on an emitter are sampled; kAuto: as the integrator chooses.
   EmitterSampling sampling = EmitterSampling::kAuto;
   bool flip_normals = false;  ///< swaps front and back
+  /// Normal maps follow the signs of the mesh's tangents, so that they are mirrored where the texture is.
+  bool mirrors_maps = false;
   /// The medium behind the front side: an index into SceneDescription::media, or kNoMedium.
   int interior = kNoMedium;
   int exterior = kNoMedium;  ///< the medium before the front side, likewise

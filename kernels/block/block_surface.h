@@ -263,6 +263,31 @@ FN void find_moving_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoint
   }
 }
 
+/// Replaces the tangents of lanes whose rays hit triangles that have tangents of their own. The surfaces'
+/// instances and times must be set.
+STAGE void find_vertex_tangents(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* points,
+                                PRIVATE Surfaces* surfaces) {
+  const bool moves = has_moving_surfaces(scene);
+  for (int j = 0; j < LANES; j++) {
+    Surface s = load_surface(surfaces, j);
+    if (s.primitive < 0 || s.primitive >= scene->header.tables.vertex_tangents.count) continue;
+    const bool instanced = NEEDS(scene, INSTANCES) && s.instance >= 0;
+    const float time = NEEDS_MOTION(scene) ? s.time : 0.0f;
+    const Instance at = instanced ? instance_of(scene, s.instance, time) : load_instance(scene->instances);
+    GLOBAL const Triangle* t = scene->triangles + s.primitive;
+    vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+    if (HAS(MOTION) && moves && is_moving_triangle(scene, s.primitive, instanced ? s.instance : -1)) {
+      const TriangleState now = triangle_at(scene, s.primitive, s.time);
+      p0 = now.p0;
+      p1 = now.p1;
+      p2 = now.p2;
+    }
+    store_surface_uv(surfaces, j,
+                     with_vertex_tangents(scene, s.primitive, p0, p1, p2, instanced, at,
+                                          load_primitive_point(points, j), s));
+  }
+}
+
 /// Replaces the points of lanes whose rays hit curves.
 STAGE void find_curve_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                              PRIVATE PrimitivePoints* points) {
@@ -329,6 +354,7 @@ JIT_CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE P
   if (NEEDS(scene, UV) && HAS(INSTANCES) && instances) find_instance_uvs(scene, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(MOTION) && moves) find_moving_uvs(scene, &points, surfaces);
   if (NEEDS(scene, UV) && HAS(CURVES) && curves) find_curve_uvs(scene, &points, surfaces);
+  if (NEEDS(scene, TANGENTS)) find_vertex_tangents(scene, &points, surfaces);
 }
 
 /// Measures distances from where rays started, before any surface that they passed.

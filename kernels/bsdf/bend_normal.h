@@ -116,8 +116,8 @@ STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE
 }
 
 /// A normal map's value t is the vector 2 t - 1 in a frame of three axes: the tangent, the cross product of
-/// the front's normal and the tangent, and the normal of the visible side. From behind, the same bumps appear
-/// mirrored.
+/// the front's normal and the tangent times the surface's hand, and the normal of the visible side. From
+/// behind, the same bumps appear mirrored.
 STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE TextureLanes* RESTRICT found, PRIVATE Bends* RESTRICT bends) {
   LANE_LOOP
@@ -126,7 +126,7 @@ STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
       const vec3 value = LOAD_LANE_vec3(found->value, j);
       const float lean = scene->materials[s.material].bend_scale;
       const vec3 x = tangent_axis(s.shading, s.tangent);
-      const vec3 y = scale(cross3(s.shading, x), s.front ? 1.0f : -1.0f);
+      const vec3 y = scale(cross3(s.shading, x), s.front ? s.hand : -s.hand);
       Bend bend;
       bend.along = add(scale(x, lean * (2.0f * value.x - 1.0f)), scale(y, lean * (2.0f * value.y - 1.0f)));
       bend.up = 2.0f * value.z - 1.0f;

@@ -376,6 +376,10 @@ class Checker : public RecordCheck {
     require(has(FEATURE_UV) || (uvs == 0 && parts == 0), "texture coordinates without their feature bit");
     require(!has(FEATURE_LIGHT_TEXTURES) || (has(FEATURE_TEXTURES) && has(FEATURE_UV)),
             "lights with textures without the feature bits of textures");
+    const int tangents = h_.tables.vertex_tangents.count;
+    require(tangents == (has(FEATURE_TANGENTS) ? h_.tables.triangles.count : 0) &&
+                (tangents == 0 || has(FEATURE_UV)),
+            "tangents do not match the triangles or their feature bits");
     require(uvs == 0 || uvs == h_.tables.triangles.count, "texture coordinates do not match the triangles");
     require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
   }

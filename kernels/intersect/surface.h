@@ -216,6 +216,15 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   return without_uv(s);
 }
 
+/// With the tangents of the vertices of a triangle that does not move within its group.
+FN Surface with_tangents_of(const PRIVATE Scene* scene, int primitive, bool instanced, Instance at,
+                            PrimitivePoint r, Surface s) {
+  if (primitive < 0 || primitive >= scene->header.tables.vertex_tangents.count) return s;
+  GLOBAL const Triangle* t = scene->triangles + primitive;
+  return with_vertex_tangents(scene, primitive, load3(&t->p0), load3(&t->p1), load3(&t->p2), instanced, at, r,
+                              s);
+}
+
 /// Like surface_at, for a primitive of an instance.
 FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
   const Instance at = load_instance(scene->instances + instance);
@@ -227,6 +236,7 @@ FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int in
   if (NEEDS(scene, UV))
     s = HAS(CURVES) && curve >= 0 ? with_instance_curve_uv(scene, curve, at, r, s)
                                   : with_instance_uv(scene, primitive, at, r, s);
+  if (NEEDS(scene, TANGENTS)) s = with_tangents_of(scene, primitive, true, at, r, s);
   return s;
 }
 
@@ -245,6 +255,8 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   if (NEEDS(scene, UV)) s = with_triangle_uv(scene, triangle, r, s);
   if (NEEDS(scene, UV) && NEEDS(scene, QUADRICS) && (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);
   if (NEEDS(scene, UV) && HAS(CURVES) && curve >= 0) s = with_curve_uv(scene, curve, r, s);
+  if (NEEDS(scene, TANGENTS))
+    s = with_tangents_of(scene, primitive, false, load_instance(scene->instances), r, s);
   return s;
 }
 

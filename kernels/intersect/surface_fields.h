@@ -24,6 +24,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, u)         /* texture coordinates */                                                    \
   F(a, float, v)                                                                                      \
   F(a, vec3, tangent)    /* unit, direction of increasing u in the tangent plane: see tangent_axis */ \
+  F(a, float, hand)      /* a normal map's second axis is hand * (normal x tangent) */                \
   F(a, vec3, smooth)     /* unit shading normal before normal or bump maps */                         \
   F(a, float, bumps)     /* squared roughness of the bumps that bent it: see bump_shadow */
 // With FEATURE_INSTANCES only.
@@ -68,6 +69,7 @@ FN bool is_hit(Surface s) { return s.primitive != NOTHING_HIT; }
 FN Surface without_uv(Surface s) {
   s.u = s.v = s.span = s.time = 0.0f;
   s.tangent = s.smooth = make_vec3(0.0f, 0.0f, 0.0f);
+  s.hand = 1.0f;
   s.bumps = 0.0f;
   s.instance = -1;
   return s;

@@ -101,6 +101,7 @@ FN Surface with_uv(Surface s, TexturePoint t, vec3 normal, vec3 du) {
   s.u = t.u;
   s.v = t.v;
   s.tangent = tangent_axis(normal, du);
+  s.hand = 1.0f;
   s.smooth = s.shading;
   s.bumps = 0.0f;
   return s;
@@ -111,6 +112,22 @@ FN Surface with_triangle_uv(const PRIVATE Scene* scene, int index, PrimitivePoin
   GLOBAL const Triangle* triangle = scene->triangles + index;
   return with_uv(s, triangle_uv(at, r.b0, r.b1, r.b2), r.normal,
                  triangle_du(at, load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2)));
+}
+
+/// The surface of a triangle with the tangent and the hand of its vertices, if there are any. `r`: in the
+/// scene. p0, p1, p2: the triangle, in its group if it has an instance `at`.
+FN Surface with_vertex_tangents(const PRIVATE Scene* scene, int triangle, vec3 p0, vec3 p1, vec3 p2,
+                                bool instanced, Instance at, PrimitivePoint r, Surface s) {
+  GLOBAL const VertexTangents* corners = scene->vertex_tangents + triangle;
+  const vec3 along = add(add(scale(load3(&corners->t0), r.b0), scale(load3(&corners->t1), r.b1)),
+                         scale(load3(&corners->t2), r.b2));
+  if (!(dot3(along, along) > 0.0f)) return s;
+  const vec3 e1 = sub(p1, p0), e2 = sub(p2, p0), up = normalize_any(cross3(e1, e2));
+  const vec3 tangent = add_scaled(add_scaled(scale(e1, along.x), along.y, e2), along.z, up);
+  s.tangent = tangent_axis(s.shading, instanced ? from_group_vector(at, tangent) : tangent);
+  const bool mirrors = instanced && dot3(at.x, cross3(at.y, at.z)) < 0.0f;
+  s.hand = mirrors ? -corners->hand : corners->hand;
+  return s;
 }
 
 /// Texture coordinates of a quadric's point, and the direction in which u grows.

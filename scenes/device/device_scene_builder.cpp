@@ -202,6 +202,7 @@ class SceneBuilder {
             fmt::format("{}: rays may pass more than {} BSDFs within it", bsdf.name, MOST_PASSING_LEAVES));
       if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= std::uint64_t{1} << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
+      uses_tangents_ = uses_tangents_ || m.bend == BEND_NORMAL_MAP || is_anisotropic(closure_of(m));
       if (m.bend != BEND_NONE) {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
@@ -254,6 +255,7 @@ class SceneBuilder {
         if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
           triangles += mesh->triangles.size();
           smooth += mesh->normals.empty() ? 0 : mesh->triangles.size();
+          if (uses_tangents_ && !mesh->tangents.empty()) need(FEATURE_TANGENTS);
         }
     };
     count(scene_.shapes);
@@ -261,6 +263,7 @@ class SceneBuilder {
     records_.triangles.reserve(triangles);
     records_.normals.reserve(smooth);
     if (wants_uv()) records_.vertex_uvs.reserve(triangles);
+    if (has(FEATURE_TANGENTS)) records_.vertex_tangents.reserve(triangles);
     if (!attributes_.empty()) records_.triangle_colours.reserve(triangles);
   }
 
@@ -319,6 +322,9 @@ class SceneBuilder {
       if (has(FEATURE_SHAPE_LAYER)) records_.primitive_shapes.push_back(shape_);
       if (!media_->empty()) records_.primitive_boundaries.push_back(boundary_);
       add_colours(mesh, corner, index);
+      if (has(FEATURE_TANGENTS))
+        records_.vertex_tangents.push_back(
+            vertex_tangents(mesh, index, t, shape.mirrors_maps, shape.flip_normals));
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
     if (emits(shape)) add_mesh_lights(shape, first);
@@ -776,6 +782,7 @@ class SceneBuilder {
   double radius_ = 0;
   std::vector<PlacedGroup> placed_;  ///< the still ones first
   std::size_t still_placed_ = 0;
+  bool uses_tangents_ = false;          ///< by some material, as for a normal map
   bool is_short_of_instances_ = false;  ///< there are groups, but no instance of them has primitives
   std::vector<int> group_index_;        ///< of a group's record; -1: none; 0: it has no primitives
   std::vector<SceneBounds> group_bounds_;

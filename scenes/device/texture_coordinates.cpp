@@ -27,6 +27,28 @@ VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped) {
   return {a.x, a.y, b.x, b.y, c.x, c.y};
 }
 
+VertexTangents vertex_tangents(const Mesh& mesh, std::size_t triangle, const Triangle& record,
+                               bool mirrors_maps, bool flipped) {
+  VertexTangents result{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 1.0f};
+  if (mesh.tangents.empty()) return result;
+  const auto vector = [](const vec3& v) { return glm::dvec3(v.x, v.y, v.z); };
+  const glm::dvec3 p0 = vector(record.p0), e1 = vector(record.p1) - p0, e2 = vector(record.p2) - p0;
+  const glm::dmat3 to_edges = glm::inverse(glm::dmat3(e1, e2, glm::normalize(glm::cross(e1, e2))));
+  const auto& corners = mesh.tangents[triangle];
+  const auto along = [&](int corner) {
+    const glm::dvec3 t(corners[std::size_t(corner)]);
+    const double length = glm::length(t);
+    return to_vec3(length > 0.0 ? to_edges * (t / length) : t);
+  };
+  result.t0 = along(0);
+  result.t1 = along(flipped ? 2 : 1);
+  result.t2 = along(flipped ? 1 : 2);
+  // The front's normal is the other one.
+  const float sign = corners[0].w + corners[1].w + corners[2].w;
+  if (mirrors_maps && sign != 0.0f) result.hand = (sign < 0.0f) != flipped ? -1.0f : 1.0f;
+  return result;
+}
+
 VertexColours triangle_colours(const Mesh& mesh, MeshAttribute attribute, const glm::uvec3& corner,
                                std::size_t triangle) {
   if (attribute == MeshAttribute::kVertexColour && !mesh.colours.empty())

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "scenes/gltf/primitive.h"
+#include "scenes/gltf/tangents.h"
+#include "scenes/mikktspace.h"
 
 namespace penumbra::gltf {
 namespace {
@@ -32,8 +34,8 @@ Expected<Skin> read_joints(const Asset& asset, const tinygltf::Skin& skin) {
 /// The morph targets of a primitive. One that is not `wanted`, or beyond these, changes nothing and is not
 /// read. Errors: those of read_accessor; targets with another number of vertices.
 Expected<std::vector<MorphTarget>> read_targets(const Asset& asset, const tinygltf::Primitive& primitive,
-                                                const std::vector<bool>& wanted, std::size_t vertices,
-                                                bool has_normals) {
+                                                const std::vector<bool>& wanted, const Mesh& mesh) {
+  const std::size_t vertices = mesh.positions.size();
   std::vector<MorphTarget> targets(std::min(primitive.targets.size(), wanted.size()));
   for (std::size_t t = 0; t < targets.size(); ++t) {
     if (!wanted[t]) continue;
@@ -50,8 +52,10 @@ Expected<std::vector<MorphTarget>> read_targets(const Asset& asset, const tinygl
       return {};
     };
     if (const auto done = read("POSITION", targets[t].positions); !done) return std::unexpected(done.error());
-    if (!has_normals) continue;
+    if (mesh.normals.empty()) continue;
     if (const auto done = read("NORMAL", targets[t].normals); !done) return std::unexpected(done.error());
+    if (mesh.tangents.empty()) continue;
+    if (const auto done = read("TANGENT", targets[t].tangents); !done) return std::unexpected(done.error());
   }
   return targets;
 }
@@ -93,13 +97,19 @@ Expected<Skin> read_skin(const Asset& asset, const PrimitiveAttributes& attribut
 }  // namespace
 
 Expected<PosedMesh> read_posed(std::size_t index, const tinygltf::Primitive& primitive, int texcoord,
-                               const PoseReading& reading) {
+                               bool wants_tangents, const PoseReading& reading) {
   const Asset& asset = reading.asset;
   const tinygltf::Node& node = asset.model.nodes[index];
   const auto attributes = PrimitiveAttributes::open(asset, primitive);
   if (!attributes) return std::unexpected(attributes.error());
   auto mesh = read_primitive(*attributes, primitive.mode, texcoord);
   if (!mesh) return std::unexpected(mesh.error());
+  if (wants_tangents && !mesh->normals.empty()) {
+    const auto tangents = attributes->read("TANGENT", 4, 4);
+    if (!tangents) return std::unexpected(tangents.error());
+    if (*tangents) set_tangents(**tangents, *mesh);
+  }
+  const bool computes_tangents = wants_tangents && mesh->tangents.empty() && !mesh->texcoords.empty();
   PosedMesh posed{std::move(*mesh)};
   Skin skin;
   if (node.skin >= 0) {
@@ -118,8 +128,7 @@ Expected<PosedMesh> read_posed(std::size_t index, const tinygltf::Primitive& pri
       if (!std::isfinite(weights[t])) weights[t] = 0.0;
       wanted[t] = weights[t] != 0.0;
     }
-  auto targets =
-      read_targets(asset, primitive, wanted, posed.mesh.positions.size(), !posed.mesh.normals.empty());
+  auto targets = read_targets(asset, primitive, wanted, posed.mesh);
   if (!targets) return std::unexpected(targets.error());
   const bool morphs = keys != nullptr && !targets->empty();
   if (!morphs) morph(*targets, weights, posed.mesh);
@@ -128,8 +137,10 @@ Expected<PosedMesh> read_posed(std::size_t index, const tinygltf::Primitive& pri
     std::vector<glm::dmat4> joints;
     for (const int joint : skin.joints) joints.push_back(reading.node_to_world[std::size_t(joint)]);
     if (!joints.empty()) apply_skin(skin, joints, posed.mesh);
+    if (computes_tangents) posed.mesh.tangents = mikktspace_tangents(posed.mesh);
     return posed;
   }
+  posed.mesh.computes_tangents = computes_tangents;
   MeshDeformation deformation;
   if (morphs) {
     deformation.targets = std::move(*targets);

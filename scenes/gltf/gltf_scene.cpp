@@ -302,7 +302,7 @@ class SceneBuilder {
       if (shapes.size() >= kMostShapes) return report_.error(location, "more than a million shapes");
       MaterialUse where{.coloured = primitive.attributes.contains("COLOR_0")};
       const SurfaceOfMaterial& surface = materials_.surface(primitive.material, where);
-      auto posed = read_posed(index, primitive, surface.texcoord, pose_);
+      auto posed = read_posed(index, primitive, surface.texcoord, surface.has_tangents, pose_);
       if (!posed) {
         report_.error(location, fmt::format("'{}': {}", name, posed.error().message));
         continue;
@@ -315,53 +315,37 @@ class SceneBuilder {
         add(std::move(posed->mesh), surface);
         continue;
       }
-      auto reversed = reversed_triangles(primitive, posed->mesh, mirrored != is_mirror(place.to_world),
-                                         node.skin >= 0, location);
-      if (!reversed) {
-        report_.error(location, fmt::format("'{}': {}", name, reversed.error().message));
-        continue;
-      }
-      const auto count = std::size_t(std::ranges::count(*reversed, true));
+      const bool own = primitive.attributes.contains("TANGENT") && !posed->mesh.normals.empty();
+      auto reversed = mirrored_triangles(posed->mesh, own);
+      if (mirrored != is_mirror(place.to_world)) reversed.flip();
+      const auto count = std::size_t(std::ranges::count(reversed, true));
       if (count == 0) {
         add(std::move(posed->mesh), surface);
         continue;
       }
       where.mirrored = true;
       const SurfaceOfMaterial& other = materials_.surface(primitive.material, where);
-      if (count == reversed->size()) {
+      if (count == reversed.size()) {
         add(std::move(posed->mesh), other);
         continue;
       }
       std::array<std::vector<std::size_t>, 2> parts;
-      for (std::size_t t = 0; t < reversed->size(); ++t) parts[(*reversed)[t] ? 1 : 0].push_back(t);
+      for (std::size_t t = 0; t < reversed.size(); ++t) parts[reversed[t] ? 1 : 0].push_back(t);
       // What deforms keeps all vertices, which its targets and its skin count.
       const auto part = [&](const std::vector<std::size_t>& triangles) {
         if (posed->deformation == nullptr) return part_of(posed->mesh, triangles);
         Mesh result = posed->mesh;
         result.triangles.clear();
-        for (const std::size_t t : triangles) result.triangles.push_back(posed->mesh.triangles[t]);
+        result.tangents.clear();
+        for (const std::size_t t : triangles) {
+          result.triangles.push_back(posed->mesh.triangles[t]);
+          if (!posed->mesh.tangents.empty()) result.tangents.push_back(posed->mesh.tangents[t]);
+        }
         return result;
       };
       add(part(parts[1]), other);
       add(part(parts[0]), surface);
     }
-  }
-
-  /// The triangles on which the bitangent points the other way: those with mirrored coordinates, or with
-  /// others in a mirrored place.
-  Expected<std::vector<bool>> reversed_triangles(const tinygltf::Primitive& primitive, const Mesh& mesh,
-                                                 bool mirror, bool is_skinned, SourceLocation location) {
-    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
-    if (!attributes) return std::unexpected(attributes.error());
-    const auto tangents = attributes->read("TANGENT", 4, 4);
-    if (!tangents) return std::unexpected(tangents.error());
-    if (*tangents && !is_skinned && has_other_tangents(mesh, **tangents))
-      report_.warn_counted(location,
-                           "TANGENT leans by more than 45 degrees from the direction of the texture "
-                           "coordinates, which is used");
-    auto reversed = mirrored_triangles(mesh, *tangents);
-    if (mirror) reversed.flip();
-    return reversed;
   }
 
   void add_mesh(PosedMesh posed, const SurfaceOfMaterial& surface, const MeshPlace& place,
@@ -404,7 +388,7 @@ class SceneBuilder {
     // A mirroring transform reverses glTF's winding. If there are normals, they determine it here.
     const bool faceted = mesh.normals.empty();
     if (faceted && is_mirror(to_world))
-      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+      for (std::size_t i = 0; i < mesh.triangles.size(); ++i) turn_over(mesh, i);
     return report_.place(mesh, to_world, faceted, name, location);
   }
 

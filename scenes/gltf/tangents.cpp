@@ -1,47 +1,38 @@
 #include "scenes/gltf/tangents.h"
 
+#include <array>
 #include <cstddef>
 
 namespace penumbra::gltf {
-namespace {
 
-/// The texture coordinates of a triangle, relative to its first vertex.
-struct UvEdges {
-  glm::dvec2 first, second;
-  UvEdges(const Mesh& mesh, const glm::uvec3& t)
-      : first(mesh.texcoords[t.y] - mesh.texcoords[t.x]), second(mesh.texcoords[t.z] - mesh.texcoords[t.x]) {}
-  [[nodiscard]] double area() const { return first.x * second.y - first.y * second.x; }
-};
+void set_tangents(const AccessorValues& of_vertices, Mesh& mesh) {
+  mesh.tangents.clear();
+  for (const glm::uvec3& t : mesh.triangles) {
+    std::array<glm::vec4, 3>& corners = mesh.tangents.emplace_back();
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 4; ++k) corners[std::size_t(c)][k] = float(of_vertices.at(t[c], std::size_t(k)));
+  }
+}
 
-}  // namespace
-
-std::vector<bool> mirrored_triangles(const Mesh& mesh, const std::optional<AccessorValues>& tangents) {
+std::vector<bool> mirrored_triangles(const Mesh& mesh, bool has_own_tangents) {
   std::vector<bool> mirrored;
   mirrored.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    double sign = 0.0;
-    if (tangents) sign = tangents->at(t.x, 3) + tangents->at(t.y, 3) + tangents->at(t.z, 3);
-    if (sign == 0.0 && !mesh.texcoords.empty()) sign = -UvEdges(mesh, t).area();
+  const auto sign_of = [&](std::size_t i) {
+    return mesh.tangents.empty() ? 0.0f
+                                 : mesh.tangents[i][0].w + mesh.tangents[i][1].w + mesh.tangents[i][2].w;
+  };
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    double sign = has_own_tangents ? sign_of(i) : 0.0;
+    if (sign == 0.0 && !mesh.texcoords.empty()) {
+      const glm::uvec3& t = mesh.triangles[i];
+      const glm::dvec2 first = mesh.texcoords[t.y] - mesh.texcoords[t.x],
+                       second = mesh.texcoords[t.z] - mesh.texcoords[t.x];
+      sign = first.y * second.x - first.x * second.y;
+      if (sign == 0.0) sign = -sign_of(i);
+    }
     mirrored.push_back(sign < 0.0);
   }
   return mirrored;
-}
-
-bool has_other_tangents(const Mesh& mesh, const AccessorValues& tangents) {
-  constexpr double kLeastCosine = 0.70710678;
-  if (mesh.texcoords.empty()) return false;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const UvEdges uv(mesh, t);
-    const glm::dvec3 e1 = mesh.positions[t.y] - mesh.positions[t.x],
-                     e2 = mesh.positions[t.z] - mesh.positions[t.x];
-    const glm::dvec3 along = (e1 * uv.second.y - e2 * uv.first.y) * (uv.area() < 0.0 ? -1.0 : 1.0);
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::size_t v = t[corner];
-      const glm::dvec3 given(tangents.at(v, 0), tangents.at(v, 1), tangents.at(v, 2));
-      if (glm::dot(given, along) < kLeastCosine * glm::length(given) * glm::length(along)) return true;
-    }
-  }
-  return false;
 }
 
 }  // namespace penumbra::gltf

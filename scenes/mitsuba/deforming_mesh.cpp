@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenes/mesh_tools.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -40,7 +41,7 @@ std::shared_ptr<const DeformingMesh> deforming_mesh(std::vector<Mesh> meshes, st
   Mesh& rest = meshes.front();
   // A place that mirrors reverses the winding of a mesh without normals, which here stays that of the file.
   if (rest.normals.empty() && is_mirror(to_world))
-    for (glm::uvec3& t : rest.triangles) std::swap(t.y, t.z);
+    for (std::size_t i = 0; i < rest.triangles.size(); ++i) turn_over(rest, i);
   return std::make_shared<const DeformingMesh>(std::move(rest), std::move(deformation), to_world);
 }
 

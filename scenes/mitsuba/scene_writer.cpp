@@ -228,8 +228,9 @@ class SceneWriter {
         n = glm::vec3(course.meshes.empty() ? glm::normalize(turned) : turned);
       }
       // The reader keeps the winding of meshes without normals, whatever mirrors them.
+      transform_tangents(mesh, end);
       if (mesh.normals.empty() && mirrors)
-        for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) turn_over(mesh, i);
     };
     if (auto* mesh = std::get_if<Mesh>(&course.geometry))
       place(*mesh);
@@ -665,6 +666,8 @@ class SceneWriter {
       }
       if (mesh->normals.empty() && !(course && course->is_smooth))
         xml_.value("boolean", "face_normals", "true");
+      if (mesh->computes_tangents) xml_.value("string", "tangents", "mikktspace");
+      if (shape.mirrors_maps) xml_.value("boolean", "mirrored_maps", "true");
       if (course) put_motion(*course, glm::dmat4(1.0), what);
     } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
       xml_.open("shape", SphereShape::kPlugin, id);

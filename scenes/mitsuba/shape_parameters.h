@@ -22,8 +22,24 @@ struct PlacedShape {
   }
 };
 
+/// The tangents of meshes that files describe, for normal maps and anisotropy.
+struct MeshTangents {
+  bool mikktspace = false;
+  bool mirrored_maps = false;
+
+  template <typename Shape, typename Row>
+  static void tangents(const Row& row) {
+    row("tangents", &Shape::mikktspace, OneOf<bool>{{{"triangle", false}, {"mikktspace", true}}},
+        "directions of u for normal maps and anisotropy, unless the file has some: of each triangle, or "
+        "MikkTSpace's");
+    row("mirrored_maps", &Shape::mirrored_maps, TrueOrFalse{},
+        "whether normal maps are mirrored where the texture is, as in most programs, but not in Mitsuba; "
+        "needs tangents");
+  }
+};
+
 template <typename Shape>
-struct MeshFileShape : PlacedShape {
+struct MeshFileShape : PlacedShape, MeshTangents {
   std::string filename;
   bool face_normals = false;
   bool flip_tex_coords = Shape::kFlips;
@@ -36,6 +52,7 @@ struct MeshFileShape : PlacedShape {
     row("face_normals", &Shape::face_normals, TrueOrFalse{}, "whether vertex normals are ignored");
     row("flip_tex_coords", &Shape::flip_tex_coords, TrueOrFalse{}, "whether v counts from the top");
     max_smooth_angle_row(row);
+    tangents<Shape>(row);
   }
   template <typename Row>
   static void max_smooth_angle_row(const Row& row) {
@@ -74,6 +91,7 @@ struct SerializedShape : MeshFileShape<SerializedShape> {
         "which of its meshes, from 0 on");
     row("face_normals", &SerializedShape::face_normals, TrueOrFalse{}, "whether vertex normals are ignored");
     max_smooth_angle_row(row);
+    tangents<SerializedShape>(row);
   }
 };
 

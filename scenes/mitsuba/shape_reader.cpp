@@ -14,6 +14,7 @@
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
+#include "scenes/mikktspace.h"
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/medium_reader.h"
 #include "scenes/mitsuba/mesh_attribute_names.h"
@@ -39,6 +40,7 @@ struct ShapeInput {
   bool& computed_normals;                           ///< set for a mesh whose normals are not its file's
   std::span<const TextKey> over_time;               ///< the files of a mesh, if it has several over time
   std::shared_ptr<const DeformingMesh>& deforming;  ///< set for a mesh of several files over time
+  bool& mirrors_maps;                               ///< see Shape; set for a mesh of a file
 };
 
 /// Whether that is so of the transform, and of all keys of one that moves.
@@ -156,6 +158,9 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
                        (input.context.tree.faceted_without_normals && mesh.normals.empty());
   const bool has_edges = given.max_smooth_angle > 0;
   input.computed_normals = mesh.normals.empty() && !faceted && !has_edges;
+  input.mirrors_maps = given.mirrored_maps;
+  const bool computes_tangents = given.mikktspace && mesh.tangents.empty() && !mesh.texcoords.empty();
+  mesh.computes_tangents = computes_tangents && !has_edges;
   if (!later.empty()) {
     if (has_edges) {
       input.plugin.wrong(
@@ -176,6 +181,7 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
     return std::nullopt;
   }
   if (has_edges) smooth_up_to(mesh, given.max_smooth_angle);
+  if (has_edges && computes_tangents) mesh.tangents = mikktspace_tangents(mesh);
   for (const std::string& warning : read.warnings) input.plugin.warn(fmt::format("{}: {}", name, warning));
   warn_about(input.context, input.plugin.object(), *cleaning, read.faces, name);
   return std::move(mesh);
@@ -584,9 +590,9 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   shape.name = name_of(object);
   shape.id = object.id;
   Source source{&object};
-  auto geometry =
-      known->read({context_, files_, meshes_, plugin, shape.flip_normals, animations_.keys_of(object),
-                   source.computed_normals, animations_.files_of(object), source.deforming});
+  auto geometry = known->read({context_, files_, meshes_, plugin, shape.flip_normals,
+                               animations_.keys_of(object), source.computed_normals,
+                               animations_.files_of(object), source.deforming, shape.mirrors_maps});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, shape, scene_);
@@ -625,9 +631,9 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   whole.name = name_of(object);
   whole.id = object.id;
   Source source{&object};
-  std::vector<MeshPart> parts =
-      read_obj_parts({context_, files_, meshes_, plugin, whole.flip_normals, animations_.keys_of(object),
-                      source.computed_normals, animations_.files_of(object), source.deforming});
+  std::vector<MeshPart> parts = read_obj_parts(
+      {context_, files_, meshes_, plugin, whole.flip_normals, animations_.keys_of(object),
+       source.computed_normals, animations_.files_of(object), source.deforming, whole.mirrors_maps});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   context_.media->install(plugin, whole, scene_);

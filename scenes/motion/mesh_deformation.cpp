@@ -46,12 +46,18 @@ void morph(std::span<const MorphTarget> targets, const Weights& weights, Mesh& m
     if (weights[t] == 0.0) continue;
     add(targets[t].positions, weights[t], mesh.positions);
     add(targets[t].normals, weights[t], mesh.normals);
+    if (targets[t].tangents.empty()) continue;
+    for (std::size_t i = 0; i < mesh.tangents.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        mesh.tangents[i][std::size_t(c)] +=
+            glm::vec4(weights[t] * targets[t].tangents[mesh.triangles[i][c]], 0.0);
   }
 }
 
 void apply_skin(const Skin& skin, std::span<const glm::dmat4> joint_to_world, Mesh& mesh) {
   std::vector<glm::dmat4> moves(joint_to_world.begin(), joint_to_world.end());
   for (std::size_t j = 0; j < moves.size(); ++j) moves[j] = moves[j] * skin.to_joint[j];
+  std::vector<glm::dmat3> of_vertices;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     glm::dmat4 move(0.0);
     double sum = 0.0;
@@ -62,11 +68,17 @@ void apply_skin(const Skin& skin, std::span<const glm::dmat4> joint_to_world, Me
     }
     move = sum > 0.0 ? move / sum : moves.front();
     mesh.positions[i] = transform_point(move, mesh.positions[i]);
+    if (!mesh.tangents.empty()) of_vertices.emplace_back(move);
     if (mesh.normals.empty() || is_singular(move)) continue;
     const glm::dvec3 normal = normal_matrix(move) * glm::dvec3(mesh.normals[i]);
     const double length = glm::length(normal);
     if (length > 0.0) mesh.normals[i] = glm::vec3(normal / length);
   }
+  for (std::size_t i = 0; i < mesh.tangents.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      glm::vec4& t = mesh.tangents[i][std::size_t(c)];
+      t = glm::vec4(of_vertices[mesh.triangles[i][c]] * glm::dvec3(t), t.w);
+    }
 }
 
 }  // namespace penumbra

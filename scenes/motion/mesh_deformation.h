@@ -14,8 +14,9 @@ namespace penumbra {
 struct Mesh;
 
 struct MorphTarget {
-  std::vector<glm::dvec3> positions;  ///< change of each position for a weight of 1; empty: none
-  std::vector<glm::dvec3> normals;    ///< likewise of each normal
+  std::vector<glm::dvec3> positions;   ///< change of each position for a weight of 1; empty: none
+  std::vector<glm::dvec3> normals;     ///< likewise of each normal
+  std::vector<glm::dvec3> tangents{};  ///< likewise of the tangents at each vertex
 };
 
 /// Joints with their weights for each vertex.
@@ -48,8 +49,9 @@ void deform(const MeshDeformation& deformation, double time, std::span<const glm
 /// Adds the targets times their weights. Missing weights are 0.
 void morph(std::span<const MorphTarget> targets, const Weights& weights, Mesh& mesh);
 
-/// Moves each vertex by the weighted mean of its joints' transforms (linear blend skinning), and its normal
-/// by that transform's inverse transpose. `joint_to_world`: of each joint, applied after Skin::to_joint.
+/// Moves each vertex by the weighted mean of its joints' transforms (linear blend skinning), with its
+/// tangents, and its normal by that transform's inverse transpose. `joint_to_world`: of each joint, applied
+/// after Skin::to_joint.
 void apply_skin(const Skin& skin, std::span<const glm::dmat4> joint_to_world, Mesh& mesh);
 
 }  // namespace penumbra

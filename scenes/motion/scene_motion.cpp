@@ -92,7 +92,7 @@ class Pose {
     }
     // A mirroring transform reverses the winding; normals, where there are any, determine it.
     if (mesh.normals.empty() && is_mirror(to_world))
-      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+      for (std::size_t i = 0; i < mesh.triangles.size(); ++i) turn_over(mesh, i);
     if (auto done = place_mesh(mesh, to_world, mesh.normals.empty() && moving.is_faceted); !done)
       return std::unexpected(done.error());
     return mesh.triangles.empty() && vanished_ == Vanished::kIsLeftOut ? Mesh{} : mesh;

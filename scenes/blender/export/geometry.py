@@ -73,6 +73,19 @@ def _parts(context, obj, materials, has_surface, has_strands, states):
     return parts + strands
 
 
+_BY_TANGENTS = {"alpha_u", "specular_roughness_anisotropy"}
+
+
+def _add_tangents(shape, bsdf):
+    """Those of Cycles, for a <bsdf> that needs any."""
+    elements = list(bsdf.iter()) if bsdf is not None else []
+    bends = any(element.get("type") == "normalmap" for element in elements)
+    if bends or any(element.get("name") in _BY_TANGENTS for element in elements):
+        add_value(shape, "string", "tangents", "mikktspace")
+    if bends:
+        add_value(shape, "boolean", "mirrored_maps", True)
+
+
 def _mesh_parts(context, obj, mesh, materials, states):
     arrays = read_mesh(mesh)
     parts = []
@@ -92,6 +105,8 @@ def _mesh_parts(context, obj, mesh, materials, states):
         _add_files(shape, write_part(context, arrays, triangles, uvs, colours, list((states or {}).values())), states)
         if arrays.normals is None:
             add_value(shape, "boolean", "face_normals", True)
+        if uvs is not None:
+            _add_tangents(shape, surface.bsdf)
         outline = None
         if surface.interior is not None:
             outline = arrays.positions, arrays.corners[arrays.triangles]

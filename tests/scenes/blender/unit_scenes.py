@@ -161,6 +161,32 @@ def colour_attribute(scene):
 
 
 @unit_scene
+def normal_map_of_a_coarse_mesh(scene):
+    """A leaning normal all over three balls of few faces, whose tangents differ at every corner. The texture of the second
+    is mirrored at its middle, and the third ball is."""
+    made, shader, _ = material("leaning", "ShaderNodeBsdfDiffuse", {"Color": (0.8, 0.8, 0.8)})
+    image = bpy.data.images.new("leaning", 1, 1, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels = (0.5 + 0.3, 0.5 + 0.2, 0.5 + 0.3464, 1)
+    node, texture = add_node(made, "ShaderNodeNormalMap"), add_node(made, "ShaderNodeTexImage")
+    texture.image = image
+    link(made, texture.outputs["Color"], node.inputs["Color"])
+    link(made, node.outputs["Normal"], shader.inputs["Normal"])
+    for index in range(3):
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=7, ring_count=5, radius=0.75, location=(1.6 * (index - 1), 0, 0),
+                                             rotation=(0.5, 0.3, 0.4))
+        obj = active(made)
+        bpy.ops.object.shade_smooth()
+        if index == 1:
+            for uv in obj.data.uv_layers[0].uv:
+                uv.vector.x = abs(uv.vector.x - 0.5)
+        if index == 2:
+            obj.scale = (-1, 0.8, 1.2)
+    sunny(scene)
+    add_camera(scene, (0, -7, 1.5), (0, 0, 0), 40)
+
+
+@unit_scene
 def collection_instances(scene):
     """Also mirrored, stretched and nested."""
     inner = bpy.data.collections.new("inner")
