@@ -163,6 +163,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define OPENPBR_FUZZ 3
 #define OPENPBR_FUZZ_NARROW 4
 #define OPENPBR_FUZZ_LEAN 5
+#define OPENPBR_REFRACTED 5  // of glTF, whose fuzz does not lean: as if facets refracted all light
 #define OPENPBR_SETS 6
 #define OPENPBR_PACKED 32767  // the base has two albedos of so many steps in one number
 #define OPENPBR_PACKED_BITS 15

@@ -181,13 +181,12 @@ typedef struct {
   vec3 reflected, mean_reflected;  // what microfacets reflect of light for wo, and of all
   float plain, mean_plain;         // ... without Fresnel's factor
   float dielectric, metal;         // weights; those below are included
-  vec3 tint, metal_base, dip;
-  float weight;        // of the dielectric's reflection
-  float along_normal;  // its Fresnel reflectance there
-  float fades;         // 1 over what that leaves if the tint fades, else 0
-  vec3 base_colour;    // of the diffuse base
-  vec3 again;          // share of the light below the dielectric that its microfacets reflect
-  vec3 metal_again;    // of what a metal's microfacets do not reflect at once
+  vec3 tint, raise, metal_base, dip;
+  float weight;      // of the dielectric's reflection
+  bool fades;        // whether the tint does
+  vec3 base_colour;  // of the diffuse base
+  vec3 again;        // share of the light below the dielectric that its microfacets reflect
+  vec3 metal_again;  // of what a metal's microfacets do not reflect at once
   // Of layered ones.
   bool inside, thin;
   float opaque;                    // share of the dielectric
@@ -202,14 +201,26 @@ typedef struct {
   float share_diffuse, share_facets, share_coat, share_fuzz, share_sub, transmits;
 } OpenPbr;
 
-/// What the dielectric reflects. If the tint fades, it is only of F0 (1 - S) where Fresnel's reflectance is S
-/// + F0 (1 - S) (glTF 2.0, appendix B). `all`: what would be reflected without Fresnel's factor.
+/// A tinted reflectance is slope * F + raise, where F is Fresnel's.
+typedef struct {
+  float slope, raise;
+} Tint;
+/// If the tint fades, it is only of F0 (1 - S) where F is S + F0 (1 - S) (glTF 2.0, appendix B). Written in F
+/// it does not multiply the errors of tables, though it may be above 1.
+FN Tint tint_of(float colour, float along_normal, bool fades) {
+  const float least = min_f(colour * along_normal, 1.0f);  // all is reflected
+  const float slope = (1.0f - least) / max_f(1.0f - along_normal, 1e-3f);
+  Tint t;
+  t.slope = fades ? slope : colour;
+  t.raise = fades ? least - along_normal * slope : 0.0f;
+  return t;
+}
+
+/// What the dielectric reflects. `all`: what would be reflected without Fresnel's factor.
 FN vec3 tinted(OpenPbr p, vec3 reflected, float all) {
-  const float least = p.along_normal * all;
-  const vec3 white = make_vec3(clamp_f((reflected.x - least) * p.fades, 0.0f, reflected.x),
-                               clamp_f((reflected.y - least) * p.fades, 0.0f, reflected.y),
-                               clamp_f((reflected.z - least) * p.fades, 0.0f, reflected.z));
-  return scale(add(white, mul(sub(reflected, white), p.tint)), p.weight);
+  return make_vec3(p.weight * max_f(reflected.x * p.tint.x + all * p.raise.x, 0.0f),
+                   p.weight * max_f(reflected.y * p.tint.y + all * p.raise.y, 0.0f),
+                   p.weight * max_f(reflected.z * p.tint.z + all * p.raise.z, 0.0f));
 }
 
 /// What a medium of this transmittance leaves of light that goes through it `times` times; textures may be
@@ -231,7 +242,7 @@ FN float left_after(float back, float albedo) {
 /// as glTF defines.
 FN vec3 left_by_dielectric(OpenPbr p) {
   const vec3 reflected = tinted(p, p.reflected, p.plain);
-  const vec3 taken = select3(p.fades > 0.0f, uniform_vec3(max_component(reflected)), reflected);
+  const vec3 taken = select3(p.fades, uniform_vec3(max_component(reflected)), reflected);
   return sub(uniform_vec3(1.0f), taken);
 }
 /// For a channel: the mean of the microfacets' further reflections, over that of the light below, in which
@@ -242,7 +253,7 @@ FN float further_share(OpenPbr p, float boundary, float reflected, float tint, f
 }
 /// Where the tint fades, each reflection is tinted.
 FN vec3 further_shares(OpenPbr p, vec3 boundary) {
-  const bool fades = p.fades > 0.0f;
+  const bool fades = p.fades;
   const vec3 each = select3(fades, tinted(p, boundary, 1.0f), boundary);
   const vec3 left = tinted(p, p.mean_reflected, p.mean_plain);
   const vec3 reflected = select3(fades, uniform_vec3(max_component(left)), p.mean_reflected);
@@ -304,9 +315,13 @@ FN vec3 metal_reflectances(const PRIVATE Scene* scene, Closure c, OpenPbr p, boo
 FN vec3 reflectances_of_two(vec3 r) {
   return make_vec3(reflectance_of_two(r.x), reflectance_of_two(r.y), reflectance_of_two(r.z));
 }
+/// Whether what transmits takes the light that its boundary does not show: outside, of glTF.
+FN bool passes_the_rest(Closure c, OpenPbr p) { return ((c.variant & OPENPBR_GLTF) != 0) & !p.inside; }
+
 /// The probability of reflection that samples have, for these reflectances.
-FN float chance_of_reflection(bool film, vec3 reflectances) {
-  return film ? (reflectances.x + reflectances.y + reflectances.z) * (1.0f / 3.0f) : reflectances.x;
+FN float chance_of_reflection(Closure c, OpenPbr p, bool film, vec3 reflectances) {
+  if (film) return (reflectances.x + reflectances.y + reflectances.z) * (1.0f / 3.0f);
+  return passes_the_rest(c, p) ? max_component(tinted(p, reflectances, 1.0f)) : reflectances.x;
 }
 
 /// `layered` and `film` are constants: which of the three families it is.
@@ -351,10 +366,13 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   p.metal = gltf ? c.metallic : c.metallic * c.specular_level;
   p.dielectric = 1.0f - c.metallic;
   p.weight = (c.variant & OPENPBR_WEIGHT_TINTS) != 0 ? c.specular_level : 1.0f;
-  p.along_normal = normal_reflectance(c.ior);
-  p.fades = (c.variant & OPENPBR_TINT_FADES) != 0 ? 1.0f / max_f(1.0f - p.along_normal, 1e-3f) : 0.0f;
-  const float most = p.fades > 0.0f ? 1.0f / max_f(p.along_normal, 1e-6f) : 1e30f;  // all is reflected
-  p.tint = make_vec3(min_f(c.specular.x, most), min_f(c.specular.y, most), min_f(c.specular.z, most));
+  p.fades = (c.variant & OPENPBR_TINT_FADES) != 0;
+  const float along_normal = normal_reflectance(c.ior);
+  const Tint red = tint_of(c.specular.x, along_normal, p.fades),
+             green = tint_of(c.specular.y, along_normal, p.fades),
+             blue = tint_of(c.specular.z, along_normal, p.fades);
+  p.tint = make_vec3(red.slope, green.slope, blue.slope);
+  p.raise = make_vec3(red.raise, green.raise, blue.raise);
   p.metal_base = p.base_colour = scale(c.diffuse, c.spec_tint);
   const vec3 edge = select3(gltf, white, c.specular);
   p.dip = make_vec3(metal_dip(p.metal_base.x, edge.x), metal_dip(p.metal_base.y, edge.y),
@@ -399,19 +417,26 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     const int to_set = (OPENPBR_SCATTERED - OPENPBR_BASE) * (c.curve_rows / sets) * CURVE_STRIDE;
     scattered.first += to_set;
     scattered.second += to_set;
-    float once = p.thin ? p.plain : facet_curve(scene, scattered, at);
-    // glTF's boundary transmits what it does not reflect, of which the table has Fresnel's share.
-    const float shown = max_component(from_dielectric);
-    const float passes = (p.plain - shown) / max_f(p.plain - p.reflected.x, 1e-6f);
-    const float shown_and_passed = shown + max_f(once - p.reflected.x, 0.0f) * max_f(passes, 0.0f);
-    once = (gltf & !p.thin & !p.inside) ? shown_and_passed : once;
+    vec3 each_once = uniform_vec3(p.thin ? p.plain : facet_curve(scene, scattered, at));
     p.opaque = 1.0f - c.spec_trans;
-    vec3 each_once = uniform_vec3(once);
     if (film) each_once = select3(p.thin, each_once, mix3(each_once, with_film.scattered, c.film));
+    // glTF's boundary transmits what it does not reflect in its brightest channel: with the weight w, 1 - w
+    // (slope F + raise) is w slope (1 - F) + 1 - w (slope + raise).
+    CurveRows refracted = scattered;
+    refracted.first += (OPENPBR_REFRACTED - OPENPBR_SCATTERED) * (c.curve_rows / sets) * CURVE_STRIDE;
+    refracted.second += (OPENPBR_REFRACTED - OPENPBR_SCATTERED) * (c.curve_rows / sets) * CURVE_STRIDE;
+    const float refracts = facet_curve(scene, refracted, at);
+    const Tint most = tint_of(max_component(c.specular), along_normal, p.fades);
+    const float slope = p.weight * most.slope, raise = p.weight * most.raise;
+    const float rest = raise * p.plain + max_f(1.0f - slope - raise, 0.0f) * refracts;
+    each_once =
+        select3(gltf & !p.thin & !p.inside, add(scale(each_once, slope), uniform_vec3(rest)), each_once);
     p.glass = make_vec3(c.spec_trans / max_f(each_once.x, 1e-3f), c.spec_trans / max_f(each_once.y, 1e-3f),
                         c.spec_trans / max_f(each_once.z, 1e-3f));
     p.transmits = p.inside ? 1.0f : p.dielectric * c.spec_trans;
-    const vec3 passed = scale(sub(white, p.reflected), p.dielectric * c.spec_trans);
+    const vec3 shown =
+        select3(passes_the_rest(c, p), uniform_vec3(max_component(from_dielectric)), p.reflected);
+    const vec3 passed = scale(sub(white, shown), p.dielectric * c.spec_trans);
     const float passed_on_average = film ? luminance(passed) : passed.x;
     diffuse = sub(diffuse, scale(returned, p.dielectric * c.spec_trans));
     // What comes back from walks counts with what is scattered to the other side of a wall.
@@ -450,12 +475,12 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     p.below = scale(mix3(white, darkened, p.coat * c.diffuse_rate),
                     p.above_coat * max_f(1.0f - p.coat * coat_reflects, 0.0f));
     p.below = select3(p.inside, white, p.below);
-    const float rest = luminance(p.below);
+    const float left = luminance(p.below);
     p.share_coat = p.above_coat * p.coat * coat_reflects;
     p.share_fuzz = p.fuzz * fuzz_reflects * luminance(c.k);
-    facets = p.inside ? 1.0f : rest * (facets + passed_on_average);
-    diffuse = scale(diffuse, p.inside ? 0.0f : rest);
-    p.share_sub = max_f(luminance(comes_back) * rest, 0.0f);
+    facets = p.inside ? 1.0f : left * (facets + passed_on_average);
+    diffuse = scale(diffuse, p.inside ? 0.0f : left);
+    p.share_sub = max_f(luminance(comes_back) * left, 0.0f);
   }
   const float scattered_diffusely = max_f(luminance(diffuse), 0.0f);
   const float to_unit =
@@ -517,9 +542,9 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
       base_reflectances(scene, c, p, film, FABS(cos_o), dielectric_fresnel(FABS(cos_o), c.ior).reflectance);
   const vec3 glass_reflects = select3(p.thin, reflectances_of_two(fresnel), fresnel);
   const vec3 tinted_glass = tinted(p, glass_reflects, 1.0f);
-  const bool keeps = ((c.variant & OPENPBR_GLTF) != 0) & !p.inside;
   const vec3 glass_passes =
-      sub(uniform_vec3(1.0f), select3(keeps, uniform_vec3(max_component(tinted_glass)), glass_reflects));
+      sub(uniform_vec3(1.0f),
+          select3(passes_the_rest(c, p), uniform_vec3(max_component(tinted_glass)), glass_reflects));
   const float density = reflected_density(p.facets, wo, h);
   const float masked = density * microfacet_masking(p.facets, above);
   const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
@@ -532,7 +557,7 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const vec3 once = make_vec3(SQRT(c.transmitted.x), SQRT(c.transmitted.y), SQRT(c.transmitted.z));
   const vec3 passed =
       mul(select3(p.thin, c.transmitted, once), scale(mul(in_glass, glass_passes), p.thin ? 1.0f : jacobian));
-  const float share_passed = p.transmits * (1.0f - chance_of_reflection(film, glass_reflects));
+  const float share_passed = p.transmits * (1.0f - chance_of_reflection(c, p, film, glass_reflects));
   const float facets_pdf =
       density * (through ? share_passed * (p.thin ? 1.0f : c.ior * c.ior * jacobian) : 1.0f - share_passed);
   vec3 f_cos = scale(select3(through, passed, reflected), faces ? masked : 0.0f);
@@ -604,7 +629,7 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   const DielectricFresnel boundary = dielectric_fresnel(cosine, c.ior);
   const vec3 reflectances = base_reflectances(scene, c, p, film, cosine, boundary.reflectance);
   const float reflects =
-      chance_of_reflection(film, select3(p.thin, reflectances_of_two(reflectances), reflectances));
+      chance_of_reflection(c, p, film, select3(p.thin, reflectances_of_two(reflectances), reflectances));
   const bool transmits = is_base & (choice < up_to_coat + p.share_facets * (p.transmits * (1.0f - reflects)));
   const vec3 mirrored = mirror_about(wo, facet);
   const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),

@@ -39,7 +39,7 @@ float packed(const FacetAlbedo& albedo) {
 FacetAlbedo unpacked(float both) {
   const auto bits = std::bit_cast<unsigned>(both);
   return {double(bits >> OPENPBR_PACKED_BITS) / OPENPBR_PACKED,
-          double(bits & OPENPBR_PACKED) / OPENPBR_PACKED, 0};
+          double(bits & OPENPBR_PACKED) / OPENPBR_PACKED, 0, 0};
 }
 
 double knot_cosine(std::size_t knot) { return std::max(1e-8, std::pow(double(knot) / (CURVE_KNOTS - 1), 4)); }
@@ -150,20 +150,22 @@ FilmAlbedos film_albedos(double alpha_u, double alpha_v, double ior, double cosi
   return {sum.reflected / parts, sum.scattered / parts};
 }
 
-float packed(double low, double high) { return packed(FacetAlbedo{high, low, 0}); }
+float packed(double low, double high) { return packed(FacetAlbedo{high, low, 0, 0}); }
 
 }  // namespace
 
 FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosine, double across) {
-  FacetAlbedo sum{0, 0, 0};
+  FacetAlbedo sum{0, 0, 0, 0};
   const double parts =
       visit_facets(alpha_u, alpha_v, ior, cosine, across,
                    [&](double, const SmoothRefraction& boundary, double reflection, double refraction) {
                      sum.plain += reflection;
                      sum.reflected += reflection * boundary.reflected;
                      sum.scattered += (1 - boundary.reflected) * refraction;
+                     sum.refracted += refraction;
                    });
-  return {sum.plain / parts, sum.reflected / parts, (sum.reflected + sum.scattered) / parts};
+  return {sum.plain / parts, sum.reflected / parts, (sum.reflected + sum.scattered) / parts,
+          sum.refracted / parts};
 }
 
 double fuzz_albedo(double roughness, double cosine) {
@@ -277,6 +279,7 @@ std::vector<float> FacetCurves::curves() const {
       at(OPENPBR_BASE, row)[knot] = packed(base);
       if (!layered) continue;
       at(OPENPBR_SCATTERED, row)[knot] = float(transmits ? base.scattered : 1);
+      if (gltf) at(OPENPBR_REFRACTED, row)[knot] = float(transmits ? base.refracted : 1);
       if (coat_ior != 1) {
         const double coat = by_roughness ? alpha : coat_alpha;
         const bool again = row > 0 && !by_roughness;
@@ -287,15 +290,16 @@ std::vector<float> FacetCurves::curves() const {
       const double rough = by_roughness ? std::sqrt(alpha) : fuzz_roughness;
       const SheenCell sheen = sheen_cell(rough, cosine);
       at(OPENPBR_FUZZ, row)[knot] = gltf ? float(fuzz_albedo(rough, cosine)) : sheen.reflectance;
+      if (gltf) continue;
       at(OPENPBR_FUZZ_NARROW, row)[knot] = sheen.narrow;
       at(OPENPBR_FUZZ_LEAN, row)[knot] = sheen.lean;
     }
   }
   for (int set = 0; set < sets(); ++set) {
-    FacetAlbedo all{0, 0, 0};
+    FacetAlbedo all{0, 0, 0, 0};
     for (std::size_t row = 0; row < count; ++row) {
       const float* knots = at(set, row);
-      FacetAlbedo mean{0, hemisphere_mean([&](int k) { return double(knots[k]); }), 0};
+      FacetAlbedo mean{0, hemisphere_mean([&](int k) { return double(knots[k]); }), 0, 0};
       if (set == OPENPBR_BASE) {
         mean.plain = hemisphere_mean([&](int k) { return unpacked(knots[k]).plain; });
         mean.reflected = hemisphere_mean([&](int k) { return unpacked(knots[k]).reflected; });

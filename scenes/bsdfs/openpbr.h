@@ -261,7 +261,7 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
 
   FacetCurves curves;
   curves.ior = double(m.ior);
-  curves.gltf = layered && surface.gltf && surface.fuzzy();
+  curves.gltf = layered && surface.gltf && (surface.fuzzy() || surface.transmits());
   bool textured = roughness.texture != kNoTexture;
   if (layered) {
     PENUMBRA_SET_FIELD(m, flatness, surface.base_diffuse_roughness);
