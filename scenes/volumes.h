@@ -32,10 +32,11 @@ struct GridVolumeParameters {
   static constexpr const char* kText =
       "values on a grid, from a file; they are at the centres of cells that fill the unit cube of to_world, "
       "and constant beyond the outermost";
+  enum Wrap { kClamp, kRepeat, kZero };
   std::string filename;
   glm::dmat4 to_world{1.0};
   bool nearest = false;
-  bool repeats = false;
+  int wrap = kClamp;
   bool use_grid_bbox = false;
 
   template <typename Row>
@@ -44,14 +45,15 @@ struct GridVolumeParameters {
     row("to_world", &GridVolumeParameters::to_world, AnyTransform{}, "where the unit cube is");
     row("filter_type", &GridVolumeParameters::nearest, OneOf<bool>{{{"trilinear", false}, {"nearest", true}}},
         "what is between the centres of cells");
-    row("wrap_mode", &GridVolumeParameters::repeats,
-        OneOf<bool>{{{"clamp", false}, {"mirror", false}, {"repeat", true}}},
-        "what is beyond the outermost centres; repeat is clamp here");
+    row("wrap_mode", &GridVolumeParameters::wrap,
+        OneOf<int>{{{"clamp", kClamp}, {"mirror", kClamp}, {"repeat", kRepeat}, {"zero", kZero}}},
+        "what is beyond the outermost centres; repeat is clamp here. zero: a layer of cells of 0 around the "
+        "grid, as in OpenVDB's. Not in Mitsuba");
     row("use_grid_bbox", &GridVolumeParameters::use_grid_bbox, TrueOrFalse{},
         "the grid fills the box that its file says instead of the unit cube");
   }
   void complete(Findings& findings) const {
-    if (repeats)
+    if (wrap == kRepeat)
       findings.push_back(
           {"",
            "beyond the outermost centres of its cells a grid is constant, so wrap_mode 'repeat' "

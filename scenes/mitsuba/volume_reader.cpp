@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scenes/transform.h"
 #include "scenes/volumes.h"
@@ -37,6 +38,32 @@ glm::dmat4 around_corners(const VolumeGrid& grid) {
   return translation(half) * scaling(cells / (cells - 1.0)) * translation(-half);
 }
 
+/// The file's grid within a layer of cells of value 0, and its box, which is larger by them. Errors: more
+/// cells than an int counts.
+Expected<VolumeFile> with_border(const std::string& name, const VolumeFile& file) {
+  const VolumeGrid& grid = file.grid;
+  if (std::max({grid.nx, grid.ny, grid.nz}) > std::numeric_limits<int>::max() - 2)
+    return fail(fmt::format("{}: its grid is too large for a border", name));
+  const glm::ivec3 cells(grid.nx, grid.ny, grid.nz);
+  const glm::dvec3 cell = (file.high - file.low) / glm::dvec3(cells);
+  VolumeFile larger{
+      {grid.nx + 2, grid.ny + 2, grid.nz + 2, grid.channels, {}}, file.low - cell, file.high + cell};
+  const auto channels = std::size_t(grid.channels), row = std::size_t(grid.nx) * channels;
+  const auto wide = std::size_t(larger.grid.nx) * channels, high = std::size_t(larger.grid.ny);
+  larger.grid.values.resize(wide * high * std::size_t(larger.grid.nz));
+  for (std::size_t z = 0; z < std::size_t(grid.nz); ++z)
+    for (std::size_t y = 0; y < std::size_t(grid.ny); ++y)
+      std::copy_n(grid.values.begin() + std::ptrdiff_t((z * std::size_t(grid.ny) + y) * row), row,
+                  larger.grid.values.begin() + std::ptrdiff_t(((z + 1) * high + y + 1) * wide + channels));
+  return larger;
+}
+
+/// From the unit cube that the cells of a file fill to that of its grid with a border.
+glm::dmat4 around_border(const VolumeGrid& larger) {
+  const glm::dvec3 cells(larger.nx, larger.ny, larger.nz), half(0.5);
+  return translation(half) * scaling(cells / (cells - 2.0)) * translation(-half);
+}
+
 }  // namespace
 
 std::optional<GridVolume> VolumeReader::read(const Context& context, const Object& object,
@@ -50,7 +77,8 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
   // Parameters of Mitsuba's spectral variants, GPU backends and sampling.
   plugin.accept({"raw", "accel", "max_value"});
   plugin.finish();
-  const File file = open(context, plugin, given.filename);
+  const bool has_border = given.wrap == GridVolumeParameters::kZero;
+  const File file = open(context, plugin, given.filename, has_border);
   if (file == nullptr) return std::nullopt;
   const VolumeGrid& grid = file->grid;
   const auto odd = std::ranges::find_if(grid.values, [&](float value) { return !values.contains(value); });
@@ -68,6 +96,11 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
                              given.filename, grid.nx, grid.ny, grid.nz));
     return std::nullopt;
   }
+  if (has_border && at_corners) {
+    plugin.wrong("wrap_mode", "zero is for scenes of version 2 and later");
+    return std::nullopt;
+  }
+  if (has_border && !given.use_grid_bbox) volume.to_world = given.to_world * around_border(grid);
   if (given.use_grid_bbox || at_corners) {
     const auto box = at_corners ? box_of(moved(plugin, *file)) : box_of(*file);
     if (!box) {
@@ -90,7 +123,7 @@ std::optional<GridVolume> VolumeReader::read(const Context& context, const Objec
 }
 
 VolumeReader::File VolumeReader::open(const Context& context, PluginReader& plugin,
-                                      const std::string& filename) {
+                                      const std::string& filename, bool has_border) {
   if (!plugin.has("filename")) {
     plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
     return nullptr;
@@ -101,9 +134,9 @@ VolumeReader::File VolumeReader::open(const Context& context, PluginReader& plug
     return nullptr;
   }
   std::error_code ignored;
-  const std::string key = std::filesystem::weakly_canonical(*path, ignored).string();
+  const std::pair key(std::filesystem::weakly_canonical(*path, ignored).string(), has_border);
   auto known = files_.find(key);
-  if (known == files_.end()) known = files_.emplace(key, read_new(*context.files, *path)).first;
+  if (known == files_.end()) known = files_.emplace(key, read_new(*context.files, *path, has_border)).first;
   if (known->second) return *known->second;
   context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", known->second.error().message,
                                              describe(plugin.object().location)));
@@ -111,10 +144,11 @@ VolumeReader::File VolumeReader::open(const Context& context, PluginReader& plug
 }
 
 Expected<VolumeReader::File> VolumeReader::read_new(const FileAccess& files,
-                                                    const std::filesystem::path& path) {
+                                                    const std::filesystem::path& path, bool has_border) {
   const Expected<std::string> bytes = files.read_bytes(path, kMaxVolumeFileBytes);
   if (!bytes) return std::unexpected(bytes.error());
   Expected<VolumeFile> file = read_volume_file(path.string(), *bytes);
+  if (file && has_border) file = with_border(path.string(), *file);
   if (!file) return std::unexpected(file.error());
   return std::make_shared<const VolumeFile>(std::move(*file));
 }

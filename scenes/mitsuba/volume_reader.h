@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/volume_file.h"
@@ -22,10 +23,11 @@ class VolumeReader {
 
  private:
   using File = std::shared_ptr<const VolumeFile>;
-  File open(const Context& context, PluginReader& plugin, const std::string& filename);
-  static Expected<File> read_new(const FileAccess& files, const std::filesystem::path& path);
+  File open(const Context& context, PluginReader& plugin, const std::string& filename, bool has_border);
+  static Expected<File> read_new(const FileAccess& files, const std::filesystem::path& path, bool has_border);
 
-  std::map<std::string, Expected<File>> files_;  ///< keyed by path
+  std::map<std::pair<std::string, bool>, Expected<File>>
+      files_;  ///< keyed by path, and whether with a border
 };
 
 }  // namespace penumbra::mitsuba

@@ -154,6 +154,21 @@ TEST_F(MitsubaGrids, FilesAreReadOnceAndCounted) {
   EXPECT_NE(read_scene(folder_ / "scene.xml", {})->contents_hash, before);
 }
 
+/// A layer of zeros; the numbers stay where they are.
+TEST_F(MitsubaGrids, WrapModeZeroSurroundsThem) {
+  std::vector<float> values(5 * 4 * 3);
+  for (std::size_t i = 0; i < 6; ++i) values[20 + 5 * (1 + i / 3) + 1 + i % 3] = float(i);
+  const auto expected = std::make_shared<const VolumeGrid>(VolumeGrid{5, 4, 3, 1, values});
+  const std::string zero = word("wrap_mode", "zero");
+  const glm::dvec3 low(-1 - 2.0 / 3, -4, -10), high(1 + 2.0 / 3, 4, 11);
+  expect_same(read_medium(grid("sigma_t", "smoke.vol", zero + true_or_false("use_grid_bbox", true))).density,
+              GridVolume{expected, translation(low) * scaling(high - low)});
+  const GridVolume alone = *read_medium(grid("sigma_t", "smoke.vol", zero)).density;
+  EXPECT_EQ(alone.grid->values, values);
+  const glm::dvec4 corner = alone.to_world * glm::dvec4(1.0 / 5, 3.0 / 4, 2.0 / 3, 1);
+  EXPECT_LT(glm::distance(glm::dvec3(corner), glm::dvec3(0, 1, 1)), 1e-12);
+}
+
 TEST_F(MitsubaGrids, ErrorsSayWhatIsWrong) {
   EXPECT_THAT(wrong(grid("sigma_t", "fog.vol")), HasSubstr("there is no file 'fog.vol'"));
   EXPECT_THAT(wrong("<volume type='gridvolume' name='sigma_t'/>"),

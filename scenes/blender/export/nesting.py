@@ -58,9 +58,10 @@ class _Region:
 
 
 class Regions:
-    """All regions of a scene. placed: {Geometry: [Place]}."""
+    """All regions of a scene. placed: {Geometry: [Place]}. everywhere: the Medium of the world, or None."""
 
-    def __init__(self, context, placed):
+    def __init__(self, context, placed, everywhere=None):
+        self.everywhere = everywhere
         self.report = context.report
         outlines = {id(part): _Outline(*part.outline) for geometry in placed for part in geometry.parts
                     if part.outline is not None}
@@ -88,22 +89,25 @@ class Regions:
         return [region for region in found[0] if region is not own and all(region in regions for regions in found)]
 
     def element(self, regions):
-        """The <medium> of what is within all of these; None within none. A grid does not add up with others."""
+        """The <medium> of what is within all of these; None if nothing is there. A grid does not add up with others."""
         media = [(region.part.surface.interior, region) for region in regions]
         grids = [(medium, region) for medium, region in media if isinstance(medium, GridMedium)]
         if grids:
             medium, region = grids[-1]
-            if len(media) > 1:
+            if len(media) > 1 or self.everywhere is not None:
                 self.report.add("within the box of the grid there is no other medium", material=region.part.name)
             if region.place.moves:
                 self.report.add("a volume does not move while the shutter is open", material=region.part.name)
             return medium.element(region.place.now)
-        if not media:
+        added = [medium for medium, _ in media]
+        if self.everywhere is not None:
+            added.append(self.everywhere)
+        if not added:
             return None
         total = Medium()
-        for medium, _ in media:
+        for medium in added:
             total.add(medium)
-        if len(media) > 1 and total.mixes_colours:
+        if media and len(added) > 1 and total.mixes_colours:
             self.report.add("phase functions are mixed alike for all colours", material=regions[0].part.name)
         return total.element()
 

@@ -13,10 +13,11 @@ from .deformation import has_own_data, meshes_at_keys
 from .elements import Element, add_reference, add_value, plugin, write_scene
 from .geometry import differs, geometry_of
 from .lights import export_light
+from .materials import export_world_medium
 from .motion import Place, Shutter, blur_of
 from .nesting import Regions
 from .surfaces import Surfaces
-from .world import export_world
+from .world import export_world, shown_world
 
 _SHOWN = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "VOLUME"}
 _NOTHING = {"CAMERA", "EMPTY", "LIGHT_PROBE", "ARMATURE", "LATTICE", "SPEAKER"}
@@ -141,7 +142,8 @@ class _SceneWriter:
     def shapes(self):
         """Shapes of what is shown once; groups and instances of what is shown several times."""
         shapes = []
-        self.regions = Regions(self.context, self.placed)
+        self.regions = Regions(self.context, self.placed,
+                               export_world_medium(shown_world(self.context), self.context))
         for geometry, places in self.placed.items():
             if len(places) == 1 or not self._is_alike(geometry, places):
                 for place in places:
@@ -194,7 +196,7 @@ def export_scene(context, scene, name="scene"):
     writer.walk(keyed)
     shapes = writer.shapes()
     element = Element("scene", {"version": "3.0.0"})
-    element.append(_integrator(scene, bool(writer.regions.regions)))
+    element.append(_integrator(scene, bool(writer.regions.regions) or writer.regions.everywhere is not None))
     if camera is None:
         context.report.add("the scene has no camera")
     else:
@@ -204,7 +206,7 @@ def export_scene(context, scene, name="scene"):
         sensor = export_camera(context, scene, camera, place)
         writer.add_camera_medium(sensor, camera)
         element.append(sensor)
-    element.extend(export_world(context, context.depsgraph.scene.world))
+    element.extend(export_world(context, shown_world(context)))
     element.extend(writer.surfaces.elements)
     element.extend(writer.lights)
     element.extend(shapes)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume objects: a box with a medium whose density is a grid of an OpenVDB file."""
+"""Volume objects: a box with a medium on the grids of an OpenVDB file."""
 
 import dataclasses
 import os
@@ -11,6 +11,7 @@ import mathutils
 import numpy
 
 from .elements import Element, add_matrix, add_value, plugin
+from .grids import GridError, Grids, Probe, write_volume
 from .materials import export_material
 from .surfaces import Part
 
@@ -22,28 +23,38 @@ _SIDES = numpy.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0,
 
 @dataclasses.dataclass
 class GridMedium:
-    """The Medium that is where the grid of a file has the density 1. shift: of the grid in the space of the object.
-    in_object: whether it is as dense on the whole when the object is scaled, not for a unit of length."""
-    medium: object
-    path: str
+    """A medium on grids. density: the path of the grid of extinctions, in units of `scale`. albedo: a
+    colour or the path of a grid. emission: gives such a one times its argument, or None. shift: of the grids in the space of the object. in_object:
+    whether it is as dense on the whole when the object is scaled, not for a unit of length."""
+    density: str
+    scale: float
+    albedo: object
+    emission: object
+    phase: object
     shift: object
     in_object: bool
 
     def element(self, matrix):
         """The <medium> in an object's matrix."""
-        scattered = self.medium.scattering
-        extinction = scattered + self.medium.absorbed
-        most = float(extinction.max())
         element = plugin("medium", "heterogeneous")
-        grid = Element("volume", {"type": "gridvolume", "name": "sigma_t"})
-        add_value(grid, "string", "filename", self.path)
-        add_value(grid, "boolean", "use_grid_bbox", True)
-        add_matrix(grid, matrix @ mathutils.Matrix.Translation(self.shift))
-        element.append(grid)
-        add_value(element, "float", "scale", most / (_scale(matrix) if self.in_object else 1))
-        add_value(element, "rgb", "albedo", numpy.divide(scattered, extinction, out=numpy.zeros(3), where=extinction > 0))
-        if scattered.any():
-            element.append(self.medium.phase())
+        density = 1 / _scale(matrix) if self.in_object else 1.0
+        emission = None if self.emission is None else self.emission(density)
+        colours = {"albedo": self.albedo, "emission": emission}
+        for name, path in {"sigma_t": self.density, **colours}.items():
+            if not isinstance(path, str):
+                continue
+            grid = Element("volume", {"type": "gridvolume", "name": name})
+            add_value(grid, "string", "filename", path)
+            add_value(grid, "boolean", "use_grid_bbox", True)
+            add_value(grid, "string", "wrap_mode", "zero")
+            add_matrix(grid, matrix @ mathutils.Matrix.Translation(self.shift))
+            element.append(grid)
+        add_value(element, "float", "scale", self.scale * density)
+        for name, colour in colours.items():
+            if colour is not None and not isinstance(colour, str):
+                add_value(element, "rgb", name, colour)
+        if self.phase is not None:
+            element.append(self.phase)
         return element
 
 
@@ -52,12 +63,46 @@ def _scale(matrix):
     return (matrix.to_3x3() @ mathutils.Vector((1, 1, 1)).normalized()).length
 
 
-def _note_losses(context, medium, name):
-    extinction = medium.scattering + medium.absorbed
-    if extinction.max() - extinction.min() > 1e-4 * extinction.max():
+def _is_constant(values):
+    rows = values.reshape(-1, values.shape[-1])
+    return numpy.allclose(rows, rows[0], rtol=1e-4, atol=1e-12)
+
+
+def _extinction_of(context, medium, name):
+    """The extinction, (…, 1), and the albedo, which where nothing is is the mean."""
+    scattered = medium.scattering
+    extinction = scattered + medium.absorbed
+    most = extinction.max(axis=-1, keepdims=True)
+    if (most - extinction.min(axis=-1, keepdims=True) > 1e-4 * most).any():
         context.report.add("a grid's extinction is exported as that of the channel with the most", name)
-    if medium.emitted.any():
-        context.report.add("the emission of a volume object is not exported", name)
+    albedo = numpy.divide(scattered, extinction, out=numpy.zeros(extinction.shape), where=extinction > 0)
+    is_there = most[..., 0] > 0
+    mean = albedo[is_there].mean(axis=0) if is_there.any() else numpy.zeros(3)
+    return most, numpy.where(is_there[..., None], albedo, mean)
+
+
+def _density_of_file(context, medium, grid, name):
+    """Of a Medium that looked up the Probe's grid alone: by how much its extinction is a multiple of the grid, and the
+    albedo. None if that is not all that there is."""
+    extinction, albedo = _extinction_of(context, medium, name)
+    ratio = extinction / numpy.maximum(grid, 1e-30)
+    if medium.emitted.any() or not (_is_constant(ratio) and _is_constant(albedo)):
+        return None
+    return float(ratio.mean()), albedo.reshape(-1, 3)[0]
+
+
+def _on_grids(context, medium, grids, name):
+    """The density, scale, albedo and emission of a GridMedium."""
+    extinction, albedo = _extinction_of(context, medium, name)
+
+    def shown(values):
+        """A colour, or the path of a grid."""
+        if _is_constant(values) and values.shape[-1] == 3:
+            return values.reshape(-1, 3)[0]
+        return write_volume(context, numpy.broadcast_to(values, (*grids.cells, values.shape[-1])), grids.low, grids.high)
+
+    emission = (lambda factor: shown(factor * medium.emitted)) if medium.emitted.any() else None
+    return shown(extinction), 1.0, shown(albedo), emission
 
 
 def _shift_of(grid):
@@ -70,8 +115,12 @@ def _box_of(obj, grid):
     """The matrix from the cube between -1 and 1 to the object's box, and a cell of the grid around it."""
     corners = numpy.array(obj.bound_box)
     cell = numpy.abs(numpy.array(grid.matrix_object)[:3, :3]).sum(axis=1)
-    low, high = corners.min(axis=0) - cell, corners.max(axis=0) + cell
-    return mathutils.Matrix.Translation((low + high) / 2) @ mathutils.Matrix.Diagonal((*(high - low) / 2, 1))
+    return _box(corners.min(axis=0) - cell, corners.max(axis=0) + cell)
+
+
+def _box(low, high):
+    """The matrix from the cube between -1 and 1."""
+    return mathutils.Matrix.Translation((low + high) / 2) @ mathutils.Matrix.Diagonal((*((high - low) / 2), 1))
 
 
 def _file_of(context, obj):
@@ -97,24 +146,40 @@ def volume_parts(context, obj, materials):
     if not grids.load():
         context.report.add(f"the volume's file could not be read: {grids.error_message}", name)
         return []
-    if "density" not in grids:
-        context.report.add("a volume without a grid named density is not exported", name)
-        return []
-    for grid in grids:
-        if grid.name != "density":
-            context.report.add(f'the grid "{grid.name}" is not exported', name)
     if len(materials) > 1:
         context.report.add("the volume is exported with the material of the first slot", name)
-    surface = export_material(materials[0], obj, context)
-    if surface.interior is None:
+    probe = Probe([grid.name for grid in grids])
+    surface = export_material(materials[0], obj, context, probe)
+    medium = surface.interior
+    if medium is None:
+        return []
+    if not probe.used:
+        context.report.add("a volume whose material looks up none of its grids is not exported", name)
         return []
     path = _file_of(context, obj)
     if path is None:
         context.report.add(f"the volume's grids could not be saved: {grids.error_message}", name)
         return []
+    shift = _shift_of(grids[probe.used[0]])
+    single = None
+    if len(probe.used) == 1:
+        single = _density_of_file(context, medium, probe.values(probe.used[0]), name)
+    if single is not None and (probe.used == ["density"] or len(grids) == 1):
+        found, within = (path, *single, None), _box_of(obj, grids[probe.used[0]])
+    else:
+        try:
+            arrays = Grids(path, probe.used)
+        except GridError as error:
+            context.report.add(f"the volume is not exported: {error}", name)
+            return []
+        if not arrays.is_fine:
+            context.report.add("products and black bodies of its large grids are interpolated", name)
+        medium = export_material(materials[0], obj, context, arrays).interior
+        if medium is None:
+            return []
+        found, within = _on_grids(context, medium, arrays, name), _box(arrays.low, arrays.high)
+    phase = medium.phase() if medium.scattering.any() else None
     surface.bsdf = surface.emission = None
-    _note_losses(context, surface.interior, name)
-    surface.interior = GridMedium(surface.interior, path, _shift_of(grids["density"]), volume.render.space == "OBJECT")
-    within = _box_of(obj, grids["density"])
+    surface.interior = GridMedium(*found, phase, shift, volume.render.space == "OBJECT")
     outline = _BOX @ numpy.array(within.to_3x3()).T + numpy.array(within.translation), _SIDES
     return [Part(plugin("shape", "cube"), surface, materials[0].name, outline, within)]

@@ -103,8 +103,6 @@ def _background(context, world):
     output = world.node_tree.get_output_node("CYCLES")
     if output is None:
         return []
-    if output.inputs["Volume"].is_linked:
-        context.report.add("the volume of a world is not exported", world.name)
     surface = _source(output.inputs["Surface"])
     if surface is None:
         return []
@@ -127,10 +125,13 @@ def _background(context, world):
     return [_map(_baked(context, world, width), 1, mathutils.Matrix.Identity(3))]
 
 
+def shown_world(context):
+    """The evaluated world, or None."""
+    return getattr(context.depsgraph.view_layer_eval, "world_override", None) or context.depsgraph.scene.world
+
+
 def export_world(context, world):
     """The elements of the evaluated world, which may be None: a list."""
-    override = getattr(context.depsgraph.view_layer_eval, "world_override", None)
-    world = override or world
     if world is None:
         return []
     visibility = getattr(world, "cycles_visibility", None)

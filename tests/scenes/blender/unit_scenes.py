@@ -14,6 +14,8 @@ import numpy
 from cycles_comparison import add_camera, set_world
 from material_scenes import add_node, link, material
 
+from blender.export.grids import GridError, openvdb_module
+
 UNIT_SCENES = {}
 
 
@@ -625,6 +627,60 @@ def stretched_grid(scene):
 def scaled_grid(scene):
     """It is less opaque as a whole."""
     scaled_density_grid(scene, (0.6, 0.6, 0.6), "WORLD")
+
+
+def grid_volume(scene, grids, **inputs):
+    """An object of a file with grids, {name: (x, y, z) or (x, y, z, 3)}, and a Principled Volume. Returns why it cannot
+    be made, or None."""
+    try:
+        openvdb = openvdb_module()
+    except GridError as reason:
+        return str(reason)
+    made = []
+    for name, values in grids.items():
+        grid = openvdb.FloatGrid() if values.ndim == 3 else openvdb.Vec3SGrid()
+        grid.name = name
+        grid.copyFromArray(values.astype("f"))
+        grid.transform = openvdb.createLinearTransform(voxelSize=0.1)
+        made.append(grid)
+    data = bpy.data.volumes.new("volume")
+    data.filepath = os.path.join(_FOLDER.name, f"{'-'.join(grids)}.vdb")
+    openvdb.write(data.filepath, made)
+    obj = bpy.data.objects.new("volume", data)
+    obj.scale, obj.location = (1.5, 1.5, 1.5), (-1.5, -1.8, -1.2)
+    scene.collection.objects.link(obj)
+    data.materials.append(volume("ShaderNodeVolumePrincipled", inputs))
+    if hasattr(scene.cycles, "volume_unbiased"):  # its steps let more light through
+        scene.cycles.volume_unbiased = True
+    else:
+        scene.cycles.volume_step_rate = 0.1
+    add_camera(scene, (3, -8, 3), (0, 0, 0), 30)
+    return None
+
+
+def waves(cells=(16, 24, 16)):
+    """Values between 0 and 1 on a grid."""
+    x, y, z = numpy.meshgrid(*(numpy.arange(count) / count for count in cells), indexing="ij")
+    return 0.5 + 0.5 * numpy.sin(7 * x + 2) * numpy.cos(9 * y) * numpy.cos(5 * z + 1)
+
+
+@unit_scene
+def absorbing_grid(scene):
+    set_world(scene, (0.9, 0.8, 0.7))
+    return grid_volume(scene, {"density": waves()}, **{"Color": (0, 0, 0), "Absorption Color": (0, 0, 0), "Density": 1.0})
+
+
+@unit_scene
+def world_volume(scene):
+    floor()
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.6, location=(0, 0, 0.6))
+    active(diffuse((0.8, 0.3, 0.1)))
+    tree = scene.world.node_tree
+    shader = add_node(scene.world, "ShaderNodeVolumePrincipled", {
+        "Density": 0.15, "Color": (0.3, 0.5, 0.7), "Emission Strength": 0.02, "Emission Color": (0.2, 1, 0.2)})
+    tree.links.new(shader.outputs[0], next(node for node in tree.nodes if node.type == "OUTPUT_WORLD").inputs["Volume"])
+    add_camera(scene, (0, -4, 4), (0, 0, 0), 40)
+    add_light(scene, "POINT", (1, -1, 2.5), energy=100, shadow_soft_size=0)
 
 
 # The world

@@ -32,8 +32,9 @@ class Surface:
     attributes: set = dataclasses.field(default_factory=set)
 
 
-def export_material(material, obj, context):
-    """The Surface of a material on an evaluated object. Without a material: Blender's default grey."""
+def export_material(material, obj, context, grids=None):
+    """The Surface of a material on an evaluated object. Without a material: Blender's default grey. grids: those of a
+    volume object, see Reading."""
     if material is None or material.node_tree is None:
         colour = constant([0.8] * 3 if material is None else material.diffuse_color[:3])
         return Surface(bsdf_element(Leaf("diffuse", {"reflectance": colour}, ("reflectance",)), context))
@@ -41,9 +42,15 @@ def export_material(material, obj, context):
     if output is None:
         return Surface(bsdf_element(BLACK, context))
     try:
-        return _surface(Reading(material, obj, context), output)
+        return _surface(Reading(material, obj, context, grids=grids), output)
     except NeedsMesh:
-        return _surface(Reading(material, obj, context, over_mesh=True), output)
+        return _surface(Reading(material, obj, context, over_mesh=True, grids=grids), output)
+
+
+def export_world_medium(world, context):
+    """The Medium of an evaluated world, or None."""
+    output = world.node_tree.get_output_node("CYCLES") if world is not None and world.node_tree is not None else None
+    return medium_of(Reading(world, None, context), Input(output.inputs["Volume"])) if output is not None else None
 
 
 def _surface(reading, output):

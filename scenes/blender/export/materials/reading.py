@@ -21,12 +21,14 @@ class NeedsMesh(Exception):
 class Reading:
     """The values of a material's sockets, with a report of what is left out.
 
-    over_mesh: all images are baked over coordinates made for them; else they are over one UV map.
+    over_mesh: all images are baked over coordinates made for them; else they are over one UV map. grids: those of a
+    volume, by values(name), or None.
     """
 
-    def __init__(self, material, obj, context, over_mesh=False):
+    def __init__(self, material, obj, context, over_mesh=False, grids=None):
         self.material, self.obj, self.context = material, obj, context
         self.over_mesh = over_mesh
+        self.grids = grids
         self.mesh = obj.data if obj is not None and obj.type == "MESH" else None
         self.values = Values(_images_of(context), self.mesh)
         self.bakes = Bakes(material, self._mesh_to_bake, self._uv_bounds, context)
