@@ -6,29 +6,14 @@
 #include <utility>
 
 #include "scenes/settings.h"
-#include "scheduler/denoise/guide.h"
 #include "scheduler/denoise/layers.h"
 #include "scheduler/denoise/oidn.h"
 
 namespace penumbra {
 namespace {
 
-Expected<DenoisedImage> oidn_with_error(const DenoiseInput& input) {
-  auto whole = oidn(input);
-  if (!whole || !input.has_halves()) return whole;
-  DenoiseInput half = input;
-  half.color = input.half_a;
-  const auto a = oidn(half);
-  if (!a) return a;
-  half.color = input.half_b;
-  const auto b = oidn(half);
-  if (!b) return b;
-  whole->residual_variance = quarter_of_squared_difference(a->color, b->color);
-  return whole;
-}
-
 Expected<DenoisedImage> denoise(DenoiseInput input, const DenoiseOptions& options) {
-  if (options.method == Denoise::kOidn) return options.estimates_error ? oidn_with_error(input) : oidn(input);
+  if (options.method == Denoise::kOidn) return oidn(input);
   auto device = make_denoise_device(options.device);
   if (!device) return std::unexpected(device.error());
   return options.method == Denoise::kNlMeans ? nl_means(**device, std::move(input), options.nl_means)

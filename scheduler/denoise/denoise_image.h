@@ -17,8 +17,6 @@ struct DenoiseOptions {
   Denoise method = Denoise::kNfor;  ///< not kOff or kLayers
   NlMeansOptions nl_means;
   DeviceOptions device;  ///< threads 0: all cores. Without effect for kOidn
-  /// Whether kOidn, which knows no error of its own, also denoises both halves of the samples to tell it.
-  bool estimates_error = false;
 };
 
 // Metadata.

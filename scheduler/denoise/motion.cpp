@@ -76,17 +76,57 @@ void PointTracker::follow(const SeenPoints& from, const SeenPoints& to) {
   }
 }
 
-float value_at(const Planes& image, int plane, PointPosition at) {
-  const float x = std::clamp(at.x, 0.0f, float(image.width - 1)),
-              y = std::clamp(at.y, 0.0f, float(image.height - 1));
-  const auto left = std::size_t(x), upper = std::size_t(y), width = std::size_t(image.width);
-  const std::size_t right = std::min(left + 1, width - 1),
-                    lower = std::min(upper + 1, std::size_t(image.height) - 1);
-  const std::span<const float> values = image.plane(plane);
+namespace {
+
+/// Bilinear weights of four pixels.
+Taps bilinear_taps(int width, int height, PointPosition at) {
+  const float x = std::clamp(at.x, 0.0f, float(width - 1)), y = std::clamp(at.y, 0.0f, float(height - 1));
+  const auto left = std::size_t(x), upper = std::size_t(y), pitch = std::size_t(width);
+  const std::size_t right = std::min(left + 1, pitch - 1),
+                    lower = std::min(upper + 1, std::size_t(height) - 1);
   const float u = x - float(left), v = y - float(upper);
-  const float above = values[upper * width + left] * (1 - u) + values[upper * width + right] * u;
-  const float below = values[lower * width + left] * (1 - u) + values[lower * width + right] * u;
-  return above * (1 - v) + below * v;
+  return {{upper * pitch + left, upper * pitch + right, lower * pitch + left, lower * pitch + right},
+          {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}};
+}
+
+}  // namespace
+
+float Taps::mean(const Planes& image, int plane) const {
+  const std::span<const float> values = image.plane(plane);
+  float sum = 0;
+  for (std::size_t k = 0; k < pixels.size(); ++k)
+    if (weights[k] > 0) sum += weights[k] * values[pixels[k]];
+  return sum;
+}
+
+float Taps::variance(const Planes& variances, int plane) const {
+  const std::span<const float> values = variances.plane(plane);
+  float sum = 0;
+  for (std::size_t k = 0; k < pixels.size(); ++k)
+    if (weights[k] > 0) sum += weights[k] * weights[k] * values[pixels[k]];
+  return sum;
+}
+
+std::optional<Taps> alike_taps(const SeenPoints& first, std::size_t pixel, const SeenPoints& image,
+                               PointPosition at) {
+  constexpr float kLeastShare = 1e-3f;
+  Taps taps = bilinear_taps(image.motion.width, image.motion.height, at);
+  float sum = 0;
+  for (std::size_t k = 0; k < taps.pixels.size(); ++k) {
+    if (!is_alike(first, pixel, image, taps.pixels[k])) taps.weights[k] = 0;
+    sum += taps.weights[k];
+  }
+  if (!(sum > kLeastShare)) return std::nullopt;
+  for (float& weight : taps.weights) weight /= sum;
+  return taps;
+}
+
+float value_at(const Planes& image, int plane, PointPosition at) {
+  const Taps taps = bilinear_taps(image.width, image.height, at);
+  const std::span<const float> values = image.plane(plane);
+  float sum = 0;
+  for (std::size_t k = 0; k < taps.pixels.size(); ++k) sum += taps.weights[k] * values[taps.pixels[k]];
+  return sum;
 }
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 // Follows the points that pixels show from frame to frame, along the layer `motion`.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -47,6 +48,20 @@ class PointTracker {
   int out_, back_;  // the first planes of `motion` that lead on, and back
   std::vector<std::optional<PointPosition>> positions_;
 };
+
+/// Pixels and their weights, of sum 1, for interpolation.
+struct Taps {
+  std::array<std::size_t, 4> pixels = {};
+  std::array<float, 4> weights = {};
+
+  [[nodiscard]] float mean(const Planes& image, int plane) const;
+  /// Of the mean of pixels of these variances.
+  [[nodiscard]] float variance(const Planes& variances, int plane) const;
+};
+/// Bilinear interpolation among the pixels that may show the same point as a pixel of `first`; nothing if
+/// none does.
+std::optional<Taps> alike_taps(const SeenPoints& first, std::size_t pixel, const SeenPoints& image,
+                               PointPosition at);
 
 /// Bilinear; outside of the image as at its edge.
 float value_at(const Planes& image, int plane, PointPosition at);

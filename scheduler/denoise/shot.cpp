@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
+
+#include "kernels/host/parallel.h"
 
 namespace penumbra {
 namespace {
@@ -17,19 +20,36 @@ bool is_denoised_of(const Image& denoised, const Image& noisy, const DenoiseOpti
 }
 
 /// Why an image cannot be beside another; empty: it can.
-std::string problem_beside(const Expected<Image>& image, const Image& own) {
-  if (!image) return image.error().message;
-  if (image->data != own.data) return "it has another size";
-  const std::string lacks = lacks_for_time(*image);
+std::string problem_beside(const Expected<FrameInTime>& frame, const Image& own) {
+  if (!frame) return frame.error().message;
+  const Image& image = frame->image;
+  if (image.data != own.data)
+    return fmt::format("it has {} x {} pixels, not {} x {}", image.data.width, image.data.height,
+                       own.data.width, own.data.height);
+  const std::string lacks = lacks_for_time(image);
   return lacks.empty() ? "" : "it lacks " + lacks;
+}
+
+/// What denoising gives: the noisy image with R, G, B and error of its blend with other frames.
+Image with_own_layers(Image denoised, const Image& noisy) {
+  const auto rgb = noisy.beauty_channels();
+  std::vector<std::pair<std::size_t, std::size_t>> channels;  // of both
+  for (std::size_t k = 0; k < noisy.channels.size(); ++k) {
+    if (rgb && std::ranges::find(*rgb, k) != rgb->end()) continue;
+    auto channel = denoised.channel(noisy.channels[k]);
+    if (!channel) channel = denoised.channel("noisy_" + noisy.channels[k]);
+    if (channel) channels.emplace_back(k, *channel);
+  }
+  for (std::size_t i = 0; i < noisy.pixels(); ++i)
+    for (const auto& [from, to] : channels)
+      denoised.values[i * denoised.channels.size() + to] = noisy.values[i * noisy.channels.size() + from];
+  return denoised;
 }
 
 }  // namespace
 
 ShotDenoiser::ShotDenoiser(std::vector<NoisyFrame> frames, DenoiseOptions options, int time_radius)
-    : frames_(std::move(frames)), options_(std::move(options)), time_radius_(time_radius) {
-  options_.estimates_error = true;
-}
+    : frames_(std::move(frames)), options_(std::move(options)), time_radius_(time_radius) {}
 
 std::vector<std::size_t> ShotDenoiser::beside(std::size_t index, int direction) const {
   std::vector<std::size_t> found;
@@ -61,55 +81,65 @@ bool ShotDenoiser::is_up_to_date(std::size_t index) const {
   return true;
 }
 
-ShotDenoiser::Still ShotDenoiser::make_still(const NoisyFrame& frame) const {
-  const auto fails = [&](const std::string& text) -> Still {
-    return {fail(fmt::format("{}: {}", frame.noisy.string(), text)), {}};
+const Expected<FrameInTime>& ShotDenoiser::frame(std::size_t index) {
+  const auto found = images_.find(index);
+  if (found != images_.end()) return found->second;
+  const auto made = [&]() -> Expected<FrameInTime> {
+    auto noisy = read_image(frames_[index].noisy);
+    if (!noisy) return std::unexpected(noisy.error());
+    if (time_radius_ == 0 || !lacks_for_time(*noisy).empty()) return FrameInTime{.image = std::move(*noisy)};
+    return frame_in_time(std::move(*noisy));
   };
-  if (const auto header = read_image_header(frame.noisy), known = read_image_header(frame.denoised);
-      header && known && is_denoised_of(*known, *header, options_))
-    if (auto denoised = read_image(frame.denoised)) return {std::move(*denoised), {}};
-  const auto noisy = read_image(frame.noisy);
-  if (!noisy) return {std::unexpected(noisy.error()), {}};
-  auto outcome = denoise_image(*noisy, options_);
-  if (!outcome) return fails(outcome.error().message);
-  return {std::move(outcome->image), std::move(outcome->remarks)};
-}
-
-const ShotDenoiser::Still& ShotDenoiser::still(std::size_t index) {
-  const auto found = stills_.find(index);
-  return found != stills_.end() ? found->second
-                                : stills_.emplace(index, make_still(frames_[index])).first->second;
+  return images_.emplace(index, made()).first->second;
 }
 
 FrameOutcome ShotDenoiser::denoise(std::size_t index) {
+  const auto fails = [](std::string text) {
+    return FrameOutcome{.kind = FrameOutcome::Kind::kFailed, .error = std::move(text)};
+  };
   if (is_up_to_date(index)) return {.kind = FrameOutcome::Kind::kKept};
-  std::erase_if(stills_, [&](const auto& entry) {
+  std::erase_if(images_, [&](const auto& entry) {
     return std::abs(frames_[entry.first].number - frames_[index].number) > time_radius_;
   });
-  const Still& own = still(index);
-  if (!own.image) return {.kind = FrameOutcome::Kind::kFailed, .error = own.image.error().message};
-  FrameOutcome outcome{.remarks = own.remarks};
-  const std::string lacks = time_radius_ > 0 ? lacks_for_time(*own.image) : "";
+  const Expected<FrameInTime>& own = frame(index);
+  if (!own) return fails(own.error().message);
+  const std::string lacks = time_radius_ > 0 ? lacks_for_time(own->image) : "";
+  FrameOutcome outcome;
+  FramesBeside beside;
+  if (lacks.empty()) beside = frames_beside(index, *own, outcome.remarks);
+  const bool is_alone = beside.before.empty() && beside.after.empty();
+  const std::size_t threads =
+      options_.device.threads > 0 ? std::size_t(options_.device.threads) : core_count();
+  const auto denoised =
+      denoise_image(is_alone ? own->image : blended_in_time(*own, beside, threads), options_);
+  if (!denoised) return fails(fmt::format("{}: {}", frames_[index].noisy.string(), denoised.error().message));
+  outcome.image = with_own_layers(denoised->image, own->image);
+  outcome.remarks.insert(outcome.remarks.begin(), denoised->remarks.begin(), denoised->remarks.end());
   if (!lacks.empty()) outcome.remarks.push_back("it is denoised by itself, since it lacks " + lacks);
-  if (!lacks.empty() || time_radius_ == 0) {
-    outcome.image = *own.image;
-    return outcome;
+  if (!lacks.empty() || time_radius_ == 0) return outcome;
+  for (const auto& [name, frames] :
+       {std::pair(kFramesBefore, &beside.before), {kFramesAfter, &beside.after}}) {
+    std::vector<const Image*> images;
+    for (const FrameInTime* frame : *frames) images.push_back(&frame->image);
+    outcome.image.metadata.emplace_back(name, hashes_of(images));
   }
-  FramesBeside images;
-  for (const auto& [direction, side] : {std::pair(-1, &images.before), {1, &images.after}})
+  return outcome;
+}
+
+FramesBeside ShotDenoiser::frames_beside(std::size_t index, const FrameInTime& own,
+                                         std::vector<std::string>& remarks) {
+  FramesBeside found;
+  for (const auto& [direction, side] : {std::pair(-1, &found.before), {1, &found.after}})
     for (const std::size_t other : beside(index, direction)) {
-      const Still& next = still(other);
-      const std::string problem = problem_beside(next.image, *own.image);
+      const Expected<FrameInTime>& next = frame(other);
+      const std::string problem = problem_beside(next, own.image);
       if (!problem.empty()) {
-        outcome.remarks.push_back(fmt::format("without frame {}: {}", frames_[other].number, problem));
+        remarks.push_back(fmt::format("without frame {}: {}", frames_[other].number, problem));
         break;  // points are followed from frame to frame
       }
-      side->push_back(&*next.image);
+      side->push_back(&*next);
     }
-  auto blended = blended_in_time(*own.image, images);
-  if (!blended) return {.kind = FrameOutcome::Kind::kFailed, .error = blended.error().message};
-  outcome.image = std::move(*blended);
-  return outcome;
+  return found;
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Denoises the frames of a shot one after the other, each with those beside it.
+// Denoises the frames of a shot one after the other, each with the samples of those beside it.
 #pragma once
 
 #include <filesystem>
@@ -40,7 +40,7 @@ class ShotDenoiser {
   /// `frames`: ascending. `time_radius`: frames on each side, at most kMostTimeRadius.
   ShotDenoiser(std::vector<NoisyFrame> frames, DenoiseOptions options, int time_radius);
 
-  /// The outcome of frame `index`. In ascending order each image is read and denoised once, and at most
+  /// The outcome of frame `index`. In ascending order each image is read and prepared once, and at most
   /// 2 time_radius + 1 are in memory. It is a function of the images of the frame and those beside it,
   /// whatever came before.
   FrameOutcome denoise(std::size_t index);
@@ -48,21 +48,18 @@ class ShotDenoiser {
   void leave_out(std::size_t index) { frames_[index].noisy.clear(); }
 
  private:
-  /// A frame denoised by itself.
-  struct Still {
-    Expected<Image> image;
-    std::vector<std::string> remarks;
-  };
   /// The indices of the frames beside one, nearest first, in a direction of 1 or -1.
   [[nodiscard]] std::vector<std::size_t> beside(std::size_t index, int direction) const;
   [[nodiscard]] bool is_up_to_date(std::size_t index) const;
-  [[nodiscard]] Still make_still(const NoisyFrame& frame) const;
-  const Still& still(std::size_t index);
+  /// An image that is read and, unless it lacks something for that, prepared.
+  const Expected<FrameInTime>& frame(std::size_t index);
+  /// Those that `own` can be blended with; says of others why not.
+  FramesBeside frames_beside(std::size_t index, const FrameInTime& own, std::vector<std::string>& remarks);
 
   std::vector<NoisyFrame> frames_;
   DenoiseOptions options_;
   int time_radius_;
-  std::map<std::size_t, Still> stills_;
+  std::map<std::size_t, Expected<FrameInTime>> images_;
 };
 
 }  // namespace penumbra

@@ -90,11 +90,7 @@ std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples&
 }  // namespace
 
 DenoiseOptions denoise_options(const Film& film) {
-  const bool has_motion = std::ranges::find(film.layers, AskedLayer::kMotion) != film.layers.end();
-  return {.method = film.denoise,
-          .nl_means = {},
-          .device = {.threads = 0, .isa = best_isa()},
-          .estimates_error = has_motion};  // for blending frames
+  return {.method = film.denoise, .nl_means = {}, .device = {.threads = 0, .isa = best_isa()}};
 }
 
 bool ended_by_budget(const RenderOutcome& outcome, const RenderJob& job) {

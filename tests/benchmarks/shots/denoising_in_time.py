@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Measures what denoised frames gain by light of those beside them: six shots, still and in time.
 
-    denoising_in_time.py OUT [--frames 24] [--spp 16 64] [--reference-spp 2048] [--methods nfor nlmeans] [--shots ...]
+    denoising_in_time.py OUT [--frames 12] [--spp 16 64] [--reference-spp 64] [--methods nfor nlmeans] [--shots ...]
 
-Renders are kept: what is there is not rendered again. Prints relMSE, FLIP and flicker (penumbra compare --help) of frames
-denoised in time, means over the frames, and their ratios to those of frames denoised by themselves.
+Renders are kept: what is there is not rendered again. Prints relMSE and flicker (penumbra compare --help) of frames
+denoised in time, means over the frames, and their ratios to those of frames denoised by themselves. Both are means of
+squares, so two references a and b of other seeds give them without their own noise, on average:
+(x - a)(x - b) = ((x - a)^2 + (x - b)^2 - (a - b)^2) / 2.
 """
 
 import argparse
@@ -14,7 +16,8 @@ import random
 import subprocess
 
 FPS = 24
-FILM = (192, 108)
+FILM = (128, 72)
+KEYS = ("relmse", "flicker")
 
 
 def moving(kind, *keys):
@@ -111,7 +114,7 @@ SHOTS = {
 def write_scene(path, integrator, content):
     settings = '<integer name="max_depth" value="8"/>'
     if integrator == "ppm":
-        settings += '<integer name="photon_count" value="100000"/>'
+        settings += '<integer name="photon_count" value="20000"/>'
     with open(path, "w", encoding="utf-8") as file:
         file.write(f'<scene version="3.0.0"><integrator type="{integrator}">{settings}</integrator>{content}</scene>\n')
 
@@ -120,9 +123,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out")
     parser.add_argument("--penumbra", default="penumbra", help="the program")
-    parser.add_argument("--frames", type=int, default=24)
+    parser.add_argument("--frames", type=int, default=12)
     parser.add_argument("--spp", type=int, nargs="+", default=[16, 64])
-    parser.add_argument("--reference-spp", type=int, default=2048)
+    parser.add_argument("--reference-spp", type=int, default=64)
     parser.add_argument("--methods", nargs="+", default=["nfor", "nlmeans"])
     parser.add_argument("--shots", nargs="+", choices=SHOTS, default=list(SHOTS))
     arguments = parser.parse_args()
@@ -131,7 +134,15 @@ def main():
         done = subprocess.run([arguments.penumbra, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True)
         return done.stdout
 
-    print(f'{"shot":9} {"spp":>4} {"method":8}' + "".join(f" {key:>9}  ratio" for key in ("relMSE", "FLIP", "flicker")))
+    def error(image, reference):
+        mean = json.loads(penumbra("compare", image, reference, "--json"))["mean"]
+        return [mean[key] for key in KEYS]
+
+    def error_without_noise(image, references):
+        to_a, to_b = (error(image, reference) for reference in references)
+        return [(a + b - both) / 2 for a, b, both in zip(to_a, to_b, error(*references))]
+
+    print(f'{"shot":9} {"spp":>4} {"method":8}' + "".join(f" {key:>9}  ratio" for key in KEYS))
     for name in arguments.shots:
         folder = os.path.join(arguments.out, name)
         os.makedirs(folder, exist_ok=True)
@@ -139,8 +150,9 @@ def main():
         write_scene(scene, *SHOTS[name])
         frames = ["--frames", f"0-{arguments.frames - 1}", "--fps", FPS, "--sampler", "sobol", "--layers", "motion",
                   "--quiet", "--no-contact-sheet", "--seed-per-frame", "frame"]
-        reference = os.path.join(folder, f"reference-{arguments.reference_spp}.####.exr")
-        penumbra("render", scene, *frames, "--spp", arguments.reference_spp, "--seed", 1000, "-o", reference)
+        references = [os.path.join(folder, f"reference-{letter}.####.exr") for letter in "ab"]
+        for reference, seed in zip(references, (1000, 2000)):
+            penumbra("render", scene, *frames, "--spp", arguments.reference_spp, "--seed", seed, "-o", reference)
         for spp in arguments.spp:
             noisy = os.path.join(folder, f"noisy-{spp}.####.exr")
             penumbra("render", scene, *frames, "--spp", spp, "--denoise=layers", "-o", noisy)
@@ -149,9 +161,9 @@ def main():
                 for radius in (0, 2):
                     denoised = os.path.join(folder, f"{method}-{spp}-{radius}.####.exr")
                     penumbra("denoise", noisy, "--method", method, "--time-radius", radius, "-o", denoised)
-                    means.append(json.loads(penumbra("compare", denoised, reference, "--json"))["mean"])
+                    means.append(error_without_noise(denoised, references))
                 still, timed = means
-                columns = [f"{timed[key]:9.2e} {timed[key] / still[key]:6.2f}" for key in ("relmse", "flip", "flicker")]
+                columns = [f"{b:9.2e} {b / a:6.2f}" for a, b in zip(still, timed)]
                 print(f"{name:9} {spp:4} {method:8} " + " ".join(columns), flush=True)
 
 
