@@ -154,12 +154,12 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, u2)               \
   F(float, v2)
 
-// Tangents at a triangle's vertices, as coordinates along p1 - p0, along p2 - p0 and along its unit normal, so
-// that they follow it as it moves. Where all are 0, the tangent is that of the texture coordinates.
-#define VERTEX_TANGENTS_FIELDS(F)                                                   \
-  F(vec3, t0)                                                                       \
-  F(vec3, t1)                                                                       \
-  F(vec3, t2)                                                                       \
+// Tangents at a triangle's vertices, as coordinates along p1 - p0, along p2 - p0 and along its unit normal,
+// so that they follow it as it moves. Where all are 0, the tangent is that of the texture coordinates.
+#define VERTEX_TANGENTS_FIELDS(F) \
+  F(vec3, t0)                     \
+  F(vec3, t1)                     \
+  F(vec3, t2)                     \
   F(float, hand) /* of its normal maps: the bitangent is hand * (normal x tangent) */
 
 // A piece of a curve has its ends in `center` and `x_axis`, its radii there in `radius` and `length`, its

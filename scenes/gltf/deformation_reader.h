@@ -29,8 +29,8 @@ struct PoseReading {
 };
 
 /// Reads a primitive of the mesh of a node. `wants_tangents`: with those of the file, or else, and without
-/// normals, those of MikkTSpace, as glTF 2.0 has it (3.7.2.1). Errors: those of read_primitive; targets with another number of
-/// vertices; no such skin or joint; vertices without joints or weights.
+/// normals, those of MikkTSpace, as glTF 2.0 has it (3.7.2.1). Errors: those of read_primitive; targets with
+/// another number of vertices; no such skin or joint; vertices without joints or weights.
 Expected<PosedMesh> read_posed(std::size_t node, const tinygltf::Primitive& primitive, int texcoord,
                                bool wants_tangents, const PoseReading& reading);
 
