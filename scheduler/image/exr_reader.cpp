@@ -25,9 +25,9 @@ namespace {
 
 /// OpenImageIO's order: by layer, in it first those of its list, then by name.
 std::vector<std::string> in_order(std::vector<std::string> names) {
-  static constexpr std::string_view kFirst[] = {"R",    "Red", "G",     "Green", "B",    "Blue", "real",
-                                                "imag", "A",   "Alpha", "AR",    "RA",   "AG",   "GA",
-                                                "AB",   "BA",  "Z",     "Depth", "Zback"};
+  static constexpr std::string_view kFirst[] = {"R",    "Red",  "G",  "Green", "B",     "Blue", "Y",
+                                                "real", "imag", "A",  "Alpha", "AR",    "RA",   "AG",
+                                                "GA",   "AB",   "BA", "Z",     "Depth", "Zback"};
   const auto key = [](const std::string& name) {
     const ChannelName parts = split_channel(name);
     const auto* const first = std::ranges::find_if(kFirst, [&](std::string_view each) {
@@ -70,6 +70,11 @@ bool read_attributes(const Imf::Header& header, Image& image) {
     else if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(value))
       image.metadata.emplace_back(name, text->value());
   }
+  static constexpr const char* kCompressions[] = {"none",  "rle", "zips", "zip",  "piz",
+                                                  "pxr24", "b44", "b44a", "dwaa", "dwab"};
+  const auto compression = std::size_t(header.compression());
+  if (compression >= std::size(kCompressions)) return false;
+  image.metadata.emplace_back("compression", kCompressions[compression]);
   if (Imf::hasChromaticities(header)) {
     const Imf::Chromaticities& c = Imf::chromaticities(header);
     image.chromaticities = {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
