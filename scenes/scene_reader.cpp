@@ -207,7 +207,10 @@ Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOpt
   return std::unexpected(source ? Error{fmt::format("cannot read '{}'", file.string())} : source.error());
 }
 
-Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, const ReadOptions& options) {
+namespace {
+
+/// The file's format, which the options suit.
+Expected<const Format*> suited_format(const std::filesystem::path& file, const ReadOptions& options) {
   // Check this first, before any message about the format.
   if (const auto found = check_scene_file(file, options); !found) return std::unexpected(found.error());
   const Format* format = format_of(file);
@@ -224,7 +227,16 @@ Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, co
   if (!options.export_options.empty() && !format->is_exported)
     return fail(fmt::format("{}: {} is of Blender's files; this one is {}", file.string(),
                             options.export_options, format->name));
-  return format->is_exported ? read_exported(file, options) : format->read(file, options);
+  return format;
+}
+
+}  // namespace
+
+Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, const ReadOptions& options) {
+  const auto format = suited_format(file, options);
+  if (!format) return std::unexpected(format.error());
+  if ((*format)->is_exported) return fail(fmt::format("{}: it is exported when it is read", file.string()));
+  return (*format)->read(file, options);
 }
 
 Expected<void> complete_scene(SceneDescription& scene, const ReadOptions& options) {
@@ -237,10 +249,13 @@ Expected<void> complete_scene(SceneDescription& scene, const ReadOptions& option
 }
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  auto scene = read_scene_file(file, options);
+  const auto format = suited_format(file, options);
+  if (!format) return std::unexpected(format.error());
+  const bool is_exported = (*format)->is_exported;
+  auto scene = is_exported ? read_exported(file, options) : (*format)->read(file, options);
   if (!scene) return scene;
   // What another program exported is complete.
-  auto done = is_exported_scene(file) ? check_warnings(*scene, options) : complete_scene(*scene, options);
+  auto done = is_exported ? check_warnings(*scene, options) : complete_scene(*scene, options);
   if (!done) return std::unexpected(done.error());
   return scene;
 }

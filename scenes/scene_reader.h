@@ -58,10 +58,10 @@ std::vector<std::string> scene_formats();
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
 /// The first part of read_scene: what the file says. Of the settings, readers look only at which of them are
-/// given, and at the value of integrator.type.
+/// given, and at the value of integrator.type. Errors: also of files that another program exports.
 Expected<SceneDescription> read_scene_file(const std::filesystem::path& file, const ReadOptions& options);
 
-/// The second part, for scenes that no other program exported: the time, the settings, warnings.
+/// The second part: the time, the settings, warnings.
 Expected<void> complete_scene(SceneDescription& scene, const ReadOptions& options);
 
 /// Takes a scene that was read with these options to another time; see set_time.

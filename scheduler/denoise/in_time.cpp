@@ -60,6 +60,7 @@ struct LayersInTime {
 const Planes& feature_group(const FrameInTime& frame, int group) {
   return group == 0 ? frame.albedo : group == 1 ? frame.points.normal : frame.points.depth;
 }
+
 /// The squared difference of values of two frames beyond their variances, in units of these; as in
 /// kernels/denoise/non_local_means.h.
 float distance(float own, float other, float own_noise, float other_noise, float least) {

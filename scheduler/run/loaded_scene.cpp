@@ -217,6 +217,13 @@ Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& opt
   return scene;
 }
 
+Expected<LoadedScene> load_reduced_scene(const SceneOptions& options,
+                                         const std::function<void(SceneDescription&)>& adjust) {
+  auto scene = load_scene(options, adjust);
+  if (scene) reduce(*scene);
+  return scene;
+}
+
 void reduce(LoadedScene& scene) { reduce(scene, scene.description); }
 
 void reduce(LoadedScene& scene, const SceneDescription& description) {

@@ -72,5 +72,8 @@ Expected<LoadedScene> build_scene(const ReadScene& scene, const SceneOptions& op
 /// Reads the scene and builds its device scene. `adjust`, which may be empty, changes the description before.
 Expected<LoadedScene> load_scene(const SceneOptions& options,
                                  const std::function<void(SceneDescription&)>& adjust = {});
+/// The same, reduced.
+Expected<LoadedScene> load_reduced_scene(const SceneOptions& options,
+                                         const std::function<void(SceneDescription&)>& adjust = {});
 
 }  // namespace penumbra

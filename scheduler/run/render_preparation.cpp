@@ -148,7 +148,7 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 
 namespace {
 
-Expected<LoadedScene> load_reduced(const RenderOptions& options) {
+Expected<LoadedScene> load_for(const RenderOptions& options) {
   std::function<void(SceneDescription&)> adjust;
   std::uint32_t asked_spp = 0;
   if (options.interactive)
@@ -158,11 +158,8 @@ Expected<LoadedScene> load_reduced(const RenderOptions& options) {
     };
   if (options.film_scale != 1)
     adjust = [&](SceneDescription& scene) { scene.film = scaled_film(scene.film, options.film_scale); };
-  auto scene = load_scene(options.scene, adjust);
-  if (scene) {
-    scene->asked_spp = asked_spp;
-    reduce(*scene);
-  }
+  auto scene = load_reduced_scene(options.scene, adjust);
+  if (scene) scene->asked_spp = asked_spp;
   return scene;
 }
 
@@ -182,7 +179,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, const Scen
   if (!options.tev.empty())
     if (auto address = parse_tev_address(options.tev); !address)
       return fail("--tev: " + address.error().message);
-  auto scene = load ? load(options.scene) : load_reduced(options);
+  auto scene = load ? load(options.scene) : load_for(options);
   if (!scene) return std::unexpected(scene.error());
   if (is_denoised(scene->description.film)) add_denoised_files(*files);
   if (auto checked = check_files(scene->description.files); !checked) return std::unexpected(checked.error());

@@ -25,7 +25,7 @@ struct PreparedRender {
   std::shared_ptr<CheckpointFile> checkpoint;
 };
 
-/// Gives the result of load_scene and reduce.
+/// Gives the result of load_reduced_scene.
 using SceneLoader = std::function<Expected<LoadedScene>(const SceneOptions&)>;
 
 /// Chooses the files, reads the scene, applies the options. All errors are errors of the input: an output

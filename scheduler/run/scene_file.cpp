@@ -8,7 +8,6 @@
 #include "scenes/instances.h"
 #include "scenes/motion/scene_motion.h"
 #include "scenes/names.h"
-#include "scenes/scene_reader.h"
 
 namespace penumbra {
 namespace {
@@ -63,9 +62,7 @@ SceneOptions SceneFile::reading_of(SceneOptions options) {
   return options;
 }
 
-bool SceneFile::is_shareable(const SceneOptions& options) {
-  return !options.frame && !options.strict && !is_exported_scene(options.file);
-}
+bool SceneFile::is_shareable(const SceneOptions& options) { return !options.frame && !options.strict; }
 
 Expected<SceneFile> SceneFile::read(const SceneOptions& options) {
   const auto begin = std::filesystem::file_time_type::clock::now();
@@ -114,12 +111,7 @@ std::vector<FileStamp> SceneFile::stamps() const {
 }
 
 Expected<LoadedScene> KeptSceneFiles::load(const SceneOptions& options) {
-  const auto load_alone = [&] {
-    ++reads_;
-    auto scene = load_scene(options);
-    if (scene) reduce(*scene);
-    return scene;
-  };
+  const auto load_alone = [&] { return ++reads_, load_reduced_scene(options); };
   if (!SceneFile::is_shareable(options)) return load_alone();
   const SceneOptions reading = SceneFile::reading_of(options);
   std::erase_if(kept_, [](const Kept& each) { return !each.file.is_unchanged(); });

@@ -19,14 +19,15 @@ class SceneFile {
  public:
   /// The options by which files are read: all but settings.
   static SceneOptions reading_of(SceneOptions options);
-  /// Whether renders with these options can share a file: no frames of shots, no files that another program
-  /// exports, no warnings that count as errors.
+  /// Whether renders with these options can share a file: no frames of shots, no warnings that count as
+  /// errors.
   static bool is_shareable(const SceneOptions& options);
 
-  /// Errors: as of read_scene; also of a file that is valid only with some settings.
+  /// Errors: as of read_scene; also of a file that another program exports, or that is valid only with some
+  /// settings.
   static Expected<SceneFile> read(const SceneOptions& options);
 
-  /// The result of `load_scene` and `reduce`, identical except for the time, and for warnings of values that
+  /// The result of load_reduced_scene, identical except for the time, and for warnings of values that
   /// settings replace.
   Expected<LoadedScene> load(const SceneOptions& options);
 

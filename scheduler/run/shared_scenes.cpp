@@ -116,11 +116,7 @@ Expected<LoadedScene> SharedScenes::load_from(File& file, const SceneOptions& op
     ++reads_;
     if (file.scenes_to_come > 0)
       if (auto content = SceneFile::read(options)) file.content.emplace(std::move(*content));
-    if (!file.content) {
-      auto loaded = load_scene(options);
-      if (loaded) reduce(*loaded);
-      return loaded;
-    }
+    if (!file.content) return load_reduced_scene(options);
   }
   auto loaded = file.content->load(options);
   kept_bytes_ -= std::exchange(file.bytes, file.content->bytes());

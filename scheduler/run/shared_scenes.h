@@ -24,7 +24,7 @@ class SharedScenes {
   explicit SharedScenes(const std::vector<const SceneOptions*>& renders,
                         std::uint64_t most_bytes = kMostSharedBytes);
 
-  /// The result of `load_scene` and `reduce`, identical except for the time. To be called once for each
+  /// The result of load_reduced_scene, identical except for the time. To be called once for each
   /// render. If reading fails, the next render tries again.
   Expected<LoadedScene> load(const SceneOptions& options);
 
