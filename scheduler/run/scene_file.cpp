@@ -25,7 +25,7 @@ std::uint64_t bytes_of_geometry(const Geometry& geometry) {
   if (mesh == nullptr) return sizeof geometry;
   const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };
   return bytes(mesh->positions) + bytes(mesh->normals) + bytes(mesh->texcoords) + bytes(mesh->colours) +
-         bytes(mesh->triangles) + bytes(mesh->face_colours);
+         bytes(mesh->triangles) + bytes(mesh->face_colours) + bytes(mesh->tangents);
 }
 
 }  // namespace
@@ -39,7 +39,8 @@ std::uint64_t bytes_of(const SceneDescription& scene) {
       if (moving.deformation == nullptr) continue;
       bytes += moving.deformation->skin.influences.size() * sizeof(Skin::Influence);
       for (const MorphTarget& target : moving.deformation->targets)
-        bytes += (target.positions.size() + target.normals.size()) * sizeof(glm::dvec3);
+        bytes +=
+            (target.positions.size() + target.normals.size() + target.tangents.size()) * sizeof(glm::dvec3);
     }
   for (const auto& bitmap : scene.bitmaps) bytes += bitmap->words.size() * sizeof bitmap->words[0];
   return bytes;
