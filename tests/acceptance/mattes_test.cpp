@@ -113,6 +113,7 @@ TEST(Mattes, AreNamedByTheSceneOrInAFixedWay) {
   scene.shapes.push_back(named(scene.shapes[1], "right"));
   scene.bsdfs.push_back({"diffuse at scenes/room.xml:9:3", DiffuseBsdf{}});
   scene.shapes.back().front_bsdf = 1;
+  scene.shapes.back().back_bsdf = 0;  // its front names it
   const MatteNames names = owned(scene).names;
   EXPECT_THAT(names.objects, ElementsAre("left", "right", "shape-3"));
   EXPECT_THAT(names.materials, ElementsAre("grey", "black", "gold", "material-2"));

@@ -117,6 +117,18 @@ TEST(ChildProcesses, NothingIsInheritedButStandardError) {
   unlink(name);
 }
 
+TEST(ChildProcesses, VariablesThatAreGivenReplaceThoseOfThisProcess) {
+  ChildProcesses workers = shells(
+      "[ \"$(grep -zc '^PENUMBRA_GIVEN=' /proc/$$/environ)\" = 1 ] && "
+      "[ \"$PENUMBRA_GIVEN $PENUMBRA_GIV\" = 'new kept' ]");
+  setenv("PENUMBRA_GIVEN", "old", 1);
+  setenv("PENUMBRA_GIV", "kept", 1);  // the other name begins with this one
+  ASSERT_TRUE(workers.start({"PENUMBRA_GIVEN=new"}));
+  EXPECT_EQ(reap_one(workers)[0].how, "exit code 0");
+  unsetenv("PENUMBRA_GIVEN");
+  unsetenv("PENUMBRA_GIV");
+}
+
 TEST(ChildProcesses, CtrlCAtTheTerminalDoesNotReachThem) {
   ChildProcesses workers = shells("exec sleep 100");
   const pid_t pid = workers.start().value();
