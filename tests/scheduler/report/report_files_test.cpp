@@ -50,6 +50,17 @@ std::vector<std::vector<std::string>> read_csv(const std::string& text) {
   return rows;
 }
 
+TEST(ReportJson, IntervalsOfSlopesHaveTheirEnds) {
+  ReportData report = some_report();
+  Slope& slope = report.scenes[0].curves[0].mse_over_time;
+  ASSERT_TRUE(slope.fit);
+  slope.fit->low = -1.25;
+  slope.fit->high = -0.75;
+  const auto fit = report_data_json(report)["scenes"][0]["curves"][0]["fits"]["mse_over_time"];
+  EXPECT_EQ(fit["low"], -1.25);
+  EXPECT_EQ(fit["high"], -0.75);
+}
+
 TEST(ReportJson, ReadsBack) {
   const auto json = nlohmann::json::parse(report_data_json(some_report()).dump());
   const auto& scene = json["scenes"][0];
