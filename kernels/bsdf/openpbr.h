@@ -67,6 +67,14 @@ FN CurveRows facet_rows(Closure c, int sets, int set, float place) {
   return rows;
 }
 
+/// The same rows of the set that is `further` sets on. `sets` is a constant.
+FN CurveRows rows_further(Closure c, int sets, CurveRows rows, int further) {
+  const int offset = further * (c.curve_rows / sets) * CURVE_STRIDE;
+  rows.first += offset;
+  rows.second += offset;
+  return rows;
+}
+
 /// Rows by roughness are equidistant in the fourth root of alpha from LEAST_FACET_ALPHA to 1.
 FN float facet_place(float alpha) {
   return (SQRT(SQRT(clamp_f(alpha, LEAST_FACET_ALPHA, 1.0f))) - FIRST_FACET_PLACE) /
@@ -413,18 +421,13 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   diffuse = add_scaled(diffuse, p.metal * (1.0f - p.plain), p.metal_again);
   float facets = luminance(at_once);
   if (layered) {
-    CurveRows scattered = p.rows;
-    const int to_set = (OPENPBR_SCATTERED - OPENPBR_BASE) * (c.curve_rows / sets) * CURVE_STRIDE;
-    scattered.first += to_set;
-    scattered.second += to_set;
+    const CurveRows scattered = rows_further(c, sets, p.rows, OPENPBR_SCATTERED - OPENPBR_BASE);
     vec3 each_once = uniform_vec3(p.thin ? p.plain : facet_curve(scene, scattered, at));
     p.opaque = 1.0f - c.spec_trans;
     if (film) each_once = select3(p.thin, each_once, mix3(each_once, with_film.scattered, c.film));
     // glTF's boundary transmits what it does not reflect in its brightest channel: with the weight w, 1 - w
     // (slope F + raise) is w slope (1 - F) + 1 - w (slope + raise).
-    CurveRows refracted = scattered;
-    refracted.first += (OPENPBR_REFRACTED - OPENPBR_SCATTERED) * (c.curve_rows / sets) * CURVE_STRIDE;
-    refracted.second += (OPENPBR_REFRACTED - OPENPBR_SCATTERED) * (c.curve_rows / sets) * CURVE_STRIDE;
+    const CurveRows refracted = rows_further(c, sets, scattered, OPENPBR_REFRACTED - OPENPBR_SCATTERED);
     const float refracts = facet_curve(scene, refracted, at);
     const Tint most = tint_of(max_component(c.specular), along_normal, p.fades);
     const float slope = p.weight * most.slope, raise = p.weight * most.raise;
@@ -449,12 +452,8 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
         facet_rows(c, sets, OPENPBR_FUZZ, facet_place(sqr(max_f(c.sheen_tint, LEAST_FUZZ_ROUGHNESS))));
     p.coat = p.inside ? 0.0f : c.clearcoat;
     const float coat_reflects = facet_curve(scene, coat_rows, at);
-    CurveRows narrow_rows = fuzz_rows, lean_rows = fuzz_rows;
-    const int to_next = (c.curve_rows / sets) * CURVE_STRIDE;
-    narrow_rows.first += to_next;
-    narrow_rows.second += to_next;
-    lean_rows.first += 2 * to_next;
-    lean_rows.second += 2 * to_next;
+    const CurveRows narrow_rows = rows_further(c, sets, fuzz_rows, OPENPBR_FUZZ_NARROW - OPENPBR_FUZZ),
+                    lean_rows = rows_further(c, sets, fuzz_rows, OPENPBR_FUZZ_LEAN - OPENPBR_FUZZ);
     p.fuzz_ltc = fuzz_ltc(facet_curve(scene, narrow_rows, at), facet_curve(scene, lean_rows, at));
     const float fuzz_reflects = p.fuzz_reflects = facet_curve(scene, fuzz_rows, at);
     // Of fuzz that reflects more than arrives the lobe is dimmed.

@@ -73,11 +73,11 @@ double azimuth_share(std::size_t row, std::size_t count) {
   return share;
 }
 
-/// Calls visit(cosine at the microfacet, what is not masked of a reflection, of a refraction) for equally
-/// probable visible microfacets, for the parameters of facet_albedo. Returns their number.
+/// Calls visit(weight, cosine at the microfacet, what is not masked of a reflection, of a refraction) for
+/// visible microfacets, for the parameters of facet_albedo. Their weights are probabilities: their sum is 1.
 template <typename Visit>
-double visit_facets(double alpha_u, double alpha_v, double ior, double cosine, double across,
-                    const Visit& visit) {
+void visit_facets(double alpha_u, double alpha_v, double ior, double cosine, double across,
+                  const Visit& visit) {
   // The mean over the visible normals of what is not masked on the way out (Heitz 2018). The normals are
   // those of a spherical cap, stretched (Dupuy and Benyoub 2023).
   const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
@@ -90,11 +90,18 @@ double visit_facets(double alpha_u, double alpha_v, double ior, double cosine, d
   };
   // Total reflection begins with a step.
   const int heights = ior < 1 ? 160 : 48;
-  for (int i = 0; i < heights; ++i) {
-    const double depth = (i + 0.5) / heights * (1 + z), r = std::sqrt(std::max(0.0, depth * (2 - depth)));
-    const double up = 1 + z - depth;
-    for (int k = 0; k < count; ++k) {
-      const Turn& turn = turns()[std::size_t(k)];
+  for (int k = 0; k < count; ++k) {
+    const Turn& turn = turns()[std::size_t(k)];
+    // The heights of the cap have equal probabilities. Those of steep normals, GGX's tail, are of the size of
+    // the roughness: layers between equidistant values of its inverse hyperbolic sine have both sizes.
+    const double steep = 0.5 * std::hypot(alpha_u * turn.cosine, alpha_v * turn.sine);
+    const double step = std::asinh((1 + z) / steep) / heights;
+    double below = 0;
+    for (int i = 0; i < heights; ++i) {
+      const double above = steep * std::sinh((i + 1) * step), up = 0.5 * (below + above);
+      const double weight = (above - below) / ((1 + z) * count),
+                   r = std::sqrt(std::max(0.0, 1 - (up - z) * (up - z)));
+      below = above;
       const double gx = alpha_u * (r * turn.cosine + x), gy = alpha_v * (r * turn.sine + y);
       const double to_unit = 1 / std::sqrt(gx * gx + gy * gy + up * up);
       const double hx = gx * to_unit, hy = gy * to_unit, hz = up * to_unit;
@@ -105,11 +112,10 @@ double visit_facets(double alpha_u, double alpha_v, double ior, double cosine, d
       const double reflection = out > 0 ? seen(2 * half * hx - wx, 2 * half * hy - wy, out) : 0;
       const double along = half / ior - boundary.cosine, in = -(along * hz - cosine / ior);
       const bool refracts = in > 0 && boundary.reflected < 1;
-      visit(half, boundary, reflection,
+      visit(weight, half, boundary, reflection,
             refracts ? seen(along * hx - wx / ior, along * hy - wy / ior, in) : 0);
     }
   }
-  return double(heights) * count;
 }
 
 double film_knot_cosine(int knot) { return std::max(1e-6, std::pow(double(knot) / (FILM_KNOTS - 1), 2)); }
@@ -140,14 +146,14 @@ struct FilmAlbedos {
 FilmAlbedos film_albedos(double alpha_u, double alpha_v, double ior, double cosine, double across,
                          const FilmCurve& reflectance) {
   FilmAlbedos sum;
-  const double parts = visit_facets(
-      alpha_u, alpha_v, ior, cosine, across,
-      [&](double half, const SmoothRefraction& boundary, double reflection, double refraction) {
-        const glm::dvec3 r = boundary.reflected < 1 ? at_cosine(reflectance, half) : glm::dvec3(1);
-        sum.reflected += reflection * r;
-        sum.scattered += reflection * r + refraction * (1.0 - r);
-      });
-  return {sum.reflected / parts, sum.scattered / parts};
+  visit_facets(alpha_u, alpha_v, ior, cosine, across,
+               [&](double weight, double half, const SmoothRefraction& boundary, double reflection,
+                   double refraction) {
+                 const glm::dvec3 r = boundary.reflected < 1 ? at_cosine(reflectance, half) : glm::dvec3(1);
+                 sum.reflected += weight * reflection * r;
+                 sum.scattered += weight * (reflection * r + refraction * (1.0 - r));
+               });
+  return sum;
 }
 
 float packed(double low, double high) { return packed(FacetAlbedo{high, low, 0, 0}); }
@@ -156,16 +162,16 @@ float packed(double low, double high) { return packed(FacetAlbedo{high, low, 0, 
 
 FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosine, double across) {
   FacetAlbedo sum{0, 0, 0, 0};
-  const double parts =
-      visit_facets(alpha_u, alpha_v, ior, cosine, across,
-                   [&](double, const SmoothRefraction& boundary, double reflection, double refraction) {
-                     sum.plain += reflection;
-                     sum.reflected += reflection * boundary.reflected;
-                     sum.scattered += (1 - boundary.reflected) * refraction;
-                     sum.refracted += refraction;
-                   });
-  return {sum.plain / parts, sum.reflected / parts, (sum.reflected + sum.scattered) / parts,
-          sum.refracted / parts};
+  visit_facets(
+      alpha_u, alpha_v, ior, cosine, across,
+      [&](double weight, double, const SmoothRefraction& boundary, double reflection, double refraction) {
+        const double reflected = reflection * boundary.reflected;
+        sum.plain += weight * reflection;
+        sum.reflected += weight * reflected;
+        sum.scattered += weight * (reflected + (1 - boundary.reflected) * refraction);
+        sum.refracted += weight * refraction;
+      });
+  return sum;
 }
 
 double fuzz_albedo(double roughness, double cosine) {

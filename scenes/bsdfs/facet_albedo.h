@@ -21,8 +21,8 @@ struct FacetAlbedo {
 
 /// The albedos for roughnesses alpha in (0, 2], a refractive index above 0 of the other side over that of the
 /// direction's side, and a direction at `cosine` in (0, 1], whose tangential part has the square of the sine
-/// `across` of its angle with the direction of alpha_u. To 5e-4, but up to 7e-3 too much from alpha 0.04 to
-/// 0.2, where the quadrature misses the tail of GGX.
+/// `across` of its angle with the direction of alpha_u. To 6e-4; below an index of 1, where total reflection
+/// begins with a step, to 1.4e-3 and the share that is refracted to 3.1e-3.
 FacetAlbedo facet_albedo(double alpha_u, double alpha_v, double ior, double cosine, double across);
 
 /// Directional albedo of fuzz of this roughness in [0, 1]: see fuzz_lobe (kernels/bsdf/openpbr.h). To 5e-4.

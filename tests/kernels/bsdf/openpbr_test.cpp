@@ -488,43 +488,5 @@ TEST(MetalRough, KeepsItsReflectancesAsAnOpenPbrSurface) {
   EXPECT_EQ(gltf.as_openpbr().effective_roughness().value, 0.5f) << "whatever the coat's";
 }
 
-/// Appendix B.3 of glTF: V D of the trowbridge-reitz distribution, with the correlation of masking left out.
-double specular_brdf(double alpha, const Exact3& wo, const Exact3& wi) {
-  const Exact3 h = normalize(wo + wi);
-  const double a2 = alpha * alpha, n_h = double(h.z), n_l = double(wi.z), n_v = double(wo.z);
-  const double d = a2 / (kPi * std::pow(n_h * n_h * (a2 - 1) + 1, 2));
-  const auto v = [&](double n) { return 1 / (n + std::sqrt(a2 + (1 - a2) * n * n)); };
-  return v(n_l) * v(n_v) * d;
-}
-
-TEST(FacetAlbedos, AreTheIntegralOfTheLobe) {
-  for (const double alpha : {0.3, 0.6, 1.0})
-    for (const double cosine : {1.0, 0.6, 0.2}) {
-      const Exact3 wo{std::sqrt(1 - cosine * cosine), 0, cosine};
-      constexpr int kSteps = 500;
-      double plain = 0, reflected = 0;
-      for (int i = 0; i < kSteps; ++i)
-        for (int j = 0; j < kSteps; ++j) {
-          const double z = (i + 0.5) / kSteps, angle = kPi * (j + 0.5) / kSteps, r = std::sqrt(1 - z * z);
-          const Exact3 wi{r * std::cos(angle), r * std::sin(angle), z};
-          const double value = specular_brdf(alpha, wo, wi) * z * 2 * kPi / (double(kSteps) * kSteps);
-          plain += value;
-          reflected += value * fresnel(double(dot(wo, normalize(wo + wi))), 1.5);
-        }
-      const FacetAlbedo albedo = facet_albedo(alpha, alpha, 1.5, cosine, 0);
-      EXPECT_NEAR(albedo.plain, plain, 1e-3) << alpha << ' ' << cosine;
-      EXPECT_NEAR(albedo.reflected, reflected, 1e-3) << alpha << ' ' << cosine;
-    }
-}
-
-TEST(FacetAlbedos, DoNotDependOnWhichAxisIsWhich) {
-  for (const double across : {0.0, 0.3, 1.0}) {
-    const FacetAlbedo a = facet_albedo(0.7, 0.2, 1.5, 0.4, across),
-                      b = facet_albedo(0.2, 0.7, 1.5, 0.4, 1 - across);
-    EXPECT_NEAR(a.plain, b.plain, 1e-3);
-    EXPECT_NEAR(a.scattered, b.scattered, 1e-3);
-  }
-}
-
 }  // namespace
 }  // namespace penumbra::openpbr_test
