@@ -10,8 +10,14 @@ import sys
 import bpy
 import numpy
 
-_FINER = 3  # centres of cells stay centres
+_FINER = (5, 3)  # odd: centres of cells stay centres
 _MOST_CELLS = 1 << 22  # of grids with finer cells
+
+
+def filters_after_shading():
+    """Whether Cycles interpolates what shaders make of voxels, not voxels. From Blender 5.0 on it evaluates the shader
+    at one voxel, by the weights of interpolation (Pharr et al. 2024, "Filtering After Shading")."""
+    return bpy.app.version >= (5, 0)
 
 
 class GridError(Exception):
@@ -47,6 +53,10 @@ class Probe:
             self.used.append(name)
         return numpy.random.default_rng(self._names.index(name)).uniform(0.5, 1, (7, 1, 1, 1))
 
+    def mapped(self, name, function):
+        values = self.values(name)
+        return None if values is None else function(values)
+
 
 class _Grid:
     """The active voxels of a grid and its background around them. first: the index of the first. scale, origin: from
@@ -75,9 +85,9 @@ class _Grid:
         ends = numpy.array([self.first, self.first + self.values.shape[:3] - 1])
         return ends * self.scale + self.origin
 
-    def at(self, centres):
-        """Interpolated at the points of a lattice, an array of coordinates for each axis."""
-        values = self.values
+    def at(self, centres, function=None):
+        """Interpolated at the points of a lattice, an array of coordinates for each axis; or a function of the voxels."""
+        values = self.values if function is None else function(self.values).astype(numpy.float32)
         for axis, points in enumerate(centres):
             place = (points - self.origin[axis]) / self.scale[axis] - self.first[axis]
             place = numpy.clip(place, 0, values.shape[axis] - 1)
@@ -89,8 +99,8 @@ class _Grid:
 
 
 class Grids:
-    """Grids of a file, interpolated to the same cells, which are so fine that products and black bodies of them may be
-    interpolated. low, high: the box of the cells in object space."""
+    """Grids of a file, interpolated to the same cells, which are so fine that products of them, and functions where
+    Cycles interpolates voxels, may be interpolated. low, high: the box of the cells in object space."""
 
     def __init__(self, path, names):
         openvdb = openvdb_module()
@@ -107,15 +117,26 @@ class Grids:
         low = (numpy.floor((low - finest.origin) / scale + 1e-3) - 0.5) * scale + finest.origin
         cells = numpy.ceil((high - low) / scale - 1e-3).astype(int)
         self.low, self.high = low, low + cells * scale
-        self.is_fine = numpy.prod(cells, dtype=float) * _FINER ** 3 <= _MOST_CELLS
-        self.cells = cells * (_FINER if self.is_fine else 1)
+        of_voxels = len(grids) == 1 and filters_after_shading()
+        fits = [] if of_voxels else [n for n in _FINER if numpy.prod(cells, dtype=float) * n ** 3 <= _MOST_CELLS]
+        self.is_fine = of_voxels or bool(fits)
+        self.cells = cells * (fits[0] if fits else 1)
         centres = [low[axis] + (numpy.arange(count) + 0.5) * (self.high - low)[axis] / count
                    for axis, count in enumerate(self.cells)]
         self._values = {name: grid.at(centres) for name, grid in grids.items()}
+        self._grids, self._centres = grids, centres
 
     def values(self, name):
         """(x, y, z, 1 or 3), or None."""
         return self._values.get(name)
+
+    def mapped(self, name, function):
+        """A function of values(name) alone, as Cycles interpolates it."""
+        if name not in self._grids:
+            return None
+        if filters_after_shading():
+            return self._grids[name].at(self._centres, function)
+        return function(self._values[name])
 
 
 def write_volume(context, values, low, high):

@@ -194,10 +194,16 @@ def _principled(reading, source):
     intensity = _number(reading, source, "Blackbody Intensity")
     if (intensity > _LEAST_BLACK_BODY).any():
         kelvins = _positive(reading, source, "Temperature")
-        grid = _named_grid(reading, source, "Temperature Attribute")
-        if grid is not None:
-            kelvins = kelvins * numpy.maximum(grid.mean(axis=-1, keepdims=True), 0)
-        emitted = emitted + black_body_emission(kelvins, intensity) * _colour(reading, source, "Blackbody Tint")
+
+        def of_grid(factor):
+            return black_body_emission(kelvins * numpy.maximum(factor.mean(axis=-1, keepdims=True), 0), intensity)
+
+        light = of_grid(numpy.ones(1))
+        name = reading.at(source, "Temperature Attribute").socket
+        if reading.grids is not None and name is not None and name.default_value:
+            hot = reading.grids.mapped(name.default_value, of_grid)
+            light = light if hot is None else hot
+        emitted = emitted + light * _colour(reading, source, "Blackbody Tint")
     return Medium(density * absorbed, emitted, {_phase_of(reading, source): density * colour})
 
 
