@@ -86,7 +86,7 @@ class _Grid:
         return ends * self.scale + self.origin
 
     def at(self, centres, function=None):
-        """Interpolated at the points of a lattice, an array of coordinates for each axis; or a function of the voxels."""
+        """Interpolated at the points of a lattice, an array of coordinates for each axis; or a function of voxels."""
         values = self.values if function is None else function(self.values).astype(numpy.float32)
         for axis, points in enumerate(centres):
             place = (points - self.origin[axis]) / self.scale[axis] - self.first[axis]

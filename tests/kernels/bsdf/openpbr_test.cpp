@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -84,6 +85,44 @@ TEST(OpenPbr, ReflectsAndTransmitsWhatArrivesAndNoMore) {
       expect_energy(bsdf, surface,
                     at_cosine(std::max(0.02f, random.unit_float()), random.between(0, 2 * kPi)), k);
   }
+}
+
+/// Sets a parameter to an end of its range.
+using SetEnd = void (*)(OpenPbrBsdf&, float end);
+constexpr SetEnd kEnds[] = {
+    [](OpenPbrBsdf& b, float end) { b.base_color = TexturedColour(glm::vec3(end)); },
+    [](OpenPbrBsdf& b, float end) { b.base_metalness = end; },
+    [](OpenPbrBsdf& b, float end) { b.base_diffuse_roughness = end; },
+    [](OpenPbrBsdf& b, float end) { b.specular_weight = end; },
+    [](OpenPbrBsdf& b, float end) { b.specular_color = TexturedColour(glm::vec3(end)); },
+    [](OpenPbrBsdf& b, float end) { b.specular_roughness = end; },
+    [](OpenPbrBsdf& b, float end) { b.specular_ior = 1 + 2 * end; },
+    [](OpenPbrBsdf& b, float end) { b.transmission_weight = end; },
+    [](OpenPbrBsdf& b, float end) { b.thin_walled = end > 0; },
+    [](OpenPbrBsdf& b, float end) { b.coat_weight = end; },
+    [](OpenPbrBsdf& b, float end) { b.coat_roughness = end; },
+    [](OpenPbrBsdf& b, float end) { b.coat_ior = 1 + end; },
+    [](OpenPbrBsdf& b, float end) { b.coat_darkening = end; },
+    [](OpenPbrBsdf& b, float end) { b.fuzz_weight = end; },
+    [](OpenPbrBsdf& b, float end) { b.fuzz_roughness = end; },
+};
+
+// Each four of a white surface without layers, and of one that has half of everything.
+TEST(OpenPbr, KeepsTheLawInTheEightCornersOfEveryPairOfParameters) {
+  int which = 0;
+  for (std::size_t a = 0; a < std::size(kEnds); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      for (int corner = 0; corner < 8; ++corner, ++which) {
+        OpenPbrBsdf bsdf;
+        bsdf.base_color = TexturedColour(glm::vec3(1.0f));
+        if (corner >= 4) {
+          bsdf.base_metalness = bsdf.specular_roughness = bsdf.transmission_weight = 0.5f;
+          bsdf.coat_weight = bsdf.coat_roughness = bsdf.fuzz_weight = bsdf.fuzz_roughness = 0.5f;
+        }
+        kEnds[a](bsdf, float(corner & 1)), kEnds[b](bsdf, float(corner >> 1 & 1));
+        const Surface surface(bsdf);
+        for (const double cosine : {0.9, 0.1}) expect_energy(bsdf, surface, at_cosine(cosine), which);
+      }
 }
 
 TEST(OpenPbr, ClearRoughGlassScattersAllFromBothSides) {
