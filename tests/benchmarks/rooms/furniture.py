@@ -217,14 +217,14 @@ def statue(centre, size, rings, segments, seed):
     return mesh
 
 
-def plant(centre, leaves, height, seed):
-    """Leaves of 12 triangles each; texture coordinates go once over a leaf."""
+def plant(centre, leaves, height, seed, size=1.0):
+    """Leaves of 12 triangles each and 0.12 to 0.3 * size; texture coordinates go once over a leaf."""
     numbers = random.Random(seed)
     mesh = Mesh()
     for _ in range(leaves):
-        a, rise, long = numbers.uniform(0, 6.28), numbers.uniform(0.1, 1) * height, numbers.uniform(0.12, 0.3)
+        a, rise, long = numbers.uniform(0, 6.28), numbers.uniform(0.1, 1) * height, numbers.uniform(0.12, 0.3) * size
         out, side = (math.cos(a), math.sin(a)), (-math.sin(a), math.cos(a))
-        bend, start = numbers.uniform(0.2, 1.2), numbers.uniform(0, 0.1)
+        bend, start = numbers.uniform(0.2, 1.2), numbers.uniform(0, 0.1) * size
         rows = []
         for j in range(4):
             t = j / 3
@@ -248,3 +248,77 @@ def shelf(x, y, width, height, depth=0.3, rows=5):
     boards = [((x, y, height * i / rows), (x + width, y + depth, height * i / rows + 0.025)) for i in range(rows + 1)]
     sides = [((px, y, 0), (px + 0.03, y + depth, height + 0.025)) for px in (x - 0.03, x + width)]
     return boxes(*boards, *sides, ((x - 0.03, y + depth, 0), (x + width + 0.03, y + depth + 0.01, height + 0.025)))
+
+
+def prism(base, along):
+    """A quadrilateral, counter-clockwise as `along` points away from the eye, swept along a vector: sloped beams and
+    plates."""
+    mesh = Mesh()
+    end = [tuple(a + b for a, b in zip(p, along)) for p in base]
+    mesh.quad(*base)
+    mesh.quad(*end[::-1])
+    for i in range(4):
+        k = (i + 1) % 4
+        mesh.quad(base[k], base[i], end[i], end[k])
+    return mesh
+
+
+def pod(centre, stations, power=0.6, rings=96, segments=96):
+    """A smooth hull along x through stations (x, half width, lowest z, highest z) of rounded sections; smaller powers
+    are more angular. Its ends are closed where the width is 0."""
+    mesh, rows = Mesh(), []
+    line = spline([(x, w, low) for x, w, low, _ in stations], rings // len(stations))
+    top = spline([(x, w, high) for x, w, _, high in stations], rings // len(stations))
+    for (x, w, low), (_, _, high) in zip(line, top):
+        ring = []
+        for j in range(segments):
+            c, s = math.cos(2 * math.pi * j / segments), math.sin(2 * math.pi * j / segments)
+            across, up = (math.copysign(abs(t)**power, t) for t in (c, s))
+            ring.append(
+                (centre[0] + x, centre[1] + max(w, 0) * across, centre[2] + (low + high) / 2 + (high - low) / 2 * up))
+        rows.append(ring + ring[:1])
+    mesh.grid(rows, closed=True)
+    return mesh
+
+
+def rock(centre, size, seed, count=24, power=0.6):
+    """A lump of 2 * count^2 triangles with half axes `size`; smaller powers are more like a block."""
+    numbers = random.Random(seed)
+    waves = [(numbers.randrange(1, 7), numbers.randrange(1, 7), numbers.uniform(0, 6.3)) for _ in range(6)]
+
+    def point(u, v):
+        a, b = 2 * math.pi * u, math.pi * (v - 0.5)
+        across = math.cos(b) if 0 < v < 1 else 0.0  # exactly one point at a pole
+        rough = 1 + sum(0.04 * math.sin(n * a + s) * math.cos(m * b) * across for n, m, s in waves)
+        direction = (math.cos(a) * across, math.sin(a) * across, math.sin(b))
+        return tuple(c + s * rough * math.copysign(abs(d)**power, d) for c, s, d in zip(centre, size, direction))
+
+    return sheet(count, count, point)
+
+
+def column(centre, radius, height, seed, columns, rows):
+    """A fluted shaft with a broken top."""
+    numbers = random.Random(seed)
+    waves = [(numbers.randrange(1, 9), numbers.uniform(0.3, 1), numbers.uniform(0, 6.3)) for _ in range(6)]
+
+    def point(u, v):
+        angle = 2 * math.pi * u
+        up = min(v / 0.9, 1)
+        inwards = 1 - max(v - 0.9, 0) / 0.1 if v < 1 else 0.0
+        jag = sum(k * math.sin(n * angle * inwards + s) for n, k, s in waves)
+        chips = sum(math.sin(n * angle + 9 * k * up * height + s) for n, k, s in waves)
+        r = radius * inwards * (1 - 0.12 * up + 0.03 * math.cos(20 * angle) + 0.008 * chips)
+        z = up * (height + radius * 0.25 * jag) if v < 0.9 else height + radius * 0.25 * jag
+        return (centre[0] + r * math.cos(angle), centre[1] + r * math.sin(angle), centre[2] + z)
+
+    return sheet(columns, rows, point)
+
+
+def wheel(radius=0.32, width=0.22):
+    """About the z axis from 0 to `width`: a tyre, and a rim with its hub."""
+    r, w = radius, width
+    tyre = turned([(0.66 * r, 0), (0.94 * r, 0), (r, 0.2 * w), (r, 0.8 * w), (0.94 * r, w), (0.66 * r, w)], (0, 0, 0),
+                  96)
+    rim = turned([(0, 0.3 * w), (0.1 * r, 0.3 * w), (0.2 * r, 0.6 * w), (0.55 * r, 0.7 * w), (0.68 * r, 0.1 * w)],
+                 (0, 0, 0), 96)
+    return tyre, rim

@@ -76,6 +76,11 @@ def marble(seed, ground, vein):
     return lambda u, v: mixed(ground, vein, max(0, 1 - 9 * abs(noise(u, v) - 0.5)))
 
 
+def mottled(seed, dark, bright):
+    noise = Noise(seed, ((4, 4), (8, 8), (32, 32), (128, 128)))
+    return lambda u, v: mixed(dark, bright, 1.6 * noise(u, v) - 0.3)
+
+
 def cloth(seed, a, b, threads=32):
     noise = Noise(seed, ((64, 64), (128, 128)))
 
@@ -150,6 +155,9 @@ TEXTURES = {
     "chequers": (tiles(16, [(0.1, 0.1, 0.11), (0.85, 0.83, 0.78)], (0.4, 0.4, 0.4), 4), 256),
     "stripes": (stripes((0.85, 0.8, 0.7), (0.3, 0.42, 0.4)), 64),
     "wallpaper": (stripes((0.8, 0.76, 0.66), (0.74, 0.7, 0.6), 16), 128),
+    "stone": (mottled(41, (0.36, 0.33, 0.28), (0.8, 0.75, 0.65)), 512),
+    "asphalt": (mottled(42, (0.12, 0.12, 0.13), (0.36, 0.35, 0.34)), 256),
+    "grass": (mottled(43, (0.16, 0.27, 0.1), (0.5, 0.47, 0.25)), 512),
     "smudges": (scratches(21, 0.08, 0.35), 256),
     "brushed": (scratches(22, 0.1, 0.5), 256),
     "bumps": (bumps(31), 256),
