@@ -56,8 +56,9 @@ void print_remarks(const std::filesystem::path& image, const std::vector<std::st
 
 Expected<void> write_files(const Image& image, const OutputFiles& files) {
   OutputBatch batch;
-  if (files.exr) batch.add_aside(*files.exr, [&image] { return encode_exr(image); });
+  // In this order: where the EXR is up to date, the PNG is, too.
   if (files.png) batch.add_aside(*files.png, [&image] { return encode_png(image); });
+  if (files.exr) batch.add_aside(*files.exr, [&image] { return encode_exr(image); });
   if (auto made = make_folders(files); !made) return made;
   return batch.finish();
 }
@@ -119,7 +120,7 @@ Expected<Shot> shot_of(const DenoiseCommandOptions& options, const FrameFiles& i
     auto files = image_files(out->file(number));
     if (!files) return std::unexpected(files.error());
     inputs.push_back(images.file(number));
-    shot.frames.push_back({number, inputs.back(), files->exr.value_or("")});
+    shot.frames.push_back({number, inputs.back(), files->exr.value_or(""), files->png.value_or("")});
     if (!asked.contains(number)) continue;
     for (const auto& file : files->all()) outputs.push_back(file);
     shot.asked.push_back(shot.frames.size() - 1);

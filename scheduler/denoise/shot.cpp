@@ -67,10 +67,15 @@ bool ShotDenoiser::is_up_to_date(std::size_t index) const {
   const auto denoised = read_image_header(frames_[index].denoised);
   const auto noisy = read_image_header(frames_[index].noisy);
   if (!denoised || !noisy || !is_denoised_of(*denoised, *noisy, options_)) return false;
+  std::error_code ignored;
+  if (const auto& picture = frames_[index].picture;
+      !picture.empty() && !std::filesystem::exists(picture, ignored))
+    return false;
+  const bool is_by_itself = !lacks_for_time(*noisy).empty();
   for (const auto& [name, direction] : {std::pair(kFramesBefore, -1), {kFramesAfter, 1}}) {
     std::vector<Image> headers;
     std::vector<const Image*> images;
-    for (const std::size_t other : beside(index, direction)) {
+    for (const std::size_t other : is_by_itself ? std::vector<std::size_t>() : beside(index, direction)) {
       auto header = read_image_header(frames_[other].noisy);
       if (!header) return false;
       headers.push_back(std::move(*header));

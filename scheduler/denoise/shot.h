@@ -19,6 +19,7 @@ namespace penumbra {
 struct NoisyFrame {
   int number = 0;
   std::filesystem::path noisy, denoised;
+  std::filesystem::path picture = {};  ///< of the denoised image, if any; it is written before that
 };
 
 /// What became of a frame.

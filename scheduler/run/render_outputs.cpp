@@ -209,8 +209,9 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   }
   if (auto written = batch.finish(); !written) return written;
   // The image is safe before it is denoised.
-  return files.denoised_exr || files.denoised_png ? write_denoised(image, statistics.record.film, files)
-                                                  : Expected<void>();
+  return !prepared.is_denoised_later && (files.denoised_exr || files.denoised_png)
+             ? write_denoised(image, statistics.record.film, files)
+             : Expected<void>();
 }
 
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,

@@ -16,6 +16,7 @@ namespace penumbra {
 
 struct PreparedRender {
   OutputFiles files;
+  bool is_denoised_later = false;  ///< the denoised files are written by others, of several images
   /// The device scene is moved to the job; of the shapes only polygon_lights_of the scene are kept.
   LoadedScene scene;
   RenderRecord record;

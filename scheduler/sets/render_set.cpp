@@ -111,12 +111,20 @@ class SceneSet final : public JobSource {
         scenes_(scenes_of(plan_)),
         denoising_(plan_, options.time_radius) {
     EarlierRenders finished = EarlierRenders::read(plan_.summary);
-    for (const SetMember& member : plan_.members) {
+    for (std::size_t i = 0; i < plan_.members.size(); ++i) {
+      const SetMember& member = plan_.members[i];
       const std::vector<std::string> files = absolute_names(member.files);
       if (std::optional<SetEntry> earlier = finished.take(files))
         entries_.push_back(std::move(*earlier));
       else
         entries_.emplace_back().files = files;
+      entries_.back().remade.clear();
+      if (denoising_.has(i)) {
+        OutputFiles denoised;
+        denoised.denoised_exr = member.files.denoised_exr;
+        denoised.denoised_png = member.files.denoised_png;
+        entries_.back().remade = absolute_names(denoised);
+      }
       entries_.back().name = member.name;
       longest_name_ = std::max(longest_name_, member.name.size());
       entries_.back().scene = member.options.scene.file;
@@ -168,8 +176,8 @@ class SceneSet final : public JobSource {
   void fail_member(std::size_t index, const Error& error);
   void write_images();
   void write(FinishedRender finished);
-  /// Blends the frames that are ready. Called from one thread at a time.
-  void blend_frames();
+  /// Denoises the frames of shots that are ready. Called from one thread at a time.
+  void denoise_frames();
   void end(std::size_t index, SetState state, const std::string& error = {}, bool is_told = true);
   /// The same where the render does not get another try. The caller holds mutex_.
   void end_now(std::size_t index, SetState state, const std::string& error, bool is_told);
@@ -217,9 +225,10 @@ class SceneSet final : public JobSource {
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   ShotDenoising denoising_;
-  bool has_blended_all_ = true;
+  bool has_denoised_all_ = true;
+  std::set<std::size_t> whole_;  // images with all their samples, also bad ones; used by one thread at a time
   std::map<std::size_t, Film> films_;    // of each scene that was read; under mutex_
-  std::vector<std::size_t> just_ended_;  // since frames were blended last; under mutex_
+  std::vector<std::size_t> just_ended_;  // since frames were denoised last; under mutex_
   std::map<std::size_t, double> fps_;    // of each scene that was read; used by the thread that reads them
   std::atomic<bool> sampler_replaced_ = false;  // for any of the renders
   std::optional<ReadyRender> next_, taken_;
@@ -397,17 +406,18 @@ void SceneSet::write_images() {
     }
     --unwritten_count_;
     job_signal().notify();
-    blend_frames();
+    denoise_frames();
   }
 }
 
-void SceneSet::blend_frames() {
+void SceneSet::denoise_frames() {
   {
     const std::lock_guard lock(mutex_);
     for (const std::size_t i : std::exchange(just_ended_, {}))
-      denoising_.ended(i, is_rendered(entries_[i]) ? std::optional(films_.at(i)) : std::nullopt);
+      denoising_.ended(
+          i, is_rendered(entries_[i]) || whole_.contains(i) ? std::optional(films_.at(i)) : std::nullopt);
   }
-  if (!stop_ && !denoising_.blend()) has_blended_all_ = false;
+  if (!stop_ && !denoising_.denoise()) has_denoised_all_ = false;
 }
 
 void SceneSet::write(FinishedRender finished) {
@@ -426,8 +436,10 @@ void SceneSet::write(FinishedRender finished) {
     entry.seconds = outcome.seconds;
     entry.relative_error = error;
   }
+  finished.prepared->is_denoised_later = denoising_.has(finished.index);
   const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name,
                                         stop_ ? StoppedBy::kSignal : StoppedBy::kNothing);
+  if (outcome.complete && ended.kind != RenderEndKind::kFailed) whole_.insert(finished.index);
   end(finished.index,
       ended.kind == RenderEndKind::kDone     ? SetState::kDone
       : ended.kind == RenderEndKind::kFailed ? SetState::kFailed
@@ -522,9 +534,12 @@ ExitCode SceneSet::run() {
       else
         end(i, SetState::kFailed, "no worker was left");
     }
-  blend_frames();
+  denoise_frames();
   std::vector<std::string> written;
-  ExitCode code = has_blended_all_ ? kAllDone : kIncomplete;
+  const std::size_t noisy = denoising_.left();
+  if (noisy > 0)
+    print_error({fmt::format("{} not denoised: a signal stopped the set", counted(noisy, "frame"))});
+  ExitCode code = has_denoised_all_ && noisy == 0 ? kAllDone : kIncomplete;
   const auto add_written = [&](const std::string& file, const Expected<void>& is_written) {
     if (is_written) return written.push_back(file);
     print_error(is_written.error());

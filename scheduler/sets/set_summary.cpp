@@ -48,6 +48,7 @@ Json json_of(const SetEntry& entry, const std::filesystem::path& folder) {
                {"state", set_state_name(entry.state)},
                {"files", names_in(folder, entry.files)}};
   for (const auto& [name, value] : entry.choices) json["options"][name] = value;
+  if (!entry.remade.empty()) json["remade"] = names_in(folder, entry.remade);
   if (!entry.key.empty()) json["key"] = entry.key;
   if (!entry.error.empty()) json["error"] = entry.error;
   if (entry.samples > 0) {
@@ -71,8 +72,13 @@ SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folde
   const auto known = std::ranges::find(kStateNames, state);
   // A version of this program that has other states counts as if the render had not begun.
   if (known != kStateNames.end()) entry.state = SetState(known - kStateNames.begin());
-  for (const auto& file : json.at("files").get<std::vector<std::string>>())
-    entry.files.push_back((folder / file).lexically_normal().string());
+  const auto paths_of = [&](const nlohmann::json& names) {
+    auto paths = names.get<std::vector<std::string>>();
+    for (std::string& path : paths) path = (folder / path).lexically_normal().string();
+    return paths;
+  };
+  entry.files = paths_of(json.at("files"));
+  entry.remade = paths_of(json.value("remade", nlohmann::json::array()));
   if (known != kStateNames.end()) entry.key = json.value("key", "");
   entry.error = json.value("error", "");
   for (const auto& [name, value] : json.value("options", nlohmann::json::object()).items())
@@ -85,11 +91,12 @@ SetEntry entry_of(const nlohmann::json& json, const std::filesystem::path& folde
   return entry;
 }
 
-/// Whether it is finished and all its files exist.
+/// Whether it is finished and all its files exist or are remade.
 bool is_there(const SetEntry& entry) {
-  return !entry.key.empty() && std::ranges::all_of(entry.files, [](const std::string& name) {
+  return !entry.key.empty() && std::ranges::all_of(entry.files, [&](const std::string& name) {
     std::error_code ignored;
-    return std::filesystem::exists(name, ignored);
+    return std::filesystem::exists(name, ignored) ||
+           std::ranges::find(entry.remade, name) != entry.remade.end();
   });
 }
 

@@ -21,12 +21,14 @@ struct SetEntry {
   std::vector<std::pair<std::string, std::string>> choices;  ///< its parameters except the scene
   SetState state = SetState::kWaiting;
   std::vector<std::string> files;  ///< absolute paths of the files that it has or will have
-  std::string key;                 ///< hash of everything on which the images depend; empty: unknown
-  std::string error;               ///< why it failed or is incomplete
-  double seconds = 0;              ///< render time
-  std::uint64_t samples = 0;       ///< samples per pixel
-  std::uint64_t budget_of = 0;     ///< if the time budget ended it: the samples per pixel asked for; else 0
-  double relative_error = 0;       ///< of the image; see FilmAccumulator; NaN: unknown
+  std::vector<std::string> remade =
+      {};                       ///< those of them that, where they are missing, are made of the others
+  std::string key;              ///< hash of everything on which the images depend; empty: unknown
+  std::string error;            ///< why it failed or is incomplete
+  double seconds = 0;           ///< render time
+  std::uint64_t samples = 0;    ///< samples per pixel
+  std::uint64_t budget_of = 0;  ///< if the time budget ended it: the samples per pixel asked for; else 0
+  double relative_error = 0;    ///< of the image; see FilmAccumulator; NaN: unknown
 };
 
 /// "done", "unchanged", ...
@@ -43,8 +45,8 @@ std::string set_table(const std::vector<SetEntry>& entries);
 /// All entries of a summary, first those of the set that wrote it last. Empty if it cannot be read.
 std::vector<SetEntry> read_set_summary(const std::filesystem::path& path);
 
-/// Renders that an earlier summary lists with a key and whose files all exist. Empty if there is no readable
-/// summary.
+/// Renders that an earlier summary lists with a key and whose files all exist or are remade. Empty if there
+/// is no readable summary.
 class EarlierRenders {
  public:
   static EarlierRenders read(const std::filesystem::path& path);

@@ -47,28 +47,35 @@ std::vector<const ShotDenoising::Frame*> ShotDenoising::around(const Frame& fram
 }
 
 bool ShotDenoising::is_ready(const Frame& frame) const {
-  return frame.film && !frame.is_blended && std::ranges::all_of(around(frame), &Frame::is_over);
+  return frame.film && !frame.is_denoised && std::ranges::all_of(around(frame), &Frame::is_over);
 }
 
-bool ShotDenoising::blend() {
+std::size_t ShotDenoising::left() const {
+  return std::size_t(std::ranges::count_if(
+      frames_, [](const auto& frame) { return frame && frame->film && !frame->is_denoised; }));
+}
+
+bool ShotDenoising::denoise() {
   bool good = true;
   for (const auto& members : shots_)
     for (const std::size_t member : members)
       if (Frame& frame = *frames_[member]; is_ready(frame)) {
-        frame.is_blended = true;
-        good = blend(frame) && good;
+        frame.is_denoised = true;
+        good = denoise(frame) && good;
       }
   return good;
 }
 
-bool ShotDenoising::blend(const Frame& frame) {
+bool ShotDenoising::denoise(const Frame& frame) {
   const std::vector<std::size_t>& members = shots_[frame.shot];
   std::optional<ShotDenoiser>& denoiser = denoisers_[frame.shot];
   if (!denoiser) {
     std::vector<NoisyFrame> frames;
-    for (const std::size_t member : members)
+    for (const std::size_t member : members) {
+      const OutputFiles& files = frames_[member]->files;
       frames.push_back(
-          {frames_[member]->number, *frames_[member]->files.exr, *frames_[member]->files.denoised_exr});
+          {frames_[member]->number, *files.exr, *files.denoised_exr, files.denoised_png.value_or("")});
+    }
     denoiser.emplace(std::move(frames), denoise_options(*frame.film), time_radius_);
   }
   for (const Frame* other : around(frame))
@@ -79,7 +86,9 @@ bool ShotDenoising::blend(const Frame& frame) {
   if (outcome.kind == FrameOutcome::Kind::kKept) return true;
   if (outcome.kind == FrameOutcome::Kind::kFailed) return print_error({outcome.error}), false;
   OutputBatch batch;
-  add_images(outcome.image, *frame.film, frame.files.denoised_exr, frame.files.denoised_png, batch);
+  // In this order: where the EXR is up to date, the PNG is, too.
+  add_images(outcome.image, *frame.film, {}, frame.files.denoised_png, batch);
+  add_images(outcome.image, *frame.film, frame.files.denoised_exr, {}, batch);
   const auto written = batch.finish();
   if (!written) print_error(written.error());
   return written.has_value();

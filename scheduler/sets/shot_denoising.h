@@ -1,4 +1,4 @@
-// Blends the denoised frames of a set's shots, each as soon as those beside it are there.
+// Denoises the frames of a set's shots, each as soon as those beside it are there.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,14 @@ class ShotDenoising {
  public:
   ShotDenoising(const SetPlan& plan, int time_radius);
 
+  /// Whether a member of the plan is denoised here.
+  [[nodiscard]] bool has(std::size_t member) const { return frames_[member].has_value(); }
   /// A member of the plan is over. `film`: of its image; nothing where there is none.
   void ended(std::size_t member, const std::optional<Film>& film);
-  /// Blends the frames that are ready and writes them. Prints what goes wrong; returns whether nothing did.
-  bool blend();
+  /// Denoises the frames that are ready and writes them. Prints what goes wrong; returns whether nothing did.
+  bool denoise();
+  /// How many frames with an image are not denoised.
+  [[nodiscard]] std::size_t left() const;
 
  private:
   struct Frame {
@@ -28,12 +32,12 @@ class ShotDenoising {
     int number = 0;
     OutputFiles files;
     std::optional<Film> film = {};
-    bool is_over = false, is_blended = false;
+    bool is_over = false, is_denoised = false;
   };
   /// The frame and those within the radius. Frames are ascending, so they are that near in the shot, too.
   [[nodiscard]] std::vector<const Frame*> around(const Frame& frame) const;
   [[nodiscard]] bool is_ready(const Frame& frame) const;
-  bool blend(const Frame& frame);
+  bool denoise(const Frame& frame);
 
   int time_radius_;
   std::vector<std::optional<Frame>> frames_;            // of members

@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <random>
+#include <thread>
 
 #include "scheduler/image/image.h"
 #include "tests/scheduler/cli/small_scene.h"
@@ -161,6 +165,54 @@ TEST_F(DenoiseShot, IsWhatARenderOfFramesDoes) {
   succeed(frames("1-2", {"--time-radius", "0", "--force"}));
   EXPECT_THAT(image("r.0001.exr").channels, Not(Contains("motion.X")));
   EXPECT_EQ(attribute("r.0001-denoised.exr", "penumbra:frames_after"), "");
+}
+
+// What denoised files are missing is made of the images, which are not rendered again.
+TEST_F(DenoiseShot, ImagesOutliveTheirDenoising) {
+  const std::vector<std::string> render{"render", "s.xml",     "--frames", "1-4",       "--spp",
+                                        "8",      "--denoise", "-o",       "r.####.exr"};
+  succeed(render);
+  const auto bytes = [&] {
+    std::vector<std::string> all;
+    for (int frame = 1; frame <= 4; ++frame)
+      for (const char* ending : {".exr", "-denoised.exr", "-denoised.png"})
+        all.push_back(contents(fmt::format("r.000{}{}", frame, ending)));
+    return all;
+  };
+  const std::vector<std::string> whole = bytes();
+  fs::remove(folder_ / "r.0002-denoised.exr");
+  fs::remove(folder_ / "r.0003-denoised.png");
+  fs::remove(folder_ / "r.0004-denoised.exr");
+  fs::remove(folder_ / "r.0004-denoised.png");
+  const ProgramResult result = penumbra(render);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("4 unchanged"));
+  EXPECT_TRUE(bytes() == whole);
+}
+
+// Kills the program at random moments, and starts it again until it is done.
+TEST_F(DenoiseShot, SurvivesAnyKill) {
+  const auto render = [](const char* out) {
+    return std::vector<std::string>{"render",  "s.xml", "--frames",  "1-8", "--spp", "8",
+                                    "--scale", "400%",  "--denoise", "-q",  "-o",    out};
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  succeed(render("w.####.exr"));
+  const auto longest =
+      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
+  std::mt19937 random(64);
+  for (int kill = 0; kill < 8; ++kill) {
+    Program program(folder_.path(), render("k.####.exr"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % std::uint64_t(longest.count())));
+    program.send(SIGKILL);
+    program.wait();
+  }
+  succeed(render("k.####.exr"));
+  for (int frame = 1; frame <= 8; ++frame)
+    for (const char* ending : {"-denoised.exr", "-denoised.png"})
+      EXPECT_TRUE(contents(fmt::format("k.000{}{}", frame, ending)) ==
+                  contents(fmt::format("w.000{}{}", frame, ending)))
+          << frame << ending;
 }
 
 TEST_F(DenoiseShot, WhatIsMissingIsLeftOutAndSaid) {
